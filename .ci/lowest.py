@@ -1,5 +1,6 @@
-"""The lowest versions that pyproject.toml allows: `lowest.py bounds` lists them for pip, `lowest.py try` runs the shipped
-mechanisms through the commands with what is installed."""
+"""The lowest versions that pyproject.toml allows: `lowest.py bounds` lists them for pip, `lowest.py
+try` runs the shipped mechanisms through the commands with what is installed.
+"""
 
 import contextlib
 import io
@@ -18,7 +19,9 @@ def bounds() -> list[str]:
 
 
 def run(arguments: list[str], expected: int = 0) -> None:
-    """One command in this process; its exit status must be the expected one, and an error one line."""
+    """One command in this process; its exit status must be the expected one, and an error one
+    line.
+    """
     from symkin.cli.app import main
 
     said, complained = io.StringIO(), io.StringIO()
@@ -29,7 +32,9 @@ def run(arguments: list[str], expected: int = 0) -> None:
             status = stop.code
     text = complained.getvalue()
     assert (status or 0) == expected, f"{arguments}: status {status}: {text}"
-    assert said.getvalue() if not expected else text.startswith("symkin: ") and text.count("\n") == 1, arguments
+    assert (
+        said.getvalue() if not expected else text.startswith("symkin: ") and text.count("\n") == 1
+    ), arguments
 
 
 def try_commands() -> None:
@@ -46,10 +51,26 @@ def try_commands() -> None:
             run(["jacobian", name, "--format", language])
     run(["modes", "zhang2009", "--plot", "lowest.png"])
     run(["modes", "ankle", "--given", "upper_motor=8,lower_motor=12", "--plot", "ankle.png"])
-    run(["jacobian", "ankle", "--of", "ankle.1,ankle.2", "--by", "upper_motor,lower_motor", "--format", "numpy"])
+    run(
+        [
+            "jacobian",
+            "ankle",
+            "--of",
+            "ankle.1,ankle.2",
+            "--by",
+            "upper_motor,lower_motor",
+            "--format",
+            "numpy",
+        ]
+    )
     for words in ([], ["-h"], ["modes", "--help"], ["calibrate"], ["calibrate", "fit", "-h"]):
         run(words)
-    for mistake in (["modes"], ["modes", "zhang2009", "--method", "none"], ["modes", "zhang2009", "--joints", "1", "2"], ["none"]):
+    for mistake in (
+        ["modes"],
+        ["modes", "zhang2009", "--method", "none"],
+        ["modes", "zhang2009", "--joints", "1", "2"],
+        ["none"],
+    ):
         run(mistake, 2)
 
 

@@ -1,15 +1,17 @@
-"""Calibration of a platform on six rods by an inclinometer: exactness, Monte Carlo, outliers, and time against scipy; and of an
-arm with nearly parallel axes by tool positions: the written file's chi-square against scipy's minimum.
+"""Calibration of a platform on six rods by an inclinometer: exactness, Monte Carlo, outliers, and
+time against scipy; and of an arm with nearly parallel axes by tool positions: the written file's
+chi-square against scipy's minimum.
 
-    python benchmarks/calibration.py [--trials 200] [--seed 0] [--part exact|noise|designs|outliers|parallel|time|size]
-        [--rows 100000]
+    python benchmarks/calibration.py [--trials 200] [--seed 0]
+        [--part exact|noise|designs|outliers|parallel|time|size] [--rows 100000]
 
-Each line gives the figure, its limit and whether it holds; the exit status is 1 where one does not. Time is processor time of the
-whole fit from nominal, direct problems included, building left out, against scipy's least_squares(method="lm") with finite
-differences over a direct solver that treats all postures at once in NumPy and goes on from its last solution (warm), or
-begins at the home pose at every call (cold). scipy is needed for the time and for the arm only. Size is the largest memory that
-one run of `symkin calibrate fit` takes, from reading the file to writing the report, of a hexapod with positions and
-orientations read, in a process of its own each.
+Each line gives the figure, its limit and whether it holds; the exit status is 1 where one does not.
+Time is processor time of the whole fit from nominal, direct problems included, building left out,
+against scipy's least_squares(method="lm") with finite differences over a direct solver that treats
+all postures at once in NumPy and goes on from its last solution (warm), or begins at the home pose
+at every call (cold). scipy is needed for the time and for the arm only. Size is the largest memory
+that one run of `symkin calibrate fit` takes, from reading the file to writing the report, of a
+hexapod with positions and orientations read, in a process of its own each.
 """
 
 from __future__ import annotations
@@ -42,7 +44,10 @@ from helpers.tracker import Hexapod
 from symkin.calibration.calibrate import METHODS, calibrate
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import joint_frames
-from symkin.calibration.estimate.configurations import ROUGHLY_SOLVED_TOLERANCE, solve_configurations
+from symkin.calibration.estimate.configurations import (
+    ROUGHLY_SOLVED_TOLERANCE,
+    solve_configurations,
+)
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.solver import Estimate, estimate
 from symkin.calibration.judge.outliers import screen_readings
@@ -71,12 +76,15 @@ class Lines:
 def fit(problem: CalibrationProblem, method: str = "nested") -> Estimate:
     """From nominal to the estimate: direct problems, then least squares."""
     postures = solve_configurations(
-        problem.model, problem.measurements, problem.model.nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE
+        problem.model,
+        problem.measurements,
+        problem.model.nominal,
+        tolerance=ROUGHLY_SOLVED_TOLERANCE,
     )
     return estimate(problem, postures.z, method=method)
 
 
-# --- exactness -----------------------------------------------------------------------------------------------------
+# --- exactness ------------------------------------------------------------------------------------
 
 
 def report_exact(lines: Lines, seed: int) -> None:
@@ -85,18 +93,25 @@ def report_exact(lines: Lines, seed: int) -> None:
         for k in range(count):
             rng = np.random.default_rng([seed, k])
             truth = random_geometry(geometry(NOMINAL), HELD, spread, rng)
-            found = calibrate(NOMINAL, measured(truth, rng, rods=False), fixed=HELD, outliers="ignore")
+            found = calibrate(
+                NOMINAL, measured(truth, rng, rods=False), fixed=HELD, outliers="ignore"
+            )
             errors.append(max(abs(p.value - truth.value(p.name)) for p in found.parameters))
         good = sum(e < 1e-12 for e in errors)
-        text = f"noise-free, truth within {1e3 * spread:.0f} mm, {count} truths: largest parameter error [m]"
+        text = (
+            f"noise-free, truth within {1e3 * spread:.0f} mm, {count} truths: largest parameter "
+            f"error [m]"
+        )
         lines.add(text, f"{max(errors):.1e}", "below 1e-12 for all", good == count)
 
 
-# --- noise ---------------------------------------------------------------------------------------------------------
+# --- noise ----------------------------------------------------------------------------------------
 
 
 def report_noise(lines: Lines, seed: int, trials: int) -> None:
-    """chi^2 / 32 in the metric of the Cramer-Rao bound (rods and inclinometer), and variances over those of the means."""
+    """chi^2 / 32 in the metric of the Cramer-Rao bound (rods and inclinometer), and variances over
+    those of the means.
+    """
     truth = geometry(TRUE)
     ratios: dict[str, list[float]] = {"means": [], "differences": [], "maximum likelihood": []}
     predicted, variances = [], []
@@ -115,7 +130,10 @@ def report_noise(lines: Lines, seed: int, trials: int) -> None:
         variances.append(np.median(np.diag(scatter["differences"]) / np.diag(scatter["means"])))
     means, worse = np.mean(ratios["means"]), np.mean(ratios["differences"])
     lines.add(
-        f"{trials} trials, group means: chi^2 / 32 over the Cramer-Rao bound", f"{means:.3f}", "0.9 to 1.1", 0.9 < means < 1.1
+        f"{trials} trials, group means: chi^2 / 32 over the Cramer-Rao bound",
+        f"{means:.3f}",
+        "0.9 to 1.1",
+        0.9 < means < 1.1,
     )
     lines.add("maximum likelihood with rod noise", f"{np.mean(ratios['maximum likelihood']):.3f}")
     lines.add(
@@ -124,12 +142,17 @@ def report_noise(lines: Lines, seed: int, trials: int) -> None:
         "about 1.31",
         worse > 1.15,
     )
-    lines.add("median variance of a parameter, differences over means", f"{np.mean(variances):.3f}", "about 1.31")
+    lines.add(
+        "median variance of a parameter, differences over means",
+        f"{np.mean(variances):.3f}",
+        "about 1.31",
+    )
 
 
 def report_designs(lines: Lines, seed: int) -> None:
-    """Neighbour differences over group means, by the covariances at the truth, means over designs: in the metric of the
-    Cramer-Rao bound (chi^2 / 32), and by the trace over the 32 parameters."""
+    """Neighbour differences over group means, by the covariances at the truth, means over designs:
+    in the metric of the Cramer-Rao bound (chi^2 / 32), and by the trace over the 32 parameters.
+    """
     truth = geometry(TRUE)
     for groups, each in ((10, 4), (15, 4), (20, 4), (8, 5)):
         found = []
@@ -138,22 +161,35 @@ def report_designs(lines: Lines, seed: int) -> None:
             best = build_calibration(TRUE, data, fixed=HELD, residual="maximum likelihood")
             state = fit(replace(best, form="means")).state
             bound, means, worse = (
-                covariance(replace(best, form=f), state) for f in ("maximum likelihood", "means", "differences")
+                covariance(replace(best, form=f), state)
+                for f in ("maximum likelihood", "means", "differences")
             )
-            found.append([np.trace(np.linalg.solve(bound, worse)) / len(worse), np.trace(worse) / np.trace(means)])
+            found.append(
+                [
+                    np.trace(np.linalg.solve(bound, worse)) / len(worse),
+                    np.trace(worse) / np.trace(means),
+                ]
+            )
         metric, trace = np.mean(found, axis=0)
-        text = f"{groups} groups of {each}: neighbour differences over group means, chi^2 / 32 and trace"
+        text = (
+            f"{groups} groups of {each}: neighbour differences over group means, chi^2 / 32 and "
+            f"trace"
+        )
         lines.add(text, f"{metric:.3f}, {trace:.3f}", "about 1.31")
 
 
-# --- outliers ------------------------------------------------------------------------------------------------------
+# --- outliers -------------------------------------------------------------------------------------
 
 
-def spoilt(data: Measurements, truth: Geometry, rng: np.random.Generator) -> tuple[Measurements, int]:
+def spoilt(
+    data: Measurements, truth: Geometry, rng: np.random.Generator
+) -> tuple[Measurements, int]:
     """One inclination of a random posture off by 0.01 deg."""
     problem = build_calibration(TRUE, data, fixed=HELD)
     poses = problem.model.poses(
-        solve_configurations(problem.model, data, problem.model.nominal).z, data.joints, problem.model.nominal
+        solve_configurations(problem.model, data, problem.model.nominal).z,
+        data.joints,
+        problem.model.nominal,
     )
     posture, shift = int(rng.integers(len(data))), np.zeros(2)
     shift[rng.integers(2)] = np.radians(0.01) * rng.choice([-1, 1])
@@ -161,11 +197,15 @@ def spoilt(data: Measurements, truth: Geometry, rng: np.random.Generator) -> tup
 
 
 def normal_noise(truth: Geometry, rng: np.random.Generator) -> Measurements:
-    """Exact groups whose inclinations are each off by normal errors of 0.001 deg, rods by 2 um / sqrt(12)."""
+    """Exact groups whose inclinations are each off by normal errors of 0.001 deg, rods by 2 um /
+    sqrt(12).
+    """
     data = measured(truth, rng)
     problem = build_calibration(TRUE, data, fixed=HELD)
     poses = problem.model.poses(
-        solve_configurations(problem.model, data, problem.model.nominal).z, data.joints, problem.model.nominal
+        solve_configurations(problem.model, data, problem.model.nominal).z,
+        data.joints,
+        problem.model.nominal,
     )
     joints = data.joints + 2e-6 / np.sqrt(12) * rng.normal(size=data.joints.shape)
     for k in range(len(data)):
@@ -187,8 +227,16 @@ def report_outliers(lines: Lines, seed: int, trials: int) -> None:
             bad, posture = spoilt(clean, truth, rng)
             for data, is_bad in ((bad, True), (clean, False)):
                 problem = build_calibration(NOMINAL, data, fixed=HELD)
-                found = [o.configuration for o in screen_readings(problem, linear_model(problem, fit(problem).state)).outliers]
-                hits, flagged = hits + (is_bad and posture in found), flagged + (not is_bad and bool(found))
+                found = [
+                    o.configuration
+                    for o in screen_readings(
+                        problem, linear_model(problem, fit(problem).state)
+                    ).outliers
+                ]
+                hits, flagged = (
+                    hits + (is_bad and posture in found),
+                    flagged + (not is_bad and bool(found)),
+                )
         strict = name.startswith("uniform")
         share, false = hits / trials, flagged / trials
         lines.add(
@@ -197,21 +245,32 @@ def report_outliers(lines: Lines, seed: int, trials: int) -> None:
             "at least 95 %" if strict else "",
             share >= 0.95 if strict else None,
         )
-        lines.add(f"{name}: clean sets with a reading flagged", f"{100 * false:.1f} %", "at most 5 %", false <= 0.05)
+        lines.add(
+            f"{name}: clean sets with a reading flagged",
+            f"{100 * false:.1f} %",
+            "at most 5 %",
+            false <= 0.05,
+        )
 
 
-# --- nearly parallel axes ------------------------------------------------------------------------------------------
+# --- nearly parallel axes -------------------------------------------------------------------------
 
 
 def report_parallel(lines: Lines, seed: int) -> None:
-    """Twelve machines with random DH tables and two of the factory kind, whose tables hold lengths that cancel: chi-square of the
-    file that is written, by NumPy, over the least that scipy finds from nominal."""
+    """Twelve machines with random DH tables and two of the factory kind, whose tables hold lengths
+    that cancel: chi-square of the file that is written, by NumPy, over the least that scipy finds
+    from nominal.
+    """
     for k in range(14):
         rng = np.random.default_rng([seed, 4, k])
-        truth = parallel_arm.random_table(rng) if k < 12 else parallel_arm.moved_lines(1e-4, 0.3, rng)
+        truth = (
+            parallel_arm.random_table(rng) if k < 12 else parallel_arm.moved_lines(1e-4, 0.3, rng)
+        )
         data = parallel_arm.measured(truth, rng)
         least = parallel_arm.least_chi_square(data)
-        kind = "random" if k < 12 else f"factory, longest d {1e-3 * np.max(np.abs(truth[:, 1])):.0f} m"
+        kind = (
+            "random" if k < 12 else f"factory, longest d {1e-3 * np.max(np.abs(truth[:, 1])):.0f} m"
+        )
         for method in METHODS:
             found = calibrate(parallel_arm.arm(), data, method=method, outliers="ignore")
             own = parallel_arm.chi_square(parse(found.corrected.to_toml()), data)
@@ -219,15 +278,19 @@ def report_parallel(lines: Lines, seed: int) -> None:
                 f"arm {k + 1} ({kind}), {method}: chi-square of the file, reported; scipy's",
                 f"{own:.2f}, {found.chi_square:.2f}; {least:.2f}",
                 "within 1 %, as reported",
-                found.refused is None and own <= 1.01 * least and abs(own - found.chi_square) <= 1e-4 * own,
+                found.refused is None
+                and own <= 1.01 * least
+                and abs(own - found.chi_square) <= 1e-4 * own,
             )
 
 
-# --- time ----------------------------------------------------------------------------------------------------------
+# --- time -----------------------------------------------------------------------------------------
 
 
 class VectorisedDirect:
-    """Newton for all postures in NumPy: unit directions u and moments (R m) x u of the rods as the Jacobian."""
+    """Newton for all postures in NumPy: unit directions u and moments (R m) x u of the rods as the
+    Jacobian.
+    """
 
     def __init__(self, joints: np.ndarray, home: np.ndarray, *, warm: bool) -> None:
         self.joints, self.warm = joints, warm
@@ -244,7 +307,9 @@ class VectorisedDirect:
             if np.max(np.abs(gap)) < 1e-13:
                 break
             u = rods / length[:, :, None]
-            step = -np.linalg.solve(np.concatenate([u, np.cross(arms, u)], axis=2), gap[:, :, None])[:, :, 0]
+            step = -np.linalg.solve(
+                np.concatenate([u, np.cross(arms, u)], axis=2), gap[:, :, None]
+            )[:, :, 0]
             t, r = t + step[:, :3], turned(step[:, 3:]) @ r
         self.last = t, r
         return r
@@ -265,7 +330,10 @@ def scipy_fit(data: Measurements, names: tuple[str, ...], *, warm: bool) -> np.n
     nominal = geometry(NOMINAL)
     direct = VectorisedDirect(data.joints, np.array(NOMINAL.platform_position), warm=warm)
     tables = [nominal.base.copy(), nominal.platform.copy(), nominal.offset.copy()]
-    places = [(("base", "platform", "offset").index(n.split(".")[1]), int(n[3]) - 1, "xyz".find(n[-1])) for n in names]
+    places = [
+        (("base", "platform", "offset").index(n.split(".")[1]), int(n[3]) - 1, "xyz".find(n[-1]))
+        for n in names
+    ]
     average = (data.groups[:, None] == np.arange(data.groups.max() + 1)) / 4.0
 
     def residuals(p: np.ndarray) -> np.ndarray:
@@ -275,15 +343,24 @@ def scipy_fit(data: Measurements, names: tuple[str, ...], *, warm: bool) -> np.n
             else:
                 tables[table][row, column] = value
         r = direct.rotations(*tables)
-        angles = np.column_stack([np.arctan2(r[:, 2, 1], r[:, 2, 2]), np.arctan2(-r[:, 2, 0], np.hypot(r[:, 2, 1], r[:, 2, 2]))])
+        angles = np.column_stack(
+            [
+                np.arctan2(r[:, 2, 1], r[:, 2, 2]),
+                np.arctan2(-r[:, 2, 0], np.hypot(r[:, 2, 1], r[:, 2, 2])),
+            ]
+        )
         return (angles - (average.T @ angles)[data.groups]).ravel()
 
-    return least_squares(residuals, nominal.values(names), method="lm", xtol=1e-13, ftol=1e-13, gtol=1e-13).x
+    return least_squares(
+        residuals, nominal.values(names), method="lm", xtol=1e-13, ftol=1e-13, gtol=1e-13
+    ).x
 
 
 @dataclass(frozen=True)
 class Times:
-    """Processor times of fits of the same data, taken in turn, and scipy's largest parameter error in metres."""
+    """Processor times of fits of the same data, taken in turn, and scipy's largest parameter error
+    in metres.
+    """
 
     postures: int
     times: dict[str, list[float]]
@@ -297,13 +374,19 @@ def timed_fits(groups: int, seed: int, repeats: int) -> Times:
     data = measured(truth, rng, groups, rods=False)
     problem = build_calibration(NOMINAL, data, fixed=HELD)
     problem.model.compile()
-    runs: dict[str, Callable[[], object]] = {"nested": lambda: fit(problem), "lifted": lambda: fit(problem, "lifted")}
+    runs: dict[str, Callable[[], object]] = {
+        "nested": lambda: fit(problem),
+        "lifted": lambda: fit(problem, "lifted"),
+    }
     error = float("nan")
     if find_spec("scipy"):
         runs["scipy, warm"] = lambda: scipy_fit(data, problem.names, warm=True)
         runs["scipy, cold"] = lambda: scipy_fit(data, problem.names, warm=False)
         values = truth.values(problem.names)
-        error = max(float(np.abs(scipy_fit(data, problem.names, warm=w) - values).max()) for w in (True, False))
+        error = max(
+            float(np.abs(scipy_fit(data, problem.names, warm=w) - values).max())
+            for w in (True, False)
+        )
     return Times(4 * groups, in_turn(runs, repeats), error)
 
 
@@ -323,7 +406,9 @@ def report_time(lines: Lines, seed: int) -> None:
 
 
 def figures(*, quick: bool, seed: int) -> Iterator[Figure]:
-    """A whole fit over scipy's least squares, which goes on from its last solutions (warm) or not (cold)."""
+    """A whole fit over scipy's least squares, which goes on from its last solutions (warm) or not
+    (cold).
+    """
     for groups in (10,) if quick else (10, 100):
         found = timed_fits(groups, seed, 3 if quick else 9)
         for name in ("nested", "lifted"):
@@ -336,7 +421,7 @@ def figures(*, quick: bool, seed: int) -> Iterator[Figure]:
                     yield Figure(figure, None, "scipy is not installed (pip install scipy)")
 
 
-# --- size ----------------------------------------------------------------------------------------------------------
+# --- size -----------------------------------------------------------------------------------------
 
 
 def write_poses(path: Path, rows: int, seed: int) -> None:
@@ -344,12 +429,25 @@ def write_poses(path: Path, rows: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
     posed = Hexapod.nominal().spoilt(rng).postures(rows, rng)
     angles = np.array(
-        [[np.arctan2(r[1, 0], r[0, 0]), -np.arcsin(r[2, 0]), np.arctan2(r[2, 1], r[2, 2])] for r in posed.rotations]
+        [
+            [np.arctan2(r[1, 0], r[0, 0]), -np.arcsin(r[2, 0]), np.arctan2(r[2, 1], r[2, 2])]
+            for r in posed.rotations
+        ]
     )
     table = np.column_stack(
-        [posed.joints, posed.positions + 0.02 * rng.normal(size=(rows, 3)), angles + 1e-4 * rng.normal(size=(rows, 3))]
+        [
+            posed.joints,
+            posed.positions + 0.02 * rng.normal(size=(rows, 3)),
+            angles + 1e-4 * rng.normal(size=(rows, 3)),
+        ]
     )
-    header = [*(f"leg{k}[mm]" for k in range(1, 7)), "x[mm]", "y[mm]", "z[mm]", *(f"euler_ZYX_{k}[rad]" for k in (1, 2, 3))]
+    header = [
+        *(f"leg{k}[mm]" for k in range(1, 7)),
+        "x[mm]",
+        "y[mm]",
+        "z[mm]",
+        *(f"euler_ZYX_{k}[rad]" for k in (1, 2, 3)),
+    ]
     with path.open("w") as file:
         file.write(",".join(header) + "\n")
         file.writelines(",".join(map(repr, map(float, row))) + "\n" for row in table)
@@ -361,7 +459,8 @@ from symkin.cli.app import main
 try:
     main(sys.argv[1:])
 except SystemExit as ended:
-    print("peak", ended.code or 0, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, time.process_time())
+    print("peak", ended.code or 0, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+      time.process_time())
 """
 
 
@@ -369,9 +468,28 @@ def peak_of_fit(folder: Path, rows: int, seed: int) -> tuple[float, float]:
     """Megabytes and seconds of processor time of one fit in a process of its own."""
     (folder / "hexapod.toml").write_text(Hexapod.nominal().mechanism().to_toml())
     write_poses(folder / f"{rows}.csv", rows, seed)
-    arguments = ["calibrate", "fit", str(folder / "hexapod.toml"), str(folder / f"{rows}.csv"), "-o", str(folder / f"out{rows}")]
-    arguments += ["--sigma-position", "0.02mm", "--sigma-orientation", "1e-4rad", "--outliers", "ignore"]
-    ran = subprocess.run([sys.executable, "-c", FIT_AND_MEASURE, *arguments], capture_output=True, text=True, check=True)
+    arguments = [
+        "calibrate",
+        "fit",
+        str(folder / "hexapod.toml"),
+        str(folder / f"{rows}.csv"),
+        "-o",
+        str(folder / f"out{rows}"),
+    ]
+    arguments += [
+        "--sigma-position",
+        "0.02mm",
+        "--sigma-orientation",
+        "1e-4rad",
+        "--outliers",
+        "ignore",
+    ]
+    ran = subprocess.run(
+        [sys.executable, "-c", FIT_AND_MEASURE, *arguments],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     _, status, megabytes, seconds_taken = ran.stdout.splitlines()[-1].split()
     if status != "0":
         raise SystemExit(f"the fit of {rows} rows ended with status {status}: {ran.stdout[:300]}")
@@ -381,8 +499,18 @@ def peak_of_fit(folder: Path, rows: int, seed: int) -> tuple[float, float]:
 def report_size(lines: Lines, seed: int, rows: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         (small, _), (large, taken) = (peak_of_fit(Path(folder), n, seed) for n in (rows // 5, rows))
-    lines.add(f"{rows} postures with poses: largest memory of the fit [MB]", f"{large:.0f}", "below 1000", large < 1000.0)
-    lines.add(f"{rows} over {rows // 5} postures: memory", f"{large / small:.2f}", "at most 5", large <= 5.0 * small)
+    lines.add(
+        f"{rows} postures with poses: largest memory of the fit [MB]",
+        f"{large:.0f}",
+        "below 1000",
+        large < 1000.0,
+    )
+    lines.add(
+        f"{rows} over {rows // 5} postures: memory",
+        f"{large / small:.2f}",
+        "at most 5",
+        large <= 5.0 * small,
+    )
     lines.add(f"{rows} postures: processor time [s]", f"{taken:.0f}")
 
 
@@ -390,7 +518,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--trials", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--part", choices=["exact", "noise", "designs", "outliers", "parallel", "time", "size"])
+    parser.add_argument(
+        "--part", choices=["exact", "noise", "designs", "outliers", "parallel", "time", "size"]
+    )
     parser.add_argument("--rows", type=int, default=100_000)
     options = parser.parse_args()
     print(f"seed {options.seed}, {options.trials} trials")

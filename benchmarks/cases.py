@@ -1,7 +1,9 @@
-"""The machines of all figures: problems of `enumeration.py` with the figures that they are held against, grids and sweeps, starts.
+"""The machines of all figures: problems of `enumeration.py` with the figures that they are held
+against, grids and sweeps, starts.
 
-TABLE holds what a prototype of one generic engine took in NumPy, in multiples of T: (many instances at once, one instance). T
-was 40 us there. A case without such figures has limits of its own, or none.
+TABLE holds what a prototype of one generic engine took in NumPy, in multiples of T: (many instances
+at once, one instance). T was 40 us there. A case without such figures has limits of its own, or
+none.
 """
 
 from __future__ import annotations
@@ -54,8 +56,9 @@ NAMED: list[tuple[str, dict[str, tuple[float, float]]]] = [
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A problem: mechanism, kind, number of complex solutions, whether its start is carried with the package, and the inputs
-    drawn for it, joints or a pose, as keywords of `symkin.modes`."""
+    """A problem: mechanism, kind, number of complex solutions, whether its start is carried with
+    the package, and the inputs drawn for it, joints or a pose, as keywords of `symkin.modes`.
+    """
 
     name: str
     mechanism: symkin.Mechanism
@@ -68,7 +71,11 @@ class Case:
     def table(self) -> tuple[float, float] | None:
         """The prototype's figures in T."""
         figures = TABLE.get(self.name)
-        return None if figures is None else (figures[0] * 1e-3 / REFERENCE_KERNEL, figures[1] * 1e-3 / REFERENCE_KERNEL)
+        return (
+            None
+            if figures is None
+            else (figures[0] * 1e-3 / REFERENCE_KERNEL, figures[1] * 1e-3 / REFERENCE_KERNEL)
+        )
 
     def limit(self, engine: str) -> float | None:
         """Most that its paths may take, in T."""
@@ -112,10 +119,12 @@ def all_cases(seed: int) -> list[Case]:
     ]
 
 
-# --- inputs ------------------------------------------------------------------------------------------------------
+# --- inputs ---------------------------------------------------------------------------------------
 
 
-def about_reference(name: str, mechanism: symkin.Mechanism, count: int, *, shipped: bool = False) -> Case:
+def about_reference(
+    name: str, mechanism: symkin.Mechanism, count: int, *, shipped: bool = False
+) -> Case:
     """Joints about the reference: angles by 0.15, lengths by a tenth."""
 
     def draw(rng: np.random.Generator) -> dict[str, object]:
@@ -130,11 +139,18 @@ def about_reference(name: str, mechanism: symkin.Mechanism, count: int, *, shipp
     return Case(name, mechanism, "direct", count, draw, shipped)
 
 
-def about_example(name: str, mechanism: symkin.Mechanism, count: int, *, shipped: bool = False) -> Case:
+def about_example(
+    name: str, mechanism: symkin.Mechanism, count: int, *, shipped: bool = False
+) -> Case:
     """Joints about those of the mechanism's example, by a hundredth of each."""
     joints = np.asarray(mechanism.example.joints)
     return Case(
-        name, mechanism, "direct", count, lambda r: {"joints": list(joints * r.uniform(0.99, 1.01, len(joints)))}, shipped
+        name,
+        mechanism,
+        "direct",
+        count,
+        lambda r: {"joints": list(joints * r.uniform(0.99, 1.01, len(joints)))},
+        shipped,
     )
 
 
@@ -142,7 +158,11 @@ def rods(name: str, mechanism: symkin.Mechanism, count: int, *, shipped: bool = 
     """Leg lengths of random poses above the base."""
 
     def draw(rng: np.random.Generator) -> dict[str, object]:
-        return {"joints": symkin.solve(mechanism, pose=random_pose(mechanism, rng)).solution.actuated_values}
+        return {
+            "joints": symkin.solve(
+                mechanism, pose=random_pose(mechanism, rng)
+            ).solution.actuated_values
+        }
 
     return Case(name, mechanism, "direct", count, draw, shipped, six_distances=True)
 
@@ -152,7 +172,9 @@ def of_joints(name: str, arm: symkin.Mechanism, count: int, *, shipped: bool = F
 
     def draw(rng: np.random.Generator) -> dict[str, object]:
         values = [
-            arm.angle_out(rng.uniform(-3, 3)) if c.is_angular else rng.uniform(-0.3, 0.3) * arm.characteristic_length
+            arm.angle_out(rng.uniform(-3, 3))
+            if c.is_angular
+            else rng.uniform(-0.3, 0.3) * arm.characteristic_length
             for c in arm.actuated
         ]
         return {"pose": symkin.solve(arm, joints=values).solution.pose}
@@ -179,7 +201,9 @@ def random_pose(mechanism: symkin.Mechanism, rng: np.random.Generator) -> symkin
 
 @dataclass(frozen=True)
 class Grid:
-    """A case: its mechanism, half the range of two swept joints, values along each, and most T that a point may take."""
+    """A case: its mechanism, half the range of two swept joints, values along each, and most T that
+    a point may take.
+    """
 
     mechanism: symkin.Mechanism
     half_range: float
@@ -203,14 +227,21 @@ def grids(scale: float) -> list[Grid]:
     return [replace(case, values=max(4, int(case.values * scale**0.5))) for case in cases]
 
 
-# --- mechanisms --------------------------------------------------------------------------------------------------
+# --- mechanisms -----------------------------------------------------------------------------------
 
 
 def general_platform(rng: np.random.Generator) -> symkin.Mechanism:
-    legs = [symkin.RodLimb(f"leg{i}", rng.normal(size=3), 0.6 * rng.normal(size=3)) for i in range(1, 7)]
+    legs = [
+        symkin.RodLimb(f"leg{i}", rng.normal(size=3), 0.6 * rng.normal(size=3)) for i in range(1, 7)
+    ]
     return symkin.Mechanism("general66", legs, platform_position=(0, 0, 1.5))
 
 
 def general_6r(rng: np.random.Generator) -> symkin.Mechanism:
-    axes = [symkin.Joint(f"q{i}", "R", rng.normal(size=3), rng.normal(size=3), actuated=True) for i in range(1, 7)]
-    return symkin.Mechanism("general_6r", [symkin.Limb("arm", axes)], platform_position=rng.normal(size=3), serial=True)
+    axes = [
+        symkin.Joint(f"q{i}", "R", rng.normal(size=3), rng.normal(size=3), actuated=True)
+        for i in range(1, 7)
+    ]
+    return symkin.Mechanism(
+        "general_6r", [symkin.Limb("arm", axes)], platform_position=rng.normal(size=3), serial=True
+    )

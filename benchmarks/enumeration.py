@@ -1,11 +1,14 @@
-"""All modes by continuation beside a reference kernel in the same process, and beside PHCpack where it is installed.
+"""All modes by continuation beside a reference kernel in the same process, and beside PHCpack where
+it is installed.
 
-    python benchmarks/enumeration.py [--inputs 100] [--seed 0] [--cases 6-6,delta] [--engines compiled,numpy] [--peer-timeout 120]
+    python benchmarks/enumeration.py [--inputs 100] [--seed 0] [--cases 6-6,delta]
+        [--engines compiled,numpy] [--peer-timeout 120]
 
-T is the median time of `numpy.linalg.solve` on a batch of 40 complex 8 x 8 systems. It is measured before each input, and the
-cases take turns, so that a busy machine slows all alike; multiples of T are medians of such ratios. Times are those of the
-processor, so that other programs do not count, but for first answers. Each engine runs in a process of its own with one thread
-and an empty cache. The columns:
+T is the median time of `numpy.linalg.solve` on a batch of 40 complex 8 x 8 systems. It is measured
+before each input, and the cases take turns, so that a busy machine slows all alike; multiples of T
+are medians of such ratios. Times are those of the processor, so that other programs do not count,
+but for first answers. Each engine runs in a process of its own with one thread and an empty cache.
+The columns:
 
   first s    the first answer of a mechanism never seen, at most 3 s for platforms on six rods and
              30 s for others; "kept": the package carries its start
@@ -40,7 +43,9 @@ from timing import Figure, ReferenceKernel, verdict
 
 ENGINES = ("compiled", "numpy")
 MOST_WHOLE = {True: 130.0, False: 80.0}
-"""Most that one certified answer may take once the start is kept, in T: Dietmaier's 40 modes, others."""
+"""Most that one certified answer may take once the start is kept, in T: Dietmaier's 40 modes,
+others.
+"""
 FIRST_S = {True: 3.0, False: 30.0}
 """Most that a first answer may take: platforms on six rods, others."""
 PEER_S = 120.0
@@ -58,9 +63,13 @@ def main() -> None:
     single = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     for engine in options.engines.split(","):
         with tempfile.TemporaryDirectory() as folder:
-            own = {"SYMKIN_CACHE": folder} | ({"SYMKIN_ENGINE": "numpy"} if engine == "numpy" else {})
+            own = {"SYMKIN_CACHE": folder} | (
+                {"SYMKIN_ENGINE": "numpy"} if engine == "numpy" else {}
+            )
             subprocess.run(
-                [sys.executable, __file__, *sys.argv[1:], "--child", engine], env=os.environ | single | own, check=True
+                [sys.executable, __file__, *sys.argv[1:], "--child", engine],
+                env=os.environ | single | own,
+                check=True,
             )
     run_peer(options)
 
@@ -69,14 +78,21 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--inputs", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--cases", default="", help="parts of names, separated by commas; default: all")
+    parser.add_argument(
+        "--cases", default="", help="parts of names, separated by commas; default: all"
+    )
     parser.add_argument("--engines", default=",".join(ENGINES), help=f"of {', '.join(ENGINES)}")
-    parser.add_argument("--peer-timeout", type=float, default=PEER_S, help="seconds for each system of PHCpack; 0 leaves it out")
+    parser.add_argument(
+        "--peer-timeout",
+        type=float,
+        default=PEER_S,
+        help="seconds for each system of PHCpack; 0 leaves it out",
+    )
     parser.add_argument("--child", choices=ENGINES, help=argparse.SUPPRESS)
     return parser.parse_args()
 
 
-# --- one engine --------------------------------------------------------------------------------------------------
+# --- one engine -----------------------------------------------------------------------------------
 
 
 @dataclass
@@ -87,7 +103,9 @@ class Clock:
     arguments: tuple[Any, ...] = ()
 
     def wrap(self, module: Any, name: str) -> None:
-        """Replace a function by one that is timed; nothing where the package has none of this name."""
+        """Replace a function by one that is timed; nothing where the package has none of this
+        name.
+        """
         function: Callable[..., Any] | None = getattr(module, name, None)
         if function is None:
             return
@@ -105,7 +123,9 @@ class Clock:
 
 @dataclass
 class Measured:
-    """Of one case: seconds of the first answer, and for each input seconds of all, of paths and of proofs, and T."""
+    """Of one case: seconds of the first answer, and for each input seconds of all, of paths and of
+    proofs, and T.
+    """
 
     case: Case
     first: float = 0.0
@@ -125,12 +145,18 @@ class Measured:
 
 
 def run_engine(options: argparse.Namespace) -> None:
-    chosen = [c for c in all_cases(options.seed) if any(part in c.name for part in options.cases.split(","))]
+    chosen = [
+        c
+        for c in all_cases(options.seed)
+        if any(part in c.name for part in options.cases.split(","))
+    ]
     print_table(options.child, measure(chosen, options.inputs, options.seed))
 
 
 def measure(chosen: Sequence[Case], inputs: int, seed: int) -> list[Measured]:
-    """Time all answers of some cases, which take turns, in this process with its engine and its cache."""
+    """Time all answers of some cases, which take turns, in this process with its engine and its
+    cache.
+    """
     from symkin.assembly import block_paths, continuation
     from symkin.assembly.block_proofs import BlockProver
     from symkin.certificate import certificate
@@ -168,15 +194,25 @@ def measure(chosen: Sequence[Case], inputs: int, seed: int) -> list[Measured]:
 
 
 def figures(*, quick: bool, seed: int) -> Iterator[Figure]:
-    """One answer, and each of many in one call, in multiples of T; inputs that were miscounted; PHCpack's time."""
+    """One answer, and each of many in one call, in multiples of T; inputs that were miscounted;
+    PHCpack's time.
+    """
     chosen = [c for c in all_cases(seed) if not quick or c.name in QUICK]
     done = measure(chosen, 8 if quick else 60, seed)
     for m in done:
         name = f"enumeration: {m.case.name}"
-        yield Figure(f"{name}, one answer", m.in_kernels(m.whole), f"T; {1e3 * statistics.median(m.whole):.1f} ms")
+        yield Figure(
+            f"{name}, one answer",
+            m.in_kernels(m.whole),
+            f"T; {1e3 * statistics.median(m.whole):.1f} ms",
+        )
         yield Figure(f"{name}, each of many", m.together, "T")
     wrong = sum(m.unresolved + m.miscounted for m in done)
-    yield Figure("enumeration: inputs miscounted or unresolved", wrong, f"of {sum(len(m.whole) for m in done)}")
+    yield Figure(
+        "enumeration: inputs miscounted or unresolved",
+        wrong,
+        f"of {sum(len(m.whole) for m in done)}",
+    )
     yield from peer_figures(done, seed)
 
 
@@ -194,7 +230,8 @@ def print_table(engine: str, done: list[Measured]) -> None:
     kernel = statistics.median(t for m in done for t in m.kernel)
     print(f"\nengine {engine}: T = {1e6 * kernel:.1f} us (median)")
     head = (
-        f"{'case':18}{'first s':>9} {'':6}{'all ms':>8}{'all T':>7} {'most':>5}{'paths T':>9}{'limit':>7} {'':6}{'proofs T':>9}"
+        f"{'case':18}{'first s':>9} {'':6}{'all ms':>8}{'all T':>7} "
+        f"{'most':>5}{'paths T':>9}{'limit':>7} {'':6}{'proofs T':>9}"
         f"{'each T':>8}  {'table':>15}{'complex':>9}{'real':>6}"
         f"{'certified':>11}{'unresolved':>12}{'miscounted':>12}  tracked by"
     )
@@ -217,13 +254,14 @@ def print_row(engine: str, m: Measured) -> None:
     print(
         f"{case.name:18}{m.first:9.2f} {first:6}{whole:8.1f}{m.in_kernels(m.whole):7.0f}{slow:1}"
         f"{most:5.0f}{paths:9.0f}{bound:>7} {within:6}"
-        f"{m.in_kernels(m.proofs):9.1f}{m.together:8.1f}  {figures:>15}{case.complex_count:9d}{statistics.mean(m.real):6.1f}"
+        f"{m.in_kernels(m.proofs):9.1f}{m.together:8.1f}  "
+        f"{figures:>15}{case.complex_count:9d}{statistics.mean(m.real):6.1f}"
         f"{sum(m.certified):6d}/{sum(m.real):<5d}{m.unresolved:6d}/{inputs:<5d}"
         f"{m.miscounted:6d}/{inputs:<5d}  {m.engine}"
     )
 
 
-# --- the peer ----------------------------------------------------------------------------------------------------
+# --- the peer -------------------------------------------------------------------------------------
 
 
 def peer_figures(done: Sequence[Measured], seed: int) -> Iterator[Figure]:
@@ -240,7 +278,9 @@ def peer_figures(done: Sequence[Measured], seed: int) -> Iterator[Figure]:
         if answer is None:
             yield Figure(name, None, f"PHCpack has no answer within {PEER_S:.0f} s")
         else:
-            yield Figure(name, statistics.median(m.whole) / answer.seconds, f"{answer.seconds:.2f} s there")
+            yield Figure(
+                name, statistics.median(m.whole) / answer.seconds, f"{answer.seconds:.2f} s there"
+            )
 
 
 def run_peer(options: argparse.Namespace) -> None:
@@ -251,17 +291,31 @@ def run_peer(options: argparse.Namespace) -> None:
     if not phcpack.installed():
         print("\nPHCpack is not installed (Debian package phcpack): no peer in this run")
         return
-    platforms = [c for c in all_cases(options.seed) if c.six_distances and any(p in c.name for p in options.cases.split(","))]
+    platforms = [
+        c
+        for c in all_cases(options.seed)
+        if c.six_distances and any(p in c.name for p in options.cases.split(","))
+    ]
     rng, kernel = np.random.default_rng(options.seed), ReferenceKernel()
-    print("\npeer: PHCpack (phc -b), one run each in a process of its own, first input of each platform")
+    print(
+        "\n"
+        "peer: PHCpack (phc -b), one run each in a process of its own, first input of each platform"
+    )
     for case in platforms:
         legs = np.asarray(case.draw(rng)["joints"])
-        unit, answer = kernel.seconds(300), phcpack.solve(case.mechanism, legs, options.seed, options.peer_timeout)
+        unit, answer = (
+            kernel.seconds(300),
+            phcpack.solve(case.mechanism, legs, options.seed, options.peer_timeout),
+        )
         if answer is None:
             print(f"{case.name:18}no answer within {options.peer_timeout:.0f} s")
             continue
         found = f"{answer.complex_count} complex poses of {case.complex_count}, {answer.real} real"
-        print(f"{case.name:18}{answer.seconds:8.2f} s {answer.seconds / unit:10.0f} T   {found}   {answer.version}", flush=True)
+        print(
+            f"{case.name:18}{answer.seconds:8.2f} s {answer.seconds / unit:10.0f} T   {found}   "
+            f"{answer.version}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

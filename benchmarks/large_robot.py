@@ -1,9 +1,11 @@
-"""How long a robot of 60 joints and 6 loops takes to be read, closed and shown, in each format of others; 3 s are allowed.
+"""How long a robot of 60 joints and 6 loops takes to be read, closed and shown, in each format of
+others; 3 s are allowed.
 
     python benchmarks/large_robot.py [--limbs 6] [--open 0.2]
 
-`--open` tells joints from other zeros, up to that many radians away, at which the loops are open (MJCF, URDF). Seconds of the processor
-in this process (imports done); of whole commands those of the processor, by which they are judged, and of the clock.
+`--open` tells joints from other zeros, up to that many radians away, at which the loops are open
+(MJCF, URDF). Seconds of the processor in this process (imports done); of whole commands those of
+the processor, by which they are judged, and of the clock.
 """
 
 from __future__ import annotations
@@ -29,7 +31,9 @@ ALLOWED_S = 3.0
 
 
 def timed(work: Callable[[], object]) -> tuple[float, float]:
-    """`--open` tells joints from other zeros, up to that many radians away, at which the loops are open (MJCF, URDF). Seconds of the processor and of the clock."""
+    """`--open` tells joints from other zeros, up to that many radians away, at which the loops are
+    open (MJCF, URDF). Seconds of the processor and of the clock.
+    """
     processor, clock = time.process_time(), time.perf_counter()
     work()
     return time.process_time() - processor, time.perf_counter() - clock
@@ -40,9 +44,16 @@ def commands(path: Path) -> dict[str, tuple[float, float]]:
     found = {}
     for verb in ("close", "show"):
         clock, before = time.perf_counter(), os.times()
-        subprocess.run([sys.executable, "-m", "symkin", verb, str(path)], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [sys.executable, "-m", "symkin", verb, str(path)], check=True, stdout=subprocess.DEVNULL
+        )
         after = os.times()
-        processor = after.children_user + after.children_system - before.children_user - before.children_system
+        processor = (
+            after.children_user
+            + after.children_system
+            - before.children_user
+            - before.children_system
+        )
         found[verb] = processor, time.perf_counter() - clock
     return found
 
@@ -55,7 +66,10 @@ def main() -> int:
     machine = opened(humanoid(options.limbs), options.open)
     slowest = 0.0
     print(f"{len(machine.parts)} joints, {len(machine.pins)} loops, mobility {machine.mobility}")
-    print(f"{'format':8s} {'read':>7s} {'closed':>8s} {'loaded':>8s} {'shown':>8s}   s of the processor; commands (of the clock)")
+    print(
+        f"{'format':8s} {'read':>7s} {'closed':>8s} {'loaded':>8s} {'shown':>8s}   s of the "
+        f"processor; commands (of the clock)"
+    )
     with tempfile.TemporaryDirectory() as folder:
         for suffix in ("xml", "urdf", "sdf"):
             path = write(machine, suffix, Path(folder))
@@ -74,7 +88,10 @@ def main() -> int:
             slowest = max(slowest, *(processor for processor, _ in whole.values()))
             times = " ".join(f"{seconds:8.2f}" for seconds in steps)
             print(
-                f"{suffix:7s}{times}   " + ", ".join(f"{verb} {cpu:.2f} ({clock:.2f})" for verb, (cpu, clock) in whole.items()),
+                f"{suffix:7s}{times}   "
+                + ", ".join(
+                    f"{verb} {cpu:.2f} ({clock:.2f})" for verb, (cpu, clock) in whole.items()
+                ),
                 flush=True,
             )
     print(f"slowest command: {slowest:.2f} s (allowed: {ALLOWED_S:g})")

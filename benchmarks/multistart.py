@@ -1,10 +1,12 @@
-"""Starts per second: batched multistart beside a Python loop over CasADi's rootfinder, in one process, same starts.
+"""Starts per second: batched multistart beside a Python loop over CasADi's rootfinder, in one
+process, same starts.
 
     python benchmarks/multistart.py [--repeats 5] [--starts 2000] [--seed 0]
 
-Both solve the direct problem of the mechanism's example from the same random starts. The loop calls a rootfinder built
-once on the expanded closure (quaternion norm as a seventh row), which is the quickest way that CasADi's interface
-offers for one start. Figures are medians over the repeats, taken in turn; the ratio is what counts, machines differ.
+Both solve the direct problem of the mechanism's example from the same random starts. The loop calls
+a rootfinder built once on the expanded closure (quaternion norm as a seventh row), which is the
+quickest way that CasADi's interface offers for one start. Figures are medians over the repeats,
+taken in turn; the ratio is what counts, machines differ.
 """
 
 from __future__ import annotations
@@ -31,16 +33,25 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--starts", type=int, default=2000)
-    parser.add_argument("--loop-starts", type=int, default=200, help="starts of the slower loop a repeat")
+    parser.add_argument(
+        "--loop-starts", type=int, default=200, help="starts of the slower loop a repeat"
+    )
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
-    print(f"seed {options.seed}, {options.starts} starts batched, {options.loop_starts} looped, medians of {options.repeats}")
-    print("mechanism   batched starts/s   newton loop starts/s   fast_newton loop starts/s   ratio to the quicker loop")
+    print(
+        f"seed {options.seed}, {options.starts} starts batched, {options.loop_starts} looped, "
+        f"medians of {options.repeats}"
+    )
+    print(
+        "mechanism   batched starts/s   newton loop starts/s   fast_newton loop starts/s   ratio "
+        "to the quicker loop"
+    )
     for name in STARTED:
         rates = compare(name, options)
         best = max(rates["newton"], rates["fast_newton"])
         print(
-            f"{name:10}  {rates['batched']:16,.0f}   {rates['newton']:20,.0f}   {rates['fast_newton']:25,.0f}   {rates['batched'] / best:8.1f}"
+            f"{name:10}  {rates['batched']:16,.0f}   {rates['newton']:20,.0f}   "
+            f"{rates['fast_newton']:25,.0f}   {rates['batched'] / best:8.1f}"
         )
 
 
@@ -49,7 +60,9 @@ def compare(name: str, options: argparse.Namespace) -> dict[str, float]:
     given = given_from(symkin.load(name), None, None)
     problem = build_problem(symkin.load(name), given.kind)
     system = problem.system
-    starts = random_starts(problem, system, given, options.starts, np.random.default_rng(options.seed))
+    starts = random_starts(
+        problem, system, given, options.starts, np.random.default_rng(options.seed)
+    )
     loops = {method: rootfinder(problem, method) for method in ("newton", "fast_newton")}
     system.linearise(starts[:1], given.values)
 
@@ -62,21 +75,31 @@ def compare(name: str, options: argparse.Namespace) -> dict[str, float]:
             solver(start, given.values)
 
     times = in_turn(
-        {"batched": batched} | {name: lambda solver=solver: looped(solver) for name, solver in loops.items()},
+        {"batched": batched}
+        | {name: lambda solver=solver: looped(solver) for name, solver in loops.items()},
         options.repeats,
     )
-    counts = {name: len(starts) if name == "batched" else min(options.loop_starts, len(starts)) for name in times}
+    counts = {
+        name: len(starts) if name == "batched" else min(options.loop_starts, len(starts))
+        for name in times
+    }
     return {name: counts[name] / statistics.median(seconds) for name, seconds in times.items()}
 
 
 def figures(*, quick: bool, seed: int) -> Iterator[Figure]:
     """A start of a batch over one of the quicker loop of CasADi's rootfinder."""
-    size = {"repeats": 3, "starts": 500, "loop_starts": 60} if quick else {"repeats": 7, "starts": 2000, "loop_starts": 200}
+    size = (
+        {"repeats": 3, "starts": 500, "loop_starts": 60}
+        if quick
+        else {"repeats": 7, "starts": 2000, "loop_starts": 200}
+    )
     for name in STARTED:
         rates = compare(name, argparse.Namespace(seed=seed, **size))
         quicker = max(rate for way, rate in rates.items() if way != "batched")
         yield Figure(
-            f"multistart: {name}, a start over CasADi's", quicker / rates["batched"], f"{rates['batched']:,.0f} starts/s"
+            f"multistart: {name}, a start over CasADi's",
+            quicker / rates["batched"],
+            f"{rates['batched']:,.0f} starts/s",
         )
 
 

@@ -55,7 +55,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--parts", default=",".join(PARTS))
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--verbose", action="store_true", help="print the lines of single parts too")
+    parser.add_argument(
+        "--verbose", action="store_true", help="print the lines of single parts too"
+    )
     parser.add_argument("--write", action="store_true", help="put this run's ratios into the file")
     parser.add_argument("--child", help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
@@ -63,7 +65,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return write_figures(options)
     unknown = set(options.parts.split(",")) - set(PARTS)
     if unknown:
-        parser.error(f"--parts: {', '.join(sorted(unknown))} is unknown; allowed: {', '.join(PARTS)}")
+        parser.error(
+            f"--parts: {', '.join(sorted(unknown))} is unknown; allowed: {', '.join(PARTS)}"
+        )
     size = "quick" if options.quick else "full"
     tables = read_ratios()
     known, complaints, found = tables.setdefault(size, {}), [], list[Figure]()
@@ -77,7 +81,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"  {part}: {time.monotonic() - begin:.0f} s by the clock", flush=True)
         if figures is not None and not options.write:
             names = {f.name for f in figures}
-            complaints += [f"{n} was not measured" for n in known if n.startswith(part + ":") and n not in names]
+            complaints += [
+                f"{n} was not measured"
+                for n in known
+                if n.startswith(part + ":") and n not in names
+            ]
     if options.write:
         known |= {f.name: updated(f, known.get(f.name)) for f in found if f.ratio is not None}
         RATIOS.write_text(ratios_text(tables), encoding="utf-8")
@@ -105,11 +113,22 @@ def report(figures: Iterable[Figure], known: dict[str, Known]) -> list[str]:
 
 
 def run_part(part: str, options: argparse.Namespace) -> list[Figure] | None:
-    """The figures of one part, measured in a process of its own; None where it ended in an error."""
+    """The figures of one part, measured in a process of its own; None where it ended in an
+    error.
+    """
     single = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     with tempfile.TemporaryDirectory() as folder:
         answer = Path(folder) / "figures.json"
-        words = [sys.executable, str(HERE), "--child", str(answer), "--parts", part, "--seed", str(options.seed)]
+        words = [
+            sys.executable,
+            str(HERE),
+            "--child",
+            str(answer),
+            "--parts",
+            part,
+            "--seed",
+            str(options.seed),
+        ]
         words += ["--quick"] if options.quick else []
         environment = os.environ | single | {"SYMKIN_CACHE": str(Path(folder) / "cache")}
         lines = None if options.verbose else subprocess.DEVNULL
@@ -126,14 +145,15 @@ def write_figures(options: argparse.Namespace) -> int:
     return 0
 
 
-# --- the file ----------------------------------------------------------------------------------------
+# --- the file -------------------------------------------------------------------------------------
 
 
 def read_ratios() -> dict[str, dict[str, Known]]:
     """Figures of quick and of full runs by their names."""
     data = tomllib.loads(RATIOS.read_text(encoding="utf-8")) if RATIOS.exists() else {}
     return {
-        size: {row["figure"]: Known(row["ratio"], row["factor"], row["meaning"]) for row in rows} for size, rows in data.items()
+        size: {row["figure"]: Known(row["ratio"], row["factor"], row["meaning"]) for row in rows}
+        for size, rows in data.items()
     }
 
 
@@ -141,7 +161,11 @@ def updated(figure: Figure, before: Known | None) -> Known:
     """A figure of this run as the file keeps it."""
     meaning = "a count of faults" if float(figure.ratio or 0.0) == 0.0 else figure.text
     ratio = float(f"{figure.ratio:.3g}")
-    return Known(ratio, FACTOR, meaning) if before is None else Known(ratio, before.factor, before.meaning)
+    return (
+        Known(ratio, FACTOR, meaning)
+        if before is None
+        else Known(ratio, before.factor, before.meaning)
+    )
 
 
 def ratios_text(tables: dict[str, dict[str, Known]]) -> str:
@@ -155,7 +179,8 @@ def ratios_text(tables: dict[str, dict[str, Known]]) -> str:
 
 
 HEAD = """\
-# Ratios that `benchmarks/run.py` compares with: symkin over its peer in the same run, so that less is
+# Ratios that `benchmarks/run.py` compares with: symkin over its peer in the same run,
+# so that less is
 # better. A figure fails where it is more than `factor` times `ratio`. `quick` are those of --quick.
 # T is numpy.linalg.solve on 40 complex 8 x 8 systems. Counts of faults are 0, whatever the factor.
 """

@@ -1,12 +1,14 @@
-"""Writes the committed folders of C into this directory, and the digests of all others that the shipped mechanisms have.
+"""Writes the committed folders of C into this directory, and the digests of all others that the
+shipped mechanisms have.
 
     python codegen/generate.py [FOLDER ...]
     python codegen/generate.py --all -o DIR [FOLDER ...]
 
-There is a folder for each shipped mechanism of limbs, each map between joints and real type. Eight are committed, to be read; the tests compare
-their bytes. The others are held by digests.json: of their text without the test's vectors, numbers to nine digits, because the last digits are
-those of a processor. `--all` writes all folders. measured.json has what bench/worst.py measured; figures of another code than the one that is
-written are left out.
+There is a folder for each shipped mechanism of limbs, each map between joints and real type. Eight
+are committed, to be read; the tests compare their bytes. The others are held by digests.json: of
+their text without the test's vectors, numbers to nine digits, because the last digits are those of
+a processor. `--all` writes all folders. measured.json has what bench/worst.py measured; figures of
+another code than the one that is written are left out.
 """
 
 from __future__ import annotations
@@ -25,9 +27,18 @@ from symkin.model.file import shipped_names
 
 HERE = Path(__file__).parent
 COMMITTED = (
-    "ankle_float", "delta_double", "gluon_6l3_double", "ren2008_float", "ur5e_double", "yao2020_float", "zhang2009_float", "zhao2000_double",
-)  # fmt: skip
-"""Folders that people read: the machines of five papers, a map between joints, a delta, an arm; one of each, of either real type."""
+    "ankle_float",
+    "delta_double",
+    "gluon_6l3_double",
+    "ren2008_float",
+    "ur5e_double",
+    "yao2020_float",
+    "zhang2009_float",
+    "zhao2000_double",
+)
+"""Folders that people read: the machines of five papers, a map between joints, a delta, an arm; one
+of each, of either real type.
+"""
 DIGESTS = HERE / "digests.json"
 HOMES = {"zhang2009": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}
 """Homes where the file's reference is singular: the middle of the bench's workspace."""
@@ -41,20 +52,41 @@ _NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d*(?:e[+-]?\d+)?|e[+-]?\d+)")
 
 def variants() -> list[tuple[str, str, Options]]:
     """(folder, mechanism, options) of every folder."""
-    plain = [(f"{n}_{r}", n, Options(r, home=HOMES.get(n))) for n in shipped_names() if not load(n).is_graph for r in REALS]  # type: ignore[arg-type]
+    plain = [
+        (f"{n}_{r}", n, Options(r, home=HOMES.get(n)))
+        for n in shipped_names()
+        if not load(n).is_graph
+        for r in REALS
+    ]  # type: ignore[arg-type]
     home = HOMES["zhang2009"]
     return [
         *plain,
-        *((f"{n}_{r}", n, Options(r, given=given, find=find)) for n, (given, find) in MAPS.items() for r in REALS),  # type: ignore[arg-type]
-        ("zhang2009_float_home_relative", "zhang2009", Options("float", home_relative=True, home=home)),
+        *(
+            (f"{n}_{r}", n, Options(r, given=given, find=find))
+            for n, (given, find) in MAPS.items()
+            for r in REALS
+        ),  # type: ignore[arg-type]
+        (
+            "zhang2009_float_home_relative",
+            "zhang2009",
+            Options("float", home_relative=True, home=home),
+        ),
         ("zhang2009_double_struct", "zhang2009", Options("double", geometry="struct", home=home)),
     ]
 
 
 def digest_of(files: Mapping[str, str]) -> str:
-    """SHA-256 of what is the same on every processor of a folder's text (without measured figures)."""
-    kept = {name: text for name, text in files.items() if name != MANIFEST and not name.endswith("_vectors.h")}
-    return digest("".join(f"{name}\n{stable(text)}" for name, text in sorted(kept.items())).encode())
+    """SHA-256 of what is the same on every processor of a folder's text (without measured
+    figures).
+    """
+    kept = {
+        name: text
+        for name, text in files.items()
+        if name != MANIFEST and not name.endswith("_vectors.h")
+    }
+    return digest(
+        "".join(f"{name}\n{stable(text)}" for name, text in sorted(kept.items())).encode()
+    )
 
 
 def stable(text: str) -> str:
@@ -78,17 +110,29 @@ def write_digests(chosen: Collection[str]) -> None:
             found[folder] = digest_of(folder_files(load(name), options))
             print(f"{folder} {found[folder]}", flush=True)
     held = {folder for folder, _, _ in variants()} - set(COMMITTED)
-    DIGESTS.write_text(json.dumps({folder: found[folder] for folder in sorted(held & found.keys())}, indent=1) + "\n")
+    DIGESTS.write_text(
+        json.dumps({folder: found[folder] for folder in sorted(held & found.keys())}, indent=1)
+        + "\n"
+    )
 
 
 def main() -> None:
     names = [folder for folder, _, _ in variants()]
     parser = argparse.ArgumentParser(
-        description="Write the committed folders of C and the digests of the others, or all folders elsewhere."
+        description=(
+            "Write the committed folders of C and the digests of the others, or all folders "
+            "elsewhere."
+        )
     )
     parser.add_argument("folders", nargs="*", metavar="FOLDER", help="these alone")
-    parser.add_argument("--all", action="store_true", help="write folders that are not committed too, and no digests; needs -o")
-    parser.add_argument("-o", type=Path, metavar="DIR", help="where to write (default: beside this script)")
+    parser.add_argument(
+        "--all",
+        action="store_true",
+        help="write folders that are not committed too, and no digests; needs -o",
+    )
+    parser.add_argument(
+        "-o", type=Path, metavar="DIR", help="where to write (default: beside this script)"
+    )
     given = parser.parse_args()
     unknown = sorted(set(given.folders) - set(names))
     if unknown:

@@ -1,4 +1,6 @@
-"""The site: `python -m sphinx -W docs OUT` (extra `symkin[docs]`). Everything is made here, without network."""
+"""The site: `python -m sphinx -W docs OUT` (extra `symkin[docs]`). Everything is made here, without
+network.
+"""
 
 import shutil
 import sys
@@ -70,7 +72,9 @@ def setup(app: Sphinx) -> None:
 def set_pictures(app, page: str, source: list[str]) -> None:  # type: ignore[no-untyped-def]  # noqa: ARG001
     """What the commands of a tutorial draw."""
     if page.startswith("tutorials/"):
-        source[0] = with_pictures(page.removeprefix("tutorials/"), source[0], HERE / "generated" / "pictures")
+        source[0] = with_pictures(
+            page.removeprefix("tutorials/"), source[0], HERE / "generated" / "pictures"
+        )
 
 
 def set_docstring(app, what, name, obj, options, lines: list[str]) -> None:  # type: ignore[no-untyped-def]  # noqa: ARG001

@@ -5,9 +5,11 @@
     platform = symkin.load("platform.toml")
     print(symkin.modes(platform, joints=[100.0, 120.0, 110.0]))
 
-Verbs: `load`, `shipped_names`, `close`, `convert`; `modes`, `solve`; `mobility`, `jacobian`, `singularity`, `singular_loci`; `track`, `mode_graph`,
-`sweep`; `calibrate`, `plan_measurements`; `write_firmware`; `view`. Each returns a result that prints its table, has a short repr, HTML
-for notebooks, `to_dict()` (the JSON of the command line) and `plot()`. docs/architecture.md says where what is done.
+Verbs: `load`, `shipped_names`, `close`, `convert`; `modes`, `solve`; `mobility`, `jacobian`,
+`singularity`, `singular_loci`; `track`, `mode_graph`, `sweep`; `calibrate`, `plan_measurements`;
+`write_firmware`; `view`. Each returns a result that prints its table, has a short repr, HTML for
+notebooks, `to_dict()` (the JSON of the command line) and `plot()`. docs/architecture.md says where
+what is done.
 """
 
 from importlib import import_module
@@ -144,8 +146,10 @@ _LATER = {
     "view": "symkin.page.result_views",
     "write_firmware": "symkin.codegen.folder",
 }
-"""Modules that are imported at the first use of a name, since no run needs them all. `Newton` and `LeastSquares` are
-values of `solver=` with settings of one's own; their names ("newton", "ipopt") suffice, so that they are not listed."""
+"""Modules that are imported at the first use of a name, since no run needs them all. `Newton` and
+`LeastSquares` are values of `solver=` with settings of one's own; their names ("newton", "ipopt")
+suffice, so that they are not listed.
+"""
 
 
 def __getattr__(name: str) -> object:
@@ -159,7 +163,9 @@ def __dir__() -> list[str]:
 
 
 def _draw(result: Result, path: Path | str | None = None, **options: Any) -> "Figure":
-    """Draw a result. Only here, above all packages, do results and `symkin.plots` meet: see `symkin.result`."""
+    """Draw a result. Only here, above all packages, do results and `symkin.plots` meet: see
+    `symkin.result`.
+    """
     from symkin.plots.pictures import draw
 
     return draw(result, path, **options)

@@ -1,10 +1,11 @@
 """Values that are computed once, however many threads ask for them at the same time.
 
-The caches of functools may compute a value twice when two threads miss it together, and give each thread its own. That
-will not do here: a closure that is built twice has two sets of symbols, and expressions of the one know nothing of the
-other. Here all threads get the same value. Those that come second wait for the first, each key by itself; values depend
-on each other without cycles, so that no two threads wait for each other. A thread that holds a lock which a value may
-need does not wait (see `not_waiting`): it computes the value too, and takes what was kept first.
+The caches of functools may compute a value twice when two threads miss it together, and give each
+thread its own. That will not do here: a closure that is built twice has two sets of symbols, and
+expressions of the one know nothing of the other. Here all threads get the same value. Those that
+come second wait for the first, each key by itself; values depend on each other without cycles, so
+that no two threads wait for each other. A thread that holds a lock which a value may need does not
+wait (see `not_waiting`): it computes the value too, and takes what was kept first.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ _MISSING: Any = object()
 
 
 def lru_cache(maxsize: int) -> Callable[[Callable[Arguments, Value]], Callable[Arguments, Value]]:
-    """Keep the last `maxsize` results by their arguments, as functools.lru_cache does, the same for all threads."""
+    """Keep the last `maxsize` results by their arguments, as functools.lru_cache does, the same for
+    all threads.
+    """
 
     def decorate(function: Callable[Arguments, Value]) -> Callable[Arguments, Value]:
         entries = functools.lru_cache(maxsize)(lambda *_, **__: _Entry())
@@ -44,8 +47,9 @@ def lru_cache(maxsize: int) -> Callable[[Callable[Arguments, Value]], Callable[A
 
 
 class cached_property(Generic[Value]):  # noqa: N801  # the name of what it stands for in functools
-    """A property computed at its first use and kept in the instance's `__dict__`, the same for all threads. The instance
-    holds the value alone and no lock, so that it can be pickled."""
+    """A property computed at its first use and kept in the instance's `__dict__`, the same for all
+    threads. The instance holds the value alone and no lock, so that it can be pickled.
+    """
 
     def __init__(self, function: Callable[[Any], Value]) -> None:
         self.function = function
@@ -56,7 +60,9 @@ class cached_property(Generic[Value]):  # noqa: N801  # the name of what it stan
     def __get__(self, instance: None, owner: type | None = None) -> cached_property[Value]: ...
     @overload
     def __get__(self, instance: object, owner: type | None = None) -> Value: ...
-    def __get__(self, instance: object | None, owner: type | None = None) -> cached_property[Value] | Value:
+    def __get__(
+        self, instance: object | None, owner: type | None = None
+    ) -> cached_property[Value] | Value:
         if instance is None:
             return self
         kept = vars(instance)
@@ -68,7 +74,9 @@ class cached_property(Generic[Value]):  # noqa: N801  # the name of what it stan
 
 @contextmanager
 def not_waiting() -> Iterator[None]:
-    """In this block the thread waits for no value that another thread computes: for blocks that hold a lock."""
+    """In this block the thread waits for no value that another thread computes: for blocks that
+    hold a lock.
+    """
     before = set_waiting(waits=False)
     try:
         yield
@@ -77,8 +85,9 @@ def not_waiting() -> Iterator[None]:
 
 
 def set_waiting(*, waits: bool) -> bool:
-    """Whether this thread waits for values that others compute, from now on; what held before. For `not_waiting`, and where
-    that is called too often to be a generator."""
+    """Whether this thread waits for values that others compute, from now on; what held before. For
+    `not_waiting`, and where that is called too often to be a generator.
+    """
     before = _is_waiting()
     _this_thread.waits = waits
     return before
@@ -133,7 +142,9 @@ _turns_guard = threading.Lock()
 
 @contextmanager
 def computing(key: Hashable) -> Iterator[None]:
-    """Hold the lock of a key, so that one thread computes what it names; the lock exists only while threads use it."""
+    """Hold the lock of a key, so that one thread computes what it names; the lock exists only while
+    threads use it.
+    """
     with _turns_guard:
         turn = _turns.setdefault(key, _Turn())
         turn.users += 1

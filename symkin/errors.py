@@ -4,7 +4,8 @@ from symkin.text import shortened
 
 
 class SymkinError(Exception):
-    """Base of every error that symkin raises on purpose: catch it to catch them all. Long values in its message are cut.
+    """Base of every error that symkin raises on purpose: catch it to catch them all. Long values in
+    its message are cut.
 
     >>> import symkin
     >>> try:
@@ -19,7 +20,8 @@ class SymkinError(Exception):
 
 
 class MechanismError(SymkinError):
-    """A mechanism description that cannot be right: names the key path, its value and what is allowed.
+    """A mechanism description that cannot be right: names the key path, its value and what is
+    allowed.
 
     >>> import symkin
     >>> symkin.Joint("hinge", "X")
@@ -43,4 +45,6 @@ class TooManyModesError(InputError):
 
 
 class NoConfigurationError(InputError):
-    """Values at which no configuration closes the loops, where one is needed to begin with; exit status 3 of a command."""
+    """Values at which no configuration closes the loops, where one is needed to begin with; exit
+    status 3 of a command.
+    """

@@ -1,9 +1,10 @@
 """Objects that one thread at a time may use, lent to as many threads as ask.
 
-CasADi's functions of expressions may be called by any number of threads at once: each call has its own work vectors. Its
-rootfinders and nlpsols may not: a call works in memory that belongs to the object, and two calls at once end in a
-segmentation fault. (Expressions may be built in threads with CasADi from 3.7 on as its wheels are built, with thread-safe
-symbolics; before 3.7 a call holds the interpreter's lock.)
+CasADi's functions of expressions may be called by any number of threads at once: each call has its
+own work vectors. Its rootfinders and nlpsols may not: a call works in memory that belongs to the
+object, and two calls at once end in a segmentation fault. (Expressions may be built in threads with
+CasADi from 3.7 on as its wheels are built, with thread-safe symbolics; before 3.7 a call holds the
+interpreter's lock.)
 """
 
 from __future__ import annotations

@@ -15,7 +15,9 @@ Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
 _filters = threading.RLock()
-"""Held while the filters are changed, which belong to the process: two threads would restore each other's."""
+"""Held while the filters are changed, which belong to the process: two threads would restore each
+other's.
+"""
 
 
 @contextmanager
@@ -27,8 +29,9 @@ def warnings_ignored(message: str = "") -> Iterator[None]:
 
 
 def without_float_warnings(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """Call a function with NumPy's warnings of overflow and of what is not finite off: it judges its numbers itself. (NumPy's
-    own errstate is no decorator for threads before version 2.)"""
+    """Call a function with NumPy's warnings of overflow and of what is not finite off: it judges
+    its numbers itself. (NumPy's own errstate is no decorator for threads before version 2.)
+    """
 
     @functools.wraps(function)
     def quiet(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:

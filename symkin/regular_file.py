@@ -10,8 +10,9 @@ from typing import BinaryIO
 
 
 def open_regular(path: Path | str, *, follow: bool = True, within: int | None = None) -> BinaryIO:
-    """Open a regular file for reading, unless `follow` no symbolic link in its place; `within` is the open folder of a relative path.
-    Raises OSError for anything else."""
+    """Open a regular file for reading, unless `follow` no symbolic link in its place; `within` is
+    the open folder of a relative path. Raises OSError for anything else.
+    """
     flags = ("O_NONBLOCK", "O_BINARY", "O_CLOEXEC", *(() if follow else ("O_NOFOLLOW",)))
     handle = os.open(path, os.O_RDONLY | sum(getattr(os, flag, 0) for flag in flags), dir_fd=within)
     mode = os.fstat(handle).st_mode

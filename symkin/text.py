@@ -1,7 +1,8 @@
-"""Text that others wrote (files, arguments) on its way into messages and outputs: what is refused, shortened and escaped.
+"""Text that others wrote (files, arguments) on its way into messages and outputs: what is refused,
+shortened and escaped.
 
-Each output has its own escapes here, so that text stays text in it: no end of a comment, no markup, no mathematics, no command of
-a terminal.
+Each output has its own escapes here, so that text stays text in it: no end of a comment, no markup,
+no mathematics, no command of a terminal.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ _MARKS = "\u061c\u200e\u200f"
 _LONGEST_VALUE = 60
 """Characters of a value that a message shows."""
 _LONGEST_NUMBER = 1000
-"""Bits of a whole number that a message shows; Python refuses to write those of more than 4300 digits."""
+"""Bits of a whole number that a message shows; Python refuses to write those of more than 4300
+digits.
+"""
 _LONGEST_WORD = 600
 """Characters of a quoted value or a word in a message: enough for paths of files."""
 _LONGEST_MESSAGE = 2000
@@ -26,14 +29,20 @@ _LONGEST_MESSAGE = 2000
 
 
 def refused_character(text: str) -> str | None:
-    """The first character that no text may hold: control and bidirectional ones, line separators, surrogates and what is none."""
+    """The first character that no text may hold: control and bidirectional ones, line separators,
+    surrogates and what is none.
+    """
     return next((c for c in text if _is_refused(c)), None)
 
 
 def _is_refused(c: str) -> bool:
     if c.isascii():
         return c < " " or c == "\x7f"
-    if unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") or c in _MARKS or unicodedata.bidirectional(c) in _DIRECTIONS:
+    if (
+        unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp")
+        or c in _MARKS
+        or unicodedata.bidirectional(c) in _DIRECTIONS
+    ):
         return True
     return 0xFDD0 <= ord(c) <= 0xFDEF or ord(c) & 0xFFFE == 0xFFFE
 
@@ -54,10 +63,16 @@ def printable(text: str) -> str:
 
 
 def _escaped(c: str) -> str:
-    return f"\\x{ord(c):02x}" if ord(c) < 256 else f"\\u{ord(c):04x}" if ord(c) < 65536 else f"\\U{ord(c):08x}"
+    return (
+        f"\\x{ord(c):02x}"
+        if ord(c) < 256
+        else f"\\u{ord(c):04x}"
+        if ord(c) < 65536
+        else f"\\U{ord(c):08x}"
+    )
 
 
-# --- messages ------------------------------------------------------------------------------------------------------
+# --- messages -------------------------------------------------------------------------------------
 
 
 def shown(value: object) -> str:
@@ -65,11 +80,17 @@ def shown(value: object) -> str:
     text = _beginning(value)
     if len(text) <= _LONGEST_VALUE:
         return text
-    return text[: _LONGEST_VALUE - 3] + "..." + (f" ({len(value)} characters)" if isinstance(value, str) else "")
+    return (
+        text[: _LONGEST_VALUE - 3]
+        + "..."
+        + (f" ({len(value)} characters)" if isinstance(value, str) else "")
+    )
 
 
 def _beginning(value: object) -> str:
-    """The first characters of a value's repr, of no more than a message shows: lists may hold each other, numbers be endless."""
+    """The first characters of a value's repr, of no more than a message shows: lists may hold each
+    other, numbers be endless.
+    """
     text = ""
     for piece in _pieces(value):
         text += piece
@@ -103,9 +124,15 @@ def _pieces(value: object) -> Iterator[str]:
 
 
 def shortened(message: str) -> str:
-    """A message whose quoted values and words are cut, and which is cut in its middle where it is still too long."""
+    """A message whose quoted values and words are cut, and which is cut in its middle where it is
+    still too long.
+    """
     quoted = rf"'(?:[^'\\]|\\.){{{_LONGEST_WORD},}}?'|\S{{{_LONGEST_WORD},}}"
-    text = re.sub(quoted, lambda found: _cut(found[0], _LONGEST_WORD // 6), message) if len(message) > _LONGEST_WORD else message
+    text = (
+        re.sub(quoted, lambda found: _cut(found[0], _LONGEST_WORD // 6), message)
+        if len(message) > _LONGEST_WORD
+        else message
+    )
     return text if len(text) <= _LONGEST_MESSAGE else _cut(text, _LONGEST_MESSAGE // 2)
 
 
@@ -125,8 +152,8 @@ LIKENESS = 0.6
 
 
 def nearest(name: object, known: Iterable[object], likeness: float = LIKENESS) -> str | None:
-    """The known name that a misspelt one is most like, by its letters, small and capital alike; None where none is. Names may be
-    numbers, where a caller in Python has given some.
+    """The known name that a misspelt one is most like, by its letters, small and capital alike;
+    None where none is. Names may be numbers, where a caller in Python has given some.
 
     >>> nearest("bsae", ["base", "platform"])
     'base'
@@ -145,11 +172,15 @@ def not_among(name: object, known: Iterable[object]) -> str:
     "'bsae' is unknown (do you mean 'base'?); allowed: base, platform"
     """
     allowed = [str(each) for each in known]
-    return f"{shown(name)} is unknown{meant(name, allowed)}; allowed: {', '.join(allowed) or 'none'}"
+    return (
+        f"{shown(name)} is unknown{meant(name, allowed)}; allowed: {', '.join(allowed) or 'none'}"
+    )
 
 
 def meant(name: object, known: Iterable[object]) -> str:
-    """A question for a message that refuses a name: " (do you mean 'base'?)", or nothing where no known name is like it."""
+    """A question for a message that refuses a name: " (do you mean 'base'?)", or nothing where no
+    known name is like it.
+    """
     found = nearest(name, known)
     return "" if found is None else f" (do you mean {shown(found)}?)"
 
@@ -159,11 +190,13 @@ def counted(count: int, what: str = "value") -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
-# --- outputs -------------------------------------------------------------------------------------------------------
+# --- outputs --------------------------------------------------------------------------------------
 
 
 def c_comment(text: str) -> str:
-    """Text within a block comment of C: it neither ends nor begins one, and holds no trigraph and no line splice."""
+    """Text within a block comment of C: it neither ends nor begins one, and holds no trigraph and
+    no line splice.
+    """
     text = text.replace("*/", "* /").replace("/*", "/ *")
     return re.sub(r"\\+$", lambda found: found[0] + ".", re.sub(r"\?(?=\?)", "? ", printable(text)))
 
@@ -174,7 +207,9 @@ def docstring_line(text: str) -> str:
 
 
 def markdown(text: str) -> str:
-    """Text in a paragraph, heading, list or table cell of Markdown: no markup, HTML, mathematics or links but plain addresses."""
+    """Text in a paragraph, heading, list or table cell of Markdown: no markup, HTML, mathematics or
+    links but plain addresses.
+    """
     text = re.sub(r"([\\`*\[\]|$~])", r"\\\1", printable(text))
     text = re.sub(r"(?<![^\W_])_|_(?![^\W_])", r"\_", text)
     text = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
@@ -201,9 +236,17 @@ def _ticks(text: str, least: int) -> str:
 
 
 _LATEX = {
-    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%", "_": r"\_",
-    "^": r"\textasciicircum{}", "~": r"\textasciitilde{}",
-}  # fmt: skip
+    "\\": r"\textbackslash{}",
+    "{": r"\{",
+    "}": r"\}",
+    "$": r"\$",
+    "&": r"\&",
+    "#": r"\#",
+    "%": r"\%",
+    "_": r"\_",
+    "^": r"\textasciicircum{}",
+    "~": r"\textasciitilde{}",
+}
 
 
 def latex_text(text: str) -> str:
@@ -226,5 +269,7 @@ def _greek(c: str) -> str | None:
 
 
 def matplotlib_text(text: str) -> str:
-    """Text of a picture: no mathematics, and no _ at the beginning, which would keep it out of a legend."""
+    """Text of a picture: no mathematics, and no _ at the beginning, which would keep it out of a
+    legend.
+    """
     return re.sub("^_", " _", text.replace("$", r"\$"))

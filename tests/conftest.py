@@ -1,10 +1,13 @@
-"""One hypothesis profile for all tests, the same examples each time on any machine, and cache folders of the tests' own."""
+"""One hypothesis profile for all tests, the same examples each time on any machine, and cache
+folders of the tests' own.
+"""
 
 import os
 import signal
 from functools import partial
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")  # before NumPy is loaded: tests run side by side, a process a core
+# before NumPy is loaded: tests run side by side, a process a core
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -12,7 +15,11 @@ from hypothesis import HealthCheck, settings
 from helpers import inside, warm_child
 
 settings.register_profile(
-    "symkin", derandomize=True, deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow]
+    "symkin",
+    derandomize=True,
+    deadline=None,
+    max_examples=60,
+    suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("symkin")
 
@@ -21,7 +28,9 @@ settings.load_profile("symkin")
 def _shared_folders_of_c(tmp_path_factory):
     """Folders of C that are not committed are written once for all workers of a run."""
     base = tmp_path_factory.getbasetemp()
-    os.environ["SYMKIN_FOLDERS"] = str((base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "folders")
+    os.environ["SYMKIN_FOLDERS"] = str(
+        (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "folders"
+    )
 
 
 @pytest.fixture
@@ -39,7 +48,9 @@ def kept_starts(tmp_path_factory, monkeypatch):
 
 @pytest.fixture
 def heard_interrupts():
-    """SIGINT interrupts this process and those it starts, though the tests run in a shell's background, where it is ignored."""
+    """SIGINT interrupts this process and those it starts, though the tests run in a shell's
+    background, where it is ignored.
+    """
     former = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, former)
@@ -47,18 +58,24 @@ def heard_interrupts():
 
 @pytest.fixture(autouse=True)
 def no_lines_on_slow_machines(monkeypatch):
-    """Commands say what they do after some seconds, which tests that want an empty stderr need not wait for."""
+    """Commands say what they do after some seconds, which tests that want an empty stderr need not
+    wait for.
+    """
     monkeypatch.setattr(inside.progress, "_FIRST", 600.0)
 
 
 @pytest.fixture(autouse=True, scope="session")
 def one_mujoco():
-    """MJCF files are compiled by forks of one process, which has loaded MuJoCo: a process for each file takes 0.3 s."""
+    """MJCF files are compiled by forks of one process, which has loaded MuJoCo: a process for each
+    file takes 0.3 s.
+    """
     if not hasattr(os, "fork"):
         yield
         return
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(inside.mjcf, "answer_of", partial(warm_child.answer_of, inside.child.answer_of))
+        patch.setattr(
+            inside.mjcf, "answer_of", partial(warm_child.answer_of, inside.child.answer_of)
+        )
         yield
 
 

@@ -29,7 +29,9 @@ class Answers:
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """The generated C of one mechanism: of a platform its direct problem, of an arm its inverse one."""
+    """The generated C of one mechanism: of a platform its direct problem, of an arm its inverse
+    one.
+    """
 
     mechanism: Mechanism
     options: Options
@@ -44,7 +46,9 @@ class Asked:
         given, near = (np.ascontiguousarray(values, self.number) for values in (goals, guesses))
         found = np.zeros((count, len(self.mechanism.actuated) if arm else 7), self.number)
         status, steps = np.zeros(count, np.int32), np.zeros(count, np.int32)
-        self._library.ask_all(count, *(ctypes.c_void_p(v.ctypes.data) for v in (given, near, found, status, steps)))
+        self._library.ask_all(
+            count, *(ctypes.c_void_p(v.ctypes.data) for v in (given, near, found, status, steps))
+        )
         return Answers(status, found.astype(float), steps)
 
     def back(self, found: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -52,7 +56,9 @@ class Asked:
         count, arm = len(found), self.mechanism.serial
         given, status = np.ascontiguousarray(found, self.number), np.zeros(count, np.int32)
         goals = np.zeros((count, 7 if arm else len(self.mechanism.actuated)), self.number)
-        self._library.back_all(count, *(ctypes.c_void_p(v.ctypes.data) for v in (given, goals, status)))
+        self._library.back_all(
+            count, *(ctypes.c_void_p(v.ctypes.data) for v in (given, goals, status))
+        )
         return status, goals.astype(float)
 
     @cached_property
@@ -71,7 +77,19 @@ class Asked:
             f"-DJOINTS={len(self.mechanism.actuated)}",
         ]
         macros += ["-DARM"] if self.mechanism.serial else []
-        flags = ["-O2", "-std=c99", "-fno-math-errno", "-ffp-contract=off", "-shared", "-fPIC", "-I."]
+        flags = [
+            "-O2",
+            "-std=c99",
+            "-fno-math-errno",
+            "-ffp-contract=off",
+            "-shared",
+            "-fPIC",
+            "-I.",
+        ]
         source = str(Path(__file__).with_name("ask.c"))
-        subprocess.run(["gcc", *flags, *macros, source, f"{name}.c", "-o", "code.so", "-lm"], cwd=folder, check=True)
+        subprocess.run(
+            ["gcc", *flags, *macros, source, f"{name}.c", "-o", "code.so", "-lm"],
+            cwd=folder,
+            check=True,
+        )
         return ctypes.CDLL(str(folder / "code.so"))

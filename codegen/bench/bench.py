@@ -1,8 +1,10 @@
-"""Instructions per solve of the generated C on two Cortex-M boards and on the host; the table of README.md.
+"""Instructions per solve of the generated C on two Cortex-M boards and on the host; the table of
+README.md.
 
     python codegen/bench/bench.py [--write]
 
-Cold: from home. Warm: within 0.2 mm and 1 mrad of the answer. CasADi's own C: plain_bench.py; bytes, stack and worst cases: worst.py.
+Cold: from home. Warm: within 0.2 mm and 1 mrad of the answer. CasADi's own C: plain_bench.py;
+bytes, stack and worst cases: worst.py.
 """
 
 from __future__ import annotations
@@ -26,7 +28,12 @@ def subjects() -> Iterator[tuple[str, Harness, tuple[str, ...], str]]:
     """(title, what is run, processors, unit of errors), in the order of the table."""
     boards = {"float": "M4F", "double": "M7"}
     for real, board in boards.items():
-        yield f"zhang2009 {real}", harness_of("zhang2009", Options(real, home=HOME)), (board, HOST), "mm"  # type: ignore[arg-type]
+        yield (
+            f"zhang2009 {real}",
+            harness_of("zhang2009", Options(real, home=HOME)),
+            (board, HOST),
+            "mm",
+        )  # type: ignore[arg-type]
     relative = Options("float", home_relative=True, home=HOME)
     yield "zhang2009 float, home-relative", harness_of("zhang2009", relative), ("M4F", HOST), "mm"
     struct = Options("double", geometry="struct", home=HOME)
@@ -37,21 +44,36 @@ def subjects() -> Iterator[tuple[str, Harness, tuple[str, ...], str]]:
         for name in SERIAL:
             yield f"{name} {real}", harness_of(name, Options(real)), (board, HOST), "rad or mm"  # type: ignore[arg-type]
         name, given, find = MAP
-        yield f"{name} {real}", harness_of(name, Options(real, given=given, find=find)), (board, HOST), "rad"  # type: ignore[arg-type]
+        yield (
+            f"{name} {real}",
+            harness_of(name, Options(real, given=given, find=find)),
+            (board, HOST),
+            "rad",
+        )  # type: ignore[arg-type]
 
 
 def report() -> str:
-    lines = ["| solver | processor | case | mean | largest | largest error |", "|---|---|---|---|---|---|"]
+    lines = [
+        "| solver | processor | case | mean | largest | largest error |",
+        "|---|---|---|---|---|---|",
+    ]
     for title, harness, processors, unit in subjects():
         for processor in processors:
             for case, f in measure(harness, processor).items():
-                lines.append(f"| {title} | {processor} | {case} | {f.mean:,.0f} | {f.largest:,.0f} | {f.error:.2g} {unit} |")
+                lines.append(
+                    f"| {title} | {processor} | {case} | {f.mean:,.0f} | {f.largest:,.0f} | "
+                    f"{f.error:.2g} {unit} |"
+                )
     return "\n".join(lines)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description="Measure the generated C on QEMU's boards and on the host.")
-    parser.add_argument("--write", action="store_true", help="write the table into codegen/README.md")
+    parser = argparse.ArgumentParser(
+        description="Measure the generated C on QEMU's boards and on the host."
+    )
+    parser.add_argument(
+        "--write", action="store_true", help="write the table into codegen/README.md"
+    )
     chosen = parser.parse_args()
     measured = report()
     print(measured)

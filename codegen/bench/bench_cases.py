@@ -1,4 +1,6 @@
-"""What the bench solves: joint values as generated code reads them, starts, and the answers to those numbers."""
+"""What the bench solves: joint values as generated code reads them, starts, and the answers to
+those numbers.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ vectors_of = lru_cache(maxsize=8)(build_vectors)
 
 @lru_cache(maxsize=8)
 def cases_of(kind: Kind) -> dict[str, np.ndarray]:
-    """Tables by name: 64 poses about home for a platform whose home is HOME, the folder's own vectors for all others."""
+    """Tables by name: 64 poses about home for a platform whose home is HOME, the folder's own
+    vectors for all others.
+    """
     if isinstance(kind, RodPlatform) and kind.options.home == HOME:
         return platform_cases(kind)
     if isinstance(kind, JointMap):
@@ -35,18 +39,30 @@ def cases_of(kind: Kind) -> dict[str, np.ndarray]:
     if isinstance(kind, SerialArm):
         return {"guesses": v.guesses, "poses": v.poses, "expected": v.inverse}
     odd, n = np.arange(len(v.joints)) % 2 == 1, len(v.joints)
-    return {"joints": v.joints[odd], "cold": np.tile(v.home, (n // 2, 1)), "warm": v.guesses[odd], "expected": v.poses[odd]}
+    return {
+        "joints": v.joints[odd],
+        "cold": np.tile(v.home, (n // 2, 1)),
+        "warm": v.guesses[odd],
+        "expected": v.poses[odd],
+    }
 
 
 def map_cases(kind: JointMap) -> dict[str, np.ndarray]:
-    """The map's own vectors that start next to their answers; `cold_...` is the reference, where the first starts."""
+    """The map's own vectors that start next to their answers; `cold_...` is the reference, where
+    the first starts.
+    """
     tables = MapVectors(kind).tables
     cases = {name: table[1::2] for name, table in tables.items()}
-    return cases | {"cold_guesses": tables["guesses"][:1], "cold_joint_guesses": tables["joint_guesses"][:1]}
+    return cases | {
+        "cold_guesses": tables["guesses"][:1],
+        "cold_joint_guesses": tables["joint_guesses"][:1],
+    }
 
 
 def platform_cases(platform: RodPlatform) -> dict[str, np.ndarray]:
-    """64 poses within 60 mm and 0.25 rad of home; warm starts lie within 0.2 mm and 1 mrad of the answer."""
+    """64 poses within 60 mm and 0.25 rad of home; warm starts lie within 0.2 mm and 1 mrad of the
+    answer.
+    """
     system = build_problem(platform.mechanism, "direct").system
     rng = np.random.default_rng(3)
     zero = platform.lengths(platform.home) if platform.options.home_relative else 0.0
@@ -62,4 +78,9 @@ def platform_cases(platform: RodPlatform) -> dict[str, np.ndarray]:
         warm.append([*(z[:3] + rng.uniform(-0.2, 0.2, 3) - origin), *(q / np.linalg.norm(q))])
         answers.append([*(z[:3] - origin), *z[3:]])
     home = np.tile(platform.stated(platform.home), (64, 1))
-    return {"joints": np.array(joints), "cold": home, "warm": np.array(warm), "expected": np.array(answers)}
+    return {
+        "joints": np.array(joints),
+        "cold": home,
+        "warm": np.array(warm),
+        "expected": np.array(answers),
+    }

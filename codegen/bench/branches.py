@@ -1,16 +1,19 @@
-"""Does NAME_OK mean the branch? Random goals, against a fine continuation of their lines in C of its own.
+"""Does NAME_OK mean the branch? Random goals, against a fine continuation of their lines in C of
+its own.
 
-For each goal the known values move along the straight line from the guess's in small steps (walk.c); a line is regular where none of
-its steps has to be shorter than 1/25600 of it and no limb passes a dead centre; what is OK on others must be right as well. The
-generated C is asked for the same goals. Guesses: home for the first leg, for each of the next ones (`--legs`) an answer of the one
-before, where that was right, and for a last leg configurations beside the folds at which lines stopped.
+For each goal the known values move along the straight line from the guess's in small steps
+(walk.c); a line is regular where none of its steps has to be shorter than 1/25600 of it and no limb
+passes a dead centre; what is OK on others must be right as well. The generated C is asked for the
+same goals. Guesses: home for the first leg, for each of the next ones (`--legs`) an answer of the
+one before, where that was right, and for a last leg configurations beside the folds at which lines
+stopped.
 
-    python codegen/bench/branches.py [NAME|FILE ...] [--count 2000] [--range PART,TURN] [--legs 2] [--real double]
-        [--seed 0] [--write]
+    python codegen/bench/branches.py [NAME|FILE ...] [--count 2000] [--range PART,TURN] [--legs 2]
+        [--real double] [--seed 0] [--write]
 
-Without `--range`: three of them, small, middle and widest (goals.py). Every line on which OK was wrong is printed, to be repeated.
-All lines that are OK are walked, and a fifth of the others, which tell how many regular lines are OK. `machines/` holds mechanisms
-that are not shipped.
+Without `--range`: three of them, small, middle and widest (goals.py). Every line on which OK was
+wrong is printed, to be repeated. All lines that are OK are walked, and a fifth of the others, which
+tell how many regular lines are OK. `machines/` holds mechanisms that are not shipped.
 """
 
 from __future__ import annotations
@@ -33,9 +36,22 @@ from symkin.model.mechanism import Mechanism
 
 _MACHINES = Path(__file__).with_name("machines")
 SHIPPED = ("zhang2009", "ren2008", "zhao2000", "zhao2000_links", "delta")
-STUDIED = (*SHIPPED, *(str(_MACHINES / f"{name}.toml") for name in (
-    "five_bar", "three_rrr", "three_rpr", "three_rps", "linear_delta", "orthoglide", "six_rss", "hexaglide",
-)))  # fmt: skip
+STUDIED = (
+    *SHIPPED,
+    *(
+        str(_MACHINES / f"{name}.toml")
+        for name in (
+            "five_bar",
+            "three_rrr",
+            "three_rpr",
+            "three_rps",
+            "linear_delta",
+            "orthoglide",
+            "six_rss",
+            "hexaglide",
+        )
+    ),
+)
 RANGES = {"small": SMALL, "middle": MIDDLE, "widest": WIDEST}
 _BATCH = 4096
 LETTERS = "OMSNRW"
@@ -44,7 +60,9 @@ LETTERS = "OMSNRW"
 
 @dataclass
 class Found:
-    """Counts of one study: goals, answers that are OK, wrong ones; of walked lines the regular ones, and their statuses."""
+    """Counts of one study: goals, answers that are OK, wrong ones; of walked lines the regular
+    ones, and their statuses.
+    """
 
     goals: int = 0
     ok: int = 0
@@ -61,19 +79,36 @@ class Found:
         return float(100.0 * self.regular[0] / max(1.0, float(np.sum(self.regular))))
 
     def row(self, name: str, real: str, reach: str) -> str:
-        refused = ", ".join(f"{STATUSES[k]} {self.regular[k]:,.0f}" for k in range(1, len(STATUSES)) if self.regular[k] > 0.5)
+        refused = ", ".join(
+            f"{STATUSES[k]} {self.regular[k]:,.0f}"
+            for k in range(1, len(STATUSES))
+            if self.regular[k] > 0.5
+        )
         return (
-            f"| {name} {real} | {reach} | {self.goals:,} | {self.ok:,} | {self.wrong} | {self.ok_of_regular:.1f} % | {refused} | "
+            f"| {name} {real} | {reach} | {self.goals:,} | {self.ok:,} | {self.wrong} | "
+            f"{self.ok_of_regular:.1f} % | {refused} | "
             f"{self.steps / max(1, self.goals):.1f} | {self.most_steps} |"
         )
 
 
-def study(mechanism: Mechanism, options: Options, count: int, reach: Reach = MIDDLE, seed: int = 0, legs: int = 1, folds: bool = True) -> Found:  # fmt: skip
-    """Asks the generated C for `count` random goals a leg, and compares what it calls OK with the fine continuation."""
+def study(
+    mechanism: Mechanism,
+    options: Options,
+    count: int,
+    reach: Reach = MIDDLE,
+    seed: int = 0,
+    legs: int = 1,
+    folds: bool = True,
+) -> Found:
+    """Asks the generated C for `count` random goals a leg, and compares what it calls OK with the
+    fine continuation.
+    """
     return studied(Lines(mechanism, options), count, reach, seed, legs, folds)
 
 
-def studied(lines: Lines, count: int, reach: Reach, seed: int, legs: int, folds: bool = True) -> Found:
+def studied(
+    lines: Lines, count: int, reach: Reach, seed: int, legs: int, folds: bool = True
+) -> Found:
     """The same of lines whose code is compiled once."""
     rng, found, begun = np.random.default_rng(seed), Found(), time.monotonic()
     for first in range(0, count, _BATCH):
@@ -92,7 +127,9 @@ def studied(lines: Lines, count: int, reach: Reach, seed: int, legs: int, folds:
 
 
 def statuses(lines: Lines, count: int, reach: Reach, seed: int, legs: int = 2) -> str:
-    """The letter of the status of each goal, without a walk: of `count` from home, then as many from what was OK on the leg before."""
+    """The letter of the status of each goal, without a walk: of `count` from home, then as many
+    from what was OK on the leg before.
+    """
     rng, home = np.random.default_rng(seed), lines.home(count).guesses
     guesses, said = home, ""
     for _ in range(legs):
@@ -112,7 +149,10 @@ def _count(found: Found, lines: Lines, outcome: Outcome) -> None:
     found.regular[0] += np.sum(outcome.regular & ok)
     found.regular += stands_for * np.bincount(status[refused], minlength=len(STATUSES))
     found.goals, found.ok = found.goals + len(ok), found.ok + int(np.sum(ok))
-    found.steps, found.most_steps = found.steps + int(np.sum(steps)), max(found.most_steps, int(np.max(steps)))
+    found.steps, found.most_steps = (
+        found.steps + int(np.sum(steps)),
+        max(found.most_steps, int(np.max(steps))),
+    )
     for k in np.flatnonzero(ok & ~outcome.right):
         found.wrong += 1
         found.said.append(_said(lines, outcome, int(k), reached[k]))
@@ -121,14 +161,24 @@ def _count(found: Found, lines: Lines, outcome: Outcome) -> None:
 def _said(lines: Lines, outcome: Outcome, k: int, reached: np.ndarray) -> str:
     """One wrong answer, with all that repeats it."""
     number = lines.asked.number
-    guess, goal = (", ".join(repr(float(v)) for v in number(values[k])) for values in (outcome.starts.guesses, outcome.goals))
-    what = f"{lines.mechanism.name} {lines.options.real}: OK is wrong, goal [{goal}], guess [{guess}], found {outcome.answers.found[k].tolist()}, "
+    guess, goal = (
+        ", ".join(repr(float(v)) for v in number(values[k]))
+        for values in (outcome.starts.guesses, outcome.goals)
+    )
+    what = (
+        f"{lines.mechanism.name} {lines.options.real}: OK is wrong, goal [{goal}], guess "
+        f"[{guess}], found {outcome.answers.found[k].tolist()}, "
+    )
     if outcome.ends.shortest[k] > 0.0:
-        return f"{what}the line leads to {reached.tolist()} by steps of {outcome.ends.shortest[k]:.2g}"
+        return (
+            f"{what}the line leads to {reached.tolist()} by steps of {outcome.ends.shortest[k]:.2g}"
+        )
     return f"{what}the line ends at {outcome.ends.done[k]:.9f} of it"
 
 
-def report(names: list[str], count: int, reals: list[str], seed: int, legs: int, ranges: dict[str, Reach]) -> str:
+def report(
+    names: list[str], count: int, reals: list[str], seed: int, legs: int, ranges: dict[str, Reach]
+) -> str:
     rows, seconds = [], 0.0
     for name in names:
         for real in reals:
@@ -139,30 +189,52 @@ def report(names: list[str], count: int, reals: list[str], seed: int, legs: int,
                 seconds += found.seconds
                 print("\n".join([rows[-1] + f" {found.seconds:.0f} s", *found.said]), flush=True)
     table = [
-        f"Seed {seed}, {count:,} goals a leg, {seconds / 60:.0f} minutes on one core.", "",
-        "| solver | range | goals | OK | OK wrong | OK of regular lines | refused regular lines | mean steps | most steps |",
-        "|---|---|---|---|---|---|---|---|---|", *rows,
-    ]  # fmt: skip
+        f"Seed {seed}, {count:,} goals a leg, {seconds / 60:.0f} minutes on one core.",
+        "",
+        "| solver | range | goals | OK | OK wrong | OK of regular lines | refused regular lines | "
+        "mean steps | most steps |",
+        "|---|---|---|---|---|---|---|---|---|",
+        *rows,
+    ]
     return "\n".join(table)
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0] if __doc__ else "")
     parser.add_argument("names", nargs="*", default=list(STUDIED))
-    parser.add_argument("--range", metavar="PART,TURN", help="how far goals lie from home: a part of the size, and rad; or a word of " + ", ".join(RANGES))  # fmt: skip
+    parser.add_argument(
+        "--range",
+        metavar="PART,TURN",
+        help="how far goals lie from home: a part of the size, and rad; or a word of "
+        + ", ".join(RANGES),
+    )
     parser.add_argument("--count", type=int, default=2000, help="goals a leg (default: 2000)")
     parser.add_argument(
-        "--legs", type=int, default=2, help="lines that follow each other (default: 2); one more begins beside folds"
+        "--legs",
+        type=int,
+        default=2,
+        help="lines that follow each other (default: 2); one more begins beside folds",
     )
-    parser.add_argument("--real", choices=("float", "double"), action="append", help="default: both")
+    parser.add_argument(
+        "--real", choices=("float", "double"), action="append", help="default: both"
+    )
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--write", action="store_true", help="write the table into codegen/README.md")
+    parser.add_argument(
+        "--write", action="store_true", help="write the table into codegen/README.md"
+    )
     chosen = parser.parse_args()
     given = RANGES
     if chosen.range in RANGES:
         given = {chosen.range: RANGES[chosen.range]}
     elif chosen.range:
         given = {chosen.range: Reach(*(float(number) for number in chosen.range.split(",")))}
-    measured = report(chosen.names, chosen.count, chosen.real or ["double", "float"], chosen.seed, chosen.legs, given)
+    measured = report(
+        chosen.names,
+        chosen.count,
+        chosen.real or ["double", "float"],
+        chosen.seed,
+        chosen.legs,
+        given,
+    )
     if chosen.write:
         written("branches", measured)

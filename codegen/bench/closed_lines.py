@@ -1,10 +1,14 @@
-"""Is NAME_OK right where formulas solve the direct problem? Many lines, beside folds and far ones, each looked at in many points.
+"""Is NAME_OK right where formulas solve the direct problem? Many lines, beside folds and far ones,
+each looked at in many points.
 
-Guesses are configurations all over the workspace, half of them beside a fold; goals lie up to `--range` away. The reference walks each line
-in `--points` points: the discriminants of the closed form in double precision, with the guess's signs, must be above zero at all of
-them, and the answer is the formulas' at the end. `OK` on a line that has a point below zero, or with another pose, is wrong.
+Guesses are configurations all over the workspace, half of them beside a fold; goals lie up to
+`--range` away. The reference walks each line in `--points` points: the discriminants of the closed
+form in double precision, with the guess's signs, must be above zero at all of them, and the answer
+is the formulas' at the end. `OK` on a line that has a point below zero, or with another pose, is
+wrong.
 
-    python codegen/bench/closed_lines.py [NAME|FILE ...] [--count 20000] [--range PART,TURN] [--points 400] [--real double] [--seed 0]
+    python codegen/bench/closed_lines.py [NAME|FILE ...] [--count 20000] [--range PART,TURN]
+        [--points 400] [--real double] [--seed 0]
 """
 
 from __future__ import annotations
@@ -25,7 +29,12 @@ from symkin.formats.load import load
 from symkin.model.mechanism import Mechanism
 from symkin.position.solution import pose_of
 
-STUDIED = ("delta", "zhao2000", "zhao2000_links", str(Path(__file__).parent / "machines" / "five_bar.toml"))
+STUDIED = (
+    "delta",
+    "zhao2000",
+    "zhao2000_links",
+    str(Path(__file__).parent / "machines" / "five_bar.toml"),
+)
 _SHARES = (0.03, 0.1, 0.3, 1.0)
 """Parts of the range within which goals lie."""
 _BESIDE = 0.03
@@ -33,12 +42,16 @@ _BESIDE = 0.03
 _CLEAR = 1e-3
 """Share of it above which all points of a line are regular beyond doubt."""
 _GRAZED = {"double": 1e-9, "float": 1e-4}
-"""Share of it by which a line may leave what is real: rounding of the guess's pose moves the line by as much."""
+"""Share of it by which a line may leave what is real: rounding of the guess's pose moves the line
+by as much.
+"""
 
 
 @dataclass(frozen=True)
 class Found:
-    """Counts: lines, those that are regular, OK, OK on others or with another pose, and OK of the regular ones."""
+    """Counts: lines, those that are regular, OK, OK on others or with another pose, and OK of the
+    regular ones.
+    """
 
     lines: int
     regular: int
@@ -47,7 +60,10 @@ class Found:
     good: int
 
     def row(self, name: str, real: str) -> str:
-        return f"| {name} {real} | {self.lines:,} | {self.regular:,} | {100 * self.good / max(1, self.regular):.2f} % | {self.ok:,} | {self.wrong} |"
+        return (
+            f"| {name} {real} | {self.lines:,} | {self.regular:,} | "
+            f"{100 * self.good / max(1, self.regular):.2f} % | {self.ok:,} | {self.wrong} |"
+        )
 
 
 class Reference:
@@ -62,12 +78,18 @@ class Reference:
         form = self.form
         whole = ca.vertcat(form.values, form.discriminants)
         for k in reversed(range(int(form.roots.shape[0]))):
-            whole = ca.substitute(whole, form.roots[k], ca.sqrt(ca.fmax(form.discriminants[k], 0.0)))
-        self._function = ca.Function("whole", [form.signs, form.system.known], [whole], {"cse": True})
+            whole = ca.substitute(
+                whole, form.roots[k], ca.sqrt(ca.fmax(form.discriminants[k], 0.0))
+            )
+        self._function = ca.Function(
+            "whole", [form.signs, form.system.known], [whole], {"cse": True}
+        )
         self._sides = self._side_function()
 
     def _side_function(self) -> ca.Function:
-        """What tells the sides of the limbs' dead centres, at least 0 on those of the reference, by all variables."""
+        """What tells the sides of the limbs' dead centres, at least 0 on those of the reference, by
+        all variables.
+        """
         closure, inverse = self.problem.closure, self.kind.inverse
         sides = []
         for block in self.kind.blocks:
@@ -75,11 +97,18 @@ class Reference:
                 continue
             system = block.system
             told = block.formulas.sides(self.kind.home_signs(block.formulas))
-            for symbols, coordinates in ((system.unknown, system.unknowns), (system.known, inverse.known_coordinates)):
-                values = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in coordinates))
+            for symbols, coordinates in (
+                (system.unknown, system.unknowns),
+                (system.known, inverse.known_coordinates),
+            ):
+                values = ca.vertcat(
+                    *(closure.variables[closure.slices[c.name]] for c in coordinates)
+                )
                 told = ca.substitute(told, symbols, values)
             sides.append(told)
-        return ca.Function("sides", [closure.variables], [closure.bound(ca.vertcat(ca.SX(0, 1), *sides))])
+        return ca.Function(
+            "sides", [closure.variables], [closure.bound(ca.vertcat(ca.SX(0, 1), *sides))]
+        )
 
     def at(self, signs: np.ndarray, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Unknowns (n, width) and discriminants (n, choices) over their usual sizes."""
@@ -88,7 +117,9 @@ class Reference:
         return found[:, :width], found[:, width:] / self.usual
 
     def variables(self, unknown: np.ndarray, given: np.ndarray) -> np.ndarray:
-        return np.array([self.problem.join_values(z, q) for z, q in zip(unknown, given, strict=True)])
+        return np.array(
+            [self.problem.join_values(z, q) for z, q in zip(unknown, given, strict=True)]
+        )
 
     def on_reference_sides(self, unknown: np.ndarray, given: np.ndarray) -> np.ndarray:
         """Whether limbs stand on the reference's sides of their dead centres."""
@@ -96,7 +127,9 @@ class Reference:
         told = np.asarray(self._sides.map(len(values))(values.T)).T
         return np.all(told > 0.0, axis=1)
 
-    def least(self, signs: np.ndarray, starts: np.ndarray, goals: np.ndarray, points: int) -> np.ndarray:
+    def least(
+        self, signs: np.ndarray, starts: np.ndarray, goals: np.ndarray, points: int
+    ) -> np.ndarray:
         """The least discriminant on each line, over its usual size."""
         least = np.full(len(goals), np.inf)
         for part in np.linspace(0.0, 1.0, points):
@@ -105,7 +138,9 @@ class Reference:
         return least
 
 
-def study(mechanism: Mechanism, real: str, count: int, reach: Reach, points: int, seed: int) -> Found:
+def study(
+    mechanism: Mechanism, real: str, count: int, reach: Reach, points: int, seed: int
+) -> Found:
     reference = Reference(mechanism)
     rng, joints = np.random.default_rng(seed), mechanism.actuated
     size = mechanism.characteristic_length
@@ -114,7 +149,8 @@ def study(mechanism: Mechanism, real: str, count: int, reach: Reach, points: int
     home = reference.kind.home_values
     problem = reference.problem
     home_signs = reference.form.signs_at(
-        problem.select_values(home, problem.system.unknowns), problem.select_values(home, problem.known_coordinates)
+        problem.select_values(home, problem.system.unknowns),
+        problem.select_values(home, problem.known_coordinates),
     )
     starts = middle + spread * rng.uniform(-1, 1, (12 * count, len(joints)))
     signs = np.tile(home_signs, (len(starts), 1))
@@ -122,9 +158,13 @@ def study(mechanism: Mechanism, real: str, count: int, reach: Reach, points: int
     real_ones = np.all(found > _GRAZED[real], axis=1)
     real_ones[real_ones] = reference.on_reference_sides(unknown[real_ones], starts[real_ones])
     beside = real_ones & (np.min(found, axis=1) < _BESIDE)
-    chosen = np.concatenate([np.flatnonzero(beside)[: count // 4], np.flatnonzero(real_ones & ~beside)[: count // 2]])
+    chosen = np.concatenate(
+        [np.flatnonzero(beside)[: count // 4], np.flatnonzero(real_ones & ~beside)[: count // 2]]
+    )
     home_rows = np.zeros(count - len(chosen), dtype=int)
-    z_home, q_home = (problem.select_values(home, c) for c in (problem.system.unknowns, problem.known_coordinates))
+    z_home, q_home = (
+        problem.select_values(home, c) for c in (problem.system.unknowns, problem.known_coordinates)
+    )
     starts = np.concatenate([starts[chosen], np.tile(q_home, (len(home_rows), 1))])
     unknown = np.concatenate([unknown[chosen], np.tile(z_home, (len(home_rows), 1))])
     signs = np.tile(home_signs, (count, 1))
@@ -155,7 +195,9 @@ def study(mechanism: Mechanism, real: str, count: int, reach: Reach, points: int
     inside = least > 0.0
     sides[inside] = reference.on_reference_sides(at_end[inside], ends[inside])
     regular = (least > _CLEAR) & sides & (status != 4)
-    return Found(count, int(regular.sum()), int(ok.sum()), int(wrong.sum()), int((ok & regular).sum()))
+    return Found(
+        count, int(regular.sum()), int(ok.sum()), int(wrong.sum()), int((ok & regular).sum())
+    )
 
 
 def _poses(reference: Reference, unknown: np.ndarray, given: np.ndarray) -> np.ndarray:
@@ -173,14 +215,26 @@ def _poses(reference: Reference, unknown: np.ndarray, given: np.ndarray) -> np.n
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0] if __doc__ else "")
     parser.add_argument("names", nargs="*", default=list(STUDIED))
-    parser.add_argument("--range", metavar="PART,TURN", default="0.3,1.5", help="how far goals lie: a part of the size, and rad")
+    parser.add_argument(
+        "--range",
+        metavar="PART,TURN",
+        default="0.3,1.5",
+        help="how far goals lie: a part of the size, and rad",
+    )
     parser.add_argument("--count", type=int, default=20000)
     parser.add_argument("--points", type=int, default=400)
-    parser.add_argument("--real", choices=("float", "double"), action="append", help="default: both")
+    parser.add_argument(
+        "--real", choices=("float", "double"), action="append", help="default: both"
+    )
     parser.add_argument("--seed", type=int, default=0)
     chosen = parser.parse_args()
     print("| solver | lines | regular | OK of these | OK | wrong |\n|---|---|---|---|---|---|")
     for name in chosen.names:
         for real in chosen.real or ["double", "float"]:
             reach = Reach(*(float(number) for number in chosen.range.split(",")))
-            print(study(load(name), real, chosen.count, reach, chosen.points, chosen.seed).row(Path(name).stem, real), flush=True)
+            print(
+                study(load(name), real, chosen.count, reach, chosen.points, chosen.seed).row(
+                    Path(name).stem, real
+                ),
+                flush=True,
+            )

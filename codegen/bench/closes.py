@@ -1,11 +1,14 @@
-"""Whether OK of generated C means that all loops close: machines of all kinds, poses on and off what they can take.
+"""Whether OK of generated C means that all loops close: machines of all kinds, poses on and off
+what they can take.
 
-    python codegen/bench/closes.py [--random 30] [--seed 0] [--poses 60] [--only NAME] [--kind map|arm|platform] [--no-named]
+    python codegen/bench/closes.py [--random 30] [--seed 0] [--poses 60] [--only NAME]
+        [--kind map|arm|platform] [--no-named]
 
-What C answers is put into the closure of tests/oracle/plain_closure.py and plain_graph.py, where every joint keeps its coordinates; passive
-joints are looked for from many starts. Each answer is asked for once more, from itself: standing still has to be OK. A folder's own test is
-run when it is written. The last line has the numbers of machines, calls, OKs, OKs that do not close, own tests that fail
-and refusals of standing still. Exit status 1 where one of the last three is not zero.
+What C answers is put into the closure of tests/oracle/plain_closure.py and plain_graph.py, where
+every joint keeps its coordinates; passive joints are looked for from many starts. Each answer is
+asked for once more, from itself: standing still has to be OK. A folder's own test is run when it is
+written. The last line has the numbers of machines, calls, OKs, OKs that do not close, own tests
+that fail and refusals of standing still. Exit status 1 where one of the last three is not zero.
 """
 
 from __future__ import annotations
@@ -43,11 +46,17 @@ BENCH = Path(__file__).resolve().parent
 PLATFORMS = ("delta", "zhao2000", "zhao2000_links", "ren2008", "ren2008_true", "zhang2009")
 ARMS = ("gluon_6l3", "scara", "ur5e", "yao2020")
 MAPS = (
-    ("ankle", "upper_motor,lower_motor", "ankle.1,ankle.2"), ("four_bar", "crank", "follower"), ("bennett", "input", "output"),
-    ("sarrus", "foot_x", "head_y"), ("slider_crank", "crank", "piston"), ("watt_six_bar", "crank", "output"),
-    ("stephenson_six_bar", "crank", "output"), ("goldberg", "input", "output"), ("pantograph_five_bar", "arm1,arm2", "wrist1,plate_pivot"),
+    ("ankle", "upper_motor,lower_motor", "ankle.1,ankle.2"),
+    ("four_bar", "crank", "follower"),
+    ("bennett", "input", "output"),
+    ("sarrus", "foot_x", "head_y"),
+    ("slider_crank", "crank", "piston"),
+    ("watt_six_bar", "crank", "output"),
+    ("stephenson_six_bar", "crank", "output"),
+    ("goldberg", "input", "output"),
+    ("pantograph_five_bar", "arm1,arm2", "wrist1,plate_pivot"),
     ("excavator_bucket", "boom_cylinder,stick_cylinder,bucket_cylinder", "boom,stick,bucket"),
-)  # fmt: skip
+)
 LOOPS = {
     "four_bar": (("crank", "crank_pin"), ("follower", "follower_pin")),
     "bennett": (("input", "crank_pin"), ("output", "rocker_pin")),
@@ -56,7 +65,9 @@ LOOPS = {
 }
 """Loops of a graph that are written as two limbs: which joints each has, from the base on."""
 CLOSES = {"float": 4e-5, "double": 4e-6}
-"""Largest closure error of an OK, over the size: 1e-6, or 64 roundings, of each row, a few of which add up in rows written otherwise."""
+"""Largest closure error of an OK, over the size: 1e-6, or 64 roundings, of each row, a few of which
+add up in rows written otherwise.
+"""
 OWN_TEST = "own test fails"
 """What a refusal says of code that was not written because its test fails."""
 SECONDS = 60
@@ -67,8 +78,9 @@ FLAGS = ["-O1", "-std=c99", "-fno-math-errno", "-ffp-contract=off"]
 
 @dataclass
 class Tally:
-    """What came of one machine's code in one type: calls, OKs, OKs that do not close, the worst of these, answers that are refused when
-    they are asked for from themselves."""
+    """What came of one machine's code in one type: calls, OKs, OKs that do not close, the worst of
+    these, answers that are refused when they are asked for from themselves.
+    """
 
     name: str
     kind: str
@@ -84,7 +96,8 @@ class Tally:
 
     def line(self) -> str:
         return (
-            f"{self.name:28} {self.kind:9} {self.real:6} calls {self.calls:5} OK {self.ok:5} open {self.open:4} worst {self.worst:8.1e} "
+            f"{self.name:28} {self.kind:9} {self.real:6} calls {self.calls:5} OK {self.ok:5} open "
+            f"{self.open:4} worst {self.worst:8.1e} "
             f"still refused {self.moved:3} feasible taken {self.on_set_ok}/{self.on_set}"
         )
 
@@ -106,32 +119,59 @@ class Machine:
 def built(machine: Machine, real: str, folder: Path) -> ctypes.CDLL:
     """The library of a machine's code, whose own test has passed: else `write_folder` refuses."""
     options = Options(real, home=machine.home, given=machine.given, find=machine.find)  # type: ignore[arg-type]
-    mechanism = machine.mechanism if machine.given else with_limbs(machine.mechanism, "firmware", "")
+    mechanism = (
+        machine.mechanism if machine.given else with_limbs(machine.mechanism, "firmware", "")
+    )
     write_folder(mechanism, folder, options)
     name = mechanism.name
     count = len(machine.given) or len(mechanism.actuated)
     macros = [f'-DHEADER="{name}.h"', f"-DREAL={real}", f"-DOF(x)={name}_##x", f"-DJOINTS={count}"]
     macros += {"map": ["-DMAP"], "arm": ["-DARM"], "platform": []}[machine.kind]
-    command = ["gcc", *FLAGS, *macros, "-shared", "-fPIC", "-I.", str(BENCH / "ask.c"), f"{name}.c", "-o", "code.so", "-lm"]
+    command = [
+        "gcc",
+        *FLAGS,
+        *macros,
+        "-shared",
+        "-fPIC",
+        "-I.",
+        str(BENCH / "ask.c"),
+        f"{name}.c",
+        "-o",
+        "code.so",
+        "-lm",
+    ]
     subprocess.run(command, cwd=folder, check=True)
     return ctypes.CDLL(str(folder / "code.so"))
 
 
-def asked(function: ctypes._CFuncPtr, real: str, inputs: list[np.ndarray], outputs: list[int], order: str) -> list[np.ndarray]:
-    """Call a function of ask.c: its arrays `order` (i input, o output of so many numbers, s status, n numbers of steps)."""
+def asked(
+    function: ctypes._CFuncPtr, real: str, inputs: list[np.ndarray], outputs: list[int], order: str
+) -> list[np.ndarray]:
+    """Call a function of ask.c: its arrays `order` (i input, o output of so many numbers, s status,
+    n numbers of steps).
+    """
     number, count = np.float32 if real == "float" else np.float64, len(inputs[0])
-    given, widths, arrays, results = iter(inputs), iter(outputs), list[np.ndarray](), list[np.ndarray]()
+    given, widths, arrays, results = (
+        iter(inputs),
+        iter(outputs),
+        list[np.ndarray](),
+        list[np.ndarray](),
+    )
     for letter in order:
         if letter == "i":
             arrays.append(np.ascontiguousarray(next(given), number))
         else:
-            arrays.append(np.zeros((count, next(widths)), number) if letter == "o" else np.zeros(count, np.int32))
+            arrays.append(
+                np.zeros((count, next(widths)), number)
+                if letter == "o"
+                else np.zeros(count, np.int32)
+            )
             results.append(arrays[-1])
     function(count, *(ctypes.c_void_p(a.ctypes.data) for a in arrays))
     return [r.astype(float) if r.dtype != np.int32 else r for r in results]
 
 
-# --- platforms and arms by limbs ----------------------------------------------------------------------------------------
+# --- platforms and arms by limbs ------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,12 +193,16 @@ class Limbs:
         far = 10.0 ** self.rng.uniform(-3.0, -0.5, (len(poses), 1))
         step = self.rng.normal(size=(len(poses), 6))
         half = 0.5 * far * step[:, 3:]
-        turned = np.array([_product(np.array([1.0, *h]), q) for h, q in zip(half, poses[:, 3:], strict=True)])
+        turned = np.array(
+            [_product(np.array([1.0, *h]), q) for h, q in zip(half, poses[:, 3:], strict=True)]
+        )
         turned /= np.linalg.norm(turned, axis=1, keepdims=True)
         return np.column_stack([poses[:, :3] + self.plain.size * far * step[:, :3], turned])
 
     def gaps(self, begin: np.ndarray, poses: np.ndarray, joints: np.ndarray) -> np.ndarray:
-        """How far from closing (n,), over the size, configurations with poses and joint values are at best."""
+        """How far from closing (n,), over the size, configurations with poses and joint values are
+        at best.
+        """
         m, found = self.plain, []
         passive = m.places("passive")
         for x, pose, values in zip(begin, poses, joints, strict=True):
@@ -188,7 +232,9 @@ def projected(m: PlainMechanism, poses: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
-def of_limbs(machine: Machine, real: str, poses: int, rng: np.random.Generator, folder: Path) -> Tally:
+def of_limbs(
+    machine: Machine, real: str, poses: int, rng: np.random.Generator, folder: Path
+) -> Tally:
     """Ask a platform's or an arm's code."""
     mechanism = with_limbs(machine.mechanism, "firmware", "")
     plain = PlainMechanism(tomllib.loads(mechanism_to_toml(mechanism)))
@@ -203,7 +249,10 @@ def of_limbs(machine: Machine, real: str, poses: int, rng: np.random.Generator, 
     if plain.serial:
         begin, targets = np.vstack([x, x]), np.vstack([on, limbs.moved(on)])
         # on the set from beside the answer
-        guesses = np.vstack([limbs.joints(x)] * 2) + 0.05 * rng.normal(size=(len(targets), number)) * units
+        guesses = (
+            np.vstack([limbs.joints(x)] * 2)
+            + 0.05 * rng.normal(size=(len(targets), number)) * units
+        )
         joints, status, _ = asked(library.ask_all, real, [targets, guesses], [number], "iiosn")
         _stand_still(tally, library.ask_all, targets, joints, status == 0, "inverse")
     else:
@@ -214,7 +263,9 @@ def of_limbs(machine: Machine, real: str, poses: int, rng: np.random.Generator, 
     if not plain.serial:
         begin, wanted = np.vstack([x, x]), limbs.joints(np.vstack([x, x]))
         wanted[len(x) :] += 0.3 * rng.normal(size=wanted[len(x) :].shape) * units
-        home = limbs.poses(plain.reference[None]) if machine.home is None else np.array([machine.home])
+        home = (
+            limbs.poses(plain.reference[None]) if machine.home is None else np.array([machine.home])
+        )
         guesses = np.tile(home, (len(wanted), 1))
         found, status, _ = asked(library.ask_all, real, [wanted, guesses], [7], "iiosn")
         _stand_still(tally, library.ask_all, wanted, found, status == 0, "direct")
@@ -223,21 +274,36 @@ def of_limbs(machine: Machine, real: str, poses: int, rng: np.random.Generator, 
 
 
 def _stand_still(
-    tally: Tally, function: ctypes._CFuncPtr, goals: np.ndarray, answers: np.ndarray, ok: np.ndarray, what: str
+    tally: Tally,
+    function: ctypes._CFuncPtr,
+    goals: np.ndarray,
+    answers: np.ndarray,
+    ok: np.ndarray,
+    what: str,
 ) -> None:
     """Ask for answers from themselves."""
     if not ok.any():
         return
-    _, status, _ = asked(function, tally.real, [goals[ok], answers[ok]], [answers.shape[1]], "iiosn")
+    _, status, _ = asked(
+        function, tally.real, [goals[ok], answers[ok]], [answers.shape[1]], "iiosn"
+    )
     tally.moved += int(np.sum(status != 0))
     for k in np.flatnonzero(status)[:2]:
         tally.examples.append(
-            f"{what}: standing still refused ({status[k]}): {goals[ok][k].tolist()} from {answers[ok][k].tolist()}"
+            f"{what}: standing still refused ({status[k]}): {goals[ok][k].tolist()} from "
+            f"{answers[ok][k].tolist()}"
         )
 
 
 def _count(
-    tally: Tally, limbs: Limbs, begin: np.ndarray, poses: np.ndarray, joints: np.ndarray, ok: np.ndarray, on_set: int, what: str
+    tally: Tally,
+    limbs: Limbs,
+    begin: np.ndarray,
+    poses: np.ndarray,
+    joints: np.ndarray,
+    ok: np.ndarray,
+    on_set: int,
+    what: str,
 ) -> None:
     tally.calls += len(ok)
     tally.ok += int(ok.sum())
@@ -248,13 +314,18 @@ def _count(
     bad = gaps > CLOSES[tally.real]
     tally.open += int(bad.sum())
     for k in np.flatnonzero(bad)[:2]:
-        tally.examples.append(f"{what}: pose {poses[ok][k].tolist()} joints {joints[ok][k].tolist()} open by {gaps[k]:.2g}")
+        tally.examples.append(
+            f"{what}: pose {poses[ok][k].tolist()} joints {joints[ok][k].tolist()} open by "
+            f"{gaps[k]:.2g}"
+        )
 
 
-# --- maps ---------------------------------------------------------------------------------------------------------------
+# --- maps -----------------------------------------------------------------------------------------
 
 
-def of_map(machine: Machine, real: str, poses: int, rng: np.random.Generator, folder: Path) -> Tally:
+def of_map(
+    machine: Machine, real: str, poses: int, rng: np.random.Generator, folder: Path
+) -> Tally:
     """Ask a map's code, both ways."""
     mechanism = machine.mechanism
     tally = Tally(f"{mechanism.name}", "map", real)
@@ -262,35 +333,66 @@ def of_map(machine: Machine, real: str, poses: int, rng: np.random.Generator, fo
     file = folder / "plain.toml"
     file.write_text(mechanism_to_toml(mechanism))
     g = plain_graph.read(file)
-    first, places = 7 * len(g.names), [[g.place(n) for n in part] for part in (machine.given, machine.find)]
+    first, places = (
+        7 * len(g.names),
+        [[g.place(n) for n in part] for part in (machine.given, machine.find)],
+    )
     units = np.array([1.0 if c.angle else g.size for c in g.coordinates])
     near = np.vstack([plain_graph.generic(g, poses // 2, spread, seed=1) for spread in (0.05, 0.3)])
     if not len(near):
         return tally
     values = g.values(near) * units
     home = np.array([c.zero for c in g.coordinates]) * units
-    for function, known, wanted in ((library.ask_all, *places), (library.ask_inverse, *reversed(places))):
-        goals = np.vstack([values[:, known], values[:, known] + rng.normal(size=(len(near), len(known))) * units[known]])
+    for function, known, wanted in (
+        (library.ask_all, *places),
+        (library.ask_inverse, *reversed(places)),
+    ):
+        goals = np.vstack(
+            [
+                values[:, known],
+                values[:, known] + rng.normal(size=(len(near), len(known))) * units[known],
+            ]
+        )
         guesses = np.vstack([values[:, wanted], np.tile(home[wanted], (len(near), 1))])
         found, status, _ = asked(function, real, [goals, guesses], [len(wanted)], "iiosn")
         ok = status == 0
-        _stand_still(tally, function, goals, found, ok, "direct" if known is places[0] else "inverse")
+        _stand_still(
+            tally, function, goals, found, ok, "direct" if known is places[0] else "inverse"
+        )
         tally.calls, tally.ok = tally.calls + len(ok), tally.ok + int(ok.sum())
-        tally.on_set, tally.on_set_ok = tally.on_set + len(near), tally.on_set_ok + int(ok[: len(near)].sum())
+        tally.on_set, tally.on_set_ok = (
+            tally.on_set + len(near),
+            tally.on_set_ok + int(ok[: len(near)].sum()),
+        )
         for x, goal, answer in zip(np.vstack([near, near])[ok], goals[ok], found[ok], strict=True):
-            fixed = dict(zip([*known, *wanted], (np.array([*goal, *answer]) / units[[*known, *wanted]]).tolist(), strict=True))
+            fixed = dict(
+                zip(
+                    [*known, *wanted],
+                    (np.array([*goal, *answer]) / units[[*known, *wanted]]).tolist(),
+                    strict=True,
+                )
+            )
             gap = _graph_gap(g, x, fixed, first, rng)
             tally.worst = max(tally.worst, gap)
             if gap > CLOSES[real]:
                 tally.open += 1
                 tally.examples.append(
-                    f"{'direct' if known is places[0] else 'inverse'}: {goal.tolist()} gives {answer.tolist()} open by {gap:.2g}"
+                    f"{'direct' if known is places[0] else 'inverse'}: {goal.tolist()} gives "
+                    f"{answer.tolist()} open by {gap:.2g}"
                 )
     return tally
 
 
-def _graph_gap(g: plain_graph.Graph, x: np.ndarray, fixed: dict[int, float], first: int, rng: np.random.Generator) -> float:
-    """How far from closing a graph is at best with fixed coordinates: from a configuration, then from random starts."""
+def _graph_gap(
+    g: plain_graph.Graph,
+    x: np.ndarray,
+    fixed: dict[int, float],
+    first: int,
+    rng: np.random.Generator,
+) -> float:
+    """How far from closing a graph is at best with fixed coordinates: from a configuration, then
+    from random starts.
+    """
     start = x[None].copy()
     for k, value in fixed.items():
         start[:, first + k] = value
@@ -302,16 +404,22 @@ def _graph_gap(g: plain_graph.Graph, x: np.ndarray, fixed: dict[int, float], fir
     return gap
 
 
-# --- machines -----------------------------------------------------------------------------------------------------------
+# --- machines -------------------------------------------------------------------------------------
 
 
 def as_limbs(name: str, limbs: tuple[tuple[str, ...], ...]) -> Mechanism:
     """A shipped loop of a graph as limbs that meet at a platform."""
     data = tomllib.loads(mechanism_to_toml(symkin.load(name)))
-    joints = {joint["name"]: {k: v for k, v in joint.items() if k != "links"} for joint in data["joint"]}
-    kept = {key: data[key] for key in ("format", "length_unit", "angle_unit")} | {"name": f"{name}_limbs"}
+    joints = {
+        joint["name"]: {k: v for k, v in joint.items() if k != "links"} for joint in data["joint"]
+    }
+    kept = {key: data[key] for key in ("format", "length_unit", "angle_unit")} | {
+        "name": f"{name}_limbs"
+    }
     at = joints[limbs[0][-1]]["point"]
-    tables = [{"name": f"limb{i}", "joint": [joints[j] for j in chain]} for i, chain in enumerate(limbs)]
+    tables = [
+        {"name": f"limb{i}", "joint": [joints[j] for j in chain]} for i, chain in enumerate(limbs)
+    ]
     with tempfile.TemporaryDirectory() as scratch:
         file = Path(scratch) / "m.toml"
         file.write_text(to_toml(kept | {"platform": {"position": at}, "limb": tables}))
@@ -326,7 +434,8 @@ def named() -> Iterator[Machine]:
         made = symkin.load(file)
         yield Machine(made)
         if made.motion != "spatial":
-            # the same without its motion: its pose is then of six numbers, of which its limbs leave some
+            # the same without its motion: its pose is then of six numbers, of which its limbs leave
+            # some
             yield Machine(replace(made, name=f"{made.name}_six", motion="spatial"))
     for name, limbs in LOOPS.items():
         yield Machine(as_limbs(name, limbs))
@@ -343,7 +452,9 @@ def drawn(seed: int, folder: Path) -> Iterator[Machine]:
             file.write_text(Drawing(rng).grow() if number % 3 == 2 else to_toml(random_file(rng)))
             text = file.read_text()
             file.write_text(
-                text.replace('name = "m"', f'name = "r{number}"', 1).replace('name = "graph"', f'name = "r{number}"', 1)
+                text.replace('name = "m"', f'name = "r{number}"', 1).replace(
+                    'name = "graph"', f'name = "r{number}"', 1
+                )
             )
             mechanism = symkin.load(file)
             if number % 3 != 2:
@@ -386,9 +497,20 @@ class Campaign:
                 signal.setitimer(signal.ITIMER_PROF, SECONDS)
                 try:
                     of = of_map if machine.given else of_limbs
-                    found.append(of(machine, real, self.poses, np.random.default_rng(self.seed), Path(scratch)))
+                    found.append(
+                        of(
+                            machine,
+                            real,
+                            self.poses,
+                            np.random.default_rng(self.seed),
+                            Path(scratch),
+                        )
+                    )
                 except (InputError, TimeoutError) as reason:
-                    print(f"  {machine.mechanism.name} {real}: left out: {str(reason)[:200]}", flush=True)
+                    print(
+                        f"  {machine.mechanism.name} {real}: left out: {str(reason)[:200]}",
+                        flush=True,
+                    )
                     if OWN_TEST in str(reason):
                         self.failed.append(f"{machine.mechanism.name} {real}")
                 finally:
@@ -401,10 +523,15 @@ class Campaign:
     def ends(self) -> int:
         """Print the last line; the exit status."""
         false, still = sum(t.open for t in self.tallies), sum(t.moved for t in self.tallies)
-        taken, feasible = sum(t.on_set_ok for t in self.tallies), sum(t.on_set for t in self.tallies)
+        taken, feasible = (
+            sum(t.on_set_ok for t in self.tallies),
+            sum(t.on_set for t in self.tallies),
+        )
         print(
-            f"{self.machines} machines, {sum(t.calls for t in self.tallies)} calls, {sum(t.ok for t in self.tallies)} OK, of which {false} "
-            f"do not close; own tests that fail: {len(self.failed)} ({', '.join(self.failed) or 'none'}); refusals of standing still: {still}; "
+            f"{self.machines} machines, {sum(t.calls for t in self.tallies)} calls, "
+            f"{sum(t.ok for t in self.tallies)} OK, of which {false} "
+            f"do not close; own tests that fail: {len(self.failed)} "
+            f"({', '.join(self.failed) or 'none'}); refusals of standing still: {still}; "
             f"feasible values taken {taken} of {feasible}"
         )
         return 1 if false or self.failed or still else 0
@@ -415,12 +542,16 @@ def late(*_: object) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--random", type=int, default=30, help="random machines")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--poses", type=int, default=60)
     parser.add_argument("--only", default="", help="machines whose names begin so")
-    parser.add_argument("--kind", default="", choices=("map", "arm", "platform"), help="machines of one kind")
+    parser.add_argument(
+        "--kind", default="", choices=("map", "arm", "platform"), help="machines of one kind"
+    )
     parser.add_argument("--no-named", action="store_true", help="random machines alone")
     chosen = parser.parse_args()
     signal.signal(signal.SIGPROF, late)

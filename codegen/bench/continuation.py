@@ -1,4 +1,6 @@
-"""The configuration that a machine reaches when its known values move in straight lines: a reference in C of its own (walk.c)."""
+"""The configuration that a machine reaches when its known values move in straight lines: a
+reference in C of its own (walk.c).
+"""
 
 from __future__ import annotations
 
@@ -19,13 +21,16 @@ from symkin.spatial.rotation import multiply
 LONGEST = 1.0 / 200
 """Longest step as a part of a line."""
 _RESIDUAL = 1e-8
-"""Largest closure error, over all constraints, of a configuration that is reached, as a part of the size."""
+"""Largest closure error, over all constraints, of a configuration that is reached, as a part of the
+size.
+"""
 
 
 @dataclass(frozen=True)
 class Ends:
-    """Where lines lead: unknowns where each ended, how far it came, and the shortest step that it needed: 0 where it met a
-    singularity."""
+    """Where lines lead: unknowns where each ended, how far it came, and the shortest step that it
+    needed: 0 where it met a singularity.
+    """
 
     unknowns: np.ndarray
     done: np.ndarray
@@ -34,8 +39,9 @@ class Ends:
 
 @dataclass(frozen=True, eq=False)
 class Walker:
-    """Fine continuation of a position problem, geometry nominal, by Newton's method on all rows. Known positions, joints and
-    quaternions move in straight lines, quaternions normalised."""
+    """Fine continuation of a position problem, geometry nominal, by Newton's method on all rows.
+    Known positions, joints and quaternions move in straight lines, quaternions normalised.
+    """
 
     problem: Problem
     longest: float = LONGEST
@@ -45,8 +51,12 @@ class Walker:
         return self.problem.system
 
     def reached(self, start: np.ndarray, begin: np.ndarray, goals: np.ndarray) -> Ends:
-        """Lines from known values `begin` (n, known), where the unknowns are `start` (n, width), to `goals`."""
-        z, begin, goals = (np.array(values, dtype=float, order="C") for values in (start, begin, goals))
+        """Lines from known values `begin` (n, known), where the unknowns are `start` (n, width), to
+        `goals`.
+        """
+        z, begin, goals = (
+            np.array(values, dtype=float, order="C") for values in (start, begin, goals)
+        )
         shortest, done = np.zeros(len(z)), np.zeros(len(z))
         arrays = [ctypes.c_void_p(v.ctypes.data) for v in (z, begin, goals)]
         outputs = [ctypes.c_void_p(v.ctypes.data) for v in (shortest, done)]
@@ -64,20 +74,40 @@ class Walker:
         for function in self._functions:
             generator.add(function)
         generator.generate(f"{folder}/")
-        sizes = np.max([[f.sz_arg(), f.sz_res(), f.sz_iw(), f.sz_w()] for f in self._functions], axis=0)
-        counts = dict(zip(("point_SZ_ARG", "point_SZ_RES", "point_SZ_IW", "point_SZ_W"), sizes, strict=True))
+        sizes = np.max(
+            [[f.sz_arg(), f.sz_res(), f.sz_iw(), f.sz_w()] for f in self._functions], axis=0
+        )
+        counts = dict(
+            zip(("point_SZ_ARG", "point_SZ_RES", "point_SZ_IW", "point_SZ_W"), sizes, strict=True)
+        )
         counts |= {
             "N": system.freedom,
             "M": int(system.rows.shape[0]),
             "WIDTH": system.width,
             "KNOWN": int(system.known.shape[0]),
         }
-        macros = [f"-D{name}={count}" for name, count in counts.items()] + [f"-DSIZE={system.characteristic_length!r}"]
+        macros = [f"-D{name}={count}" for name, count in counts.items()] + [
+            f"-DSIZE={system.characteristic_length!r}"
+        ]
         source = Path(__file__).with_name("walk.c")
         subprocess.run(
-            ["gcc", "-O2", "-ffp-contract=off", "-fno-math-errno", "-shared", "-fPIC", *macros, f"-I{folder}", str(source), "-o", "walk.so", "-lm"],
-            cwd=folder, check=True,
-        )  # fmt: skip
+            [
+                "gcc",
+                "-O2",
+                "-ffp-contract=off",
+                "-fno-math-errno",
+                "-shared",
+                "-fPIC",
+                *macros,
+                f"-I{folder}",
+                str(source),
+                "-o",
+                "walk.so",
+                "-lm",
+            ],
+            cwd=folder,
+            check=True,
+        )
         return ctypes.CDLL(str(folder / "walk.so"))
 
     @cached_property
@@ -85,10 +115,14 @@ class Walker:
         """Rows, their matrix and their rate along a line; the retraction."""
         system = self.system
         begin, goal, part = (
-            ca.SX.sym(name, *shape) for name, shape in (("b", system.known.shape), ("g", system.known.shape), ("t", (1, 1)))
+            ca.SX.sym(name, *shape)
+            for name, shape in (("b", system.known.shape), ("g", system.known.shape), ("t", (1, 1)))
         )
         line = self._line(begin, goal, part)
-        rows, matrix = (ca.substitute(ca.densify(out), system.known, line) for out in (system.rows, system.jacobian))
+        rows, matrix = (
+            ca.substitute(ca.densify(out), system.known, line)
+            for out in (system.rows, system.jacobian)
+        )
         outputs = [rows, ca.densify(matrix), ca.densify(ca.jacobian(rows, part))]
         step = ca.SX.sym("step", system.freedom)
         options = {"cse": True}

@@ -1,4 +1,6 @@
-"""The problems of generated C that take a guess, asked many at once: of platforms, arms and maps between joints."""
+"""The problems of generated C that take a guess, asked many at once: of platforms, arms and maps
+between joints.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,9 @@ _REACH = 0.9
 
 @dataclass(frozen=True)
 class State:
-    """Where each path is: unknowns and known values of the last configuration that was OK, and the code's guess."""
+    """Where each path is: unknowns and known values of the last configuration that was OK, and the
+    code's guess.
+    """
 
     unknowns: np.ndarray
     known: np.ndarray
@@ -65,7 +69,9 @@ class Direction:
 
     def answers(self, goals: np.ndarray, guesses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Statuses and what is found."""
-        found, status, _ = asked(self.function, self.real, [goals, guesses], [guesses.shape[1]], "iiosn")
+        found, status, _ = asked(
+            self.function, self.real, [goals, guesses], [guesses.shape[1]], "iiosn"
+        )
         return status, found
 
     def stated(self, unknowns: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -74,12 +80,16 @@ class Direction:
         return self.lines.stated(unknowns, known)
 
     def gives_back(self, found: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Whether the code's limbs, on the reference's branches, reach a pose with these joint values: else one is past a dead centre."""
+        """Whether the code's limbs, on the reference's branches, reach a pose with these joint
+        values: else one is past a dead centre.
+        """
         if self.places is not None or self.machine.mechanism.serial:
             return np.ones(len(found), bool)
         number = len(self.machine.mechanism.actuated)
         joints, status = asked(self.library.back_all, self.real, [found], [number], "ios")
-        units = np.array([1.0 if c.is_angular else self.size for c in self.problem.known_coordinates])
+        units = np.array(
+            [1.0 if c.is_angular else self.size for c in self.problem.known_coordinates]
+        )
         away = joints - known
         away[:, units == 1.0] = np.angle(np.exp(1j * away[:, units == 1.0]))
         # beside a dead centre joints differ by the root of the pose's rounding
@@ -90,7 +100,9 @@ class Direction:
         """Differences (n,), over the size or in rad; of maps by whole turns."""
         if self.places is None:
             return self.lines.distance(found, reached) / self.size
-        units = np.array([1.0 if c.is_angular else self.size for c in self.problem.system.unknowns])[self.places]
+        units = np.array(
+            [1.0 if c.is_angular else self.size for c in self.problem.system.unknowns]
+        )[self.places]
         away = found - reached
         turns = units == 1.0
         away[:, turns] = np.angle(np.exp(1j * away[:, turns]))
@@ -98,14 +110,20 @@ class Direction:
 
 
 def solved_by(kind: object, way: object = None) -> str:
-    """What solves a problem: six rods, an arm, limbs by formulas or by Newton's method, a map by either."""
+    """What solves a problem: six rods, an arm, limbs by formulas or by Newton's method, a map by
+    either.
+    """
     if isinstance(kind, JointMap):
         return "map, formulas" if way.is_closed else "map, Newton"  # type: ignore[attr-defined]
     if isinstance(kind, RodPlatform):
         return "six rods"
     if isinstance(kind, SerialArm):
         return "arm"
-    return "limbs, Newton" if not isinstance(kind, LimbPlatform) or kind.direct_formulas is None else "limbs, formulas"
+    return (
+        "limbs, Newton"
+        if not isinstance(kind, LimbPlatform) or kind.direct_formulas is None
+        else "limbs, formulas"
+    )
 
 
 def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
@@ -117,7 +135,19 @@ def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
     if not isinstance(kind, JointMap):
         start = lines.home(1)
         home = State(start.unknowns, start.known, start.guesses)
-        return [Direction(machine, real, library, library.ask_all, lines.problem, home, lines, None, solved_by(kind))]
+        return [
+            Direction(
+                machine,
+                real,
+                library,
+                library.ask_all,
+                lines.problem,
+                home,
+                lines,
+                None,
+                solved_by(kind),
+            )
+        ]
     found = []
     for way, function, wanted in (
         (kind.direct, library.ask_all, machine.find),
@@ -128,12 +158,18 @@ def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
         names = [c.name for c in way.unknown]
         places = np.array([way.problem.system.slices[names.index(n)].start for n in wanted])
         home = State(unknowns[None], known[None], unknowns[None][:, places])
-        found.append(Direction(machine, real, library, function, problem, home, lines, places, solved_by(kind, way)))
+        found.append(
+            Direction(
+                machine, real, library, function, problem, home, lines, places, solved_by(kind, way)
+            )
+        )
     return found
 
 
 def paths_of(direction: Direction, paths: int, steps: int, rng: np.random.Generator) -> np.ndarray:
-    """Goals (steps, paths, known): sums of sines about home within limits; poses of an arm are those of such joints."""
+    """Goals (steps, paths, known): sums of sines about home within limits; poses of an arm are
+    those of such joints.
+    """
     mechanism = direction.machine.mechanism
     arm = mechanism.serial
     coordinates = mechanism.actuated if arm else direction.problem.known_coordinates
@@ -148,10 +184,13 @@ def paths_of(direction: Direction, paths: int, steps: int, rng: np.random.Genera
             else (max(c.limits[0], home[k] - reach), min(c.limits[1], home[k] + reach))
         )
         waves = sum(
-            rng.uniform(-1, 1, paths) * np.sin(2 * np.pi * (w * time + rng.uniform(0, 1, paths))) for w in range(1, _WAVES + 1)
+            rng.uniform(-1, 1, paths) * np.sin(2 * np.pi * (w * time + rng.uniform(0, 1, paths)))
+            for w in range(1, _WAVES + 1)
         )
         waves = (waves - waves[0]) / (2.0 * np.abs(waves).max() + 1e-30)
-        goals.append(home[k] + np.where(waves > 0, (high - home[k]) * waves, (home[k] - low) * waves) * 0.98)
+        goals.append(
+            home[k] + np.where(waves > 0, (high - home[k]) * waves, (home[k] - low) * waves) * 0.98
+        )
     found = np.stack(goals, axis=-1)
     if not arm:
         return found

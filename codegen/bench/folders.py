@@ -1,4 +1,6 @@
-"""Folders of generated C for tests and benches: the committed ones where they stand, the others written into a temporary place."""
+"""Folders of generated C for tests and benches: the committed ones where they stand, the others
+written into a temporary place.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ COMMITTED = sorted({path.parent.name for path in CODEGEN.glob("*/manifest.json")
 FOLDERS = sorted([*COMMITTED, *_HELD])
 """Names of all folders that generate.py writes."""
 PLACE = "SYMKIN_FOLDERS"
-"""Environment variable: a folder in which several processes share what they write; each has its own without it."""
+"""Environment variable: a folder in which several processes share what they write; each has its own
+without it.
+"""
 
 
 @lru_cache(maxsize=1)
@@ -31,7 +35,9 @@ def generate() -> ModuleType:
 
 
 def folder_of(name: str) -> Path:
-    """A folder by its name; one that is not committed is written when it is first asked for, without measured figures."""
+    """A folder by its name; one that is not committed is written when it is first asked for,
+    without measured figures.
+    """
     if name in COMMITTED:
         return CODEGEN / name
     if name not in FOLDERS:
@@ -43,10 +49,14 @@ def folder_of(name: str) -> Path:
 
 
 def _write(name: str, place: Path) -> None:
-    """Writes a folder beside its place and moves it there whole; another process may have been quicker."""
+    """Writes a folder beside its place and moves it there whole; another process may have been
+    quicker.
+    """
     place.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=place.parent) as scratch:
-        mechanism, options = next((source, options) for folder, source, options in generate().variants() if folder == name)
+        mechanism, options = next(
+            (source, options) for folder, source, options in generate().variants() if folder == name
+        )
         generate().write_folder(generate().load(mechanism), Path(scratch) / name, options)
         try:
             (Path(scratch) / name).rename(place)
@@ -57,7 +67,9 @@ def _write(name: str, place: Path) -> None:
 
 @lru_cache(maxsize=1)
 def _place() -> Path:
-    """Where folders are written: the shared place, or one of this process, which is removed when it ends."""
+    """Where folders are written: the shared place, or one of this process, which is removed when it
+    ends.
+    """
     shared = os.environ.get(PLACE)
     if shared:
         return Path(shared)

@@ -1,6 +1,7 @@
 """Bytes of code and worst-case stack of a folder's functions, by the ARM compiler's own tools.
 
-Stacks follow callees: those of the folder's functions as the compiler says (-fcallgraph-info), those of libm as their code pushes.
+Stacks follow callees: those of the folder's functions as the compiler says (-fcallgraph-info),
+those of libm as their code pushes.
 """
 
 from __future__ import annotations
@@ -23,25 +24,40 @@ _JUMP = re.compile(
 
 @dataclass(frozen=True)
 class Footprint:
-    """Of one function with all that it calls: bytes of stack, bytes of code and constants without and with libm."""
+    """Of one function with all that it calls: bytes of stack, bytes of code and constants without
+    and with libm.
+    """
 
     stack: int
     own_bytes: int
     bytes: int
 
 
-def footprints(folder: Path, name: str, functions: list[str], board: str) -> tuple[dict[str, Footprint], int, list[str]]:
-    """The footprint of each function, bytes of the whole object, and the library's functions that it calls."""
+def footprints(
+    folder: Path, name: str, functions: list[str], board: str
+) -> tuple[dict[str, Footprint], int, list[str]]:
+    """The footprint of each function, bytes of the whole object, and the library's functions that
+    it calls.
+    """
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
-        flags = [*COMMON, "-ffunction-sections", "-fdata-sections", "-fcallgraph-info=su", *BOARDS[board][1], f"-I{folder}"]
+        flags = [
+            *COMMON,
+            "-ffunction-sections",
+            "-fdata-sections",
+            "-fcallgraph-info=su",
+            *BOARDS[board][1],
+            f"-I{folder}",
+        ]
         _run(["arm-none-eabi-gcc", *flags, "-c", str(folder / f"{name}.c"), "-o", "z.o"], place)
         library = _run(["arm-none-eabi-nm", "-u", "z.o"], place).split()[1::2]
         frames, calls = call_graph(next(place.glob("*.ci")).read_text())
         linked = [_linked([f"{name}_{f}"], board, place, with_library=True) for f in functions]
         alone = [_linked([f"{name}_{f}"], board, place, with_library=False) for f in functions]
         _linked([f"{name}_{f}" for f in functions], board, place, with_library=True)
-        pushed, jumps = disassembled(_run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", "z.elf"], place))
+        pushed, jumps = disassembled(
+            _run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", "z.elf"], place)
+        )
         for callee in (set().union(*calls.values()) - set(frames)) & set(pushed):
             frames[callee] = depth(callee, pushed, jumps)
         found = {
@@ -53,7 +69,9 @@ def footprints(folder: Path, name: str, functions: list[str], board: str) -> tup
 
 
 def call_graph(text: str) -> tuple[dict[str, int], dict[str, set[str]]]:
-    """Each function's own stack and its callees, of a compiler's call graph; frames whose size is not fixed are refused."""
+    """Each function's own stack and its callees, of a compiler's call graph; frames whose size is
+    not fixed are refused.
+    """
     nodes = re.findall(r'title: "([^"]+)" label: "[^"]*\\n(\d+) bytes \((\w+)\)', text)
     dynamic = [title for title, _, kind in nodes if kind != "static"]
     if dynamic:
@@ -65,7 +83,9 @@ def call_graph(text: str) -> tuple[dict[str, int], dict[str, set[str]]]:
 
 
 def disassembled(text: str) -> tuple[dict[str, int], dict[str, set[str]]]:
-    """Each function's own stack and where it jumps to, of a disassembly: pushes and what is taken off the stack pointer."""
+    """Each function's own stack and where it jumps to, of a disassembly: pushes and what is taken
+    off the stack pointer.
+    """
     frames: dict[str, int] = {}
     jumps: dict[str, set[str]] = defaultdict(set)
     function = ""
@@ -100,22 +120,39 @@ def _count(registers: str) -> int:
     return int(ends[2]) - int(ends[1]) + 1 if ends else 1
 
 
-def depth(function: str, frames: dict[str, int], calls: dict[str, set[str]], above: tuple[str, ...] = ()) -> int:
-    """Stack of a function with its callees; raises ValueError where one calls itself, or is not known."""
+def depth(
+    function: str, frames: dict[str, int], calls: dict[str, set[str]], above: tuple[str, ...] = ()
+) -> int:
+    """Stack of a function with its callees; raises ValueError where one calls itself, or is not
+    known.
+    """
     if function in above:
         raise ValueError(f"{' -> '.join([*above, function])}: a recursion has no largest stack")
     if function not in frames:
         raise ValueError(f"{function}: its stack is not known")
-    return frames[function] + max((depth(c, frames, calls, (*above, function)) for c in calls.get(function, ())), default=0)
+    return frames[function] + max(
+        (depth(c, frames, calls, (*above, function)) for c in calls.get(function, ())), default=0
+    )
 
 
 def _linked(roots: list[str], board: str, place: Path, *, with_library: bool) -> int:
     """Bytes of code, constants and data of what some functions need."""
     wanted = [f"-Wl,-u,{root}" for root in roots]
     others = LIBRARIES if with_library else ["-nostdlib", "-Wl,--unresolved-symbols=ignore-all"]
-    link = ["-nostartfiles", "-Wl,--gc-sections", f"-Wl,-e,{roots[0]}", *wanted, "z.o", *others, "-o", "z.elf"]
+    link = [
+        "-nostartfiles",
+        "-Wl,--gc-sections",
+        f"-Wl,-e,{roots[0]}",
+        *wanted,
+        "z.o",
+        *others,
+        "-o",
+        "z.elf",
+    ]
     _run(["arm-none-eabi-gcc", "-mthumb", "-mfloat-abi=hard", *BOARDS[board][1], *link], place)
-    return sum(int(v) for v in _run(["arm-none-eabi-size", "z.elf"], place).splitlines()[1].split()[:3])
+    return sum(
+        int(v) for v in _run(["arm-none-eabi-size", "z.elf"], place).splitlines()[1].split()[:3]
+    )
 
 
 def _run(command: list[str], place: Path) -> str:

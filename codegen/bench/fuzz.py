@@ -1,9 +1,11 @@
-"""Sends random inputs to folders of generated C under ASan and UBSan, with floating-point traps on division by zero and overflow,
-and on invalid operations where every input is finite.
+"""Sends random inputs to folders of generated C under ASan and UBSan, with floating-point traps on
+division by zero and overflow, and on invalid operations where every input is finite.
 
-    python codegen/bench/fuzz.py [FOLDER ...] [--count 1000000] [--seed 0] [--mode trap|division|count]
+    python codegen/bench/fuzz.py [FOLDER ...] [--count 1000000] [--seed 0]
+        [--mode trap|division|count]
 
-Without folders: every one that generate.py writes. `division` traps no overflow, `count` nothing: it counts.
+Without folders: every one that generate.py writes. `division` traps no overflow, `count` nothing:
+it counts.
 """
 
 from __future__ import annotations
@@ -62,7 +64,10 @@ def built(folder: Path, output: Path) -> Path:
         *macros(folder),
         f"-I{folder}",
     ]
-    subprocess.run([*command, str(BENCH / "fuzz.c"), str(folder / f"{name}.c"), "-lm", "-o", str(output)], check=True)
+    subprocess.run(
+        [*command, str(BENCH / "fuzz.c"), str(folder / f"{name}.c"), "-lm", "-o", str(output)],
+        check=True,
+    )
     return output
 
 
@@ -70,7 +75,9 @@ def fuzzed(folder: Path, count: int, seed: int = 0, mode: str = "trap") -> tuple
     """Whether nothing was found in a folder, and what the program said."""
     with tempfile.TemporaryDirectory() as scratch:
         program = built(folder, Path(scratch) / "fuzz")
-        done = subprocess.run([str(program), str(count), str(seed), mode], capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [str(program), str(count), str(seed), mode], capture_output=True, text=True, check=False
+        )
     return done.returncode == 0, done.stdout + done.stderr
 
 

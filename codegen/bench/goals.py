@@ -15,7 +15,9 @@ from symkin.spatial.rotation import multiply
 
 @dataclass(frozen=True)
 class Reach:
-    """How far goals lie from home: positions of poses or sliding joints (a part of the size), rotations (rad)."""
+    """How far goals lie from home: positions of poses or sliding joints (a part of the size),
+    rotations (rad).
+    """
 
     part: float
     turn: float
@@ -28,12 +30,15 @@ POSES = {SMALL: Reach(0.1, 0.25), MIDDLE: Reach(180.0 / 531.2592, 1.0), WIDEST: 
 
 
 def goals_about(kind: Kind, count: int, reach: Reach, rng: np.random.Generator) -> np.ndarray:
-    """Joint values (count, joints): of poses about home, or about the reference's joint values; kept within limits. Of arms the tool's
-    poses (count, 7) at such joint values."""
+    """Joint values (count, joints): of poses about home, or about the reference's joint values;
+    kept within limits. Of arms the tool's poses (count, 7) at such joint values.
+    """
     size, joints = kind.mechanism.characteristic_length, kind.mechanism.actuated
     if isinstance(kind, RodPlatform):
         poses = POSES.get(reach, reach)
-        goals = np.array([kind.lengths(_pose_about(kind.home, poses, size, rng)) for _ in range(count)])
+        goals = np.array(
+            [kind.lengths(_pose_about(kind.home, poses, size, rng)) for _ in range(count)]
+        )
     else:
         middle = np.array([c.reference[0] for c in joints])
         spread = np.array([reach.turn if c.is_angular else reach.part * size for c in joints])
@@ -41,7 +46,11 @@ def goals_about(kind: Kind, count: int, reach: Reach, rng: np.random.Generator) 
     for i, c in enumerate(joints):
         if c.limits is not None:
             low, high = c.limits
-            goals[:, i] = rng.uniform(low, high, count) if reach == WIDEST else np.clip(goals[:, i], low, high)
+            goals[:, i] = (
+                rng.uniform(low, high, count)
+                if reach == WIDEST
+                else np.clip(goals[:, i], low, high)
+            )
     return np.array([kind.forward_at(q) for q in goals]) if isinstance(kind, SerialArm) else goals
 
 
@@ -49,5 +58,8 @@ def _pose_about(home: Pose, reach: Reach, size: float, rng: np.random.Generator)
     shift = reach.part * size * rng.uniform(-1, 1, 3)
     turn = rng.uniform(-reach.turn, reach.turn, 3)
     angle = float(np.linalg.norm(turn))
-    q = multiply(np.array([np.cos(angle / 2), *(np.sin(angle / 2) / angle * turn)]), np.asarray(home.quaternion))
+    q = multiply(
+        np.array([np.cos(angle / 2), *(np.sin(angle / 2) / angle * turn)]),
+        np.asarray(home.quaternion),
+    )
     return Pose(np.asarray(home.position) + shift, np.asarray(q))

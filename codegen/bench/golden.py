@@ -1,10 +1,12 @@
-"""Golden figures of generated C: operations of each function, and which goals are accepted and refused.
+"""Golden figures of generated C: operations of each function, and which goals are accepted and
+refused.
 
     python codegen/bench/golden.py [MACHINE ...] [--write]
 
-tests/data/golden_counts.toml holds them for 25 machines in float and double; each difference is told. `--write` accepts what is found: of the
-machines that are named, or of all. Operations are those that headers state, counted in the text that was written, so that no processor
-and no library changes them. Statuses are those of fixed goals (branches.py), a letter a goal.
+tests/data/golden_counts.toml holds them for 25 machines in float and double; each difference is
+told. `--write` accepts what is found: of the machines that are named, or of all. Operations are
+those that headers state, counted in the text that was written, so that no processor and no library
+changes them. Statuses are those of fixed goals (branches.py), a letter a goal.
 """
 
 from __future__ import annotations
@@ -34,13 +36,34 @@ LEGS = 2
 _TOLD = 8
 """Changed goals that a sentence names."""
 SEED = 42
-_SHIPPED = ("delta", "gluon_6l3", "ren2008", "scara", "ur5e", "yao2020", "zhang2009", "zhao2000", "zhao2000_links")
+_SHIPPED = (
+    "delta",
+    "gluon_6l3",
+    "ren2008",
+    "scara",
+    "ur5e",
+    "yao2020",
+    "zhang2009",
+    "zhao2000",
+    "zhao2000_links",
+)
 _BENCH = (
-    "five_bar", "hexaglide", "linear_delta", "orthoglide", "six_rss", "three_rpr", "three_rps", "three_rrr", "tricept",
-)  # fmt: skip
+    "five_bar",
+    "hexaglide",
+    "linear_delta",
+    "orthoglide",
+    "six_rss",
+    "three_rpr",
+    "three_rps",
+    "three_rrr",
+    "tricept",
+)
 _MAPS = {
     "ankle": (("upper_motor", "lower_motor"), ("ankle.1", "ankle.2")),
-    "excavator_bucket": (("boom_cylinder", "stick_cylinder", "bucket_cylinder"), ("boom", "stick", "bucket")),
+    "excavator_bucket": (
+        ("boom_cylinder", "stick_cylinder", "bucket_cylinder"),
+        ("boom", "stick", "bucket"),
+    ),
     "four_bar": (("crank",), ("follower",)),
     "slider_crank": (("crank",), ("piston",)),
     "spherical_wrist": (("motor1", "motor2", "motor3"), ("tip1", "tip2", "tip3")),
@@ -54,21 +77,26 @@ _HEAD = f"""\
 #
 # [operations.MACHINE.TYPE]: of each function the most that a call without a config takes:
 #   {", ".join(COLUMNS)}; "-": no bound
-# [statuses.MACHINE.TYPE]: of each range of goals a letter a goal, {GOALS} from home and {GOALS} from what was OK of these:
+# [statuses.MACHINE.TYPE]: of each range of goals a letter a goal,
+#   {GOALS} from home and {GOALS} from what was OK of these:
 #   O OK, M MAX_ITERATIONS, S SINGULAR, N NONFINITE, R OUT_OF_RANGE, W WRONG_BRANCH
 """
 
 
 @dataclass(frozen=True)
 class Figures:
-    """Operations of each function (COLUMNS; None where the text tells no bound), and statuses of each range."""
+    """Operations of each function (COLUMNS; None where the text tells no bound), and statuses of
+    each range.
+    """
 
     operations: Mapping[str, tuple[int, ...] | None]
     statuses: Mapping[str, str]
 
 
 def found(machine: str, real: str) -> Figures:
-    """The figures of one machine's C as it is written now; maps between joints have no lines to ask for."""
+    """The figures of one machine's C as it is written now; maps between joints have no lines to ask
+    for.
+    """
     given, find = _MAPS.get(machine, ((), ()))
     source = machine if machine not in _BENCH else str(BENCH / "machines" / f"{machine}.toml")
     lines = Lines(load(source), Options(real, home=HOMES.get(machine), given=given, find=find))  # type: ignore[arg-type]
@@ -80,7 +108,11 @@ def found(machine: str, real: str) -> Figures:
 
 
 def _row(bound: Bound | None) -> tuple[int, ...] | None:
-    return None if bound is None else (bound.iterations, *(bound.operations.get(name, 0) for name in COLUMNS[1:]))
+    return (
+        None
+        if bound is None
+        else (bound.iterations, *(bound.operations.get(name, 0) for name in COLUMNS[1:]))
+    )
 
 
 def kept() -> dict[str, dict[str, Figures]]:
@@ -88,7 +120,8 @@ def kept() -> dict[str, dict[str, Figures]]:
     text = tomllib.loads(GOLDEN.read_text()) if GOLDEN.exists() else {}
     return {
         machine: {
-            real: Figures(_rows(part), text.get("statuses", {}).get(machine, {}).get(real, {})) for real, part in parts.items()
+            real: Figures(_rows(part), text.get("statuses", {}).get(machine, {}).get(real, {}))
+            for real, part in parts.items()
         }
         for machine, parts in text.get("operations", {}).items()
     }
@@ -120,9 +153,16 @@ def _operation_differences(old: Figures, new: Figures) -> Iterator[str]:
             yield f"{function}: there is no such function any more"
         elif before is None or now is None:
             if before != now:
-                yield f"{function}: its operations {'are bounded now' if before is None else 'have no bound any more'}"
+                yield (
+                    f"{function}: its operations "
+                    f"{'are bounded now' if before is None else 'have no bound any more'}"
+                )
         else:
-            changed = [f"{b} -> {n} {name}" for name, b, n in zip(COLUMNS, before, now, strict=True) if b != n]
+            changed = [
+                f"{b} -> {n} {name}"
+                for name, b, n in zip(COLUMNS, before, now, strict=True)
+                if b != n
+            ]
             if changed:
                 yield f"{function}: {', '.join(changed)}"
 
@@ -133,11 +173,20 @@ def _status_differences(old: Figures, new: Figures) -> Iterator[str]:
         if len(before) != len(now):
             yield f"{words} goals: {len(before)} -> {len(now)} of them"
             continue
-        changed = [f"number {k} {before[k]} -> {now[k]}" for k in range(len(now)) if before[k] != now[k]]
-        counts = [f"{before.count(x)} -> {now.count(x)} {x}" for x in LETTERS if before.count(x) != now.count(x)]
+        changed = [
+            f"number {k} {before[k]} -> {now[k]}" for k in range(len(now)) if before[k] != now[k]
+        ]
+        counts = [
+            f"{before.count(x)} -> {now.count(x)} {x}"
+            for x in LETTERS
+            if before.count(x) != now.count(x)
+        ]
         if changed:
             more = [f"{len(changed) - _TOLD} more"] if len(changed) > _TOLD else []
-            yield f"{words} goals: {', '.join([*changed[:_TOLD], *more])}; in all {', '.join(counts) or 'as many of each status'}"
+            yield (
+                f"{words} goals: {', '.join([*changed[:_TOLD], *more])}; in all "
+                f"{', '.join(counts) or 'as many of each status'}"
+            )
 
 
 def golden_text(figures: Mapping[str, Mapping[str, Figures]]) -> str:
@@ -145,23 +194,41 @@ def golden_text(figures: Mapping[str, Mapping[str, Figures]]) -> str:
     lines = [_HEAD]
     for machine in sorted(figures):
         for real, part in sorted(figures[machine].items()):
-            rows = {f: '"-"' if row is None else f"[{', '.join(map(str, row))}]" for f, row in part.operations.items()}
-            lines += [f"[operations.{machine}.{real}]", *(f"{f} = {row}" for f, row in rows.items()), ""]
+            rows = {
+                f: '"-"' if row is None else f"[{', '.join(map(str, row))}]"
+                for f, row in part.operations.items()
+            }
+            lines += [
+                f"[operations.{machine}.{real}]",
+                *(f"{f} = {row}" for f, row in rows.items()),
+                "",
+            ]
             if part.statuses:
-                lines += [f"[statuses.{machine}.{real}]", *(f'{w} = "{said}"' for w, said in part.statuses.items()), ""]
+                lines += [
+                    f"[statuses.{machine}.{real}]",
+                    *(f'{w} = "{said}"' for w, said in part.statuses.items()),
+                    "",
+                ]
     return "\n".join(lines)
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Compare the generated C with its golden figures.")
     parser.add_argument("machines", nargs="*", metavar="MACHINE", help="default: all of them")
-    parser.add_argument("--write", action="store_true", help="accept what is found: write tests/data/golden_counts.toml")
+    parser.add_argument(
+        "--write",
+        action="store_true",
+        help="accept what is found: write tests/data/golden_counts.toml",
+    )
     given = parser.parse_args()
     unknown = sorted(set(given.machines) - set(MACHINES))
     if unknown:
         parser.error(f"{', '.join(unknown)}: no such machine; there are {', '.join(MACHINES)}")
     old = kept()
-    figures, told = {machine: dict(parts) for machine, parts in old.items() if machine in MACHINES}, 0
+    figures, told = (
+        {machine: dict(parts) for machine, parts in old.items() if machine in MACHINES},
+        0,
+    )
     for machine in given.machines or MACHINES:
         for real in REALS:
             new = found(machine, real)

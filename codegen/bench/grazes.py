@@ -1,8 +1,10 @@
-"""Move to where generated C refuses to go on, ever nearer, and ask whether what was called OK there can be held and left again.
+"""Move to where generated C refuses to go on, ever nearer, and ask whether what was called OK there
+can be held and left again.
 
-Lines go from home until a goal is refused: at a fold, a dead centre, a meeting of branches. Between the last goal that was OK and the refused
-one others are asked for, each from the last OK. An OK whose own answer is refused as a guess has moved; it is lost where the goals before it
-are refused as well: a controller that holds it comes no further.
+Lines go from home until a goal is refused: at a fold, a dead centre, a meeting of branches. Between
+the last goal that was OK and the refused one others are asked for, each from the last OK. An OK
+whose own answer is refused as a guess has moved; it is lost where the goals before it are refused
+as well: a controller that holds it comes no further.
 """
 
 from __future__ import annotations
@@ -26,7 +28,9 @@ _WAYS_OUT = (1.0, 0.5, 0.1, 0.01)
 
 @dataclass
 class Grazes:
-    """What came of goals beside what is refused: asked for, OK, OK that do not stand still, as guesses not even read, and lost."""
+    """What came of goals beside what is refused: asked for, OK, OK that do not stand still, as
+    guesses not even read, and lost.
+    """
 
     asked: int = 0
     ok: int = 0
@@ -37,7 +41,9 @@ class Grazes:
 
 
 def grazed(direction: Direction, lines: int, rng: np.random.Generator) -> Grazes:
-    """Go from home in random directions; nothing where the given values are a pose, which has no straight lines."""
+    """Go from home in random directions; nothing where the given values are a pose, which has no
+    straight lines.
+    """
     found, coordinates = Grazes(), direction.problem.known_coordinates
     if any(c.width != 1 for c in coordinates):
         return found
@@ -58,17 +64,25 @@ def grazed(direction: Direction, lines: int, rng: np.random.Generator) -> Grazes
         found.unread += int((moved & (again == OUT_OF_RANGE)).sum())
         for i in np.flatnonzero(lost | (moved & (again == OUT_OF_RANGE)))[:1]:
             found.examples.append(
-                f"from {guesses[i].tolist()} to {goal[i].tolist()}: OK, {answers[i].tolist()}, again: status {again[i]}"
+                f"from {guesses[i].tolist()} to {goal[i].tolist()}: OK, {answers[i].tolist()}, "
+                f"again: status {again[i]}"
             )
         known, guesses, beyond = np.where(ok, goal, known), held, np.where(ok, beyond, goal)
     return found
 
 
-def _refused(direction: Direction, lines: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Last given values that were OK, their guesses, and the refused ones after them, of lines that end within limits."""
+def _refused(
+    direction: Direction, lines: int, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Last given values that were OK, their guesses, and the refused ones after them, of lines that
+    end within limits.
+    """
     home, coordinates = direction.home, direction.problem.known_coordinates
     units = np.array([1.0 if c.is_angular else direction.size for c in coordinates])
-    low, high = (np.array([c.limits[e] if c.limits else s * np.inf for c in coordinates]) for e, s in ((0, -1), (1, 1)))
+    low, high = (
+        np.array([c.limits[e] if c.limits else s * np.inf for c in coordinates])
+        for e, s in ((0, -1), (1, 1))
+    )
     known, guesses = (np.repeat(values, lines, axis=0) for values in (home.known, home.guesses))
     way = rng.normal(size=known.shape)
     step = _STEP * units * way / np.linalg.norm(way, axis=1, keepdims=True)

@@ -42,7 +42,8 @@ static uint32_t measured(int kind, int k, double *error)
         total += (board_ticks() - begin) & 0xFFFFFFu;
         @after@
         *error = 0.0;
-        for (int i = 0; i < @checked@; ++i) { *error = fmax(*error, fabs((double)result[i] - expected[k][i])); }
+        for (int i = 0; i < @checked@; ++i) {
+          *error = fmax(*error, fabs((double)result[i] - expected[k][i])); }
         if (status != 0) { *error = 4e9; }
     }
     return total * board_tick_instructions() / (uint32_t)REPEATS;
@@ -54,8 +55,10 @@ int main(void)
         for (int k = 0; k < @count@; ++k) {
             double error;
             const uint32_t instructions = measured(kind, k, &error);
-            board_number((uint32_t)kind); board_text(" "); board_number(instructions); board_text(" ");
-            board_number((uint32_t)fmin(error * 1e12, 4e9)); board_text(" "); board_number((uint32_t)fmin(error * 1e6, 4e9)); board_text("\\n");
+            board_number((uint32_t)kind); board_text(" "); board_number(instructions);
+              board_text(" ");
+            board_number((uint32_t)fmin(error * 1e12, 4e9)); board_text(" ");
+              board_number((uint32_t)fmin(error * 1e6, 4e9)); board_text("\\n");
         }
     }
     return 0;
@@ -69,7 +72,9 @@ MAP_KINDS = ("cold", "warm", "back, cold", "back, warm", "track", "track back")
 
 @dataclass(frozen=True)
 class Harness:
-    """A folder with bench.c and SOURCE.c; `calls` are the functions that are measured, `kinds` the names of the cases."""
+    """A folder with bench.c and SOURCE.c; `calls` are the functions that are measured, `kinds` the
+    names of the cases.
+    """
 
     folder: Path
     source: str
@@ -102,16 +107,33 @@ def main_text(program: Program) -> str:
 
 
 def table(kind: str, name: str, rows: np.ndarray, real: Real) -> str:
-    lines = ", ".join("{ " + ", ".join(real.hexadecimal(float(v)) for v in row) + " }" for row in rows)
+    lines = ", ".join(
+        "{ " + ", ".join(real.hexadecimal(float(v)) for v in row) + " }" for row in rows
+    )
     return f"static const {kind} {name}[{rows.shape[0]}][{rows.shape[1]}] = {{ {lines} }};"
 
 
 def filled(
-    include: str, tables: list[str], prepare: str, call: str, checked: int, kinds: int, count: int, after: str = ""
+    include: str,
+    tables: list[str],
+    prepare: str,
+    call: str,
+    checked: int,
+    kinds: int,
+    count: int,
+    after: str = "",
 ) -> str:
     """MAIN with its parts filled in; `after` follows the call that is measured."""
-    values = {"include": include, "tables": "\n".join(tables), "prepare": prepare, "call": call, "checked": checked,
-              "kinds": kinds, "count": count, "after": after}  # fmt: skip
+    values = {
+        "include": include,
+        "tables": "\n".join(tables),
+        "prepare": prepare,
+        "call": call,
+        "checked": checked,
+        "kinds": kinds,
+        "count": count,
+        "after": after,
+    }
     text = MAIN
     for key, value in values.items():
         text = text.replace(f"@{key}@", str(value))
@@ -133,12 +155,15 @@ def _platform_text(program: Program) -> str:
     tables.append(table("double", "expected", cases["expected"], Real("double")))
     first, nominal = _nominal(program)
     prepare = f"""const {real.type} *const start = (kind == 0) ? cold[k] : warm[k];
-        {name}_pose pose; {name}_info info; int status; const {real.type} *const result = pose.position;
+        {name}_pose pose; {name}_info info; int status;
+          const {real.type} *const result = pose.position;
         for (int i = 0; i < 3; ++i) {{ pose.position[i] = start[i]; }}
         for (int i = 0; i < 4; ++i) {{ pose.quaternion[i] = start[3 + i]; }}"""
     direct = f"(int){name}_direct({first}0, joints[k], &pose, &pose, &info)"
     call = f"status = (kind < 2) ? {direct} : (int){name}_track({first}joints[k], &pose, &info);"
-    return filled(f'#include "{name}.h"', tables + nominal, prepare, call, 3, 3, len(cases["joints"]))
+    return filled(
+        f'#include "{name}.h"', tables + nominal, prepare, call, 3, 3, len(cases["joints"])
+    )
 
 
 def _map_text(program: Program) -> str:
@@ -146,11 +171,13 @@ def _map_text(program: Program) -> str:
     n = cases["joints"].shape[1]
     tables = [table(real.type, key, rows, real) for key, rows in cases.items() if key != "inverse"]
     tables += [
-        table("double", f"expected_{key}", cases[of], Real("double")) for key, of in (("found", "found"), ("joints", "inverse"))
+        table("double", f"expected_{key}", cases[of], Real("double"))
+        for key, of in (("found", "found"), ("joints", "inverse"))
     ]
     prepare = f"""const bool back = (kind == 2) || (kind == 3) || (kind == 5);
         const bool cold = (kind == 0) || (kind == 2);
-        const {real.type} *const start = back ? (cold ? cold_joint_guesses[0] : joint_guesses[k]) : (cold ? cold_guesses[0] : guesses[k]);
+        const {real.type} *const start = back ? (cold ?
+          cold_joint_guesses[0] : joint_guesses[k]) : (cold ? cold_guesses[0] : guesses[k]);
         const double (*const expected)[{n}] = back ? expected_joints : expected_found;
         {real.type} result[{n}]; {name}_info info; int status;
         for (int i = 0; i < {n}; ++i) {{ result[i] = start[i]; }}"""
@@ -174,7 +201,9 @@ def _serial_text(program: Program) -> str:
         for (int i = 0; i < 4; ++i) {{ pose.quaternion[i] = poses[k][3 + i]; }}"""
     call = f"status = (int){name}_inverse({first}0, &pose, guesses[k], result, &info);"
     if program.kind.plan is None:  # type: ignore[union-attr] - of a serial arm
-        return filled(f'#include "{name}.h"', tables + nominal, prepare, call, n, 1, len(cases["poses"]))
+        return filled(
+            f'#include "{name}.h"', tables + nominal, prepare, call, n, 1, len(cases["poses"])
+        )
     prepare += f" {real.type} all[{name.upper()}_BRANCHES][{n}]; int found = 0;"
     call = f"""if (kind == 0) {{ {call} }}
         else if (kind == 1) {{ status = (int){name}_inverse_nearest(&pose, guesses[k], result); }}
@@ -183,10 +212,14 @@ def _serial_text(program: Program) -> str:
     after = f"""double least = 4e9;
         for (int row = 0; row < found; ++row) {{
             double most = 0.0;
-            for (int i = 0; i < {n}; ++i) {{ most = fmax(most, fabs((double)all[row][i] - expected[k][i])); }}
-            if (most < least) {{ least = most; for (int i = 0; i < {n}; ++i) {{ result[i] = all[row][i]; }} }}
+            for (int i = 0; i < {n}; ++i) {{
+              most = fmax(most, fabs((double)all[row][i] - expected[k][i])); }}
+            if (most < least) {{ least = most; for (int i = 0; i < {n}; ++i) {{
+              result[i] = all[row][i]; }} }}
         }}"""
-    return filled(f'#include "{name}.h"', tables + nominal, prepare, call, n, 3, len(cases["poses"]), after)
+    return filled(
+        f'#include "{name}.h"', tables + nominal, prepare, call, n, 3, len(cases["poses"]), after
+    )
 
 
 def from_folder(folder: Path) -> str:

@@ -19,9 +19,13 @@ from symkin.position.canonical import poses_of
 from symkin.position.problem import Problem, build_problem
 
 REGULAR = 1.0 / 25600
-"""A line that needs shorter steps than this part of it passes too near a singularity to be called regular."""
+"""A line that needs shorter steps than this part of it passes too near a singularity to be called
+regular.
+"""
 _REFUSED = 0.2
-"""Refused goals that are walked too, as a part of all goals: they tell how many regular lines are OK."""
+"""Refused goals that are walked too, as a part of all goals: they tell how many regular lines are
+OK.
+"""
 _BESIDE = {"double": 6.0, "float": 2.5}
 """Guesses beside a fold lie at most ten to this power nearer to it than the line was long."""
 _OUT_OF_RANGE = STATUSES.index("OUT_OF_RANGE")
@@ -37,13 +41,19 @@ class Starts:
 
     def where(self, chosen: np.ndarray, other: Starts) -> Starts:
         """These where chosen, else the other ones."""
-        pairs = ((self.unknowns, other.unknowns), (self.known, other.known), (self.guesses, other.guesses))
+        pairs = (
+            (self.unknowns, other.unknowns),
+            (self.known, other.known),
+            (self.guesses, other.guesses),
+        )
         return Starts(*(np.where(chosen[:, None], mine, yours) for mine, yours in pairs))
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """One batch of lines: the C's answers, which lines were walked and where they led, and which answers are right."""
+    """One batch of lines: the C's answers, which lines were walked and where they led, and which
+    answers are right.
+    """
 
     starts: Starts
     goals: np.ndarray
@@ -59,12 +69,16 @@ class Outcome:
     @property
     def regular(self) -> np.ndarray:
         """Walked lines that are regular, of goals within limits."""
-        return np.asarray(self.walked & (self.ends.shortest >= REGULAR) & (self.answers.status != _OUT_OF_RANGE))
+        return np.asarray(
+            self.walked & (self.ends.shortest >= REGULAR) & (self.answers.status != _OUT_OF_RANGE)
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """The lines of one mechanism's generated C: of joint values for platforms, of tool poses for arms."""
+    """The lines of one mechanism's generated C: of joint values for platforms, of tool poses for
+    arms.
+    """
 
     mechanism: Mechanism
     options: Options
@@ -96,7 +110,12 @@ class Lines:
         values = kind.home_values if alike else problem.closure.reference
         unknowns = problem.select_values(values, problem.system.unknowns)
         known = problem.select_values(values, problem.known_coordinates)
-        return Starts(*(np.tile(v, (count, 1)) for v in (unknowns, known, self.stated(unknowns[None], known[None])[0])))
+        return Starts(
+            *(
+                np.tile(v, (count, 1))
+                for v in (unknowns, known, self.stated(unknowns[None], known[None])[0])
+            )
+        )
 
     def stated(self, unknowns: np.ndarray, known: np.ndarray) -> np.ndarray:
         """What the generated code finds at configurations: poses, or an arm's joint values."""
@@ -115,19 +134,26 @@ class Lines:
         begins, ends_at = self.line(starts.known, goals)
         parts = self.walker.reached(starts.unknowns[walked], begins[walked], ends_at[walked])
         ends = Ends(starts.unknowns.copy(), np.zeros(len(goals)), np.zeros(len(goals)))
-        for whole, part in ((ends.unknowns, parts.unknowns), (ends.done, parts.done), (ends.shortest, parts.shortest)):
+        for whole, part in (
+            (ends.unknowns, parts.unknowns),
+            (ends.done, parts.done),
+            (ends.shortest, parts.shortest),
+        ):
             whole[walked] = part
         begun = Starts(starts.unknowns, begins, starts.guesses)
         return Outcome(begun, ends_at, answers, walked, ends, self._right(ends, ends_at, answers))
 
     def line(self, known: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Begins and ends of lines: angles the nearer way round and within limits, quaternions of the same sign and of length one, which
-        those of float goals are not quite."""
+        """Begins and ends of lines: angles the nearer way round and within limits, quaternions of
+        the same sign and of length one, which those of float goals are not quite.
+        """
         begin, end, place = known.copy(), goals.copy(), 0
         for c in self.problem.known_coordinates:
             at = slice(place, place + c.width)
             if c.kind == "quaternion":
-                end[:, at] *= np.where(np.sum(begin[:, at] * end[:, at], axis=1) < 0, -1.0, 1.0)[:, None]
+                end[:, at] *= np.where(np.sum(begin[:, at] * end[:, at], axis=1) < 0, -1.0, 1.0)[
+                    :, None
+                ]
                 end[:, at] /= np.linalg.norm(end[:, at], axis=1, keepdims=True)
             elif c.kind == "angle" and not self.mechanism.serial:
                 turns = 2 * np.pi * np.round((end[:, place] - begin[:, place]) / (2 * np.pi))
@@ -135,24 +161,35 @@ class Lines:
                     end[:, place] -= turns
                 else:
                     moved = begin[:, place] + turns
-                    begin[:, place] = np.where((moved >= c.limits[0]) & (moved <= c.limits[1]), moved, begin[:, place])
+                    begin[:, place] = np.where(
+                        (moved >= c.limits[0]) & (moved <= c.limits[1]), moved, begin[:, place]
+                    )
             place += c.width
         return begin, end
 
     def _right(self, ends: Ends, goals: np.ndarray, answers: Answers) -> np.ndarray:
-        """Whether what is found is where the line leads, but for what rounding makes of the rows there: 16 units in the last place times
-        the condition, and 2e-7 of the size."""
+        """Whether what is found is where the line leads, but for what rounding makes of the rows
+        there: 16 units in the last place times the condition, and 2e-7 of the size.
+        """
         right = (answers.status == 0) & (ends.shortest > 0.0)
         judged = np.flatnonzero(right)
         if len(judged):
-            z, known, size = ends.unknowns[judged], goals[judged], self.mechanism.characteristic_length
+            z, known, size = (
+                ends.unknowns[judged],
+                goals[judged],
+                self.mechanism.characteristic_length,
+            )
             off = self.distance(answers.found[judged], self.stated(z, known))
             epsilon = Real(self.options.real).epsilon
-            right[judged] = off < size * (2e-7 + 16 * epsilon * self.problem.system.conditions(z, known))
+            right[judged] = off < size * (
+                2e-7 + 16 * epsilon * self.problem.system.conditions(z, known)
+            )
         return right
 
     def distance(self, found: np.ndarray, reached: np.ndarray) -> np.ndarray:
-        """Largest differences (n,), angles times the size; of quaternions, twice that, up to sign."""
+        """Largest differences (n,), angles times the size; of quaternions, twice that, up to
+        sign.
+        """
         size = self.mechanism.characteristic_length
         if self.mechanism.serial:
             scale = np.array([size if c.is_angular else 1.0 for c in self.mechanism.actuated])
@@ -167,7 +204,9 @@ class Lines:
         return reached.where(outcome.right, home)
 
     def beside_folds(self, outcome: Outcome, home: Starts, rng: np.random.Generator) -> Starts:
-        """Guesses short of the folds at which lines stopped, where the code's other problem gives their known values back; else home."""
+        """Guesses short of the folds at which lines stopped, where the code's other problem gives
+        their known values back; else home.
+        """
         stopped = outcome.walked & (outcome.ends.shortest == 0.0) & (outcome.ends.done > 0.0)
         nearer = 10.0 ** -rng.uniform(1.0, _BESIDE[self.options.real], len(stopped))
         part = (outcome.ends.done * (1.0 - nearer))[:, None]
@@ -175,18 +214,26 @@ class Lines:
         known = begin + part * (outcome.goals - begin)
         z, good = home.unknowns.copy(), np.zeros(len(stopped), dtype=bool)
         if stopped.any():
-            parts = self.walker.reached(outcome.starts.unknowns[stopped], begin[stopped], known[stopped])
+            parts = self.walker.reached(
+                outcome.starts.unknowns[stopped], begin[stopped], known[stopped]
+            )
             z[stopped], good[stopped] = parts.unknowns, parts.shortest > 0.0
         starts = Starts(z, known, self.stated(z, known))
         return starts.where(good & self.gives_back(starts.guesses, known), home)
 
     def gives_back(self, found: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Whether the code's other problem gives known values back for what it should find: else a limb stands beyond a dead centre."""
+        """Whether the code's other problem gives known values back for what it should find: else a
+        limb stands beyond a dead centre.
+        """
         status, back = self.asked.back(found.astype(self.asked.number).astype(float))
         if self.mechanism.serial:
             return np.ones(len(found), dtype=bool)
         size, epsilon = self.mechanism.characteristic_length, Real(self.options.real).epsilon
         off = back - known
         for i, c in enumerate(self.mechanism.actuated):
-            off[:, i] = size * np.remainder(off[:, i] + np.pi, 2 * np.pi) - size * np.pi if c.is_angular else off[:, i]
+            off[:, i] = (
+                size * np.remainder(off[:, i] + np.pi, 2 * np.pi) - size * np.pi
+                if c.is_angular
+                else off[:, i]
+            )
         return np.asarray((status == 0) & (np.max(np.abs(off), axis=1) < size * np.sqrt(epsilon)))

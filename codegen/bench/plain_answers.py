@@ -1,4 +1,6 @@
-"""What CasADi's C and symkin's C answer to the same inputs: good goals, and inputs that have no answer."""
+"""What CasADi's C and symkin's C answer to the same inputs: good goals, and inputs that have no
+answer.
+"""
 
 from __future__ import annotations
 
@@ -22,14 +24,18 @@ from symkin.spatial.pose import Pose
 
 STATUSES = ("OK", "MAX_ITERATIONS", "SINGULAR", "NONFINITE", "OUT_OF_RANGE", "WRONG_BRANCH")
 CLOSED, SAME = 1e-8, 1e-6
-"""Parts of the size: largest row of an answer that closes the loops; difference of answers that are the same one."""
+"""Parts of the size: largest row of an answer that closes the loops; difference of answers that are
+the same one.
+"""
 FLAGS = ["-O2", "-std=c99", "-fno-math-errno", "-ffp-contract=off", "-shared", "-fPIC"]
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What one call came to. `code` is CasADi's return value or symkin's status; `values` the platform's position and rotation
-    matrix times the size, or the arm's joint values; `row` the largest row over the size, NaN where it is not finite."""
+    """What one call came to. `code` is CasADi's return value or symkin's status; `values` the
+    platform's position and rotation matrix times the size, or the arm's joint values; `row` the
+    largest row over the size, NaN where it is not finite.
+    """
 
     code: int
     values: np.ndarray
@@ -60,18 +66,28 @@ class Both:
         write_folder(self.plain.mechanism, folder, self.plain.program.options)
         self.plain.generate(folder)
         for source in (name, self.plain.source):
-            subprocess.run(["gcc", *FLAGS, f"{source}.c", "-o", f"{source}.so", "-lm"], cwd=folder, check=True)
-        return ctypes.CDLL(str(folder / f"{name}.so")), ctypes.CDLL(str(folder / f"{self.plain.source}.so"))
+            subprocess.run(
+                ["gcc", *FLAGS, f"{source}.c", "-o", f"{source}.so", "-lm"], cwd=folder, check=True
+            )
+        return ctypes.CDLL(str(folder / f"{name}.so")), ctypes.CDLL(
+            str(folder / f"{self.plain.source}.so")
+        )
 
     def symkin(self, start: np.ndarray, known: np.ndarray) -> Answer:
-        """NAME_direct from a pose, or NAME_inverse from joint values; the answer's rows are those that CasADi is asked for."""
+        """NAME_direct from a pose, or NAME_inverse from joint values; the answer's rows are those
+        that CasADi is asked for.
+        """
         library, name, info = self._libraries[0], self.plain.name, (ctypes.c_ubyte * 64)()
         if self.serial:
             joints = _numbers(np.zeros(len(start)))
-            code = getattr(library, f"{name}_inverse")(None, _numbers(known), _numbers(start), joints, info)
+            code = getattr(library, f"{name}_inverse")(
+                None, _numbers(known), _numbers(start), joints, info
+            )
             return Answer(code, np.array(joints[:]), self._row(np.array(joints[:]), known))
         pose = _numbers(np.zeros(7))
-        code = getattr(library, f"{name}_direct")(None, _numbers(known), _numbers(start), pose, info)
+        code = getattr(library, f"{name}_direct")(
+            None, _numbers(known), _numbers(start), pose, info
+        )
         found = np.array(pose[:])
         return Answer(code, self._of_pose(found), 0.0 if code == 0 else np.nan)
 
@@ -84,16 +100,24 @@ class Both:
         for array, values in ((arg, given), (res, taken)):
             for k, v in enumerate(values):
                 array[k] = ctypes.cast(v, pointers)
-        work, integers = _numbers(np.zeros(function.sz_w() + 1)), (ctypes.c_longlong * (function.sz_iw() + 1))()
+        work, integers = (
+            _numbers(np.zeros(function.sz_w() + 1)),
+            (ctypes.c_longlong * (function.sz_iw() + 1))(),
+        )
         code = getattr(self._libraries[1], function.name())(arg, res, integers, work, 0)
         found = np.array(z[:])
         row = self._row(found, known)
         if self.serial:
             return Answer(code, found, row)
-        return Answer(code, self._of_unknowns(found, known) if np.isfinite(row) else np.full(12, np.nan), row)
+        return Answer(
+            code, self._of_unknowns(found, known) if np.isfinite(row) else np.full(12, np.nan), row
+        )
 
     def _row(self, z: np.ndarray, known: np.ndarray) -> float:
-        largest = float(np.abs(np.array(self.plain.rows(z, known))).max()) / self.plain.problem.closure.characteristic_length
+        largest = (
+            float(np.abs(np.array(self.plain.rows(z, known))).max())
+            / self.plain.problem.closure.characteristic_length
+        )
         return largest if np.isfinite(largest) else np.nan
 
     def _of_pose(self, pose: np.ndarray) -> np.ndarray:
@@ -104,7 +128,12 @@ class Both:
         return self._flat(pose_of(problem.closure, problem.join_values(z, known)))
 
     def _flat(self, pose: Pose) -> np.ndarray:
-        return np.concatenate([pose.position, self.plain.problem.closure.characteristic_length * pose.rotation.ravel()])
+        return np.concatenate(
+            [
+                pose.position,
+                self.plain.problem.closure.characteristic_length * pose.rotation.ravel(),
+            ]
+        )
 
     def same(self, one: Answer, other: Answer) -> bool:
         """Angles of arms are compared as they are: a turn more is another command."""
@@ -115,7 +144,7 @@ class Both:
             gap[sliding] /= self.plain.problem.closure.characteristic_length
         return bool(gap.max() <= SAME * scale)
 
-    # --- starts and goals --------------------------------------------------------------------------------------------
+    # --- starts and goals -------------------------------------------------------------------------
 
     @cached_property
     def start(self) -> np.ndarray:
@@ -132,12 +161,17 @@ class Both:
         if not self.serial:
             return goals_about(kind, count, MIDDLE, rng)
         mechanism = self.plain.mechanism
-        spread = [1.0 if c.is_angular else MIDDLE.part * mechanism.characteristic_length for c in mechanism.actuated]
+        spread = [
+            1.0 if c.is_angular else MIDDLE.part * mechanism.characteristic_length
+            for c in mechanism.actuated
+        ]
         joints = self.start + np.array(spread) * rng.uniform(-1, 1, (count, len(spread)))
         return np.array([kind.forward_at(q) for q in joints])  # type: ignore[union-attr]
 
     def without_answer(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """(start, known values) of inputs that have no answer, or a start from which Newton's method has no step."""
+        """(start, known values) of inputs that have no answer, or a start from which Newton's
+        method has no step.
+        """
         cases, start = cases_of(self.plain.program.kind), self.start
         known = cases["poses" if self.serial else "joints"][0]
         far, bad = known.copy(), known.copy()
@@ -158,8 +192,9 @@ class Both:
 
 @dataclass(frozen=True)
 class Tally:
-    """Goals; OK of symkin; CasADi's zeros; of these no solution, symkin's solution, another one although symkin is OK, one where
-    symkin refuses."""
+    """Goals; OK of symkin; CasADi's zeros; of these no solution, symkin's solution, another one
+    although symkin is OK, one where symkin refuses.
+    """
 
     goals: int
     ok: int
@@ -173,7 +208,9 @@ class Tally:
 def tally(both: Both, count: int, seed: int) -> Tally:
     """Random goals about the start, asked of both."""
     z0 = both.unknowns(both.start)
-    pairs = [(both.symkin(both.start, goal), both.casadi(z0, goal)) for goal in both.goals(count, seed)]
+    pairs = [
+        (both.symkin(both.start, goal), both.casadi(z0, goal)) for goal in both.goals(count, seed)
+    ]
 
     def number(test: Callable[[Answer, Answer], bool]) -> int:
         return sum(test(own, plain) for own, plain in pairs)

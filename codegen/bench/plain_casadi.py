@@ -1,8 +1,10 @@
-"""The C that CasADi's own code generator makes of symkin's equations: what a user of plain CasADi has.
+"""The C that CasADi's own code generator makes of symkin's equations: what a user of plain CasADi
+has.
 
     python codegen/bench/plain_casadi.py [-o DIR] [--real double] [NAME ...]
 
-Writes NAME_casadi.c and NAME_casadi.h for each of the five systems, about 1,000 lines each; they are not committed. Functions:
+Writes NAME_casadi.c and NAME_casadi.h for each of the five systems, about 1,000 lines each; they
+are not committed. Functions:
 
     NAME_newton    unknowns z from a start z0 and the known values: the rootfinder `fast_newton` on
                    F(z, known) = 0
@@ -10,8 +12,9 @@ Writes NAME_casadi.c and NAME_casadi.h for each of the five systems, about 1,000
     NAME_matrix    joint rates = matrix * twist of a platform, twist = matrix * joint rates of an
                    arm, as symkin's NAME_jacobian
 
-F is the closure that symkin solves (rows in the length unit, quaternions' norms included), z the passive joints and the pose
-of a platform, the joints of an arm. `fast_newton` needs as many rows as unknowns: not so for `zhao2000_links`.
+F is the closure that symkin solves (rows in the length unit, quaternions' norms included), z the
+passive joints and the pose of a platform, the joints of an arm. `fast_newton` needs as many rows as
+unknowns: not so for `zhao2000_links`.
 """
 
 from __future__ import annotations
@@ -42,7 +45,9 @@ MAX_STEPS = 100
 
 @dataclass(frozen=True, eq=False)
 class PlainCasadi:
-    """One mechanism for CasADi's generator, with the tolerance (length unit) and the type of symkin's C."""
+    """One mechanism for CasADi's generator, with the tolerance (length unit) and the type of
+    symkin's C.
+    """
 
     name: str
     real: RealName = "double"
@@ -67,15 +72,21 @@ class PlainCasadi:
     @cached_property
     def rows(self) -> ca.Function:
         system = self.problem.system
-        return ca.Function(f"{self.name}_rows", [system.unknown, system.known], [flat_rows(system)], {"cse": True})
+        return ca.Function(
+            f"{self.name}_rows", [system.unknown, system.known], [flat_rows(system)], {"cse": True}
+        )
 
     @cached_property
     def newton(self) -> ca.Function:
-        """The rootfinder; ValueError where rows and unknowns differ in number, which CasADi refuses."""
+        """The rootfinder; ValueError where rows and unknowns differ in number, which CasADi
+        refuses.
+        """
         system, rows = self.problem.system, flat_rows(self.problem.system)
         if rows.shape != system.unknown.shape:
             counts = f"{rows.shape[0]} rows, {system.unknown.shape[0]} unknowns"
-            raise ValueError(f"{self.name}: fast_newton needs as many rows as unknowns; there are {counts}")
+            raise ValueError(
+                f"{self.name}: fast_newton needs as many rows as unknowns; there are {counts}"
+            )
         equations = {"x": system.unknown, "p": system.known, "g": rows}
         options = {"abstol": self.tolerance, "abstolStep": self.tolerance, "max_iter": MAX_STEPS}
         return ca.rootfinder(f"{self.name}_newton", "fast_newton", equations, options)
@@ -84,7 +95,12 @@ class PlainCasadi:
     def matrix(self) -> ca.Function:
         """Of all variables that it reads, in their order, as one vector; by rows, as symkin's C."""
         jacobian = symkin.jacobian(self.mechanism, "direct" if self.mechanism.serial else "inverse")
-        return ca.Function(f"{self.name}_matrix", [jacobian.symbols], [ca.densify(jacobian.expression).T], {"cse": True})
+        return ca.Function(
+            f"{self.name}_matrix",
+            [jacobian.symbols],
+            [ca.densify(jacobian.expression).T],
+            {"cse": True},
+        )
 
     @property
     def functions(self) -> tuple[ca.Function, ...]:
@@ -97,15 +113,19 @@ class PlainCasadi:
     def generate(self, folder: Path) -> None:
         """NAME_casadi.c and NAME_casadi.h."""
         folder.mkdir(parents=True, exist_ok=True)
-        generator = ca.CodeGenerator(f"{self.source}.c", {"with_header": True, "casadi_real": self.real})
+        generator = ca.CodeGenerator(
+            f"{self.source}.c", {"with_header": True, "casadi_real": self.real}
+        )
         for function in self.functions:
             generator.add(function)
         generator.generate(f"{folder}/")
 
-    # --- values ------------------------------------------------------------------------------------------------------
+    # --- values -----------------------------------------------------------------------------------
 
     def values_at(self, pose: np.ndarray) -> dict[str, np.ndarray]:
-        """All variables of a platform at a pose (x, y, z, quaternion): passive joints of the reference's branch."""
+        """All variables of a platform at a pose (x, y, z, quaternion): passive joints of the
+        reference's branch.
+        """
         there = symkin.solve(self.mechanism, pose=symkin.Pose(pose[:3], pose[3:]))
         return {name: np.atleast_1d(value) for name, value in there.solution.values.items()}
 
@@ -128,7 +148,10 @@ class PlainCasadi:
         """What NAME_matrix reads: an arm's joints, or a platform's variables at a pose."""
         if self.mechanism.serial:
             return pose_or_joints
-        jacobian, values = symkin.jacobian(self.mechanism, "inverse"), self.values_at(pose_or_joints)
+        jacobian, values = (
+            symkin.jacobian(self.mechanism, "inverse"),
+            self.values_at(pose_or_joints),
+        )
         whole = np.concatenate([values[c.name] for c in jacobian.closure.coordinates])
         return np.array([whole[v.index] for v in jacobian.inputs])
 
@@ -137,7 +160,9 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0] if __doc__ else "")
     parser.add_argument("names", nargs="*", default=list(SYSTEMS))
     parser.add_argument("--real", choices=("float", "double"), default="double")
-    parser.add_argument("-o", default="casadi_c", metavar="DIR", help="where to write (default: casadi_c)")
+    parser.add_argument(
+        "-o", default="casadi_c", metavar="DIR", help="where to write (default: casadi_c)"
+    )
     chosen = parser.parse_args()
     for given in chosen.names:
         PlainCasadi(given, chosen.real).generate(Path(chosen.o))

@@ -1,4 +1,6 @@
-"""C main files that solve the same cases by CasADi's C and by symkin's: same closure, starts, tolerance and flags."""
+"""C main files that solve the same cases by CasADi's C and by symkin's: same closure, starts,
+tolerance and flags.
+"""
 
 from __future__ import annotations
 
@@ -22,16 +24,24 @@ POSES = 12
 
 def newton_harnesses(plain: PlainCasadi) -> dict[str, Harness]:
     """NAME_direct of a platform, NAME_inverse of an arm, by both."""
-    return {"symkin": harness_of(plain.name, plain.program.options), "CasADi": _casadi_newton(plain)}
+    return {
+        "symkin": harness_of(plain.name, plain.program.options),
+        "CasADi": _casadi_newton(plain),
+    }
 
 
 def matrix_harnesses(plain: PlainCasadi) -> dict[str, Harness]:
-    """NAME_jacobian, by both; CasADi's reads the passive joints, symkin's computes them from the pose."""
+    """NAME_jacobian, by both; CasADi's reads the passive joints, symkin's computes them from the
+    pose.
+    """
     cases = cases_of(plain.program.kind)
     places = cases["expected"][:POSES]
     inputs = np.array([plain.matrix_input(place) for place in places])
     expected = np.array([np.array(plain.matrix(v)).ravel(order="F") for v in inputs])
-    return {"symkin": _symkin_matrix(plain, places, expected), "CasADi": _casadi_matrix(plain, inputs, expected)}
+    return {
+        "symkin": _symkin_matrix(plain, places, expected),
+        "CasADi": _casadi_matrix(plain, inputs, expected),
+    }
 
 
 def _casadi_newton(plain: PlainCasadi) -> Harness:
@@ -40,14 +50,27 @@ def _casadi_newton(plain: PlainCasadi) -> Harness:
     if serial:
         starts, known, offset, checked = [cases["guesses"]], cases["poses"], 0, n
     else:
-        starts = [np.array([plain.unknowns_at(pose) for pose in cases[key]]) for key in ("cold", "warm")]
+        starts = [
+            np.array([plain.unknowns_at(pose) for pose in cases[key]]) for key in ("cold", "warm")
+        ]
         known, offset, checked = cases["joints"], plain.places(("pose.x",))[0], 3
     tables = [_given(plain, f"start{k}", rows) for k, rows in enumerate(starts)]
     tables += [_given(plain, "known", known), table("double", "expected", cases["expected"], EXACT)]
     begin = "(kind == 0) ? start0[k] : start1[k]" if len(starts) == 2 else "start0[k]"
-    prepare = f"{plain.real} z[{n}]; const {plain.real} *const result = z + {offset}; int status; (void)kind;"
+    prepare = (
+        f"{plain.real} z[{n}]; const {plain.real} *const result = z + {offset}; int status; "
+        f"(void)kind;"
+    )
     names = ("inverse",) if serial else ("cold", "warm")
-    return _casadi(plain, Call(plain.newton, (begin, "known[k]"), "z"), tables, prepare, checked, names, len(known))
+    return _casadi(
+        plain,
+        Call(plain.newton, (begin, "known[k]"), "z"),
+        tables,
+        prepare,
+        checked,
+        names,
+        len(known),
+    )
 
 
 def _casadi_matrix(plain: PlainCasadi, inputs: np.ndarray, expected: np.ndarray) -> Harness:
@@ -71,7 +94,13 @@ class Call(NamedTuple):
 
 
 def _casadi(
-    plain: PlainCasadi, called: Call, tables: list[str], prepare: str, checked: int, kinds: tuple[str, ...], count: int
+    plain: PlainCasadi,
+    called: Call,
+    tables: list[str],
+    prepare: str,
+    checked: int,
+    kinds: tuple[str, ...],
+    count: int,
 ) -> Harness:
     """A call of one of CasADi's functions with the work arrays that it asks for."""
     function = called.function
@@ -79,9 +108,18 @@ def _casadi(
     plain.generate(folder)
     work = f"""static {plain.real} w[{function.sz_w() + 1}];
         static casadi_int iw[{function.sz_iw() + 1}];
-        const {plain.real} *arg[{function.sz_arg() + 1}] = {{ {", ".join(called.arguments)} }}; {plain.real} *res[{function.sz_res() + 1}] = {{ {called.output} }};"""
+        const {plain.real} *arg[{function.sz_arg() + 1}] = {{ {", ".join(called.arguments)} }};
+          {plain.real} *res[{function.sz_res() + 1}] = {{ {called.output} }};"""
     call = f"status = {function.name()}(arg, res, iw, w, 0);"
-    text = filled(f'#include "{plain.source}.h"', tables, f"{prepare} {work}", call, checked, len(kinds), count)
+    text = filled(
+        f'#include "{plain.source}.h"',
+        tables,
+        f"{prepare} {work}",
+        call,
+        checked,
+        len(kinds),
+        count,
+    )
     (folder / "bench.c").write_text(text)
     return Harness(folder, plain.source, (function.name(),), kinds)
 

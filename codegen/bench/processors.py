@@ -1,4 +1,5 @@
-"""Instructions of each solve: on Cortex-M boards under QEMU by SysTick (-icount shift=0), on the host by valgrind.
+"""Instructions of each solve: on Cortex-M boards under QEMU by SysTick (-icount shift=0), on the
+host by valgrind.
 
     python codegen/bench/processors.py BENCH NAME.h
 
@@ -41,50 +42,103 @@ def measure(harness: Harness, processor: str) -> dict[str, Figures]:
     """Figures of each kind of case on M4F, M7 or the host."""
     found = on_host(harness) if processor == HOST else on_board(harness, processor)
     parts = {name: found[found[:, 0] == k] for k, name in enumerate(harness.kinds)}
-    return {name: Figures(float(p[:, 1].mean()), float(p[:, 1].max()), float(p[:, 2].max())) for name, p in parts.items()}
+    return {
+        name: Figures(float(p[:, 1].mean()), float(p[:, 1].max()), float(p[:, 2].max()))
+        for name, p in parts.items()
+    }
 
 
 def on_board(harness: Harness, board: str) -> np.ndarray:
     """Rows (kind, instructions, error)."""
     machine, flags = BOARDS[board]
     elf = f"{board}.elf"
-    link = ["-nostartfiles", "-T", str(TARGETS / "mps2.ld"), "-I", str(TARGETS), "-I.", str(TARGETS / "board.c")]
+    link = [
+        "-nostartfiles",
+        "-T",
+        str(TARGETS / "mps2.ld"),
+        "-I",
+        str(TARGETS),
+        "-I.",
+        str(TARGETS / "board.c"),
+    ]
     sources = ["bench.c", f"{harness.source}.c", "-lm", "-lc", "-lgcc", "-o", elf]
-    subprocess.run(["arm-none-eabi-gcc", *COMMON, *flags, *link, *sources], cwd=harness.folder, check=True)
-    qemu = ["qemu-system-arm", "-M", machine, "-nographic", "-icount", "shift=0",
-            "-semihosting-config", "enable=on,target=native", "-kernel", elf]  # fmt: skip
-    done = subprocess.run(qemu, cwd=harness.folder, check=True, capture_output=True, text=True, timeout=300)
+    subprocess.run(
+        ["arm-none-eabi-gcc", *COMMON, *flags, *link, *sources], cwd=harness.folder, check=True
+    )
+    qemu = [
+        "qemu-system-arm",
+        "-M",
+        machine,
+        "-nographic",
+        "-icount",
+        "shift=0",
+        "-semihosting-config",
+        "enable=on,target=native",
+        "-kernel",
+        elf,
+    ]
+    done = subprocess.run(
+        qemu, cwd=harness.folder, check=True, capture_output=True, text=True, timeout=300
+    )
     return _rows(done.stderr)
 
 
 def on_host(harness: Harness, cc: str = "gcc") -> np.ndarray:
     """The same on this machine: built by the host's Makefile, counted by valgrind."""
-    make = ["make", "-s", "-C", str(TARGETS / "host"), f"FOLDER={harness.folder}", f"BUILD={harness.folder}", f"NAME={harness.source}",
-            f"CC={cc}", "bench"]  # fmt: skip
+    make = [
+        "make",
+        "-s",
+        "-C",
+        str(TARGETS / "host"),
+        f"FOLDER={harness.folder}",
+        f"BUILD={harness.folder}",
+        f"NAME={harness.source}",
+        f"CC={cc}",
+        "bench",
+    ]
     subprocess.run(make, check=True)
     return counted(harness.folder / "bench", harness.calls)
 
 
 def counted(program: Path, calls: tuple[str, ...]) -> np.ndarray:
-    """Rows (kind, instructions, error): each of `calls` in a run of its own, in the order of the program's kinds;
-    callgrind collects within the call only and dumps its counter after each."""
+    """Rows (kind, instructions, error): each of `calls` in a run of its own, in the order of the
+    program's kinds; callgrind collects within the call only and dumps its counter after each.
+    """
     totals: list[float] = []
     for call in calls:
         with tempfile.TemporaryDirectory() as dumps:
-            command = ["valgrind", "-q", "--tool=callgrind", "--callgrind-out-file=out", f"--toggle-collect={call}",
-                       f"--dump-after={call}", str(program.resolve())]  # fmt: skip
-            done = subprocess.run(command, cwd=dumps, check=True, capture_output=True, text=True, timeout=300)
+            command = [
+                "valgrind",
+                "-q",
+                "--tool=callgrind",
+                "--callgrind-out-file=out",
+                f"--toggle-collect={call}",
+                f"--dump-after={call}",
+                str(program.resolve()),
+            ]
+            done = subprocess.run(
+                command, cwd=dumps, check=True, capture_output=True, text=True, timeout=300
+            )
             numbered = sorted(Path(dumps).glob("out.*"), key=lambda path: int(path.suffix[1:]))
-            totals += [float(re.findall(r"^totals: (\d+)", path.read_text(), re.M)[0]) for path in numbered]
+            totals += [
+                float(re.findall(r"^totals: (\d+)", path.read_text(), re.M)[0]) for path in numbered
+            ]
     rows = _rows(done.stderr)
     if len(totals) != len(rows):
-        raise ValueError(f"valgrind counted {len(totals)} calls of {', '.join(calls)} in {program}, which made {len(rows)}")
+        raise ValueError(
+            f"valgrind counted {len(totals)} calls of {', '.join(calls)} in {program}, which made "
+            f"{len(rows)}"
+        )
     return np.column_stack([rows[:, 0], totals, rows[:, 2]])
 
 
 def _rows(text: str) -> np.ndarray:
     """Lines (kind, instructions, error in 1e-12, error in 1e-6) of a bench's output."""
-    values = [[int(v) for v in line.split()] for line in text.splitlines() if re.fullmatch(r"\d+( \d+){3}", line)]
+    values = [
+        [int(v) for v in line.split()]
+        for line in text.splitlines()
+        if re.fullmatch(r"\d+( \d+){3}", line)
+    ]
     found = np.array(values, dtype=float)
     fine = np.where(found[:, 2] < 4e9, found[:, 2] * 1e-12, found[:, 3] * 1e-6)
     return np.column_stack([found[:, :2], fine])
@@ -97,4 +151,7 @@ if __name__ == "__main__":
     rows = counted(bench, (f"{name}_inverse",) if is_arm else (f"{name}_direct", f"{name}_track"))
     for kind in sorted(set(rows[:, 0])):
         part = rows[rows[:, 0] == kind, 1]
-        print(f"kind {int(kind)}: {part.mean():,.0f} instructions a solve, largest {part.max():,.0f}, {len(part)} solves")
+        print(
+            f"kind {int(kind)}: {part.mean():,.0f} instructions a solve, largest "
+            f"{part.max():,.0f}, {len(part)} solves"
+        )

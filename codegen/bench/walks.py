@@ -1,13 +1,17 @@
-"""Do controllers that call the generated C a thousand times a second get stuck, or lost? Smooth random walks, standing still, and grazing.
+"""Do controllers that call the generated C a thousand times a second get stuck, or lost? Smooth
+random walks, standing still, and grazing.
 
-    python codegen/bench/walks.py [NAME|FILE ...] [--given A,B --find C,D] [--paths 25] [--steps 400] [--lines 200] [--random 10] [--seed 0]
-                                  [--real float] [--part 1/4]
+    python codegen/bench/walks.py [NAME|FILE ...] [--given A,B --find C,D] [--paths 25]
+        [--steps 400] [--lines 200] [--random 10] [--seed 0] [--real float] [--part 1/4]
 
-Without names: machines of all kinds (closes.py), maps both ways; `--part 1/4`: every fourth of them. Goals move on smooth random paths within
-limits. Each goal is asked for from the last answer that was OK, then once more from its own answer: standing still must be OK. Beside it the
-same lines are walked finely (walk.c) from the last configuration that was OK. Wrong is an OK on a line that is not regular, or that leads
-elsewhere; stuck is a regular line, far from singularities, that is refused. Then `--lines` lines go to where the code refuses, and ever nearer
-(grazes.py): no OK there may be refused as a guess. An interrupted run (Control-C) prints its table. Exit status 1 where anything is wrong, stuck, does not stand still or is not read.
+Without names: machines of all kinds (closes.py), maps both ways; `--part 1/4`: every fourth of
+them. Goals move on smooth random paths within limits. Each goal is asked for from the last answer
+that was OK, then once more from its own answer: standing still must be OK. Beside it the same lines
+are walked finely (walk.c) from the last configuration that was OK. Wrong is an OK on a line that is
+not regular, or that leads elsewhere; stuck is a regular line, far from singularities, that is
+refused. Then `--lines` lines go to where the code refuses, and ever nearer (grazes.py): no OK there
+may be refused as a guess. An interrupted run (Control-C) prints its table. Exit status 1 where
+anything is wrong, stuck, does not stand still or is not read.
 """
 
 from __future__ import annotations
@@ -31,7 +35,9 @@ from symkin.errors import InputError
 from symkin.formats.load import load
 
 _HARD = 50.0
-"""Condition from which on a refusal beside a singularity is not held against the code: bounds are kept from it."""
+"""Condition from which on a refusal beside a singularity is not held against the code: bounds are
+kept from it.
+"""
 _SHOWN = 4
 """Examples of a machine that are printed."""
 _SECONDS = 150
@@ -40,7 +46,9 @@ _SECONDS = 150
 
 @dataclass
 class Tally:
-    """What came of walks: steps, OK, wrong ones, refused ones that are regular, and OKs that do not stand still."""
+    """What came of walks: steps, OK, wrong ones, refused ones that are regular, and OKs that do not
+    stand still.
+    """
 
     steps: int = 0
     ok: int = 0
@@ -54,18 +62,28 @@ def walked(direction: Direction, paths: int, steps: int, rng: np.random.Generato
     """Follow random paths."""
     tally, home = Tally(), direction.home
     goals = direction.rounded(paths_of(direction, paths, steps, rng))
-    at = State(*(np.repeat(part, paths, axis=0) for part in (home.unknowns, home.known, home.guesses)))
+    at = State(
+        *(np.repeat(part, paths, axis=0) for part in (home.unknowns, home.known, home.guesses))
+    )
     for goal in goals:
         at = _step(direction, at, goal, tally)
     return tally
 
 
 def _step(direction: Direction, at: State, goal: np.ndarray, tally: Tally) -> State:
-    """Ask for the next goal of each path, judge the answers, and go on from those that are right."""
+    """Ask for the next goal of each path, judge the answers, and go on from those that are
+    right.
+    """
     status, found = direction.answers(goal, at.guesses)
-    begin, end = (at.known, goal) if direction.places is not None else direction.lines.line(at.known, goal)
+    begin, end = (
+        (at.known, goal) if direction.places is not None else direction.lines.line(at.known, goal)
+    )
     ends = direction.walker.reached(at.unknowns, begin, end)
-    ok, regular, reached = status == 0, ends.shortest >= REGULAR, direction.stated(ends.unknowns, end)
+    ok, regular, reached = (
+        status == 0,
+        ends.shortest >= REGULAR,
+        direction.stated(ends.unknowns, end),
+    )
     away = np.where(ok, direction.off(found, reached), 0.0)
     conditions = direction.problem.system.conditions(ends.unknowns, end)
     epsilon = Real(direction.real).epsilon  # type: ignore[arg-type]
@@ -79,8 +97,10 @@ def _step(direction: Direction, at: State, goal: np.ndarray, tally: Tally) -> St
     for what, which in (("wrong", wrong), ("stuck", stuck), ("moved", moved)):
         setattr(tally, what, getattr(tally, what) + int(which.sum()))
         tally.examples += [
-            f"{what}: from {at.guesses[k].tolist()} ({begin[k].tolist()}) to {end[k].tolist()}: status {status[k]}, again {again[k]}, "
-            f"{found[k].tolist()}; walked {reached[k].tolist()}, shortest {ends.shortest[k]:.2g}, condition {conditions[k]:.2g}"
+            f"{what}: from {at.guesses[k].tolist()} ({begin[k].tolist()}) to {end[k].tolist()}: "
+            f"status {status[k]}, again {again[k]}, "
+            f"{found[k].tolist()}; walked {reached[k].tolist()}, shortest {ends.shortest[k]:.2g}, "
+            f"condition {conditions[k]:.2g}"
             for k in np.flatnonzero(which)[:1]
         ]
     pairs = ((ends.unknowns, at.unknowns), (end, at.known), (found, at.guesses))
@@ -108,11 +128,25 @@ class Row:
 
     def cells(self) -> list[str]:
         w, g = self.walks, self.grazes
-        numbers = (len(self.machines), w.steps, w.ok, w.wrong, w.stuck, w.moved, g.ok, g.moved, g.unread, g.lost)
+        numbers = (
+            len(self.machines),
+            w.steps,
+            w.ok,
+            w.wrong,
+            w.stuck,
+            w.moved,
+            g.ok,
+            g.moved,
+            g.unread,
+            g.lost,
+        )
         return [f"{n:,}" for n in numbers]
 
 
-_HEAD = "| solved by | type | machines | steps | OK | wrong | stuck | moved | beside refusals OK | moved | not read | lost |"
+_HEAD = (
+    "| solved by | type | machines | steps | OK | wrong | stuck | moved | beside refusals OK | "
+    "moved | not read | lost |"
+)
 
 
 def table(rows: dict[tuple[str, str], Row]) -> str:
@@ -122,22 +156,32 @@ def table(rows: dict[tuple[str, str], Row]) -> str:
         for name in row.machines:
             total.machines.add(name)
         total.add(next(iter(row.machines)), row.walks, row.grazes)
-    lines = [f"| {' | '.join([*key, *row.cells()])} |" for key, row in (*sorted(rows.items()), (("all", ""), total))]
+    lines = [
+        f"| {' | '.join([*key, *row.cells()])} |"
+        for key, row in (*sorted(rows.items()), (("all", ""), total))
+    ]
     return "\n".join([_HEAD, "|" + "---|" * _HEAD[1:].count("|"), *lines])
 
 
 def machines_of(chosen: argparse.Namespace, scratch: Path) -> Iterator[Machine]:
-    """The named machines, else all that closes.py knows, and random ones, of which a part may be chosen."""
+    """The named machines, else all that closes.py knows, and random ones, of which a part may be
+    chosen.
+    """
     if chosen.names:
         given, find = (tuple(v.split(",")) if v else () for v in (chosen.given, chosen.find))
         yield from (Machine(load(n), given, find) for n in chosen.names)
         return
     number, count = (int(v) for v in chosen.part.split("/"))
-    machines = [*named(), *(m for m, _ in zip(drawn(chosen.seed, scratch), range(chosen.random), strict=False))]
+    machines = [
+        *named(),
+        *(m for m, _ in zip(drawn(chosen.seed, scratch), range(chosen.random), strict=False)),
+    ]
     yield from machines[number - 1 :: count]
 
 
-def run(machine: Machine, real: str, chosen: argparse.Namespace, rows: dict[tuple[str, str], Row]) -> None:
+def run(
+    machine: Machine, real: str, chosen: argparse.Namespace, rows: dict[tuple[str, str], Row]
+) -> None:
     """Walk one machine's code in one type, and print what comes of it."""
     name = machine.mechanism.name
     signal.alarm(_SECONDS)
@@ -146,12 +190,19 @@ def run(machine: Machine, real: str, chosen: argparse.Namespace, rows: dict[tupl
             found = directions(machine, real, Path(folder))
         for way, direction in zip(("direct", "inverse"), found, strict=False):
             rng = np.random.default_rng(chosen.seed)
-            walks, grazes = walked(direction, chosen.paths, chosen.steps, rng), grazed(direction, chosen.lines, rng)
+            walks, grazes = (
+                walked(direction, chosen.paths, chosen.steps, rng),
+                grazed(direction, chosen.lines, rng),
+            )
             rows.setdefault((direction.solved_by, real), Row()).add(name, walks, grazes)
             one = Row()
             one.add(name, walks, grazes)
             said = [f"\n    {e}" for e in (*walks.examples[:_SHOWN], *grazes.examples[:_SHOWN])]
-            print(f"| {name} {way if len(found) > 1 else ''} | {real} | {' | '.join(one.cells())} |", *said, flush=True)
+            print(
+                f"| {name} {way if len(found) > 1 else ''} | {real} | {' | '.join(one.cells())} |",
+                *said,
+                flush=True,
+            )
     except (InputError, TimeoutError) as reason:
         print(f"{name} {real}: left out: {str(reason)[:120]}", flush=True)
     finally:
@@ -159,7 +210,9 @@ def run(machine: Machine, real: str, chosen: argparse.Namespace, rows: dict[tupl
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("names", nargs="*")
     parser.add_argument("--given")
     parser.add_argument("--find")

@@ -1,10 +1,13 @@
-"""The worst case of each function of generated folders: instructions searched under QEMU, stack with callees, bytes.
+"""The worst case of each function of generated folders: instructions searched under QEMU, stack
+with callees, bytes.
 
     python codegen/bench/worst.py [FOLDER ...] [--write] [--seed 1]
 
-float folders run on the Cortex-M4F, double ones on the M7, at -O2. Instructions are the most of any call without a config over random
-inputs of all kinds (inputs.h: own vectors, goals up to the widest range, lines beyond it, NaN and numbers of any size) and over changes of the dearest ones.
-With --write the figures are kept in codegen/measured.json, from which generate.py writes them into the folders, and the table of codegen/README.md.
+float folders run on the Cortex-M4F, double ones on the M7, at -O2. Instructions are the most of any
+call without a config over random inputs of all kinds (inputs.h: own vectors, goals up to the widest
+range, lines beyond it, NaN and numbers of any size) and over changes of the dearest ones. With
+--write the figures are kept in codegen/measured.json, from which generate.py writes them into the
+folders, and the table of codegen/README.md.
 """
 
 from __future__ import annotations
@@ -28,17 +31,23 @@ BENCH = Path(__file__).parent
 MEASURED = BENCH.parent / "measured.json"
 PROCESSORS = {"float": "M4F", "double": "M7"}
 SHIFT = 3
-"""An instruction takes 2^SHIFT ns of QEMU's time, a tick of its counter 40 ns: counts are told to 5 instructions."""
+"""An instruction takes 2^SHIFT ns of QEMU's time, a tick of its counter 40 ns: counts are told to 5
+instructions.
+"""
 MOST_INPUTS = 40_000
 MOST_TICKS = 120_000_000
 """Of all calls of a folder: 600 million instructions, some seconds."""
 
 
-def measured(folder: Path, seed: int, most_inputs: int = MOST_INPUTS, most_ticks: int = MOST_TICKS) -> dict[str, Any]:
+def measured(
+    folder: Path, seed: int, most_inputs: int = MOST_INPUTS, most_ticks: int = MOST_TICKS
+) -> dict[str, Any]:
     """The figures of a folder, as the manifest has them."""
     manifest = json.loads((folder / "manifest.json").read_text())
     name, board = manifest["mechanism"], PROCESSORS[manifest["options"]["real"]]
-    searched, touched, count = searched_instructions(folder, name, board, seed, most_inputs, most_ticks)
+    searched, touched, count = searched_instructions(
+        folder, name, board, seed, most_inputs, most_ticks
+    )
     feet, whole, library = footprints(folder, name, list(searched), board)
     return {
         "code": manifest["files"][f"{name}.c"],
@@ -64,22 +73,60 @@ def measured(folder: Path, seed: int, most_inputs: int = MOST_INPUTS, most_ticks
 def searched_instructions(
     folder: Path, name: str, board: str, seed: int, most_inputs: int, most_ticks: int
 ) -> tuple[dict[str, int], dict[str, int], int]:
-    """The most instructions of each function, the most stack that its dearest input touched, and how many inputs were tried."""
+    """The most instructions of each function, the most stack that its dearest input touched, and
+    how many inputs were tried.
+    """
     machine, flags = BOARDS[board]
     limits = [f"-DSEED={seed}", f"-DMOST_INPUTS={most_inputs}L", f"-DMOST_TICKS={most_ticks}ULL"]
     with tempfile.TemporaryDirectory() as scratch:
         elf = f"{scratch}/worst.elf"
-        include = [f"-I{folder}", f"-I{TARGETS}", f"-I{BENCH}", "-nostartfiles", "-T", str(TARGETS / "mps2.ld")]
-        sources = [str(BENCH / "worst.c"), str(folder / f"{name}.c"), str(TARGETS / "board.c"), *LIBRARIES, "-o", elf]
-        command = ["arm-none-eabi-gcc", *COMMON, *flags, *macros(folder), *limits, *include, *sources]
+        include = [
+            f"-I{folder}",
+            f"-I{TARGETS}",
+            f"-I{BENCH}",
+            "-nostartfiles",
+            "-T",
+            str(TARGETS / "mps2.ld"),
+        ]
+        sources = [
+            str(BENCH / "worst.c"),
+            str(folder / f"{name}.c"),
+            str(TARGETS / "board.c"),
+            *LIBRARIES,
+            "-o",
+            elf,
+        ]
+        command = [
+            "arm-none-eabi-gcc",
+            *COMMON,
+            *flags,
+            *macros(folder),
+            *limits,
+            *include,
+            *sources,
+        ]
         subprocess.run(command, check=True)
-        qemu = ["qemu-system-arm", "-M", machine, "-nographic", "-icount", f"shift={SHIFT}",
-                "-semihosting-config", "enable=on,target=native", "-kernel", elf]  # fmt: skip
+        qemu = [
+            "qemu-system-arm",
+            "-M",
+            machine,
+            "-nographic",
+            "-icount",
+            f"shift={SHIFT}",
+            "-semihosting-config",
+            "enable=on,target=native",
+            "-kernel",
+            elf,
+        ]
         said = subprocess.run(qemu, check=True, capture_output=True, text=True, timeout=300).stderr
     rows = re.findall(r"^(\w+) (\d+) (\d+)$", said, re.M)
     # a call that ends within a tick may have taken all of the next
     instructions = {f: math.ceil((int(ticks) + 1) * 40 / 2**SHIFT) for f, ticks, _ in rows}
-    return instructions, {f: int(stack) for f, _, stack in rows}, int(re.findall(r"^inputs (\d+)$", said, re.M)[0])
+    return (
+        instructions,
+        {f: int(stack) for f, _, stack in rows},
+        int(re.findall(r"^inputs (\d+)$", said, re.M)[0]),
+    )
 
 
 def table(figures: dict[str, dict[str, Any]]) -> str:
@@ -93,19 +140,36 @@ def table(figures: dict[str, dict[str, Any]]) -> str:
             row = (f["instructions"], f["stack"], f["bytes"], f["bytes_with_library"])
             lines.append(f"| {folder} | {name} | {' | '.join(f'{v:,}' for v in row)} |")
         named = ", ".join(found["library"]) or "none"
-        lines.append(f"| {folder} | all | {found['inputs']:,} inputs | | {found['object_bytes']:,} | calls {named} |")
+        lines.append(
+            f"| {folder} | all | {found['inputs']:,} inputs | | {found['object_bytes']:,} | calls "
+            f"{named} |"
+        )
     return "\n".join(lines)
 
 
 def _gcc_version() -> str:
-    said = subprocess.run(["arm-none-eabi-gcc", "-dumpfullversion"], check=True, capture_output=True, text=True)
+    said = subprocess.run(
+        ["arm-none-eabi-gcc", "-dumpfullversion"], check=True, capture_output=True, text=True
+    )
     return said.stdout.strip()
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Search the worst cases of folders of generated C.")
-    parser.add_argument("folders", nargs="*", type=Path, metavar="FOLDER", help="default: all that generate.py writes")
-    parser.add_argument("--write", action="store_true", help="write codegen/measured.json and the table of codegen/README.md")
+    parser = argparse.ArgumentParser(
+        description="Search the worst cases of folders of generated C."
+    )
+    parser.add_argument(
+        "folders",
+        nargs="*",
+        type=Path,
+        metavar="FOLDER",
+        help="default: all that generate.py writes",
+    )
+    parser.add_argument(
+        "--write",
+        action="store_true",
+        help="write codegen/measured.json and the table of codegen/README.md",
+    )
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     found = {}

@@ -1,1 +1,3 @@
-"""What the site is made of beside its pages: gallery, help, tolerances, verdicts, pictures, mathematics."""
+"""What the site is made of beside its pages: gallery, help, tolerances, verdicts, pictures,
+mathematics.
+"""

@@ -1,4 +1,6 @@
-"""Docstrings, which are plain text, as the site sets them: paragraphs, examples, and formulas in which columns count."""
+"""Docstrings, which are plain text, as the site sets them: paragraphs, examples, and formulas in
+which columns count.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ _COLUMNS = re.compile(r"\S {3,}\S")
 
 
 def docstring_as_rst(lines: list[str]) -> list[str]:
-    """The docstring as reStructuredText. Names in single backticks become literal text; nothing else in a paragraph is markup."""
+    """The docstring as reStructuredText. Names in single backticks become literal text; nothing
+    else in a paragraph is markup.
+    """
     told: list[str] = []
     for part in "\n".join(lines).strip("\n").split("\n\n"):
         block = part.strip("\n").split("\n")

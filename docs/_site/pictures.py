@@ -16,7 +16,9 @@ _COMMAND = re.compile(r"^\$ (symkin .*--plot (\w+)\.png.*)$", re.M)
 
 
 def draw_pictures(pages: list[Path], folder: Path) -> None:
-    """Run the commands that draw, with the machines that the pages describe, and keep PAGE_PICTURE.png of each."""
+    """Run the commands that draw, with the machines that the pages describe, and keep
+    PAGE_PICTURE.png of each.
+    """
     folder.mkdir()
     texts = {page.stem: page.read_text(encoding="utf-8") for page in pages}
     with tempfile.TemporaryDirectory() as place:
@@ -29,7 +31,10 @@ def draw_pictures(pages: list[Path], folder: Path) -> None:
                 done = subprocess.run(words, cwd=place, check=False, capture_output=True, text=True)
                 drawn = Path(place, f"{picture}.png")
                 if not drawn.exists():  # the status tells nothing: a path may stop, with status 3
-                    raise RuntimeError(f"{page}: {command} drew nothing (status {done.returncode}): {done.stderr.strip()}")
+                    raise RuntimeError(
+                        f"{page}: {command} drew nothing (status {done.returncode}): "
+                        f"{done.stderr.strip()}"
+                    )
                 shutil.move(drawn, folder / f"{page}_{picture}.png")
 
 
@@ -38,7 +43,8 @@ def with_pictures(page: str, text: str, folder: Path) -> str:
 
     def drawn(block: re.Match[str]) -> str:
         shown = [
-            f"\n```{{image}} /{folder.parent.name}/{folder.name}/{page}_{picture}.png\n:alt: What {command} draws\n```\n"
+            f"\n```{{image}} /{folder.parent.name}/{folder.name}/{page}_{picture}.png\n"
+            f":alt: What {command} draws\n```\n"
             for command, picture in _COMMAND.findall(block[1])
             if (folder / f"{page}_{picture}.png").exists()
         ]

@@ -1,4 +1,6 @@
-"""Pages of the reference that the program itself tells: the help of its commands, its tolerances."""
+"""Pages of the reference that the program itself tells: the help of its commands, its
+tolerances.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ What each command prints with `-h`. This page is made from the program.
 """
 API = """# Python API
 
-The functions and types of `import symkin`, from their docstrings. [Python](../reference/python.md) says how they go together.
+The functions and types of `import symkin`, from their docstrings. [Python](../reference/python.md)
+says how they go together.
 """
 TOLERANCES = """# Tolerances
 
@@ -36,15 +39,26 @@ def help_page() -> str:
 def api_page() -> str:
     """Every name of `symkin`: its verbs, its types, its errors."""
     shown = {name: getattr(symkin, name) for name in symkin.__all__}
-    errors = [name for name, each in shown.items() if inspect.isclass(each) and issubclass(each, Exception)]
+    errors = [
+        name
+        for name, each in shown.items()
+        if inspect.isclass(each) and issubclass(each, Exception)
+    ]
     types = [name for name, each in shown.items() if inspect.isclass(each) and name not in errors]
     verbs = [name for name, each in shown.items() if inspect.isfunction(each)]
     text = API
-    for title, names, directive in [("Verbs", verbs, "function"), ("Types", types, "class"), ("Errors", errors, "class")]:
+    for title, names, directive in [
+        ("Verbs", verbs, "function"),
+        ("Types", types, "class"),
+        ("Errors", errors, "class"),
+    ]:
         text += f"\n## {title}\n"
         for name in names:
             members = "" if directive == "function" else "   :members:\n"
-            text += f"\n### {name}\n\n```{{eval-rst}}\n.. auto{directive}:: symkin.{name}\n{members}```\n"
+            text += (
+                f"\n### {name}\n\n```{{eval-rst}}\n.. auto{directive}:: symkin.{name}\n"
+                f"{members}```\n"
+            )
     return text
 
 
@@ -55,18 +69,32 @@ def tolerances_page() -> str:
     rows = [
         f"`{name.targets[0].id}`\n: **{ast.unparse(name.value)}**. {_reason(text)}\n"
         for name, text in zip(tree.body, tree.body[1:], strict=False)
-        if isinstance(name, ast.Assign) and isinstance(name.targets[0], ast.Name) and isinstance(text, ast.Expr)
+        if isinstance(name, ast.Assign)
+        and isinstance(name.targets[0], ast.Name)
+        and isinstance(text, ast.Expr)
     ]
     table = [f"```text\n{part}\n```" if part.startswith("    ") else part for part in lead]
     return "\n\n".join([TOLERANCES, *table, "## Each of them", *rows])
 
 
 def _help(command: Any, name: str, parent: Any) -> list[str]:
-    """Typer brings its own click or uses the one installed, so that groups are known by their commands, not by their class."""
-    context = command.make_context(name.split()[-1], [], parent, resilient_parsing=True, terminal_width=80, max_content_width=80)
+    """Typer brings its own click or uses the one installed, so that groups are known by their
+    commands, not by their class.
+    """
+    context = command.make_context(
+        name.split()[-1],
+        [],
+        parent,
+        resilient_parsing=True,
+        terminal_width=80,
+        max_content_width=80,
+    )
     text = f"\n## `{name}`\n\n```text\n{command.get_help(context).rstrip()}\n```\n"
     below = getattr(command, "commands", {})
-    return [text, *(part for word, each in below.items() for part in _help(each, f"{name} {word}", context))]
+    return [
+        text,
+        *(part for word, each in below.items() for part in _help(each, f"{name} {word}", context)),
+    ]
 
 
 def _reason(text: ast.Expr) -> str:

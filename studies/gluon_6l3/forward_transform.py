@@ -1,14 +1,17 @@
-"""The pose of a serial chain in sines and cosines of sums of angles: turns about parallel axes add up to one turn.
+"""The pose of a serial chain in sines and cosines of sums of angles: turns about parallel axes add
+up to one turn.
 
-Joint k turns by t_k about the axis s_k through a point, or slides by t_k along it; v_k is the vector from its point to the next
-joint's (the tool's for the last), v_0 that from the base to the first, N the tool's rotation, all at t = 0. Within a run of
-joints whose axes of rotation are parallel, s_k = +-s, the rotations from the first to joint k are one,
-R(s, +-t_i ... +-t_k), so that a point x behind the run moves to
+Joint k turns by t_k about the axis s_k through a point, or slides by t_k along it; v_k is the
+vector from its point to the next joint's (the tool's for the last), v_0 that from the base to the
+first, N the tool's rotation, all at t = 0. Within a run of joints whose axes of rotation are
+parallel, s_k = +-s, the rotations from the first to joint k are one, R(s, +-t_i ... +-t_k), so that
+a point x behind the run moves to
 
     x' = sum_k R(s, t_i..k) (v_k + t_k s_k where k slides) + R(s, t_i..j) x,
     R(s, t) = cos t (I - s s^T) + sin t [s x] + s s^T.
 
-Runs are found from the axes. Symbols are named as in textbooks: c234 = cos(t_2 + t_3 + t_4), s2-3 = sin(t_2 - t_3).
+Runs are found from the axes. Symbols are named as in textbooks: c234 = cos(t_2 + t_3 + t_4), s2-3 =
+sin(t_2 - t_3).
 """
 
 from __future__ import annotations
@@ -35,8 +38,9 @@ def snapped(numbers: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Kinds ("R", "P") and axes (n x 3) of the joints, the n + 1 link vectors, and the tool's rotation, all at t = 0; `first` is
-    the number of the first joint."""
+    """Kinds ("R", "P") and axes (n x 3) of the joints, the n + 1 link vectors, and the tool's
+    rotation, all at t = 0; `first` is the number of the first joint.
+    """
 
     kinds: Sequence[str]
     axes: np.ndarray
@@ -45,8 +49,12 @@ class Chain:
     first: int = 1
 
 
-def chain_of_dh(d: Sequence[object], a: Sequence[object], alpha: Sequence[float], first: int = 1) -> Chain:
-    """Revolutes by standard DH, angles t_k the DH angles themselves; lengths are numbers or symbols, alpha in radians."""
+def chain_of_dh(
+    d: Sequence[object], a: Sequence[object], alpha: Sequence[float], first: int = 1
+) -> Chain:
+    """Revolutes by standard DH, angles t_k the DH angles themselves; lengths are numbers or
+    symbols, alpha in radians.
+    """
     R, axes, links = np.eye(3), [], [ca.SX.zeros(3)]
     for length, shift, twist in zip(d, a, alpha, strict=True):
         axes.append(R[:, 2])
@@ -59,15 +67,26 @@ def chain_of_dh(d: Sequence[object], a: Sequence[object], alpha: Sequence[float]
 def chain_of(arm: symkin.Mechanism) -> Chain:
     """The joints of a serial mechanism, lengths as numbers; t_k are its joint values."""
     joints = [joint for _, joint in arm.joints]
-    points = [np.zeros(3), *(np.array(j.point, float) for j in joints), np.array(arm.platform_position, float)]
+    points = [
+        np.zeros(3),
+        *(np.array(j.point, float) for j in joints),
+        np.array(arm.platform_position, float),
+    ]
     axes = np.array([np.array(j.axis, float) / np.linalg.norm(j.axis) for j in joints])
     home = np.array(matrix_from_quaternion(arm.reference_pose.quaternion), float)
-    return Chain([j.type for j in joints], snapped(axes), [ca.SX(v) for v in np.diff(points, axis=0)], snapped(home))
+    return Chain(
+        [j.type for j in joints],
+        snapped(axes),
+        [ca.SX(v) for v in np.diff(points, axis=0)],
+        snapped(home),
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class Transform:
-    """T (4 x 4) in the symbols of `sums`, name -> (cosine, sine, angle as an expression of t), and in slides t_k."""
+    """T (4 x 4) in the symbols of `sums`, name -> (cosine, sine, angle as an expression of t), and
+    in slides t_k.
+    """
 
     chain: Chain
     t: ca.SX
@@ -78,16 +97,26 @@ class Transform:
     def function(self) -> ca.Function:
         """t -> T."""
         symbols = ca.vertcat(*(part for c, s, _ in self.sums.values() for part in (c, s)))
-        values = ca.vertcat(*(f(angle) for _, _, angle in self.sums.values() for f in (ca.cos, ca.sin)))
-        return ca.Function("T", [self.t], [ca.substitute(self.T, symbols, values)], ["t"], ["T"], {"cse": True})
+        values = ca.vertcat(
+            *(f(angle) for _, _, angle in self.sums.values() for f in (ca.cos, ca.sin))
+        )
+        return ca.Function(
+            "T", [self.t], [ca.substitute(self.T, symbols, values)], ["t"], ["T"], {"cse": True}
+        )
 
     def evidence(self) -> dict[str, object]:
         """What was run, for a row of a report."""
-        return {"by": f"{__name__}.forward_transform", "method": "forward_transform", "text": "forward_transform()"}
+        return {
+            "by": f"{__name__}.forward_transform",
+            "method": "forward_transform",
+            "text": "forward_transform()",
+        }
 
 
 def runs_of(chain: Chain) -> Iterator[list[int]]:
-    """Neighbouring joints whose revolutes are parallel; slides belong to the run that they stand in."""
+    """Neighbouring joints whose revolutes are parallel; slides belong to the run that they stand
+    in.
+    """
     run: list[int] = []
     axis = None
     for k, (kind, s) in enumerate(zip(chain.kinds, chain.axes, strict=True)):
@@ -133,7 +162,10 @@ def _turned(found: Transform, axis: np.ndarray | None, signs: dict[int, int], x:
     if axis is None:
         return x
     along = ca.mtimes(ca.SX(np.outer(axis, axis)), x)
-    across, quarter = ca.mtimes(ca.SX(snapped(np.eye(3) - np.outer(axis, axis))), x), ca.mtimes(ca.skew(ca.SX(axis)), x)
+    across, quarter = (
+        ca.mtimes(ca.SX(snapped(np.eye(3) - np.outer(axis, axis))), x),
+        ca.mtimes(ca.skew(ca.SX(axis)), x),
+    )
     if across.is_zero():
         return x
     c, s = _symbols(found, signs)
@@ -143,7 +175,9 @@ def _turned(found: Transform, axis: np.ndarray | None, signs: dict[int, int], x:
 def _symbols(found: Transform, signs: dict[int, int]) -> tuple[ca.SX, ca.SX]:
     """Cosine and sine of a sum of angles, named by its joints."""
     gap = "" if found.chain.first + len(found.chain.kinds) <= 10 else "+"
-    name = "".join(("-" if sign < 0 else gap) + str(k + found.chain.first) for k, sign in signs.items()).removeprefix("+")
+    name = "".join(
+        ("-" if sign < 0 else gap) + str(k + found.chain.first) for k, sign in signs.items()
+    ).removeprefix("+")
     if name not in found.sums:
         angle = ca.sum1(ca.vertcat(*(sign * found.t[k] for k, sign in signs.items())))
         found.sums[name] = ca.SX.sym(f"c{name}"), ca.SX.sym(f"s{name}"), angle

@@ -1,10 +1,13 @@
-"""Geometry of the Gluon-6L3: its DH table, the six matrices that the page prints, its Jacobian, and the closed form.
+"""Geometry of the Gluon-6L3: its DH table, the six matrices that the page prints, its Jacobian, and
+the closed form.
 
-Notation: standard DH, A_i = Rz(t_i) Tz(d_i) Tx(a_i) Rx(alpha_i), T = A_1 ... A_6. The page writes q_i for the DH angle; here q_i
-is the joint value and t_i = q_i + offset_i the DH angle, so that zero joints are the vertical arm. Units: mm, radians.
-Source: see `study`.
+Notation: standard DH, A_i = Rz(t_i) Tz(d_i) Tx(a_i) Rx(alpha_i), T = A_1 ... A_6. The page writes
+q_i for the DH angle; here q_i is the joint value and t_i = q_i + offset_i the DH angle, so that
+zero joints are the vertical arm. Units: mm, radians. Source: see `study`.
 
-The closed form of the inverse problem, in numbers and as one CasADi function: with B = A_1^-1 T, w = p - d6 a the wrist's point (a the third column of R), elements [row, column] from 1 as on the page:
+The closed form of the inverse problem, in numbers and as one CasADi function: with B = A_1^-1 T,
+w = p - d6 a the wrist's point (a the third column of R), elements [row, column] from 1 as on the
+page:
 
     B[3,3] = c5,  B[3,4] = d4 + d6 c5    ->  s1 wx - c1 wy = d4: q1 (two), q5 (two each)
     B[3,1] = s5 c6,  B[3,2] = -s5 s6     ->  q6
@@ -33,13 +36,20 @@ SIZE = 400.0
 """Reach of the arm in round numbers, mm: makes rotations and lengths comparable."""
 
 
-# --- forward, in numbers -----------------------------------------------------------------------------------------
+# --- forward, in numbers --------------------------------------------------------------------------
 
 
 def link(i: int, t: float) -> np.ndarray:
     """A_i at the DH angle t, from the table (the page's second listing)."""
     c, s, ca_, sa = np.cos(t), np.sin(t), np.cos(ALPHA[i]), np.sin(ALPHA[i])
-    return np.array([[c, -s * ca_, s * sa, A[i] * c], [s, c * ca_, -c * sa, A[i] * s], [0, sa, ca_, D[i]], [0, 0, 0, 1]])
+    return np.array(
+        [
+            [c, -s * ca_, s * sa, A[i] * c],
+            [s, c * ca_, -c * sa, A[i] * s],
+            [0, sa, ca_, D[i]],
+            [0, 0, 0, 1],
+        ]
+    )
 
 
 def printed_links(q: np.ndarray) -> list[np.ndarray]:
@@ -48,12 +58,34 @@ def printed_links(q: np.ndarray) -> list[np.ndarray]:
     d1, d4, d5, d6, a2, a3 = 105.03, 75.66, 80.09, 44.36, -174.42, -174.42
     cos, sin = np.cos, np.sin
     return [
-        np.array([[cos(q1), 0, sin(q1), 0], [sin(q1), 0, -cos(q1), 0], [0, 1, 0, d1], [0, 0, 0, 1]]),
-        np.array([[cos(q2), -sin(q2), 0, a2 * cos(q2)], [sin(q2), cos(q2), 0, a2 * sin(q2)], [0, 0, 1, 0], [0, 0, 0, 1]]),
-        np.array([[cos(q3), -sin(q3), 0, a3 * cos(q3)], [sin(q3), cos(q3), 0, a3 * sin(q3)], [0, 0, 1, 0], [0, 0, 0, 1]]),
-        np.array([[cos(q4), 0, sin(q4), 0], [sin(q4), 0, -cos(q4), 0], [0, 1, 0, d4], [0, 0, 0, 1]]),
-        np.array([[cos(q5), 0, -sin(q5), 0], [sin(q5), 0, cos(q5), 0], [0, -1, 0, d5], [0, 0, 0, 1]]),
-        np.array([[cos(q6), -sin(q6), 0, 0], [sin(q6), cos(q6), 0, 0], [0, 0, 1, d6], [0, 0, 0, 1]]),
+        np.array(
+            [[cos(q1), 0, sin(q1), 0], [sin(q1), 0, -cos(q1), 0], [0, 1, 0, d1], [0, 0, 0, 1]]
+        ),
+        np.array(
+            [
+                [cos(q2), -sin(q2), 0, a2 * cos(q2)],
+                [sin(q2), cos(q2), 0, a2 * sin(q2)],
+                [0, 0, 1, 0],
+                [0, 0, 0, 1],
+            ]
+        ),
+        np.array(
+            [
+                [cos(q3), -sin(q3), 0, a3 * cos(q3)],
+                [sin(q3), cos(q3), 0, a3 * sin(q3)],
+                [0, 0, 1, 0],
+                [0, 0, 0, 1],
+            ]
+        ),
+        np.array(
+            [[cos(q4), 0, sin(q4), 0], [sin(q4), 0, -cos(q4), 0], [0, 1, 0, d4], [0, 0, 0, 1]]
+        ),
+        np.array(
+            [[cos(q5), 0, -sin(q5), 0], [sin(q5), 0, cos(q5), 0], [0, -1, 0, d5], [0, 0, 0, 1]]
+        ),
+        np.array(
+            [[cos(q6), -sin(q6), 0, 0], [sin(q6), cos(q6), 0, 0], [0, 0, 1, d6], [0, 0, 0, 1]]
+        ),
     ]
 
 
@@ -81,7 +113,9 @@ def inverse_by_formula(T: np.ndarray) -> np.ndarray:
 
 
 def pose_error(q: np.ndarray, T: np.ndarray) -> float:
-    """Largest difference of a pose's entries, in mm; those of the rotation count times the arm's size."""
+    """Largest difference of a pose's entries, in mm; those of the rotation count times the arm's
+    size.
+    """
     difference = forward(q) - T
     return float(max(SIZE * np.abs(difference[:3, :3]).max(), np.abs(difference[:3, 3]).max()))
 
@@ -92,13 +126,16 @@ def random_poses(count: int, seed: int) -> list[np.ndarray]:
     return [forward(q) for q in rng.uniform(-np.pi, np.pi, (count, 6))]
 
 
-# --- forward, in symbols -----------------------------------------------------------------------------------------
+# --- forward, in symbols --------------------------------------------------------------------------
 
 
 def symbolic_chain(first: int, last: int) -> Chain:
     """Joints first to last, lengths named d1, a2, ... where the table has one."""
     rows = range(first - 1, last)
-    d, a = ([ca.SX.sym(f"{name}{i + 1}") if table[i] else 0 for i in rows] for name, table in (("d", D), ("a", A)))
+    d, a = (
+        [ca.SX.sym(f"{name}{i + 1}") if table[i] else 0 for i in rows]
+        for name, table in (("d", D), ("a", A))
+    )
     return chain_of_dh(d, a, ALPHA[list(rows)], first)
 
 
@@ -118,22 +155,30 @@ def tool_expression(q: ca.SX) -> ca.SX:
 
 
 def product_expression(q: ca.SX) -> ca.SX:
-    """Multiply the six matrices to T(q) without sums of angles, each simplified by its zeros and ones."""
+    """Multiply the six matrices to T(q) without sums of angles, each simplified by its zeros and
+    ones.
+    """
     T = ca.SX.eye(4)
     for i in range(6):
         t, (x, y) = q[i] + OFFSET[i], np.round([np.cos(ALPHA[i]), np.sin(ALPHA[i])])
         c, s = ca.cos(t), ca.sin(t)
-        rows = [[c, -s * x, s * y, A[i] * c], [s, c * x, -c * y, A[i] * s], [0, y, x, D[i]], [0, 0, 0, 1]]
+        rows = [
+            [c, -s * x, s * y, A[i] * c],
+            [s, c * x, -c * y, A[i] * s],
+            [0, y, x, D[i]],
+            [0, 0, 0, 1],
+        ]
         T = ca.mtimes(T, ca.vertcat(*(ca.horzcat(*row) for row in rows)))
     return T
 
 
-# --- Jacobian ----------------------------------------------------------------------------------------------------
+# --- Jacobian -------------------------------------------------------------------------------------
 
 
 def symbolic_jacobian(arm: symkin.Mechanism) -> tuple[ca.Function, ca.SX]:
-    """J(q), 6 x 6, (angular velocity; velocity of the tool point): column i is joint i's screw carried by the joints
-    before it in the product of exponentials, and moved to the tool point."""
+    """J(q), 6 x 6, (angular velocity; velocity of the tool point): column i is joint i's screw
+    carried by the joints before it in the product of exponentials, and moved to the tool point.
+    """
     q, moved = ca.SX.sym("q", 6), symkin.Pose(ca.SX([0, 0, 0]), ca.SX([1, 0, 0, 0]))
     columns = []
     for k, (_, joint) in enumerate(arm.joints):
@@ -157,17 +202,21 @@ def difference_jacobian(q: np.ndarray, step: float = 1e-5) -> np.ndarray:
 
 
 def determinant(q: np.ndarray) -> float:
-    """det J = -a2 a3 s3 s5 (a2 c2 + a3 c23 + d5 s234): zero for the elbow stretched, the wrist aligned (axis 6 parallel to axes
-    2 to 4), and the meeting point of axes 5 and 6 in the plane of axis 1 that is parallel to axis 2."""
+    """det J = -a2 a3 s3 s5 (a2 c2 + a3 c23 + d5 s234): zero for the elbow stretched, the wrist
+    aligned (axis 6 parallel to axes 2 to 4), and the meeting point of axes 5 and 6 in the plane of
+    axis 1 that is parallel to axis 2.
+    """
     t = q + OFFSET
     reach = A[1] * np.cos(t[1]) + A[2] * np.cos(t[1] + t[2]) + D[4] * np.sin(t[1] + t[2] + t[3])
     return float(-A[1] * A[2] * np.sin(t[2]) * np.sin(t[4]) * reach)
 
 
-# --- closed form of the inverse problem --------------------------------------------------------------------------
+# --- closed form of the inverse problem -----------------------------------------------------------
 
 CLOSED = 1e-7
-"""Largest error of a pose (mm; rotations times the size) that a solution of the closed form may leave."""
+"""Largest error of a pose (mm; rotations times the size) that a solution of the closed form may
+leave.
+"""
 
 
 def wrap(angles: np.ndarray) -> np.ndarray:
@@ -175,7 +224,9 @@ def wrap(angles: np.ndarray) -> np.ndarray:
 
 
 def shoulders(T: np.ndarray) -> list[float]:
-    """q1 from s1 wx - c1 wy = d4: two values, none where w is within d4 of axis 1 (a sine above 1, which the page discards)."""
+    """q1 from s1 wx - c1 wy = d4: two values, none where w is within d4 of axis 1 (a sine above 1,
+    which the page discards).
+    """
     wx, wy = T[:2, 3] - D[5] * T[:2, 2]
     ratio = D[3] / np.hypot(wx, wy)
     if ratio > 1.0:
@@ -211,11 +262,15 @@ def middle(T: np.ndarray, wrist: tuple[float, float, float]) -> tuple[np.ndarray
     """A_2 A_3 A_4 and t2 + t3 + t4 for one (q1, q5, q6)."""
     q1, q5, q6 = wrist
     B, sign = np.linalg.inv(link(0, q1)) @ T, np.sign(q5) or 1.0
-    return B @ np.linalg.inv(link(4, q5) @ link(5, q6)), float(np.arctan2(-sign * B[1, 2], -sign * B[0, 2]))
+    return B @ np.linalg.inv(link(4, q5) @ link(5, q6)), float(
+        np.arctan2(-sign * B[1, 2], -sign * B[0, 2])
+    )
 
 
 def closed_form(T: np.ndarray) -> list[np.ndarray]:
-    """All real q with forward(q) = T, up to eight; each is put back and verified against the whole pose."""
+    """All real q with forward(q) = T, up to eight; each is put back and verified against the whole
+    pose.
+    """
     found = []
     for q1, q5, q6 in wrists(T):
         for q2, q3, q4 in two_link(*middle(T, (q1, q5, q6))):
@@ -226,7 +281,9 @@ def closed_form(T: np.ndarray) -> list[np.ndarray]:
 
 
 def closed_form_function() -> ca.Function:
-    """T (4 x 4) -> q (6 x 8), one column for each choice of shoulder, wrist and elbow; not a number where it is not real."""
+    """T (4 x 4) -> q (6 x 8), one column for each choice of shoulder, wrist and elbow; not a number
+    where it is not real.
+    """
     T = ca.SX.sym("T", 4, 4)
     wx, wy = T[0, 3] - D[5] * T[0, 2], T[1, 3] - D[5] * T[1, 2]
     towards, lean = ca.atan2(wy, wx), ca.asin(D[3] / ca.sqrt(wx**2 + wy**2))
@@ -237,7 +294,11 @@ def closed_form_function() -> ca.Function:
 def _column(T: ca.SX, towards: ca.SX, lean: ca.SX, shoulder: int, wrist: int, elbow: int) -> ca.SX:
     q1 = towards + lean if shoulder > 0 else towards + np.pi - lean
     c1, s1 = ca.cos(q1), ca.sin(q1)
-    x, y, z = c1 * T[0, :] + s1 * T[1, :], T[2, :] - ca.horzcat(0, 0, 0, D[0]), s1 * T[0, :] - c1 * T[1, :]
+    x, y, z = (
+        c1 * T[0, :] + s1 * T[1, :],
+        T[2, :] - ca.horzcat(0, 0, 0, D[0]),
+        s1 * T[0, :] - c1 * T[1, :],
+    )
     q5, q6 = wrist * ca.acos(z[2]), ca.atan2(-wrist * z[1], wrist * z[0])
     t234 = ca.atan2(-wrist * y[2], -wrist * x[2])
     px = x[3] - D[5] * x[2] - D[4] * ca.sin(t234)
@@ -254,17 +315,25 @@ def real_columns(q: np.ndarray) -> list[np.ndarray]:
 
 
 def third_row_errors(T: np.ndarray, *, principal: bool) -> list[float]:
-    """How far each (q1, q5, q6) misses [3,1] and [3,2] of A_1^-1 T; `principal`: q6 by arctan of the quotient."""
+    """How far each (q1, q5, q6) misses [3,1] and [3,2] of A_1^-1 T; `principal`: q6 by arctan of
+    the quotient.
+    """
     errors = []
     for q1, q5, q6 in wrists(T):
         B = np.linalg.inv(link(0, q1)) @ T
         angle = np.arctan(np.tan(q6)) if principal else q6
-        errors.append(float(np.hypot(B[2, 0] - np.sin(q5) * np.cos(angle), B[2, 1] + np.sin(q5) * np.sin(angle))))
+        errors.append(
+            float(
+                np.hypot(B[2, 0] - np.sin(q5) * np.cos(angle), B[2, 1] + np.sin(q5) * np.sin(angle))
+            )
+        )
     return errors
 
 
 def wrist_near_axis(distance: float) -> np.ndarray:
-    """A pose of the example's rotation whose wrist point is so far from axis 1, at the example's height."""
+    """A pose of the example's rotation whose wrist point is so far from axis 1, at the example's
+    height.
+    """
     T = forward(np.radians(np.full(6, 15.0)))
     wrist = T[:3, 3] - D[5] * T[:3, 2]
     wrist[:2] *= distance / np.linalg.norm(wrist[:2])

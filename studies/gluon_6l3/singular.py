@@ -1,13 +1,15 @@
 """Gluon-6L3: the singularities of the arm from its closed form, against the numeric ones.
 
-Notation of `study`: standard DH with a_2, a_3, d_5 and theta_i = q_i + offset, s, c their sines and cosines, sums as s_234:
+Notation of `study`: standard DH with a_2, a_3, d_5 and theta_i = q_i + offset, s, c their sines and
+cosines, sums as s_234:
 
     det J = -a_2 a_3 s_3 s_5 (a_2 c_2 + a_3 c_23 + d_5 s_234)
 
-so that the arm is singular where the elbow is stretched or folded (s_3 = 0), the wrist's axis 6 is parallel to axes 2, 3 and 4
-(s_5 = 0), and the meeting point of axes 5 and 6 lies in the plane through axis 1 parallel to axis 2 (shoulder). J maps joint
-rates to (angular velocity; velocity of the tool point). Units: mm; degrees where printed, radians inside. The page does not
-treat singularities: the column `paper` holds the closed form.
+so that the arm is singular where the elbow is stretched or folded (s_3 = 0), the wrist's axis 6 is
+parallel to axes 2, 3 and 4 (s_5 = 0), and the meeting point of axes 5 and 6 lies in the plane
+through axis 1 parallel to axis 2 (shoulder). J maps joint rates to (angular velocity; velocity of
+the tool point). Units: mm; degrees where printed, radians inside. The page does not treat
+singularities: the column `paper` holds the closed form.
 """
 
 from __future__ import annotations
@@ -38,19 +40,27 @@ SLICE = (15.0, 15.0, 40.0, 30.0, 50.0, 20.0)
 EXAMPLE_SLICE = np.radians(SLICE)
 
 
-# --- closed form -------------------------------------------------------------------------------------------------
+# --- closed form ----------------------------------------------------------------------------------
 
 
 def conditions(q: np.ndarray) -> dict[str, np.ndarray]:
-    """Elbow, wrist and shoulder: each a number that vanishes there, without units; q (..., 6) in radians."""
+    """Elbow, wrist and shoulder: each a number that vanishes there, without units; q (..., 6) in
+    radians.
+    """
     t = q + OFFSET
     two, three, four = t[..., 1], t[..., 1] + t[..., 2], t[..., 1] + t[..., 2] + t[..., 3]
     reach = A[1] * np.cos(two) + A[2] * np.cos(three) + D[4] * np.sin(four)
-    return {"elbow": np.sin(t[..., 2]), "wrist": np.sin(t[..., 4]), "shoulder": reach / (abs(A[1]) + abs(A[2]) + abs(D[4]))}
+    return {
+        "elbow": np.sin(t[..., 2]),
+        "wrist": np.sin(t[..., 4]),
+        "shoulder": reach / (abs(A[1]) + abs(A[2]) + abs(D[4])),
+    }
 
 
 def shoulder_q2(q: np.ndarray) -> np.ndarray:
-    """The q2 that solves the shoulder condition for the other joints of q: a cos(t_2) + b sin(t_2) = 0."""
+    """The q2 that solves the shoulder condition for the other joints of q: a cos(t_2) + b
+    sin(t_2) = 0.
+    """
     three, four = q[2] + OFFSET[2], q[2] + OFFSET[2] + q[3] + OFFSET[3]
     a = A[1] + A[2] * np.cos(three) + D[4] * np.sin(four)
     b = -A[2] * np.sin(three) + D[4] * np.cos(four)
@@ -67,7 +77,7 @@ def named(kind: str, q: np.ndarray) -> np.ndarray:
     return moved
 
 
-# --- report ------------------------------------------------------------------------------------------------------
+# --- report ---------------------------------------------------------------------------------------
 
 
 def report_determinant(report: Report, arm: symkin.Mechanism, number: int) -> np.ndarray:
@@ -75,13 +85,21 @@ def report_determinant(report: Report, arm: symkin.Mechanism, number: int) -> np
     evaluate, _ = symbolic_jacobian(arm)
     q = np.random.default_rng(SEED).uniform(-np.pi, np.pi, (number, 6))
     scale = abs(A[1] * A[2]) * (abs(A[1]) + abs(A[2]) + abs(D[4]))
-    gaps = [abs(float(np.linalg.det(np.asarray(evaluate(one)))) - determinant(one)) / scale for one in q]
-    report.row(f"det J less the product of its factors, over its scale, {number} random q: largest", 0.0, max(gaps))
+    gaps = [
+        abs(float(np.linalg.det(np.asarray(evaluate(one)))) - determinant(one)) / scale for one in q
+    ]
+    report.row(
+        f"det J less the product of its factors, over its scale, {number} random q: largest",
+        0.0,
+        max(gaps),
+    )
     return q
 
 
 def report_distances(report: Report, arm: symkin.Mechanism, q: np.ndarray) -> None:
-    """The closed form's conditions are numeric singularities, and none of the random configurations is one."""
+    """The closed form's conditions are numeric singularities, and none of the random configurations
+    is one.
+    """
     for kind in ("elbow", "wrist", "shoulder"):
         worst, others, works = 0.0, [], []
         for one in q[:40]:
@@ -89,11 +107,22 @@ def report_distances(report: Report, arm: symkin.Mechanism, q: np.ndarray) -> No
             worst = max(worst, found.distances["type 1"])
             others.append(found.kinds == ("type 1",) and found.conditions == ("RI", "IO"))
             works.append(work(arm, found))
-        report.row(f"{kind}: distance to type 1 at 40 random configurations of the closed form, largest", 0.0, worst)
+        report.row(
+            f"{kind}: distance to type 1 at 40 random configurations of the closed form, largest",
+            0.0,
+            worst,
+        )
         report.row(f"{kind}: classified as type 1 (RI, IO)", 40, sum(others))
-        report.row(f"{kind}: work of the wrench that is borne on the joints' twists, largest over the size", 0.0, max(works))
+        report.row(
+            f"{kind}: work of the wrench that is borne on the joints' twists, largest over the "
+            f"size",
+            0.0,
+            max(works),
+        )
         example = at(arm, named(kind, EXAMPLE_SLICE))
-        report.row(f"{kind}: wrench that is borne", None, "; ".join(str(w) for w in example.wrenches))
+        report.row(
+            f"{kind}: wrench that is borne", None, "; ".join(str(w) for w in example.wrenches)
+        )
         report.row(
             f"{kind}: joints that move with the tool at rest",
             None,
@@ -113,27 +142,37 @@ def work(arm: symkin.Mechanism, found: Singularity) -> float:
     for _, joint in arm.joints:
         screw = revolute_screw(np.array(joint.point), np.array(joint.axis))
         twist = move_screw(moved, screw)
-        worst = max(worst, *(abs(float(reciprocal_product(twist, w.vector))) for w in found.wrenches))
+        worst = max(
+            worst, *(abs(float(reciprocal_product(twist, w.vector))) for w in found.wrenches)
+        )
         moved = moved @ exponential(screw, found.solution.values[joint.name] - joint.zero)
     return worst / arm.characteristic_length
 
 
 def report_loci(report: Report, arm: symkin.Mechanism) -> Loci:
     solution = symkin.solve(arm, joints=SLICE).solution
-    loci = singular_loci(solution, ("q2", "q3"), ranges=((-180, 180), (-180, 180)), starts=150, seed=SEED)
+    loci = singular_loci(
+        solution, ("q2", "q3"), ranges=((-180, 180), (-180, 180)), starts=150, seed=SEED
+    )
     worst = 0.0
     for curve in loci.curves:
         q = np.tile(EXAMPLE_SLICE, (len(curve.points), 1))
         q[:, 1:3] = np.radians(curve.points)
         factors = conditions(q)
-        worst = max(worst, float(np.min(np.abs([factors["elbow"], factors["shoulder"]]), axis=0).max()))
+        worst = max(
+            worst, float(np.min(np.abs([factors["elbow"], factors["shoulder"]]), axis=0).max())
+        )
     report.row("traced loci over q2, q3: smallest closed-form factor on them, largest", 0.0, worst)
-    report.row("closed-form points over q2, q3 farther than 0.2 deg from a traced locus", 0, missed(loci))
+    report.row(
+        "closed-form points over q2, q3 farther than 0.2 deg from a traced locus", 0, missed(loci)
+    )
     return loci
 
 
 def missed(loci: Loci) -> int:
-    """Points of s_3 = 0 and of the shoulder's curve that no traced polyline passes within 0.2 degrees."""
+    """Points of s_3 = 0 and of the shoulder's curve that no traced polyline passes within 0.2
+    degrees.
+    """
     count = 0
     for value in np.linspace(-179, 179, 120):
         q = EXAMPLE_SLICE.copy()
@@ -141,7 +180,10 @@ def missed(loci: Loci) -> int:
         root = np.degrees(shoulder_q2(q)[1])
         wanted = [(value, -np.degrees(OFFSET[2])), *((root + turn, value) for turn in (0.0, 180.0))]
         points = np.remainder(np.array(wanted) + 180.0, 360.0) - 180.0
-        away = [picture_distance(curve.points, curve.closed, np.ones(2), points)[0] for curve in loci.curves]
+        away = [
+            picture_distance(curve.points, curve.closed, np.ones(2), points)[0]
+            for curve in loci.curves
+        ]
         count += int(np.sum(np.min(away, axis=0) > 0.2))
     return count
 
@@ -155,20 +197,34 @@ def draw(arm: symkin.Mechanism, loci: Loci):
     q[..., 1], q[..., 2] = grid[None, :], grid[:, None]
     factors = conditions(q)
     value = factors["elbow"] * factors["wrist"] * factors["shoulder"]
-    image = left.imshow(value, origin="lower", extent=(-180, 180, -180, 180), cmap="RdBu_r", vmin=-0.5, vmax=0.5)
+    image = left.imshow(
+        value, origin="lower", extent=(-180, 180, -180, 180), cmap="RdBu_r", vmin=-0.5, vmax=0.5
+    )
     draw_curves(left, loci)
     left.grid(visible=False)
     left.set_title("det J over its scale, and traced loci")
     figure.colorbar(image, ax=left, shrink=0.75)
     turn = np.linspace(-np.pi, np.pi, 181)
-    for k, name, colour in ((2, "q3 (elbow)", "#0072b2"), (4, "q5 (wrist)", "#d55e00"), (1, "q2 (shoulder)", "#009e73")):
+    for k, name, colour in (
+        (2, "q3 (elbow)", "#0072b2"),
+        (4, "q5 (wrist)", "#d55e00"),
+        (1, "q2 (shoulder)", "#009e73"),
+    ):
         distances = []
         for angle in turn:
             joints = list(SLICE)
             joints[k] = np.degrees(angle)
-            distances.append(classify(symkin.solve(arm, joints=joints).solution).distances["type 1"])
+            distances.append(
+                classify(symkin.solve(arm, joints=joints).solution).distances["type 1"]
+            )
         right.plot(np.degrees(turn), distances, color=colour, lw=1.8, label=name)
-    right.set(xlabel="joint value [deg]", ylabel="distance to type 1", title="one joint varied", xlim=(-180, 180), ylim=(0, None))
+    right.set(
+        xlabel="joint value [deg]",
+        ylabel="distance to type 1",
+        title="one joint varied",
+        xlim=(-180, 180),
+        ylim=(0, None),
+    )
     right.legend(frameon=False)
     right.grid(color="0.9")
     return figure
@@ -176,10 +232,14 @@ def draw(arm: symkin.Mechanism, loci: Loci):
 
 def main() -> None:
     parser = options_parser(__doc__.split("\n\n")[0])
-    parser.add_argument("--random", type=int, default=1000, help="random joint values compared (default: 1000)")
+    parser.add_argument(
+        "--random", type=int, default=1000, help="random joint values compared (default: 1000)"
+    )
     options = parser.parse_args()
     arm = symkin.load("gluon_6l3")
-    report = Report("gluon_singular", "Gluon-6L3: singularities from the closed form and numerically", SEED)
+    report = Report(
+        "gluon_singular", "Gluon-6L3: singularities from the closed form and numerically", SEED
+    )
     q = report_determinant(report, arm, options.random)
     report_distances(report, arm, q)
     loci = report_loci(report, arm)

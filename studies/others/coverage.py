@@ -1,17 +1,20 @@
-"""What multistart misses: the modes that random starts meet, against the complete set found by continuation.
+"""What multistart misses: the modes that random starts meet, against the complete set found by
+continuation.
 
-Notation: N starts, h_i of them reach mode i. The mean number of different modes met by n of the N starts, taken without
-replacement, is (Hurlbert 1971)
+Notation: N starts, h_i of them reach mode i. The mean number of different modes met by n of the N
+starts, taken without replacement, is (Hurlbert 1971)
 
     E(n) = sum_i 1 - C(N - h_i, n) / C(N, n).
 
-Four inner solvers from the same kind of random starts: plain Newton (CasADi's rootfinder fast_newton), Newton with line search
-(its newton), damped batched Levenberg-Marquardt on all rows, and least squares by IPOPT. Beside the true number of unseen modes
-stands what multistart itself estimates of it, Chao's f1^2 / (2 f2) from the modes hit once and twice (Chao 1984), for growing
-numbers of batched starts. Every mode that multistart finds must be one of the complete set: none more is a check of the latter.
+Four inner solvers from the same kind of random starts: plain Newton (CasADi's rootfinder
+fast_newton), Newton with line search (its newton), damped batched Levenberg-Marquardt on all rows,
+and least squares by IPOPT. Beside the true number of unseen modes stands what multistart itself
+estimates of it, Chao's f1^2 / (2 f2) from the modes hit once and twice (Chao 1984), for growing
+numbers of batched starts. Every mode that multistart finds must be one of the complete set: none
+more is a check of the latter.
 
-Examples: the direct problems of zhang2009 and of dietmaier1998 (40 real modes), the inverse problem of yao2020. There is no
-paper to compare with.
+Examples: the direct problems of zhang2009 and of dietmaier1998 (40 real modes), the inverse problem
+of yao2020. There is no paper to compare with.
 """
 
 from __future__ import annotations
@@ -46,7 +49,9 @@ SIZES = (30, 100, 300, 1000, 3000)
 RUNS = 5
 SEED = 6
 SAME = 1e-6
-"""Two modes are one where positions, rotations and joints differ by less than this, lengths over the size."""
+"""Two modes are one where positions, rotations and joints differ by less than this, lengths over
+the size.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,24 +68,40 @@ class Problem:
         return Problem(name, mechanism, given, symkin.modes(mechanism, **given))
 
     def multistart(self, solver: str, starts: int, seed: int) -> Modes:
-        return symkin.modes(self.mechanism, **self.given, method="multistart", solver=solver, starts=starts, seed=seed)
+        return symkin.modes(
+            self.mechanism,
+            **self.given,
+            method="multistart",
+            solver=solver,
+            starts=starts,
+            seed=seed,
+        )
 
     @cached_property
     def known(self) -> np.ndarray:
         return np.array([self.features(mode) for mode in self.complete])
 
     def features(self, mode: Solution) -> np.ndarray:
-        """Position over the size, rotation matrix, and of each joint cosine and sine of its angle or its length over the size."""
+        """Position over the size, rotation matrix, and of each joint cosine and sine of its angle
+        or its length over the size.
+        """
         closure = self.complete.problem.closure
         parts = [mode.position / closure.characteristic_length, mode.rotation.ravel()]
         for c in closure.role("actuated", "passive"):
             value = np.atleast_1d(mode.values[c.name])
-            parts += [np.cos(value), np.sin(value)] if c.is_angular else [value / closure.characteristic_length]
+            parts += (
+                [np.cos(value), np.sin(value)]
+                if c.is_angular
+                else [value / closure.characteristic_length]
+            )
         return np.concatenate(parts)
 
     def strangers(self, found: Modes) -> int:
         """Modes that the complete set does not hold."""
-        apart = [np.abs(self.known - self.features(mode)).max(axis=1).min(initial=np.inf) for mode in found]
+        apart = [
+            np.abs(self.known - self.features(mode)).max(axis=1).min(initial=np.inf)
+            for mode in found
+        ]
         return sum(distance > SAME for distance in apart)
 
 
@@ -97,7 +118,9 @@ class Trial:
     def of(problem: Problem, solver: str, starts: int, seed: int) -> Trial:
         problem.multistart(solver, 2, seed)
         found = problem.multistart(solver, starts, seed)
-        return Trial(tuple(m.hits or 0 for m in found), starts, found.elapsed_s, problem.strangers(found))
+        return Trial(
+            tuple(m.hits or 0 for m in found), starts, found.elapsed_s, problem.strangers(found)
+        )
 
     @property
     def facts(self) -> list[float]:
@@ -112,8 +135,10 @@ class Trial:
 
 @dataclass(frozen=True)
 class Guess:
-    """At a number of batched starts, means over `RUNS` runs: modes unseen in truth, and as multistart estimates it; and the
-    share of runs that estimate less than one while some are unseen."""
+    """At a number of batched starts, means over `RUNS` runs: modes unseen in truth, and as
+    multistart estimates it; and the share of runs that estimate less than one while some are
+    unseen.
+    """
 
     starts: int
     unseen: float
@@ -125,10 +150,15 @@ class Guess:
         runs = [problem.multistart("batched", starts, seed + 100 + k) for k in range(RUNS)]
         unseen = np.array([len(problem.complete) - len(f) for f in runs])
         estimated = np.array([f.estimated_unseen or 0.0 for f in runs])
-        return Guess(starts, float(unseen.mean()), float(estimated.mean()), float(np.mean((estimated < 1.0) & (unseen >= 1))))
+        return Guess(
+            starts,
+            float(unseen.mean()),
+            float(estimated.mean()),
+            float(np.mean((estimated < 1.0) & (unseen >= 1))),
+        )
 
 
-# --- report ------------------------------------------------------------------------------------------------------
+# --- report ---------------------------------------------------------------------------------------
 
 
 def problems() -> list[Problem]:
@@ -148,24 +178,41 @@ def report_trials(report: Report, problem: Problem, scale: float, seed: int) -> 
         trials[solver] = trial = Trial.of(problem, solver, max(2, round(scale * starts)), seed)
         what = f"{problem.name}, {label}, {trial.starts} starts"
         report.row(
-            f"{what}: modes met of {total}; starts that reach one [%]; hits of the rarest mode met; seconds", None, trial.facts
+            f"{what}: modes met of {total}; starts that reach one [%]; hits of the rarest mode "
+            f"met; seconds",
+            None,
+            trial.facts,
         )
-    report.row(f"{problem.name}: modes that only multistart found", 0, sum(t.strangers for t in trials.values()))
+    report.row(
+        f"{problem.name}: modes that only multistart found",
+        0,
+        sum(t.strangers for t in trials.values()),
+    )
     return trials
 
 
 def report_guesses(report: Report, problem: Problem, scale: float, seed: int) -> list[Guess]:
     guesses = [Guess.of(problem, max(2, round(scale * n)), seed) for n in SIZES]
     report.row(f"{problem.name}, batched starts", None, [g.starts for g in guesses])
-    report.row(f"{problem.name}: unseen modes, in truth (mean of {RUNS} runs)", None, [g.unseen for g in guesses])
-    report.row(f"{problem.name}: unseen modes, multistart's own estimate", None, [round(g.estimated, 2) for g in guesses])
     report.row(
-        f"{problem.name}: runs that estimate less than one while some are unseen [%]", None, [100 * g.wrong for g in guesses]
+        f"{problem.name}: unseen modes, in truth (mean of {RUNS} runs)",
+        None,
+        [g.unseen for g in guesses],
+    )
+    report.row(
+        f"{problem.name}: unseen modes, multistart's own estimate",
+        None,
+        [round(g.estimated, 2) for g in guesses],
+    )
+    report.row(
+        f"{problem.name}: runs that estimate less than one while some are unseen [%]",
+        None,
+        [100 * g.wrong for g in guesses],
     )
     return guesses
 
 
-# --- picture -----------------------------------------------------------------------------------------------------
+# --- picture --------------------------------------------------------------------------------------
 
 
 def draw_coverage(axes, problem: Problem, trials: dict[str, Trial]) -> None:
@@ -183,8 +230,22 @@ def draw_coverage(axes, problem: Problem, trials: dict[str, Trial]) -> None:
 
 def draw_guesses(axes, guesses: list[Guess]) -> None:
     starts = [g.starts for g in guesses]
-    axes.semilogx(starts, [g.unseen for g in guesses], "o-", color="0.15", lw=2.2, label="unseen modes, in truth")
-    axes.semilogx(starts, [g.estimated for g in guesses], "s--", color="#cc79a7", lw=2.2, label="multistart's estimate (Chao)")
+    axes.semilogx(
+        starts,
+        [g.unseen for g in guesses],
+        "o-",
+        color="0.15",
+        lw=2.2,
+        label="unseen modes, in truth",
+    )
+    axes.semilogx(
+        starts,
+        [g.estimated for g in guesses],
+        "s--",
+        color="#cc79a7",
+        lw=2.2,
+        label="multistart's estimate (Chao)",
+    )
     highest = max([g.unseen for g in guesses] + [g.estimated for g in guesses] + [1.0])
     axes.set(xlabel="starts (batched)", ylim=(-0.04 * highest, 1.12 * highest))
     tidy(axes)
@@ -199,7 +260,9 @@ def tidy(axes) -> None:
 
 def draw(found: list[tuple[Problem, dict[str, Trial], list[Guess]]]):
     figure = new_figure(15, 8.6)
-    figure.suptitle("What multistart misses: modes met, against the complete set", fontsize=15, weight="bold")
+    figure.suptitle(
+        "What multistart misses: modes met, against the complete set", fontsize=15, weight="bold"
+    )
     figure.get_layout_engine().set(hspace=0.06, wspace=0.05)
     upper, lower = figure.subplots(2, len(found))
     for k, (problem, trials, guesses) in enumerate(found):
@@ -207,19 +270,29 @@ def draw(found: list[tuple[Problem, dict[str, Trial], list[Guess]]]):
         draw_guesses(lower[k], guesses)
     upper[0].set_ylabel("share of modes met [%]\n(mean over orders of the starts)")
     lower[0].set_ylabel(f"unseen modes\n(mean of {RUNS} runs)")
-    figure.legend(*upper[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=10.5)
+    figure.legend(
+        *upper[0].get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=4,
+        frameon=False,
+        fontsize=10.5,
+    )
     lower[1].legend(frameon=False, fontsize=10)
     return figure
 
 
 def main() -> None:
     parser = options_parser(__doc__.split("\n\n")[0], SEED)
-    parser.add_argument("--scale", type=float, default=1.0, help="multiplies all numbers of starts (default: 1)")
+    parser.add_argument(
+        "--scale", type=float, default=1.0, help="multiplies all numbers of starts (default: 1)"
+    )
     options = parser.parse_args()
     report, found = Report("coverage", "What multistart misses", options.seed), []
     for problem in problems():
         trials = report_trials(report, problem, options.scale, options.seed)
-        found.append((problem, trials, report_guesses(report, problem, options.scale, options.seed)))
+        found.append(
+            (problem, trials, report_guesses(report, problem, options.scale, options.seed))
+        )
     report.finish(draw(found), options.output)
 
 

@@ -1,14 +1,15 @@
 """A Stewart-Gough platform all of whose 40 assembly modes are real, in one picture.
 
-Notation: b_i base points, a_i platform points in the platform frame, L_i leg lengths; a mode is a pose (p, R) with
+Notation: b_i base points, a_i platform points in the platform frame, L_i leg lengths; a mode is a
+pose (p, R) with
 
     |p + R a_i - b_i| = L_i,   i = 1..6,   R in SO(3).
 
-Six such equations have at most 40 isolated solutions, complex ones counted (Ronga and Vust 1992; Lazard 1993; Mourrain
-1993). Lengths are multiples of L_1. The study finds all, checks them by NumPy alone, and asks to how many decimals the
-printed legs are needed for the 40 to stay real.
-Source of the numbers: P. Dietmaier, The Stewart-Gough platform of general geometry can have 40 real postures, Advances in
-Robot Kinematics: Analysis and Control, Kluwer 1998, 1-10.
+Six such equations have at most 40 isolated solutions, complex ones counted (Ronga and Vust 1992;
+Lazard 1993; Mourrain 1993). Lengths are multiples of L_1. The study finds all, checks them by NumPy
+alone, and asks to how many decimals the printed legs are needed for the 40 to stay real. Source of
+the numbers: P. Dietmaier, The Stewart-Gough platform of general geometry can have 40 real postures,
+Advances in Robot Kinematics: Analysis and Control, Kluwer 1998, 1-10.
 """
 
 from __future__ import annotations
@@ -51,7 +52,10 @@ BOUND = 40
 
 def platform() -> symkin.Mechanism:
     pairs = zip(BASE, PLATFORM, strict=True)
-    return symkin.Mechanism("dietmaier1998", [symkin.RodLimb(f"leg{i}", b, a) for i, (b, a) in enumerate(pairs, start=1)])
+    return symkin.Mechanism(
+        "dietmaier1998",
+        [symkin.RodLimb(f"leg{i}", b, a) for i, (b, a) in enumerate(pairs, start=1)],
+    )
 
 
 def leg_errors(mode: symkin.Pose) -> np.ndarray:
@@ -68,14 +72,23 @@ def report_modes(report: Report, machine: symkin.Mechanism) -> Modes:
     report.row("certified modes", None, certified(found))
     report.row("largest radius of a certificate", None, largest_radius(found), "L1")
     report.row("largest residual, of the closure", None, largest_residual(found), "L1")
-    report.row("largest leg error, plain arithmetic", None, max(np.abs(leg_errors(mode.pose)).max() for mode in found), "L1")
+    report.row(
+        "largest leg error, plain arithmetic",
+        None,
+        max(np.abs(leg_errors(mode.pose)).max() for mode in found),
+        "L1",
+    )
     size = found.problem.closure.characteristic_length
-    report.row("two nearest modes: distance over the size", None, distances(found, size).min() / size)
+    report.row(
+        "two nearest modes: distance over the size", None, distances(found, size).min() / size
+    )
     conditions = [mode.condition for mode in found]
     report.row("condition: best, worst mode", None, [min(conditions), max(conditions)])
     begin = time.perf_counter()
     symkin.modes(machine, joints=LEGS)
-    report.row("time of all modes, start kept", None, round(1e3 * (time.perf_counter() - begin), 1), "ms")
+    report.row(
+        "time of all modes, start kept", None, round(1e3 * (time.perf_counter() - begin), 1), "ms"
+    )
     return found
 
 

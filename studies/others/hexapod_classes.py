@@ -1,19 +1,24 @@
-"""How many assembly modes has a platform on six legs that share joint centres? Every incidence class, counted.
+"""How many assembly modes has a platform on six legs that share joint centres? Every incidence
+class, counted.
 
-An incidence class says which legs share a base point B1..Bm or a platform point P1..Pn; 6-4 has six base and four platform
-points. A class is a bipartite graph of six edges, a leg B2P1 an edge: no two legs join the same two points, at least three points lie
-on either side (else the platform spins about the line through two), at most three legs meet in a point (a fourth is
-redundant). Exchanging base and platform changes no count of poses, so that m >= n. The study
+An incidence class says which legs share a base point B1..Bm or a platform point P1..Pn; 6-4 has six
+base and four platform points. A class is a bipartite graph of six edges, a leg B2P1 an edge: no two
+legs join the same two points, at least three points lie on either side (else the platform spins
+about the line through two), at most three legs meet in a point (a fourth is redundant). Exchanging
+base and platform changes no count of poses, so that m >= n. The study
 
-  - lists all such graphs and tells those apart that do not hold the platform: generic rank of the six leg lines below 6;
-  - counts the complex modes of each: joint points and a pose from random numbers, its leg lengths, all modes of these;
+  - lists all such graphs and tells those apart that do not hold the platform: generic rank of the
+    six leg lines below 6;
+  - counts the complex modes of each: joint points and a pose from random numbers, its leg lengths,
+    all modes of these;
   - shows the types m-n whose count depends on the incidence list;
-  - counts general hexagons in planes, and semi-regular ones, whose corners alternate on one circle with a symmetry of order
-    three in base and platform.
+  - counts general hexagons in planes, and semi-regular ones, whose corners alternate on one circle
+    with a symmetry of order three in base and platform.
 
-Sources of known counts: Ronga and Vust 1992, Raghavan 1993 (40, 6-6); Innocenti and Parenti-Castelli 1993 (40, 5-5); Innocenti
-1995 (32, 6-4); Innocenti and Parenti-Castelli 1990 (16, 6-3); Nanua, Waldron and Murthy 1990 (16, the octahedral 3-3). Such
-classes were first counted by Faugere and Lazard, Mechanism and Machine Theory 30(6), 1995.
+Sources of known counts: Ronga and Vust 1992, Raghavan 1993 (40, 6-6); Innocenti and
+Parenti-Castelli 1993 (40, 5-5); Innocenti 1995 (32, 6-4); Innocenti and Parenti-Castelli 1990 (16,
+6-3); Nanua, Waldron and Murthy 1990 (16, the octahedral 3-3). Such classes were first counted by
+Faugere and Lazard, Mechanism and Machine Theory 30(6), 1995.
 """
 
 from __future__ import annotations
@@ -57,7 +62,9 @@ class IncidenceClass:
     def is_rigid(self) -> bool:
         """Whether six leg lines (d; a x d) between random points have rank 6."""
         base, platform = random_points(self, np.random.default_rng(0))
-        lines = [np.concatenate([d := platform[j] - base[i], np.cross(base[i], d)]) for i, j in self.legs]
+        lines = [
+            np.concatenate([d := platform[j] - base[i], np.cross(base[i], d)]) for i, j in self.legs
+        ]
         return bool(np.linalg.matrix_rank(np.array(lines), tol=1e-9) == 6)
 
     def __str__(self) -> str:
@@ -77,7 +84,9 @@ def all_classes() -> list[IncidenceClass]:
 
 
 def matrices(rows: int, columns: int, above: Matrix) -> Iterator[Matrix]:
-    """All 0-1 matrices with six ones, one to three in each row and column, rows in falling order."""
+    """All 0-1 matrices with six ones, one to three in each row and column, rows in falling
+    order.
+    """
     left = 6 - sum(map(sum, above))
     if len(above) == rows:
         if left == 0 and all(1 <= sum(column) <= 3 for column in zip(*above, strict=True)):
@@ -93,7 +102,10 @@ def matrices(rows: int, columns: int, above: Matrix) -> Iterator[Matrix]:
 def canonical(matrix: Matrix) -> Matrix:
     """The same graph with its points named in one way: the largest of all orders."""
     columns = permutations(range(len(matrix[0])))
-    return max(tuple(sorted((tuple(row[j] for j in order) for row in matrix), reverse=True)) for order in columns)
+    return max(
+        tuple(sorted((tuple(row[j] for j in order) for row in matrix), reverse=True))
+        for order in columns
+    )
 
 
 def from_list(text: str) -> IncidenceClass:
@@ -104,11 +116,13 @@ def from_list(text: str) -> IncidenceClass:
 
 
 def random_points(graph: IncidenceClass, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Base points (m, 3) and platform points (n, 3) about the origin, from normal random numbers."""
+    """Base points (m, 3) and platform points (n, 3) about the origin, from normal random
+    numbers.
+    """
     return rng.normal(size=(len(graph.matrix), 3)), 0.7 * rng.normal(size=(len(graph.matrix[0]), 3))
 
 
-# --- what is known -----------------------------------------------------------------------------------------------
+# --- what is known --------------------------------------------------------------------------------
 
 NAMED: dict[str, tuple[str, int]] = {
     "6-6": ("B1P1 B2P2 B3P3 B4P4 B5P5 B6P6", 40),
@@ -124,11 +138,14 @@ SEED = 3
 COLOURS = {40: "#7b3294", 32: "#2c5fa8", 28: "#0f8b8d", 24: "#2e8b57", 16: "#d98c00", 8: "#c0392b"}
 
 
-# --- machines ----------------------------------------------------------------------------------------------------
+# --- machines -------------------------------------------------------------------------------------
 
 
 def machine(graph: IncidenceClass, base: np.ndarray, platform: np.ndarray) -> symkin.Mechanism:
-    limbs = [symkin.RodLimb(f"leg{k}", base[i], platform[j]) for k, (i, j) in enumerate(graph.legs, start=1)]
+    limbs = [
+        symkin.RodLimb(f"leg{k}", base[i], platform[j])
+        for k, (i, j) in enumerate(graph.legs, start=1)
+    ]
     return symkin.Mechanism("hexapod", limbs, platform_position=(0, 0, 1.5))
 
 
@@ -146,22 +163,33 @@ def hexagon(half_gap: float | np.ndarray, radius: float) -> np.ndarray:
 
 
 def planar_pairs(rng: np.random.Generator) -> dict[str, tuple[np.ndarray, np.ndarray, int]]:
-    """6-6 platforms with both hexagons plane: general ones, and semi-regular ones with corners joined in order."""
+    """6-6 platforms with both hexagons plane: general ones, and semi-regular ones with corners
+    joined in order.
+    """
     flat = (1.0, 1.0, 0.0)
     gaps = rng.uniform(8, 24, 1), rng.uniform(36, 52, 1)
-    semi_regular = hexagon(float(gaps[0][0]), 1.0), hexagon(float(gaps[1][0]), rng.uniform(0.5, 0.9))
+    semi_regular = (
+        hexagon(float(gaps[0][0]), 1.0),
+        hexagon(float(gaps[1][0]), rng.uniform(0.5, 0.9)),
+    )
     return {
-        "plane hexagons": (rng.normal(size=(6, 3)) * flat, 0.7 * rng.normal(size=(6, 3)) * flat, 40),
+        "plane hexagons": (
+            rng.normal(size=(6, 3)) * flat,
+            0.7 * rng.normal(size=(6, 3)) * flat,
+            40,
+        ),
         "semi-regular hexagons": (*semi_regular, 28),
     }
 
 
-# --- report ------------------------------------------------------------------------------------------------------
+# --- report ---------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Count:
-    """Complex counts and completeness found at each random geometry, and the numbers of real and certified modes."""
+    """Complex counts and completeness found at each random geometry, and the numbers of real and
+    certified modes.
+    """
 
     complex: tuple[int | None, ...]
     words: tuple[str, ...]
@@ -184,14 +212,23 @@ class Count:
 
 
 def count_class(graph: IncidenceClass, geometries: int, rng: np.random.Generator) -> Count:
-    return Count.of([modes_at_random_pose(machine(graph, *random_points(graph, rng)), rng) for _ in range(geometries)])
+    return Count.of(
+        [
+            modes_at_random_pose(machine(graph, *random_points(graph, rng)), rng)
+            for _ in range(geometries)
+        ]
+    )
 
 
-def report_classes(report: Report, geometries: int, rng: np.random.Generator, only_named: bool) -> dict[IncidenceClass, Count]:
+def report_classes(
+    report: Report, geometries: int, rng: np.random.Generator, only_named: bool
+) -> dict[IncidenceClass, Count]:
     classes = all_classes()
     loose = [graph for graph in classes if not graph.is_rigid]
     report.row("incidence classes", None, len(classes))
-    report.row("classes that do not hold the platform", None, "; ".join(f"{g.type}: {g}" for g in loose))
+    report.row(
+        "classes that do not hold the platform", None, "; ".join(f"{g.type}: {g}" for g in loose)
+    )
     known = {from_list(text): count for text, count in NAMED.values()}
     chosen = [g for g in classes if g.is_rigid and (g in known or not only_named)]
     counts = {}
@@ -206,7 +243,9 @@ def report_certainty(report: Report, counts: list[Count]) -> None:
     words = [word for count in counts for word in count.words]
     text = ", ".join(f"{word}: {words.count(word)}" for word in sorted(set(words)))
     report.row("completeness of these searches", None, text)
-    real, proved = (sum(sum(getattr(count, name)) for count in counts) for name in ("real", "certified"))
+    real, proved = (
+        sum(sum(getattr(count, name)) for count in counts) for name in ("real", "certified")
+    )
     report.row("real modes met; certified", None, [real, proved])
 
 
@@ -214,7 +253,9 @@ def report_dependence(report: Report, counts: dict[IncidenceClass, Count]) -> No
     """Types that have more than one count."""
     for kind in dict.fromkeys(graph.type for graph in counts):
         values = [counts[g].value for g in counts if g.type == kind]
-        text = ", ".join(f"{v} for {values.count(v)}" for v in sorted(set(values), key=lambda v: -(v or 0)))
+        text = ", ".join(
+            f"{v} for {values.count(v)}" for v in sorted(set(values), key=lambda v: -(v or 0))
+        )
         report.row(f"{kind}: counts, of {len(values)} lists", None, text)
 
 
@@ -222,12 +263,14 @@ def report_planar(report: Report, geometries: int, rng: np.random.Generator) -> 
     general, counts = from_list(NAMED["6-6"][0]), {}
     for name in planar_pairs(rng):
         pairs = [planar_pairs(rng)[name] for _ in range(geometries)]
-        counts[name] = Count.of([modes_at_random_pose(machine(general, b, p), rng) for b, p, _ in pairs])
+        counts[name] = Count.of(
+            [modes_at_random_pose(machine(general, b, p), rng) for b, p, _ in pairs]
+        )
         report.row(f"6-6 with {name}", pairs[0][2], counts[name].value)
     return counts
 
 
-# --- picture -----------------------------------------------------------------------------------------------------
+# --- picture --------------------------------------------------------------------------------------
 
 
 def draw_graph(axes, graph: IncidenceClass, value: int | None) -> None:
@@ -239,8 +282,16 @@ def draw_graph(axes, graph: IncidenceClass, value: int | None) -> None:
     axes.plot(bx, by, "s", color="#616e7c", ms=5.5)
     axes.plot(px, py, "o", color="#1b5a91", ms=5.5)
     axes.text(-0.18, 1.3, graph.type, fontsize=10, color="0.35", va="center", ha="left")
-    axes.text(1.18, 1.3, "not rigid" if not graph.is_rigid else str(value), fontsize=13 if graph.is_rigid else 9,
-              color=colour, weight="bold", va="center", ha="right")  # fmt: skip
+    axes.text(
+        1.18,
+        1.3,
+        "not rigid" if not graph.is_rigid else str(value),
+        fontsize=13 if graph.is_rigid else 9,
+        color=colour,
+        weight="bold",
+        va="center",
+        ha="right",
+    )
     axes.set(xlim=(-0.25, 1.25), ylim=(-0.2, 1.55))
     axes.axis("off")
 
@@ -257,35 +308,55 @@ def draw_hexagons(axes, name: str, value: int | None) -> None:
     for b, p in zip(hexagon(15, 1.0), hexagon(45, 0.6), strict=True):
         axes.plot(*np.array([b, p])[:, :2].T, color=colour, lw=2.0)
     axes.text(-1.15, 1.32, name, fontsize=9, color="0.35", va="center", ha="left")
-    axes.text(1.2, 1.32, str(value), fontsize=13, color=colour, weight="bold", va="center", ha="right")
+    axes.text(
+        1.2, 1.32, str(value), fontsize=13, color=colour, weight="bold", va="center", ha="right"
+    )
     axes.set(xlim=(-1.25, 1.25), ylim=(-1.1, 1.6), aspect="equal")
     axes.axis("off")
 
 
 def draw(counts: dict[IncidenceClass, Count], planar: dict[str, Count]):
-    shown = [g for g in all_classes() if g in counts or (len(counts) > len(NAMED) and not g.is_rigid)]
+    shown = [
+        g for g in all_classes() if g in counts or (len(counts) > len(NAMED) and not g.is_rigid)
+    ]
     columns = 9 if len(shown) > 9 else 4
     rows = math.ceil((len(shown) + 1) / columns)
     figure = new_figure(1.6 * columns + 0.4, 1.85 * rows + 1.1)
     figure.get_layout_engine().set(hspace=0.03, wspace=0.04)
-    figure.suptitle("Assembly modes (complex) of platforms on six legs, by shared joint centres", fontsize=15, weight="bold")
+    figure.suptitle(
+        "Assembly modes (complex) of platforms on six legs, by shared joint centres",
+        fontsize=15,
+        weight="bold",
+    )
     axes = figure.subplots(rows, columns).ravel()
     for place in axes:
         place.axis("off")
     for place, graph in zip(axes, shown, strict=False):
         draw_graph(place, graph, counts[graph].value if graph in counts else None)
     draw_hexagons(axes[len(shown)], "semi-regular", planar["semi-regular hexagons"].value)
-    figure.supxlabel("squares: base points    circles: platform points    lines: legs", fontsize=11, color="0.35")
+    figure.supxlabel(
+        "squares: base points    circles: platform points    lines: legs", fontsize=11, color="0.35"
+    )
     return figure
 
 
 def main() -> None:
     parser = options_parser(__doc__.split("\n\n")[0], SEED)
-    parser.add_argument("--geometries", type=int, default=1, help="random geometries of each class (default: 1)")
-    parser.add_argument("--named", action="store_true", help="only the seven lists that the names of types stand for")
+    parser.add_argument(
+        "--geometries", type=int, default=1, help="random geometries of each class (default: 1)"
+    )
+    parser.add_argument(
+        "--named",
+        action="store_true",
+        help="only the seven lists that the names of types stand for",
+    )
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
-    report = Report("hexapod_classes", "Platforms on six legs that share joint centres: complex assembly modes", options.seed)
+    report = Report(
+        "hexapod_classes",
+        "Platforms on six legs that share joint centres: complex assembly modes",
+        options.seed,
+    )
     counts = report_classes(report, options.geometries, rng, options.named)
     report_dependence(report, counts)
     planar = report_planar(report, options.geometries, rng)

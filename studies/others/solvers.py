@@ -1,14 +1,16 @@
 """Inner solvers of multistart compared: batched Levenberg-Marquardt, Newton, fast Newton and IPOPT.
 
-For each mechanism the same random starts (one seed) are given to `symkin.modes` with each solver. A start succeeds when
-it ends in a solution; its success rate is hits / starts. The coverage curve is the mean number of different modes met
-by n of the N starts, taken without replacement from the hits h_i counted (Hurlbert 1971):
+For each mechanism the same random starts (one seed) are given to `symkin.modes` with each solver. A
+start succeeds when it ends in a solution; its success rate is hits / starts. The coverage curve is
+the mean number of different modes met by n of the N starts, taken without replacement from the hits
+h_i counted (Hurlbert 1971):
 
     E(n) = sum_i 1 - C(N - h_i, n) / C(N, n).
 
-The modes that there are come from continuation. Times are those of this machine, one process, after a warm-up call that
-builds the functions. The examples are the direct problems of zhang2009 and zhao2000 and the inverse problems of gluon_6l3
-(pose of 15 deg at each joint) and yao2020, as their files state them. There is no paper to compare with.
+The modes that there are come from continuation. Times are those of this machine, one process, after
+a warm-up call that builds the functions. The examples are the direct problems of zhang2009 and
+zhao2000 and the inverse problems of gluon_6l3 (pose of 15 deg at each joint) and yao2020, as their
+files state them. There is no paper to compare with.
 """
 
 from __future__ import annotations
@@ -64,7 +66,9 @@ def never(N: int, h: int, n: int) -> float:
 
 
 def problem_of(name: str) -> tuple[symkin.Mechanism, dict]:
-    """The mechanism and its example; an arm's example of joints becomes the inverse problem of their pose."""
+    """The mechanism and its example; an arm's example of joints becomes the inverse problem of
+    their pose.
+    """
     mechanism = symkin.load(name)
     example = mechanism.example
     if example.pose is not None:
@@ -77,7 +81,9 @@ def problem_of(name: str) -> tuple[symkin.Mechanism, dict]:
 def attempt(name: str, solver: str, starts: int) -> Trial:
     mechanism, given = problem_of(name)
     symkin.modes(mechanism, **given, starts=2, seed=SEED, solver=solver, method="multistart")
-    found = symkin.modes(mechanism, **given, starts=starts, seed=SEED, solver=solver, method="multistart")
+    found = symkin.modes(
+        mechanism, **given, starts=starts, seed=SEED, solver=solver, method="multistart"
+    )
     return Trial(tuple(mode.hits for mode in found), starts, found.elapsed_s)
 
 
@@ -88,7 +94,11 @@ def known_modes(name: str) -> int:
 
 def run(report: Report) -> tuple[dict[str, int], dict[tuple[str, str], Trial]]:
     known = {name: known_modes(name) for name in NAMES}
-    trials = {(name, solver): attempt(name, solver, STARTS[solver]) for name in NAMES for solver in SOLVERS}
+    trials = {
+        (name, solver): attempt(name, solver, STARTS[solver])
+        for name in NAMES
+        for solver in SOLVERS
+    }
     for (name, solver), trial in trials.items():
         what = f"{name}, {solver}, {trial.starts} starts"
         report.row(f"{what}: modes found, of {known[name]} known", None, len(trial.hits))
@@ -100,7 +110,9 @@ def run(report: Report) -> tuple[dict[str, int], dict[tuple[str, str], Trial]]:
 def draw_bars(axes, trials: dict[tuple[str, str], Trial], key: str, label: str) -> None:
     width = 0.8 / len(SOLVERS)
     for k, solver in enumerate(SOLVERS):
-        values = [getattr(trials[name, solver], key) * (100 if key == "success" else 1) for name in NAMES]
+        values = [
+            getattr(trials[name, solver], key) * (100 if key == "success" else 1) for name in NAMES
+        ]
         places = np.arange(len(NAMES)) + (k - (len(SOLVERS) - 1) / 2) * width
         bars = axes.bar(places, values, 0.92 * width, color=COLOURS[solver], label=solver)
         axes.bar_label(bars, fmt="%.0f", fontsize=8, padding=2)
@@ -115,8 +127,15 @@ def draw_coverage(axes, name: str, known: int, trials: dict[tuple[str, str], Tri
     for solver in SOLVERS:
         trial = trials[name, solver]
         n = np.unique(np.geomspace(1, trial.starts, 60).astype(int))
-        axes.semilogx(n, [trial.coverage(int(k)) for k in n], color=COLOURS[solver], lw=2, ls=styles[solver])
-    axes.set(xlabel="starts", title=f"{name}: {known} modes", ylim=(0, 1.12 * known), yticks=range(0, known + 1, 1))
+        axes.semilogx(
+            n, [trial.coverage(int(k)) for k in n], color=COLOURS[solver], lw=2, ls=styles[solver]
+        )
+    axes.set(
+        xlabel="starts",
+        title=f"{name}: {known} modes",
+        ylim=(0, 1.12 * known),
+        yticks=range(0, known + 1, 1),
+    )
     axes.set_xticks([1, 10, 100], ["1", "10", "100"])
     axes.spines[["top", "right"]].set_visible(False)
 

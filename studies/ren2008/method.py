@@ -1,6 +1,7 @@
 """The paper's experiment in numbers: groups of postures, readings with noise, and fits by symkin.
 
-Units: m, rad; Precision as the paper states it. Arrays as in `model`. Source: Ren, Feng, Su 2008, 2.1 and 2.2.
+Units: m, rad; Precision as the paper states it. Arrays as in `model`. Source: Ren, Feng, Su 2008,
+2.1 and 2.2.
 """
 
 from __future__ import annotations
@@ -38,7 +39,9 @@ TILTS = ("target.rotation.x", "target.rotation.y")
 
 @dataclass(frozen=True)
 class Precision:
-    """Rod noise [m] and repeatability of the inclinometer [deg]; both uniform within +- half of them."""
+    """Rod noise [m] and repeatability of the inclinometer [deg]; both uniform within +- half of
+    them.
+    """
 
     rod: float
     inclinometer: float
@@ -56,11 +59,13 @@ EXACT = Precision(0.0, 0.0)
 BEST = Precision(2e-6, 0.001)
 
 
-# --- postures ----------------------------------------------------------------------------------------------------
+# --- postures -------------------------------------------------------------------------------------
 
 
 def posture_at(centres: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """X (n, 6) whose platform circles are centred at `centres` (n, 3), turned by angles (n, 3) in rad."""
+    """X (n, 6) whose platform circles are centred at `centres` (n, 3), turned by angles (n, 3) in
+    rad.
+    """
     return np.hstack([centres - turn(angles) @ PLATFORM_CENTRE, angles])
 
 
@@ -69,12 +74,19 @@ def centres_of(X: np.ndarray) -> np.ndarray:
     return X[:, :3] + turn(X[:, 3:]) @ PLATFORM_CENTRE
 
 
-def random_postures(eta: np.ndarray, inclinations: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, int]:
-    """X (n, 6) of the assumed workspace with (alpha, beta) as given [rad] or random where NaN, and how many were drawn."""
+def random_postures(
+    eta: np.ndarray, inclinations: np.ndarray, rng: np.random.Generator
+) -> tuple[np.ndarray, int]:
+    """X (n, 6) of the assumed workspace with (alpha, beta) as given [rad] or random where NaN, and
+    how many were drawn.
+    """
     left, drawn, found = np.arange(len(inclinations)), 0, np.zeros((len(inclinations), 6))
     while len(left):
         drawn += len(left)
-        aside, heights = rng.uniform(-ASIDE, ASIDE, (len(left), 2)), rng.uniform(*HEIGHTS, len(left))
+        aside, heights = (
+            rng.uniform(-ASIDE, ASIDE, (len(left), 2)),
+            rng.uniform(*HEIGHTS, len(left)),
+        )
         angles = np.radians(rng.uniform(-TILT, TILT, (len(left), 3)))
         angles[:, :2] = np.where(np.isnan(inclinations[left]), angles[:, :2], inclinations[left])
         X = posture_at(BASE_CENTRE + np.column_stack([aside, heights]), angles)
@@ -85,7 +97,9 @@ def random_postures(eta: np.ndarray, inclinations: np.ndarray, rng: np.random.Ge
     return found, drawn
 
 
-def postures_in_groups(eta: np.ndarray, inclined: np.ndarray, rng: np.random.Generator, each: int = 4) -> np.ndarray:
+def postures_in_groups(
+    eta: np.ndarray, inclined: np.ndarray, rng: np.random.Generator, each: int = 4
+) -> np.ndarray:
     """X of random postures, `each` for each inclination of `inclined` (groups, 2) [rad]."""
     return random_postures(eta, np.repeat(inclined, each, axis=0), rng)[0]
 
@@ -107,11 +121,15 @@ def random_truth(nominal: symkin.Mechanism, spread: float, rng: np.random.Genera
     return eta_of(nominal) + np.where(free, rng.uniform(-spread, spread, len(NAMES)), 0.0)
 
 
-# --- readings and fits -------------------------------------------------------------------------------------------
+# --- readings and fits ----------------------------------------------------------------------------
 
 
-def measure(eta: np.ndarray, groups: int, each: int, precision: Precision, rng: np.random.Generator) -> Measurements:
-    """Groups of random postures, each group brought to one inclination as far as the inclinometer repeats."""
+def measure(
+    eta: np.ndarray, groups: int, each: int, precision: Precision, rng: np.random.Generator
+) -> Measurements:
+    """Groups of random postures, each group brought to one inclination as far as the inclinometer
+    repeats.
+    """
     return measure_groups(eta, inclinations(groups, rng), each, precision, rng)
 
 
@@ -126,45 +144,81 @@ def measure_groups(
 
 
 def measure_at(
-    eta: np.ndarray, X: np.ndarray, groups: np.ndarray, precision: Precision, rng: np.random.Generator
+    eta: np.ndarray,
+    X: np.ndarray,
+    groups: np.ndarray,
+    precision: Precision,
+    rng: np.random.Generator,
 ) -> Measurements:
-    """Planned postures X (n, 6), their centres kept, their inclinations as far as the inclinometer repeats."""
+    """Planned postures X (n, 6), their centres kept, their inclinations as far as the inclinometer
+    repeats.
+    """
     half = np.radians(0.5 * precision.inclinometer)
     angles = X[:, 3:] + np.column_stack([rng.uniform(-half, half, (len(X), 2)), np.zeros(len(X))])
     return readings(inverse(posture_at(centres_of(X), angles), eta), groups, precision, rng)
 
 
-def readings(q: np.ndarray, groups: np.ndarray, precision: Precision, rng: np.random.Generator) -> Measurements:
+def readings(
+    q: np.ndarray, groups: np.ndarray, precision: Precision, rng: np.random.Generator
+) -> Measurements:
     """Extensions with rod noise; standard deviations where there is noise."""
     rod, tilt = precision.sigmas
     noise = rng.uniform(-0.5 * precision.rod, 0.5 * precision.rod, q.shape)
     return Measurements(q + noise, groups=groups, joint_sigma=rod or None, group_sigma=tilt or None)
 
 
-def fit(nominal: symkin.Mechanism, measured: Measurements, residual: str = "means", method: str = "nested") -> Calibration:
-    """symkin's fit in the paper's frames; `residual`: "differences" of neighbours, the paper's (4), or "means" of groups."""
-    return calibrate(nominal, measured, fixed=held_names(nominal), residual=residual, method=method, outliers="ignore")
+def fit(
+    nominal: symkin.Mechanism,
+    measured: Measurements,
+    residual: str = "means",
+    method: str = "nested",
+) -> Calibration:
+    """symkin's fit in the paper's frames; `residual`: "differences" of neighbours, the paper's (4),
+    or "means" of groups.
+    """
+    return calibrate(
+        nominal,
+        measured,
+        fixed=held_names(nominal),
+        residual=residual,
+        method=method,
+        outliers="ignore",
+    )
 
 
 def absolute_readings(
     eta: np.ndarray, postures: int, precision: Precision, accuracy: float, rng: np.random.Generator
 ) -> Measurements:
-    """Random postures with both inclinations read absolutely, each wrong by up to half the accuracy [deg]."""
+    """Random postures with both inclinations read absolutely, each wrong by up to half the accuracy
+    [deg].
+    """
     X, _ = random_postures(eta, np.full((postures, 2), np.nan), rng)
     half = np.radians(0.5 * accuracy)
     read = readings(inverse(X, eta), np.full(postures, -1), precision, rng)
     tilts = X[:, 3:5] + rng.uniform(-half, half, (postures, 2))
-    return replace(read, groups=None, group_sigma=None, inclination=tilts, inclination_sigma=2 * half / np.sqrt(12))
+    return replace(
+        read,
+        groups=None,
+        group_sigma=None,
+        inclination=tilts,
+        inclination_sigma=2 * half / np.sqrt(12),
+    )
 
 
 def absolute_fit(nominal: symkin.Mechanism, measured: Measurements) -> Calibration:
-    """A fit of absolute inclinations as Besnard and Khalil (1999) read them, the inclinometer's mounting among the unknowns."""
-    return calibrate(nominal, measured, parameters=[*NAMES, *TILTS], fixed=held_names(nominal), outliers="ignore")
+    """A fit of absolute inclinations as Besnard and Khalil (1999) read them, the inclinometer's
+    mounting among the unknowns.
+    """
+    return calibrate(
+        nominal, measured, parameters=[*NAMES, *TILTS], fixed=held_names(nominal), outliers="ignore"
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class Fits:
-    """Calibrations of one kind, as a row quotes them: what was read and how it was fitted are read off the first."""
+    """Calibrations of one kind, as a row quotes them: what was read and how it was fitted are read
+    off the first.
+    """
 
     found: Sequence[Calibration]
 
@@ -186,9 +240,14 @@ def deviation(values: dict[str, float], eta: np.ndarray) -> float:
 
 def poses_of(X: np.ndarray) -> list[symkin.Pose]:
     """The postures as symkin's poses."""
-    return [symkin.Pose(row[:3], quaternion_from_matrix(R)) for row, R in zip(X, turn(X[:, 3:]), strict=True)]
+    return [
+        symkin.Pose(row[:3], quaternion_from_matrix(R))
+        for row, R in zip(X, turn(X[:, 3:]), strict=True)
+    ]
 
 
 def posture_of(poses: Sequence[symkin.Pose]) -> np.ndarray:
     """X (n, 6) of symkin's poses."""
-    return np.hstack([np.array([p.position for p in poses]), angles_of(np.array([p.rotation for p in poses]))])
+    return np.hstack(
+        [np.array([p.position for p in poses]), angles_of(np.array([p.rotation for p in poses]))]
+    )

@@ -1,12 +1,15 @@
-"""XJ-HEXAS as its paper prints it, what is assumed where it prints nothing, and its equations for many postures.
+"""XJ-HEXAS as its paper prints it, what is assumed where it prints nothing, and its equations for
+many postures.
 
-Notation: |t + R m_i - b_i| = dl_i + l_i; m_i platform joints, b_i base joints in the paper's joint frames, dl_i the fixed
-rod length, l_i the measured extension; R = Rz(gamma) Ry(beta) Rx(alpha), turns about fixed axes ('xyz'). Units: m, deg.
-Source: Ren, Feng, Su, Journal of Xi'an Jiaotong University 42(12), 2008, tables 1 (nominal), 2 (true), 3 (deviations).
+Notation: |t + R m_i - b_i| = dl_i + l_i; m_i platform joints, b_i base joints in the paper's joint
+frames, dl_i the fixed rod length, l_i the measured extension; R = Rz(gamma) Ry(beta) Rx(alpha),
+turns about fixed axes ('xyz'). Units: m, deg. Source: Ren, Feng, Su, Journal of Xi'an Jiaotong
+University 42(12), 2008, tables 1 (nominal), 2 (true), 3 (deviations).
 
-Every entry of table 1 is read. In table 2 two are illegible in our copy and assumed; hidden zeros are zero by the frames.
-The workspace is not printed and is assumed: centre of the platform's joint circle within 0.25 m in x and y of the centre of
-the base's, z 1.15 to 1.45 m, angles within 20 deg, extensions 0 to 0.55 m.
+Every entry of table 1 is read. In table 2 two are illegible in our copy and assumed; hidden zeros
+are zero by the frames. The workspace is not printed and is assumed: centre of the platform's joint
+circle within 0.25 m in x and y of the centre of the base's, z 1.15 to 1.45 m, angles within 20 deg,
+extensions 0 to 0.55 m.
 
 The closure of the direct problem, its derivatives, and equations (1), (2) and (8):
 
@@ -18,7 +21,8 @@ The closure of the direct problem, its derivatives, and equations (1), (2) and (
     dX/dl = F_X^-1,   dX/deta = -F_X^-1 F_eta
         (the derivatives that (8) wants; the paper takes them numerically)
 
-The extensions, l in the paper, are q here; equations are in m and rad. Arrays have one row a posture: X (n, 6), q (n, 6).
+The extensions, l in the paper, are q here; equations are in m and rad. Arrays have one row a
+posture: X (n, 6), q (n, 6).
 """
 
 from __future__ import annotations
@@ -34,44 +38,82 @@ from studies.shared.guesses import Closure
 from symkin.calibration.data.parameters import joint_frames
 
 NOMINAL = {
-    "base": [(0, 0, 0), (0.1504, 0, 0), (0.6283, 0.8278, 0), (0.5531, 0.958, 0), (-0.4027, 0.958, 0), (-0.4779, 0.8278, 0)],
-    "platform": [(0, 0, 0), (0.7687, 0, 0), (0.8255, 0.0984, 0), (0.4412, 0.7642, 0), (0.3275, 0.7642, 0), (-0.0568, 0.0984, 0)],
+    "base": [
+        (0, 0, 0),
+        (0.1504, 0, 0),
+        (0.6283, 0.8278, 0),
+        (0.5531, 0.958, 0),
+        (-0.4027, 0.958, 0),
+        (-0.4779, 0.8278, 0),
+    ],
+    "platform": [
+        (0, 0, 0),
+        (0.7687, 0, 0),
+        (0.8255, 0.0984, 0),
+        (0.4412, 0.7642, 0),
+        (0.3275, 0.7642, 0),
+        (-0.0568, 0.0984, 0),
+    ],
     "offset": [1.2] * 6,
 }
 TRUE = {
     "base": [
-        (0, 0, 0), (0.1543, 0, 0.0025), (0.6233, 0.8256, -0.005),
-        (0.5506, 0.9599, 0.003), (-0.4068, 0.9549, 0.0049), (-0.4761, 0.8251, 0.004),
+        (0, 0, 0),
+        (0.1543, 0, 0.0025),
+        (0.6233, 0.8256, -0.005),
+        (0.5506, 0.9599, 0.003),
+        (-0.4068, 0.9549, 0.0049),
+        (-0.4761, 0.8251, 0.004),
     ],
     "platform": [
-        (0, 0, 0), (0.7637, 0, 0), (0.8295, 0.0993, 0.002),
-        (0.4436, 0.7672, 0.005), (0.3233, 0.7612, -0.003), (-0.0587, 0.0964, 0),
+        (0, 0, 0),
+        (0.7637, 0, 0),
+        (0.8295, 0.0993, 0.002),
+        (0.4436, 0.7672, 0.005),
+        (0.3233, 0.7612, -0.003),
+        (-0.0587, 0.0964, 0),
     ],
     "offset": [1.2037, 1.1981, 1.205, 1.1963, 1.2026, 1.1969],
-}  # fmt: skip
+}
 DEVIATIONS = {
     "base": [
-        (0, 0, 0), (-3.6e-11, 0, -6.6e-12), (3.5e-10, 7.1e-10, -7.9e-10),
-        (-3.7e-10, 2.1e-10, 1e-11), (-2.8e-10, -9.9e-11, -2.3e-10), (-3.4e-10, -8.7e-11, 1.8e-10),
+        (0, 0, 0),
+        (-3.6e-11, 0, -6.6e-12),
+        (3.5e-10, 7.1e-10, -7.9e-10),
+        (-3.7e-10, 2.1e-10, 1e-11),
+        (-2.8e-10, -9.9e-11, -2.3e-10),
+        (-3.4e-10, -8.7e-11, 1.8e-10),
     ],
     "platform": [
-        (0, 0, 0), (-3.6e-11, 0, 0), (-1.7e-10, 1.3e-10, 6.1e-10),
-        (-1.3e-10, 1.1e-10, 3.2e-10), (-6.6e-11, -3.1e-11, -2.4e-10), (-1.7e-10, 1.7e-10, 0),
+        (0, 0, 0),
+        (-3.6e-11, 0, 0),
+        (-1.7e-10, 1.3e-10, 6.1e-10),
+        (-1.3e-10, 1.1e-10, 3.2e-10),
+        (-6.6e-11, -3.1e-11, -2.4e-10),
+        (-1.7e-10, 1.7e-10, 0),
     ],
     "offset": [-1.8e-11, -5.2e-11, -8.6e-11, -5.5e-11, -1.1e-11, -2.4e-10],
-}  # fmt: skip
+}
 """Table 3: identified less true without noise."""
 ASSUMED = {"z of M5": -0.0030, "z of B2": 0.0025}
-"""The two true values that are illegible: z of M5 is negative, z of B2 positive, each at most 5 mm."""
+"""The two true values that are illegible: z of M5 is negative, z of B2 positive, each at most 5
+mm.
+"""
 BY_FRAME = ("leg1", "leg2", "leg6"), ("leg1", "leg2")
-"""Joints in which the paper's platform and base frames stand: ten entries are zero by definition."""
+"""Joints in which the paper's platform and base frames stand: ten entries are zero by
+definition.
+"""
 HEIGHTS, ASIDE, TILT, EXTENSIONS = (1.15, 1.45), 0.25, 20.0, (0.0, 0.55)
 
 
 def circle(points: list) -> tuple[np.ndarray, float, float]:
-    """Centre, radius and largest distance from the circle of points in the xy plane: |x|^2 = 2 c.x + k."""
+    """Centre, radius and largest distance from the circle of points in the xy plane: |x|^2 = 2
+    c.x + k.
+    """
     xy = np.array(points)[:, :2]
-    solution = np.linalg.lstsq(np.column_stack([2 * xy, np.ones(len(xy))]), (xy**2).sum(axis=1), rcond=None)[0]
+    solution = np.linalg.lstsq(
+        np.column_stack([2 * xy, np.ones(len(xy))]), (xy**2).sum(axis=1), rcond=None
+    )[0]
     distances = np.linalg.norm(xy - solution[:2], axis=1)
     radius = float(distances.mean())
     return np.append(solution[:2], 0.0), radius, float(np.abs(distances - radius).max())
@@ -85,7 +127,7 @@ def held_names(mechanism: symkin.Mechanism) -> tuple[str, ...]:
     return joint_frames(mechanism, *BY_FRAME)
 
 
-# --- equations ---------------------------------------------------------------------------------------------------
+# --- equations ------------------------------------------------------------------------------------
 
 LIMBS = 6
 UNKNOWNS = ("x", "y", "z", "alpha", "beta", "gamma")
@@ -104,7 +146,9 @@ CLOSED = 1e-13
 def eta_of(mechanism: symkin.Mechanism) -> np.ndarray:
     """The 42 parameters of a mechanism's file."""
     limbs = mechanism.limbs
-    return np.concatenate([*(x.platform for x in limbs), *(x.base for x in limbs), [x.offset for x in limbs]])
+    return np.concatenate(
+        [*(x.platform for x in limbs), *(x.base for x in limbs), [x.offset for x in limbs]]
+    )
 
 
 def eta_from(values: dict[str, float], nominal: np.ndarray) -> np.ndarray:
@@ -123,7 +167,7 @@ def free_columns(nominal: symkin.Mechanism) -> np.ndarray:
     return np.array([k for k, name in enumerate(NAMES) if name not in zeros])
 
 
-# --- rotations ---------------------------------------------------------------------------------------------------
+# --- rotations ------------------------------------------------------------------------------------
 
 
 def turn(angles: np.ndarray) -> np.ndarray:
@@ -141,7 +185,9 @@ def angles_of(rotations: np.ndarray) -> np.ndarray:
     """(alpha, beta, gamma) (n, 3) in rad, beta within a quarter turn."""
     r = rotations
     beta = np.arctan2(-r[:, 2, 0], np.hypot(r[:, 2, 1], r[:, 2, 2]))
-    return np.column_stack([np.arctan2(r[:, 2, 1], r[:, 2, 2]), beta, np.arctan2(r[:, 1, 0], r[:, 0, 0])])
+    return np.column_stack(
+        [np.arctan2(r[:, 2, 1], r[:, 2, 2]), beta, np.arctan2(r[:, 1, 0], r[:, 0, 0])]
+    )
 
 
 def symbolic_turn(angles: ca.SX) -> ca.SX:
@@ -153,7 +199,7 @@ def symbolic_turn(angles: ca.SX) -> ca.SX:
     return ca.horzcat(x, y, z)
 
 
-# --- closure -----------------------------------------------------------------------------------------------------
+# --- closure --------------------------------------------------------------------------------------
 
 
 class PoseClosure(Closure):
@@ -161,10 +207,14 @@ class PoseClosure(Closure):
 
     def distance(self, X: np.ndarray, mode: np.ndarray) -> float:
         turns = turn(np.array([X[3:], mode[3:]]))
-        return float(max(np.abs(X[:3] - mode[:3]).max() / self.size, np.abs(turns[0] - turns[1]).max()))
+        return float(
+            max(np.abs(X[:3] - mode[:3]).max() / self.size, np.abs(turns[0] - turns[1]).max())
+        )
 
 
-def rod_rows(X: ca.SX, q: ca.SX, m: np.ndarray | ca.SX, b: np.ndarray | ca.SX, dl: np.ndarray | ca.SX) -> ca.SX:
+def rod_rows(
+    X: ca.SX, q: ca.SX, m: np.ndarray | ca.SX, b: np.ndarray | ca.SX, dl: np.ndarray | ca.SX
+) -> ca.SX:
     """F of symbols; m and b have a row a limb."""
     R, rows = symbolic_turn(X[3:]), []
     for i in range(LIMBS):
@@ -186,7 +236,9 @@ def _function() -> ca.Function:
     X, q, eta = ca.SX.sym("X", 6), ca.SX.sym("q", 6), ca.SX.sym("eta", len(NAMES))
     m, b = (ca.reshape(eta[k : k + 18], 3, 6).T for k in (0, 18))
     F = rod_rows(X, q, m, b, eta[36:])
-    return ca.Function("F", [X, q, eta], [F, ca.densify(ca.jacobian(F, X)), ca.densify(ca.jacobian(F, eta))])
+    return ca.Function(
+        "F", [X, q, eta], [F, ca.densify(ca.jacobian(F, X)), ca.densify(ca.jacobian(F, eta))]
+    )
 
 
 @lru_cache(maxsize=64)
@@ -194,11 +246,19 @@ def _mapped(count: int) -> ca.Function:
     return _function().map(count)
 
 
-def rows(X: np.ndarray, q: np.ndarray, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def rows(
+    X: np.ndarray, q: np.ndarray, eta: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """F (n, 6), F_X (n, 6, 6), F_eta (n, 6, 42) of many postures."""
     n = len(X)
-    F, by_pose, by_eta = (np.asarray(part) for part in _mapped(n)(X.T, q.T, np.repeat(eta[:, None], n, axis=1)))
-    return F.T, by_pose.reshape(6, n, 6).swapaxes(0, 1), by_eta.reshape(6, n, len(NAMES)).swapaxes(0, 1)
+    F, by_pose, by_eta = (
+        np.asarray(part) for part in _mapped(n)(X.T, q.T, np.repeat(eta[:, None], n, axis=1))
+    )
+    return (
+        F.T,
+        by_pose.reshape(6, n, 6).swapaxes(0, 1),
+        by_eta.reshape(6, n, len(NAMES)).swapaxes(0, 1),
+    )
 
 
 def inverse(X: np.ndarray, eta: np.ndarray) -> np.ndarray:
@@ -209,7 +269,9 @@ def inverse(X: np.ndarray, eta: np.ndarray) -> np.ndarray:
 
 
 def direct(q: np.ndarray, eta: np.ndarray, start: np.ndarray, most: int = 50) -> np.ndarray:
-    """(1): X (n, 6) for extensions q, by Newton's method from `start` (n, 6). Ends the study where a posture has no root."""
+    """(1): X (n, 6) for extensions q, by Newton's method from `start` (n, 6). Ends the study where
+    a posture has no root.
+    """
     X = np.array(start, dtype=float)
     for _ in range(most):
         F, F_X, _ = rows(X, q, eta)
@@ -218,7 +280,10 @@ def direct(q: np.ndarray, eta: np.ndarray, start: np.ndarray, most: int = 50) ->
         X = X - np.linalg.solve(F_X, F[:, :, None])[:, :, 0]
     left = np.abs(rows(X, q, eta)[0]).max(axis=1)
     if left.max() > 1e3 * CLOSED:
-        raise SystemExit(f"ren2008: the direct problem of {int((left > 1e3 * CLOSED).sum())} postures was not solved")
+        raise SystemExit(
+            f"ren2008: the direct problem of {int((left > 1e3 * CLOSED).sum())} postures was not "
+            f"solved"
+        )
     return X
 
 
@@ -236,12 +301,14 @@ def slopes(X: np.ndarray, q: np.ndarray, eta: np.ndarray) -> Slopes:
     return Slopes(np.linalg.inv(F_X), -np.linalg.solve(F_X, F_eta))
 
 
-# --- the two geometries ------------------------------------------------------------------------------------------
+# --- the two geometries ---------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Both geometries, as mechanisms and as parameters, the free parameters, and the home posture."""
+    """Both geometries, as mechanisms and as parameters, the free parameters, and the home
+    posture.
+    """
 
     nominal: symkin.Mechanism
     true: symkin.Mechanism

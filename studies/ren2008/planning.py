@@ -1,8 +1,10 @@
-"""XJ-HEXAS: chosen postures, the paper's further work: 24 planned poses, and 40 planned against 40 random ones.
+"""XJ-HEXAS: chosen postures, the paper's further work: 24 planned poses, and 40 planned against 40
+random ones.
 
-The plan is computed for the nominal geometry by I-optimality (pose variance over the assumed workspace, constant base and tool
-frames taken away) over groups at level and at +-20 deg. True mechanisms are then brought to the planned poses, each group to its
-inclination as far as the inclinometer repeats. Random postures: 10 groups of 4 by the generator of `method`. Rod noise
+The plan is computed for the nominal geometry by I-optimality (pose variance over the assumed
+workspace, constant base and tool frames taken away) over groups at level and at +-20 deg. True
+mechanisms are then brought to the planned poses, each group to its inclination as far as the
+inclinometer repeats. Random postures: 10 groups of 4 by the generator of `method`. Rod noise
 uniform within +-1 um, inclinometer within +-0.0005 deg. Units: m, deg.
 """
 
@@ -27,7 +29,17 @@ if __name__ == "__main__":  # run as a file: modules are named from the folder t
     sys.path[0] = str(Path(__file__).resolve().parents[2])
 
 from studies.ren2008.errors import PoseErrors, pose_errors
-from studies.ren2008.method import BEST, Fits, centres_of, fit, measure, measure_at, posture_of, random_truth, unused_poses
+from studies.ren2008.method import (
+    BEST,
+    Fits,
+    centres_of,
+    fit,
+    measure,
+    measure_at,
+    posture_of,
+    random_truth,
+    unused_poses,
+)
 from studies.ren2008.model import ASIDE, HEIGHTS, TILT, Case, eta_from
 from studies.shared.report import Report, new_figure, options_parser
 
@@ -47,13 +59,23 @@ class Chosen:
     groups: np.ndarray
 
     def evidence(self) -> dict[str, object]:
-        return {"by": "symkin.plan_measurements", "method": "I-optimal", "text": f"plan_measurements, {len(self.X)} postures"}
+        return {
+            "by": "symkin.plan_measurements",
+            "method": "I-optimal",
+            "text": f"plan_measurements, {len(self.X)} postures",
+        }
 
     @property
     def inclinations(self) -> list[list[float]]:
         """alpha, beta [deg] and the number of postures of each group."""
-        held = [np.round(np.degrees(self.X[self.groups == g][0, 3:5])) + 0.0 for g in np.unique(self.groups)]
-        return [[*pair.tolist(), int(np.sum(self.groups == g))] for pair, g in zip(held, np.unique(self.groups), strict=True)]
+        held = [
+            np.round(np.degrees(self.X[self.groups == g][0, 3:5])) + 0.0
+            for g in np.unique(self.groups)
+        ]
+        return [
+            [*pair.tolist(), int(np.sum(self.groups == g))]
+            for pair, g in zip(held, np.unique(self.groups), strict=True)
+        ]
 
 
 def workspace(nominal: symkin.Mechanism) -> Workspace:
@@ -65,11 +87,16 @@ def workspace(nominal: symkin.Mechanism) -> Workspace:
 def make_plan(nominal: symkin.Mechanism, postures: int) -> Plan:
     rod, tilt = BEST.sigmas
     noise = Noise(lengths=rod, group=tilt, uniform=True)
-    return plan_measurements(workspace(nominal), postures, noise, groups=GROUPS[postures], seed=SEED)
+    return plan_measurements(
+        workspace(nominal), postures, noise, groups=GROUPS[postures], seed=SEED
+    )
 
 
 def chosen(plan: Plan) -> Chosen:
-    return Chosen(posture_of([symkin.Pose(row[:3], row[3:]) for row in plan.configurations.poses]), plan.groups)
+    return Chosen(
+        posture_of([symkin.Pose(row[:3], row[3:]) for row in plan.configurations.poses]),
+        plan.groups,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,30 +119,49 @@ class Trials:
         return 100 * float(np.mean(np.all(self.worst <= wanted, axis=1)))
 
 
-def planned(case: Case, truth: np.ndarray, at: Chosen, tests: np.ndarray, rngs: Iterable[np.random.Generator]) -> Trials:
+def planned(
+    case: Case,
+    truth: np.ndarray,
+    at: Chosen,
+    tests: np.ndarray,
+    rngs: Iterable[np.random.Generator],
+) -> Trials:
     """Experiments at planned postures, group means."""
-    return trials(case, truth, tests, (measure_at(truth, at.X, at.groups, BEST, rng) for rng in rngs))
+    return trials(
+        case, truth, tests, (measure_at(truth, at.X, at.groups, BEST, rng) for rng in rngs)
+    )
 
 
-def random(case: Case, truth: np.ndarray, tests: np.ndarray, rngs: Iterable[np.random.Generator]) -> Trials:
+def random(
+    case: Case, truth: np.ndarray, tests: np.ndarray, rngs: Iterable[np.random.Generator]
+) -> Trials:
     """Experiments at 40 random postures, 10 groups of 4, group means."""
     return trials(case, truth, tests, (measure(truth, 10, 4, BEST, rng) for rng in rngs))
 
 
-def trials(case: Case, truth: np.ndarray, tests: np.ndarray, measured: Iterable[Measurements]) -> Trials:
+def trials(
+    case: Case, truth: np.ndarray, tests: np.ndarray, measured: Iterable[Measurements]
+) -> Trials:
     fits = [fit(case.nominal, readings) for readings in measured]
-    errors = [pose_errors(eta_from(f.values, case.eta), truth, case.eta, tests)["aligned"] for f in fits]
+    errors = [
+        pose_errors(eta_from(f.values, case.eta), truth, case.eta, tests)["aligned"] for f in fits
+    ]
     return Trials(fits, errors)
 
 
 def compare(case: Case, at: Chosen) -> np.ndarray:
-    """(geometries, 4): root mean square over experiments of the worst errors, planned and random, mm and deg."""
+    """(geometries, 4): root mean square over experiments of the worst errors, planned and random,
+    mm and deg.
+    """
     rows = []
     for k in range(GEOMETRIES):
         rng = np.random.default_rng([SEED, 20, k])
         truth = random_truth(case.nominal, 0.005, rng)
         tests = unused_poses(truth, SEED + k, 100)
-        both = [planned(case, truth, at, tests, [rng] * EACH), random(case, truth, tests, [rng] * EACH)]
+        both = [
+            planned(case, truth, at, tests, [rng] * EACH),
+            random(case, truth, tests, [rng] * EACH),
+        ]
         rows.append(np.sqrt(np.mean([t.worst**2 for t in both], axis=1)).ravel())
     return np.array(rows)
 
@@ -125,13 +171,40 @@ def report_24(report: Report, case: Case, tests: np.ndarray, count: int) -> tupl
     begin = time.perf_counter()
     at = chosen(make_plan(case.nominal, 24))
     seconds = time.perf_counter() - begin
-    report.row("24 planned postures: alpha, beta [deg] and postures of each group", None, at.inclinations, place=PLACE, run=at)
-    report.row("time of a plan of 24 postures", None, round(seconds, 1), "s", place=PLACE, run=at, volatile=True)
+    report.row(
+        "24 planned postures: alpha, beta [deg] and postures of each group",
+        None,
+        at.inclinations,
+        place=PLACE,
+        run=at,
+    )
+    report.row(
+        "time of a plan of 24 postures",
+        None,
+        round(seconds, 1),
+        "s",
+        place=PLACE,
+        run=at,
+        volatile=True,
+    )
     trials = planned(case, case.truth, at, tests, [case.rng(24, k) for k in range(count)])
-    report.row(f"24 planned postures, {BEST}, aligned frames: worst errors, median", None, np.median(trials.worst, axis=0).tolist(),
-               "mm, deg", place=PLACE, run=(at, trials))  # fmt: skip
-    report.row("24 planned postures, aligned frames: experiments within what the paper reaches with 80, 0.1 mm and 0.01 deg", None, trials.within(WANTED),
-               "%", place=PLACE, run=(at, trials))  # fmt: skip
+    report.row(
+        f"24 planned postures, {BEST}, aligned frames: worst errors, median",
+        None,
+        np.median(trials.worst, axis=0).tolist(),
+        "mm, deg",
+        place=PLACE,
+        run=(at, trials),
+    )
+    report.row(
+        "24 planned postures, aligned frames: experiments within what the paper reaches with 80, "
+        "0.1 mm and 0.01 deg",
+        None,
+        trials.within(WANTED),
+        "%",
+        place=PLACE,
+        run=(at, trials),
+    )
     return at, trials
 
 
@@ -139,10 +212,17 @@ def report_40(report: Report, at: Chosen, table: np.ndarray) -> None:
     for k, what in enumerate(("position", "orientation")):
         ratio = table[:, 2 + k] / table[:, k]
         report.row(
-            f"{GEOMETRIES} geometries, 40 postures, random over planned {what} error, aligned frames: mean, median, least", None,
-            [float(np.mean(table[:, 2 + k]) / np.mean(table[:, k])), float(np.median(ratio)), float(ratio.min())],
-            place=PLACE, run=(at, compare),
-        )  # fmt: skip
+            f"{GEOMETRIES} geometries, 40 postures, random over planned {what} error, aligned "
+            f"frames: mean, median, least",
+            None,
+            [
+                float(np.mean(table[:, 2 + k]) / np.mean(table[:, k])),
+                float(np.median(ratio)),
+                float(ratio.min()),
+            ],
+            place=PLACE,
+            run=(at, compare),
+        )
 
 
 def draw(at: Chosen, trials: Trials, table: np.ndarray):
@@ -151,7 +231,9 @@ def draw(at: Chosen, trials: Trials, table: np.ndarray):
     left, centre, right = figure.subplots(1, 3)
     for group, (alpha, beta, count) in enumerate(at.inclinations):
         places = centres_of(at.X[at.groups == group])
-        left.scatter(*places[:, :2].T, s=60, label=f"{count} at alpha {alpha:+.0f}, beta {beta:+.0f} deg")
+        left.scatter(
+            *places[:, :2].T, s=60, label=f"{count} at alpha {alpha:+.0f}, beta {beta:+.0f} deg"
+        )
     left.set(xlabel="x of the platform's circle [m]", ylabel="y [m]", aspect="equal")
     left.set_title("24 postures from above", loc="left")
     left.legend(fontsize=9, frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.16))
@@ -169,7 +251,11 @@ def draw(at: Chosen, trials: Trials, table: np.ndarray):
     places = np.arange(1, len(table) + 1)
     right.semilogy(places, table[:, 2], "s", color="#d55e00", label="40 random (10 x 4)")
     right.semilogy(places, table[:, 0], "o", color="#0072b2", label="40 planned")
-    right.set(xlabel="geometry", ylabel="worst position error, aligned frames [mm]", xticks=places[::2] + 1)
+    right.set(
+        xlabel="geometry",
+        ylabel="worst position error, aligned frames [mm]",
+        xticks=places[::2] + 1,
+    )
     right.set_title(f"{GEOMETRIES} true geometries", loc="left")
     right.set_ylim(top=3 * right.get_ylim()[1])
     right.legend(fontsize=9, frameon=False, loc="upper right", ncols=2)
@@ -180,14 +266,23 @@ def draw(at: Chosen, trials: Trials, table: np.ndarray):
 
 def main() -> None:
     parser = options_parser(__doc__.split("\n\n")[0])
-    parser.add_argument("--trials", type=int, default=100, help="experiments at the 24 planned postures (default: 100)")
+    parser.add_argument(
+        "--trials",
+        type=int,
+        default=100,
+        help="experiments at the 24 planned postures (default: 100)",
+    )
     arguments = parser.parse_args()
     case = Case(symkin.load("ren2008"), symkin.load("ren2008_true"), SEED)
     report = Report("ren2008_planning", "XJ-HEXAS: chosen postures", SEED)
     at, trials = report_24(report, case, unused_poses(case.truth, SEED), arguments.trials)
     forty = chosen(make_plan(case.nominal, 40))
     report.row(
-        "40 planned postures: alpha, beta [deg] and postures of each group", None, forty.inclinations, place=PLACE, run=forty
+        "40 planned postures: alpha, beta [deg] and postures of each group",
+        None,
+        forty.inclinations,
+        place=PLACE,
+        run=forty,
     )
     table = compare(case, forty)
     report_40(report, forty, table)

@@ -1,9 +1,11 @@
-"""Enumeration of modes from varied initial guesses, by CasADi's own solvers on the closure as a paper writes it.
+"""Enumeration of modes from varied initial guesses, by CasADi's own solvers on the closure as a
+paper writes it.
 
-A closure F(X, u) = 0 has unknowns X and given values u. From each guess of X run two searches: Newton's method by
-CasADi's `rootfinder`, and least squares, min |F|^2 / 2, by IPOPT. An end counts only if every row of F vanishes there; which
-mode it is, is read off the list that continuation gives. `symkin.modes(..., method="multistart")` is the third search:
-Levenberg-Marquardt on all rows, all guesses at once.
+A closure F(X, u) = 0 has unknowns X and given values u. From each guess of X run two searches:
+Newton's method by CasADi's `rootfinder`, and least squares, min |F|^2 / 2, by IPOPT. An end counts
+only if every row of F vanishes there; which mode it is, is read off the list that continuation
+gives. `symkin.modes(..., method="multistart")` is the third search: Levenberg-Marquardt on all
+rows, all guesses at once.
 
     table:  solver | guesses | modes met | hits per mode | failures | iterations | time
 
@@ -21,9 +23,13 @@ import casadi as ca
 import numpy as np
 
 CLOSED = 1e-8
-"""Largest |F| / size at which an end closes the loops; a search that converges leaves 1e-12 or less."""
+"""Largest |F| / size at which an end closes the loops; a search that converges leaves 1e-12 or
+less.
+"""
 SAME = 1e-5
-"""Largest difference (angles in rad, lengths over the size) between an end and the mode that it is."""
+"""Largest difference (angles in rad, lengths over the size) between an end and the mode that it
+is.
+"""
 ROOTFINDER = {"abstol": 1e-11, "max_iter": 100, "error_on_fail": False, "show_eval_warnings": False}
 IPOPT = {
     "print_time": False,
@@ -34,8 +40,10 @@ IPOPT = {
 
 @dataclass(frozen=True, eq=False)
 class Closure:
-    """F(X, u) with rows in one unit of length; `angles` marks the unknowns that are angles (rad); `size` is the mechanism's
-    characteristic length, in the unit of F and of the unknowns that are lengths."""
+    """F(X, u) with rows in one unit of length; `angles` marks the unknowns that are angles (rad);
+    `size` is the mechanism's characteristic length, in the unit of F and of the unknowns that are
+    lengths.
+    """
 
     X: ca.SX
     u: ca.SX
@@ -48,15 +56,18 @@ class Closure:
         return ca.Function("F", [self.X, self.u], [self.F])
 
     def residual(self, X: np.ndarray, u: np.ndarray) -> float:
-        """Return the largest |F| over the size; infinite where F is not finite. Whole turns are left out: after 1e7 of them a sine has nine
-        digits left."""
+        """Return the largest |F| over the size; infinite where F is not finite. Whole turns are
+        left out: after 1e7 of them a sine has nine digits left.
+        """
         X = np.asarray(X, dtype=float)
         X = np.where(self.angles, X - 2 * np.pi * np.round(X / (2 * np.pi)), X)
         value = float(np.abs(np.asarray(self.rows(X, u))).max()) / self.size
         return value if np.isfinite(value) else np.inf
 
     def nearest(self, X: np.ndarray, modes: Sequence[np.ndarray]) -> int | None:
-        """Find the index of the mode that X is, modulo whole turns; None where it is none of them."""
+        """Find the index of the mode that X is, modulo whole turns; None where it is none of
+        them.
+        """
         for index, mode in enumerate(modes):
             if self.distance(X, mode) < SAME:
                 return index
@@ -70,7 +81,9 @@ class Closure:
 
 @dataclass(frozen=True)
 class End:
-    """Where one guess has led: the point, its residual over the size, the iterations, and the seconds taken."""
+    """Where one guess has led: the point, its residual over the size, the iterations, and the
+    seconds taken.
+    """
 
     X: np.ndarray
     residual: float
@@ -84,7 +97,9 @@ class End:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """One solver on one closure: `solver(guess, u)` gives the end, `iterations` the count of its last call."""
+    """One solver on one closure: `solver(guess, u)` gives the end, `iterations` the count of its
+    last call.
+    """
 
     name: str
     closure: Closure
@@ -101,15 +116,24 @@ class Search:
 
 def rootfinder(closure: Closure) -> Search:
     """Search by Newton's method with CasADi's line search: as many rows as unknowns."""
-    find = ca.rootfinder("newton", "newton", {"x": closure.X, "p": closure.u, "g": closure.F}, ROOTFINDER)
-    return Search("rootfinder", closure, lambda X, u: find(x0=X, p=u)["x"], lambda: int(find.stats()["iter_count"]))
+    find = ca.rootfinder(
+        "newton", "newton", {"x": closure.X, "p": closure.u, "g": closure.F}, ROOTFINDER
+    )
+    return Search(
+        "rootfinder",
+        closure,
+        lambda X, u: find(x0=X, p=u)["x"],
+        lambda: int(find.stats()["iter_count"]),
+    )
 
 
 def least_squares(closure: Closure) -> Search:
     """Search min |F|^2 / (2 size^2) by IPOPT: any number of rows."""
     cost = 0.5 * ca.sumsqr(closure.F / closure.size)
     find = ca.nlpsol("ipopt", "ipopt", {"x": closure.X, "p": closure.u, "f": cost}, IPOPT)
-    return Search("IPOPT", closure, lambda X, u: find(x0=X, p=u)["x"], lambda: int(find.stats()["iter_count"]))
+    return Search(
+        "IPOPT", closure, lambda X, u: find(x0=X, p=u)["x"], lambda: int(find.stats()["iter_count"])
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +148,12 @@ class Trial:
     def evidence(self) -> dict[str, object]:
         """Say what was run, for a row of a report."""
         name, count = self.search.name, len(self.ends)
-        return {"by": f"casadi {name}", "method": name, "starts": count, "text": f"{name}, {count} guesses"}
+        return {
+            "by": f"casadi {name}",
+            "method": name,
+            "starts": count,
+            "text": f"{name}, {count} guesses",
+        }
 
     @property
     def hits(self) -> list[int]:
@@ -142,7 +171,9 @@ class Trial:
 
     @property
     def unknown(self) -> int:
-        """Count the guesses that closed the loops at a configuration that is not in the list of modes."""
+        """Count the guesses that closed the loops at a configuration that is not in the list of
+        modes.
+        """
         return sum(end.closed and k is None for end, k in zip(self.ends, self.found, strict=True))
 
     @property
@@ -155,7 +186,9 @@ class Trial:
     @property
     def iterations(self) -> list[int]:
         """Return median and largest number of iterations of the guesses that led to a mode."""
-        counts = [end.iterations for end, k in zip(self.ends, self.found, strict=True) if k is not None]
+        counts = [
+            end.iterations for end, k in zip(self.ends, self.found, strict=True) if k is not None
+        ]
         return [int(np.median(counts)), max(counts)] if counts else []
 
     @property
@@ -163,7 +196,9 @@ class Trial:
         return 1e3 * float(np.median([end.seconds for end in self.ends]))
 
 
-def attempt(search: Search, guesses: np.ndarray, u: np.ndarray, modes: Sequence[np.ndarray]) -> Trial:
+def attempt(
+    search: Search, guesses: np.ndarray, u: np.ndarray, modes: Sequence[np.ndarray]
+) -> Trial:
     """Run a search from each guess (rows) and tell which mode it found."""
     ends = [search.end(guess, u) for guess in guesses]
     found = [search.closure.nearest(end.X, modes) if end.closed else None for end in ends]
@@ -171,27 +206,63 @@ def attempt(search: Search, guesses: np.ndarray, u: np.ndarray, modes: Sequence[
 
 
 def report_trials(report, what: str, place: str, trials: Sequence[Trial]) -> None:
-    """Report the rows of the table: for each search modes met, hits, guesses needed, failures, iterations, and the time apart."""
+    """Report the rows of the table: for each search modes met, hits, guesses needed, failures,
+    iterations, and the time apart.
+    """
     for trial in trials:
         name = f"{what}, {trial.search.name}"
         missed = trial.modes - trial.met
-        report.row(f"{name}: modes met, of {trial.modes}; missed", None, [trial.met, missed], place=place, run=trial)
+        report.row(
+            f"{name}: modes met, of {trial.modes}; missed",
+            None,
+            [trial.met, missed],
+            place=place,
+            run=trial,
+        )
         report.row(f"{name}: hits per mode", None, trial.hits, place=place, run=trial)
         needed = "not all met" if trial.needed is None else trial.needed
-        report.row(f"{name}: guesses needed until every mode was met", None, needed, place=place, run=trial)
-        report.row(f"{name}: guesses that led to no solution", None, trial.failures, place=place, run=trial)
-        report.row(f"{name}: iterations, median and most", None, trial.iterations, place=place, run=trial)
-        report.row(f"{name}: time a guess, median", None, trial.milliseconds, "ms", place=place, run=trial, volatile=True)
+        report.row(
+            f"{name}: guesses needed until every mode was met", None, needed, place=place, run=trial
+        )
+        report.row(
+            f"{name}: guesses that led to no solution", None, trial.failures, place=place, run=trial
+        )
+        report.row(
+            f"{name}: iterations, median and most", None, trial.iterations, place=place, run=trial
+        )
+        report.row(
+            f"{name}: time a guess, median",
+            None,
+            trial.milliseconds,
+            "ms",
+            place=place,
+            run=trial,
+            volatile=True,
+        )
         if trial.unknown:
-            raise SystemExit(f"{report.name}: {name} closed the loops {trial.unknown} times outside the list of modes")
+            raise SystemExit(
+                f"{report.name}: {name} closed the loops {trial.unknown} times outside the list of "
+                f"modes"
+            )
 
 
 def draw_basins(
-    axes, search: Search, u: np.ndarray, modes: Sequence[np.ndarray], plane: tuple[int, int], at: np.ndarray,
-    ranges: Sequence[tuple[float, float]], colours: Sequence[str], *, points: int = 61, scales: tuple[float, float] = (1.0, 1.0),
-) -> np.ndarray:  # fmt: skip
-    """Colour each guess of a plane of two unknowns (the others at `at`) by the mode that it leads to, white where it leads to
-    none. `scales` turn unknowns into the units drawn. Returns the index of each guess's mode, -1 for none."""
+    axes,
+    search: Search,
+    u: np.ndarray,
+    modes: Sequence[np.ndarray],
+    plane: tuple[int, int],
+    at: np.ndarray,
+    ranges: Sequence[tuple[float, float]],
+    colours: Sequence[str],
+    *,
+    points: int = 61,
+    scales: tuple[float, float] = (1.0, 1.0),
+) -> np.ndarray:
+    """Colour each guess of a plane of two unknowns (the others at `at`) by the mode that it leads
+    to, white where it leads to none. `scales` turn unknowns into the units drawn. Returns the index
+    of each guess's mode, -1 for none.
+    """
     i, j = plane
     first, second = (np.linspace(*r, points) for r in ranges)
     image = np.full((points, points), -1)
@@ -207,14 +278,25 @@ def draw_basins(
     extent = [*(scales[0] * v for v in ranges[0]), *(scales[1] * v for v in ranges[1])]
     shown = ListedColormap(["white", *colours[: len(modes)]])
     axes.imshow(
-        image, origin="lower", extent=extent, aspect="auto", cmap=shown, vmin=-1.5, vmax=len(modes) - 0.5, interpolation="nearest"
+        image,
+        origin="lower",
+        extent=extent,
+        aspect="auto",
+        cmap=shown,
+        vmin=-1.5,
+        vmax=len(modes) - 0.5,
+        interpolation="nearest",
     )
     _mark_modes(axes, modes, plane, scales, extent, colours)
     return image
 
 
-def _mark_modes(axes, modes, plane: tuple[int, int], scales: tuple[float, float], extent: list[float], colours) -> None:
-    """Draw a circle where modes lie in the plane, with their numbers; modes that lie at one place share it."""
+def _mark_modes(
+    axes, modes, plane: tuple[int, int], scales: tuple[float, float], extent: list[float], colours
+) -> None:
+    """Draw a circle where modes lie in the plane, with their numbers; modes that lie at one place
+    share it.
+    """
     places: dict[tuple[float, float], list[int]] = {}
     for index, mode in enumerate(modes):
         x, y = (round(scale * mode[k], 3) for scale, k in zip(scales, plane, strict=True))
@@ -224,6 +306,10 @@ def _mark_modes(axes, modes, plane: tuple[int, int], scales: tuple[float, float]
         low = y > extent[2] + 0.9 * (extent[3] - extent[2])
         axes.plot(x, y, "o", mfc=colours[indices[0]], mec="black", ms=9, mew=1.4)
         axes.annotate(
-            ", ".join(str(k + 1) for k in indices), (x, y), xytext=(8, -14 if low else 5), textcoords="offset points",
-            fontsize=11, fontweight="bold",
-        )  # fmt: skip
+            ", ".join(str(k + 1) for k in indices),
+            (x, y),
+            xytext=(8, -14 if low else 5),
+            textcoords="offset points",
+            fontsize=11,
+            fontweight="bold",
+        )

@@ -29,8 +29,10 @@ HEAD, FOOT = 0.95, 0.45
 
 @dataclass(frozen=True, eq=False)
 class _Frame:
-    """How the shared box is laid into panels: `width` and `height` of a panel's drawing, inches; `scale`, inches a length
-    unit; `shift`, inches from the middle of the drawing to the middle of the box; `caption`, inches below the drawing."""
+    """How the shared box is laid into panels: `width` and `height` of a panel's drawing, inches;
+    `scale`, inches a length unit; `shift`, inches from the middle of the drawing to the middle of
+    the box; `caption`, inches below the drawing.
+    """
 
     width: float
     height: float
@@ -39,9 +41,13 @@ class _Frame:
     caption: float
 
     @staticmethod
-    def around(bodies: Sequence[MechanismLines], view: View, width: float, caption: float) -> _Frame:
+    def around(
+        bodies: Sequence[MechanismLines], view: View, width: float, caption: float
+    ) -> _Frame:
         """Make panels as large as all bodies, seen on the plane of the picture, allow."""
-        seen = (np.vstack([body.points for body in bodies]) - view.limits.mean(axis=1)) @ view.axes[:2].T
+        seen = (np.vstack([body.points for body in bodies]) - view.limits.mean(axis=1)) @ view.axes[
+            :2
+        ].T
         low, high = seen.min(axis=0), seen.max(axis=0)
         scale = 0.9 * width / float(high[0] - low[0])
         height = scale * float(high[1] - low[1]) + 0.14 * width + caption
@@ -49,10 +55,18 @@ class _Frame:
 
 
 def draw_small_multiples(
-    found: Modes, title: str, subtitle: str, columns: int, *, width: float = 2.0, scale: float = 0.5, captions: Sequence[str] = ()
+    found: Modes,
+    title: str,
+    subtitle: str,
+    columns: int,
+    *,
+    width: float = 2.0,
+    scale: float = 0.5,
+    captions: Sequence[str] = (),
 ) -> Figure:
-    """Draw one panel a mode, `columns` in a row, each `width` inches wide; limbs of a platform in colours of their own; a caption
-    (up to two lines) below each drawing where there are any."""
+    """Draw one panel a mode, `columns` in a row, each `width` inches wide; limbs of a platform in
+    colours of their own; a caption (up to two lines) below each drawing where there are any.
+    """
     mechanism = found.problem.mechanism
     bodies = [lines_at(mechanism, mode.values, mode.pose) for mode in found]
     view = View.around(bodies, mechanism.length_unit)
@@ -68,10 +82,20 @@ def draw_small_multiples(
             _panel(figure, body, view, frame, corner, scale)
             _card(figure, corner, frame)
             place = (corner + [0.06 * width, frame.height - 0.09]) / figure.get_size_inches()
-            figure.text(*place, str(k + 1), va="top", fontsize=10, fontweight="bold", color=COLOURS["quiet"])
+            figure.text(
+                *place, str(k + 1), va="top", fontsize=10, fontweight="bold", color=COLOURS["quiet"]
+            )
             if captions:
                 place = (corner + [0.5 * width, 0.07]) / figure.get_size_inches()
-                figure.text(*place, captions[k], va="bottom", ha="center", fontsize=8.5, color=COLOURS["quiet"], linespacing=1.3)
+                figure.text(
+                    *place,
+                    captions[k],
+                    va="bottom",
+                    ha="center",
+                    fontsize=8.5,
+                    color=COLOURS["quiet"],
+                    linespacing=1.3,
+                )
         if not mechanism.serial:
             _legend(figure, [limb.name for limb in mechanism.limbs])
     return figure
@@ -79,15 +103,40 @@ def draw_small_multiples(
 
 def _heading(figure: Figure, title: str, subtitle: str) -> None:
     high = figure.get_figheight()
-    figure.text(0.5, 1 - 0.14 / high, title, ha="center", va="top", fontsize=16, fontweight="bold", color=COLOURS["text"])
-    figure.text(0.5, 1 - 0.5 / high, subtitle, ha="center", va="top", fontsize=11, color=COLOURS["quiet"])
+    figure.text(
+        0.5,
+        1 - 0.14 / high,
+        title,
+        ha="center",
+        va="top",
+        fontsize=16,
+        fontweight="bold",
+        color=COLOURS["text"],
+    )
+    figure.text(
+        0.5, 1 - 0.5 / high, subtitle, ha="center", va="top", fontsize=11, color=COLOURS["quiet"]
+    )
 
 
-def _panel(figure: Figure, body: MechanismLines, view: View, frame: _Frame, corner: np.ndarray, scale: float) -> None:
-    """Draw one bare panel whose lower left corner (inches) is `corner`: square axes that hold the whole box."""
+def _panel(
+    figure: Figure,
+    body: MechanismLines,
+    view: View,
+    frame: _Frame,
+    corner: np.ndarray,
+    scale: float,
+) -> None:
+    """Draw one bare panel whose lower left corner (inches) is `corner`: square axes that hold the
+    whole box.
+    """
     size = figure.get_size_inches()
     side = 1.3 * frame.scale * max(view.picture)
-    foot = corner + [0.5 * frame.width, 0.5 * (frame.height + frame.caption)] + frame.shift - 0.5 * side
+    foot = (
+        corner
+        + [0.5 * frame.width, 0.5 * (frame.height + frame.caption)]
+        + frame.shift
+        - 0.5 * side
+    )
     axes: Any = figure.add_axes((*(foot / size), *(side / size)), projection="3d")
     draw_lines(axes, body, view, share=frame.scale * view.picture[0] / side, scale=scale)
     away = _centre(axes, view) * side
@@ -99,10 +148,14 @@ def _panel(figure: Figure, body: MechanismLines, view: View, frame: _Frame, corn
 
 
 def _centre(axes: Any, view: View) -> np.ndarray:
-    """Find where the middle of the box is seen from the middle of the axes, as a share of their size."""
+    """Find where the middle of the box is seen from the middle of the axes, as a share of their
+    size.
+    """
     seen = axes.get_proj() @ np.array([*view.limits.mean(axis=1), 1.0])
     limits = axes.viewLim
-    return np.asarray((seen[:2] / seen[3] - [limits.x0, limits.y0]) / [limits.width, limits.height] - 0.5)
+    return np.asarray(
+        (seen[:2] / seen[3] - [limits.x0, limits.y0]) / [limits.width, limits.height] - 0.5
+    )
 
 
 def _card(figure: Figure, corner: np.ndarray, frame: _Frame) -> None:
@@ -111,7 +164,12 @@ def _card(figure: Figure, corner: np.ndarray, frame: _Frame) -> None:
 
     size = figure.get_size_inches()
     foot, extent = (corner + 0.03) / size, (np.array([frame.width, frame.height]) - 0.06) / size
-    look = {"facecolor": COLOURS["pane"], "edgecolor": COLOURS["grid"], "linewidth": 0.8, "zorder": -1}
+    look = {
+        "facecolor": COLOURS["pane"],
+        "edgecolor": COLOURS["grid"],
+        "linewidth": 0.8,
+        "zorder": -1,
+    }
     figure.add_artist(Rectangle(tuple(foot), *extent, transform=figure.transFigure, **look))
 
 
@@ -125,14 +183,24 @@ def _strip(axes: Any) -> None:
 
 
 def _spokes(axes: Any, body: MechanismLines, scale: float) -> None:
-    """Draw thin lines from the middle of base and platform to their joints: which points belong to one body."""
+    """Draw thin lines from the middle of base and platform to their joints: which points belong to
+    one body.
+    """
     for points, name in ((body.base, "base edge"), (body.platform, "platform edge")):
         for point in points:
-            axes.plot(*np.array([points.mean(axis=0), point]).T, color=COLOURS[name], lw=1.1 * scale, alpha=0.6, zorder=9.0)
+            axes.plot(
+                *np.array([points.mean(axis=0), point]).T,
+                color=COLOURS[name],
+                lw=1.1 * scale,
+                alpha=0.6,
+                zorder=9.0,
+            )
 
 
 def _colour_limbs(axes: Any, body: MechanismLines, view: View, scale: float) -> None:
-    """Colour each limb over its own lines, cut where they cross others, at the depth of each piece."""
+    """Colour each limb over its own lines, cut where they cross others, at the depth of each
+    piece.
+    """
     parts = [
         (colour, segment)
         for limb, colour in zip(body.limbs, LIMB_COLOURS, strict=False)
@@ -140,8 +208,17 @@ def _colour_limbs(axes: Any, body: MechanismLines, view: View, scale: float) -> 
         if segment.length > 0.0
     ]
     for piece in pieces([(segment.start, segment.end) for _, segment in parts], view.axes):
-        ends, order = np.array([piece.start, piece.end]), 10.01 + piece.nearness / float(view.extent.max())
-        axes.plot(*ends.T, color=parts[piece.number][0], lw=4.4 * scale, solid_capstyle="round", zorder=order)
+        ends, order = (
+            np.array([piece.start, piece.end]),
+            10.01 + piece.nearness / float(view.extent.max()),
+        )
+        axes.plot(
+            *ends.T,
+            color=parts[piece.number][0],
+            lw=4.4 * scale,
+            solid_capstyle="round",
+            zorder=order,
+        )
 
 
 def _legend(figure: Figure, names: Sequence[str]) -> None:
@@ -149,8 +226,16 @@ def _legend(figure: Figure, names: Sequence[str]) -> None:
     from matplotlib.patches import Patch
 
     handles = [Line2D([], [], color=colour, lw=3) for colour in LIMB_COLOURS[: len(names)]]
-    bodies = [Patch(facecolor=COLOURS[name], edgecolor=COLOURS[f"{name} edge"], alpha=0.5) for name in ("base", "platform")]
+    bodies = [
+        Patch(facecolor=COLOURS[name], edgecolor=COLOURS[f"{name} edge"], alpha=0.5)
+        for name in ("base", "platform")
+    ]
     figure.legend(
-        [*bodies, *handles], ["base", "platform", *names], loc="lower center", ncols=8, frameon=False, fontsize=11,
+        [*bodies, *handles],
+        ["base", "platform", *names],
+        loc="lower center",
+        ncols=8,
+        frameon=False,
+        fontsize=11,
         labelcolor=COLOURS["quiet"],
-    )  # fmt: skip
+    )

@@ -12,8 +12,16 @@ from symkin import Modes
 SHOWN = 6
 """Significant digits of a printed number."""
 NOISE = 1e-12
-"""Constants below this, relative to the row's largest, are rounding of cos(90 deg) and the like, and are left out."""
-_FUNCTIONS = {ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_TAN: "tan", ca.OP_SQRT: "sqrt", ca.OP_ATAN2: "atan2"}
+"""Constants below this, relative to the row's largest, are rounding of cos(90 deg) and the like,
+and are left out.
+"""
+_FUNCTIONS = {
+    ca.OP_SIN: "sin",
+    ca.OP_COS: "cos",
+    ca.OP_TAN: "tan",
+    ca.OP_SQRT: "sqrt",
+    ca.OP_ATAN2: "atan2",
+}
 _SUM, _PRODUCT, _ATOM = 1, 2, 3
 """How tightly the outermost operation of a text binds."""
 
@@ -26,7 +34,10 @@ def written(expression: ca.SX) -> str:
 def _text(x: ca.SX) -> tuple[str, int]:
     if x.is_constant():
         value = float(x)
-        return f"{0.0 if abs(value) < NOISE else value:.{SHOWN}g}", _ATOM if value >= 0 else _PRODUCT
+        return (
+            f"{0.0 if abs(value) < NOISE else value:.{SHOWN}g}",
+            _ATOM if value >= 0 else _PRODUCT,
+        )
     if x.is_symbolic():
         return x.name(), _ATOM
     parts = [x.dep(k) for k in range(x.n_dep())]
@@ -77,15 +88,22 @@ def _bound(part: tuple[str, int], tightness: int) -> str:
     return f"({text})" if own < tightness else text
 
 
-# --- lists of modes ----------------------------------------------------------------------------------------------
+# --- lists of modes -------------------------------------------------------------------------------
 
 
 def statement(found: Modes) -> str:
-    """State completeness as the result itself states it: `proved: 40 complex solutions, 40 real, 40 certified, 0 paths unresolved`."""
+    """State completeness as the result itself states it: `proved: 40 complex solutions, 40 real, 40
+    certified, 0 paths unresolved`.
+    """
     complex_count = "unknown number of" if found.complex_count is None else str(found.complex_count)
-    unresolved = "no paths" if found.unresolved_paths is None else f"{found.unresolved_paths} paths unresolved"
+    unresolved = (
+        "no paths"
+        if found.unresolved_paths is None
+        else f"{found.unresolved_paths} paths unresolved"
+    )
     return (
-        f"{found.completeness}: {complex_count} complex solutions, {len(found)} real, {certified(found)} certified, {unresolved}"
+        f"{found.completeness}: {complex_count} complex solutions, {len(found)} real, "
+        f"{certified(found)} certified, {unresolved}"
     )
 
 
@@ -95,7 +113,9 @@ def certified(found: Modes) -> int:
 
 
 def largest_radius(found: Modes) -> float | None:
-    """Return the largest radius within which a certificate places its mode, length unit; None without certificates."""
+    """Return the largest radius within which a certificate places its mode, length unit; None
+    without certificates.
+    """
     return max((mode.radius for mode in found if mode.radius is not None), default=None)
 
 
@@ -104,8 +124,12 @@ def largest_residual(found: Modes) -> float | None:
 
 
 def distances(found: Modes, size: float) -> np.ndarray:
-    """Return the largest difference (n, n) of two modes' positions and, times `size`, rotation matrices; infinite on the diagonal."""
-    rows = np.array([[*mode.position, *(size * mode.rotation.ravel())] for mode in found]).reshape(len(found), 12)
+    """Return the largest difference (n, n) of two modes' positions and, times `size`, rotation
+    matrices; infinite on the diagonal.
+    """
+    rows = np.array([[*mode.position, *(size * mode.rotation.ravel())] for mode in found]).reshape(
+        len(found), 12
+    )
     apart = np.max(np.abs(rows[:, None] - rows[None]), axis=2, initial=0.0)
     np.fill_diagonal(apart, np.inf)
     return apart

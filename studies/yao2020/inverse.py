@@ -1,7 +1,9 @@
-"""Inverse problem of the telescopic Pieper robot: the paper's search (4) to (8), the return of the axes (9) to (12), all roots.
+"""Inverse problem of the telescopic Pieper robot: the paper's search (4) to (8), the return of the
+axes (9) to (12), all roots.
 
-As written: joint 6 undone by l moves A0, D0, E0, F0 to A1, D1, E1, F1 against the direction A0 D0. Plane I holds A1, D1, E1,
-plane II holds O, D1, E1, with normal n = OE1 x OD1. The angle of AD with n gives sin(theta5); F1 turned back about E1 D1 is F2,
+As written: joint 6 undone by l moves A0, D0, E0, F0 to A1, D1, E1, F1 against the direction A0 D0.
+Plane I holds A1, D1, E1, plane II holds O, D1, E1, with normal n = OE1 x OD1. The angle of AD with
+n gives sin(theta5); F1 turned back about E1 D1 is F2,
 
     f(l) = |OF2| - a1,   a root l is L6.
 
@@ -10,10 +12,10 @@ The shorter way: with u, v, w the columns of R, e = R^T E0, and h the distance o
     theta5 = atan2(s e_y, -s (e_x - L6)),
     |OF2|^2 = (h - s a2)^2 + e_z^2,   h^2 = (e_x - L6)^2 + e_y^2,
 
-s = 1 where F lies between axis 5 and O, -1 where it lies beyond. So f falls until L6 = e_x and rises after it where h > s a2;
-its roots are L6 = e_x +- sqrt(h^2 - e_y^2), h = s a2 +- sqrt(a1^2 - e_z^2) > |e_y|: closed form.
-Units: mm; degrees where printed. Source: Yao Haifeng et al. 2020 (see `study`); (4) to (10), (12) are missing in the copy
-at hand and written from the text around them.
+s = 1 where F lies between axis 5 and O, -1 where it lies beyond. So f falls until L6 = e_x and
+rises after it where h > s a2; its roots are L6 = e_x +- sqrt(h^2 - e_y^2), h = s a2 +- sqrt(a1^2 -
+e_z^2) > |e_y|: closed form. Units: mm; degrees where printed. Source: Yao Haifeng et al. 2020 (see
+`study`); (4) to (10), (12) are missing in the copy at hand and written from the text around them.
 """
 
 from __future__ import annotations
@@ -25,14 +27,26 @@ import casadi as ca
 import numpy as np
 
 from studies.shared.guesses import Closure
-from studies.yao2020.model import A1, A2, AXES, SIZE, STROKE, ZERO, T, about, along, pose_of, tool_points
+from studies.yao2020.model import (
+    A1,
+    A2,
+    AXES,
+    SIZE,
+    STROKE,
+    ZERO,
+    T,
+    about,
+    along,
+    pose_of,
+    tool_points,
+)
 
 TOLERANCE = 1e-8
 """|f| at which the paper stops, mm."""
 Function = Callable[[float], float]
 
 
-# --- the search as written, (4) to (8) ---------------------------------------------------------------------------
+# --- the search as written, (4) to (8) ------------------------------------------------------------
 
 
 def retreated(A: np.ndarray, R: np.ndarray, length: float) -> dict[str, np.ndarray]:
@@ -41,8 +55,12 @@ def retreated(A: np.ndarray, R: np.ndarray, length: float) -> dict[str, np.ndarr
     return {name: along(p, points["A"], points["D"], -length) for name, p in points.items()}
 
 
-def plane_vectors(A: np.ndarray, R: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(5): AD, the normal n of plane II, and n x ED, which points in plane II from axis 5 to O; unit vectors."""
+def plane_vectors(
+    A: np.ndarray, R: np.ndarray, length: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(5): AD, the normal n of plane II, and n x ED, which points in plane II from axis 5 to O;
+    unit vectors.
+    """
     p = retreated(A, R, length)
     ad, normal, ed = p["D"] - p["A"], np.cross(p["E"], p["D"]), p["D"] - p["E"]
     ad, normal, ed = (v / np.linalg.norm(v) for v in (ad, normal, ed))
@@ -50,7 +68,9 @@ def plane_vectors(A: np.ndarray, R: np.ndarray, length: float) -> tuple[np.ndarr
 
 
 def angle_of_planes(A: np.ndarray, R: np.ndarray, length: float) -> float:
-    """(6) as the text says it: 90 degrees less the angle of AD with the normal of plane II, between -90 and 90."""
+    """(6) as the text says it: 90 degrees less the angle of AD with the normal of plane II, between
+    -90 and 90.
+    """
     ad, normal, _ = plane_vectors(A, R, length)
     return 90.0 - math.degrees(math.acos(np.clip(ad @ normal, -1.0, 1.0)))
 
@@ -72,8 +92,10 @@ def f_iteration(A: np.ndarray, R: np.ndarray, angle=angle_of_planes) -> Function
 
 
 def paper_search(f: Function, order: str) -> tuple[float, int]:
-    """The printed loop on [-500, 0] to 1e-8. `order`: which test comes first, 'left' (f_min f_mid < 0) or 'right';
-    'both': one after the other with the same values, as printed. Returns L6 and the number of steps."""
+    """The printed loop on [-500, 0] to 1e-8. `order`: which test comes first, 'left' (f_min
+    f_mid < 0) or 'right'; 'both': one after the other with the same values, as printed. Returns L6
+    and the number of steps.
+    """
     (low, high), steps = STROKE, 0
     at_low, at_high = f(low), f(high)
     for steps in range(1, 201):  # noqa: B007 - the last value is returned
@@ -89,8 +111,12 @@ def paper_search(f: Function, order: str) -> tuple[float, int]:
     return middle, steps
 
 
-def secant_search(f: Function, low: float, high: float, tolerance: float = TOLERANCE) -> tuple[float, int]:
-    """The same loop with the chord's zero (Illinois: the end that stays counts half) in place of the midpoint."""
+def secant_search(
+    f: Function, low: float, high: float, tolerance: float = TOLERANCE
+) -> tuple[float, int]:
+    """The same loop with the chord's zero (Illinois: the end that stays counts half) in place of
+    the midpoint.
+    """
     f_low, f_high, x, steps = f(low), f(high), low, 0
     if f_low * f_high > 0:
         raise SystemExit(f"yao2020: no change of sign in [{low}, {high}]: {f_low}, {f_high}")
@@ -104,7 +130,7 @@ def secant_search(f: Function, low: float, high: float, tolerance: float = TOLER
     return x, steps
 
 
-# --- the shorter way ---------------------------------------------------------------------------------------------
+# --- the shorter way ------------------------------------------------------------------------------
 
 
 def axis5_origin(A: np.ndarray, R: np.ndarray) -> np.ndarray:
@@ -136,12 +162,17 @@ def slides(A: np.ndarray, R: np.ndarray, s: int = 1, a1: float = A1) -> list[flo
     return found
 
 
-# --- return of the axes, (9) to (12) -----------------------------------------------------------------------------
+# --- return of the axes, (9) to (12) --------------------------------------------------------------
 
 
-def wrist_returned(A: np.ndarray, R: np.ndarray, slide: float, theta5: float) -> dict[str, np.ndarray]:
+def wrist_returned(
+    A: np.ndarray, R: np.ndarray, slide: float, theta5: float
+) -> dict[str, np.ndarray]:
     """Joints 6 and 5 at zero: the tool's points A, C, D, E, F, with F on axes 3 and 4."""
-    points = {name: along(A + R @ (ZERO[name] - ZERO["A"]), R[:, 0], np.zeros(3), slide) for name in "ACDEF"}
+    points = {
+        name: along(A + R @ (ZERO[name] - ZERO["A"]), R[:, 0], np.zeros(3), slide)
+        for name in "ACDEF"
+    }
     E, D = points["E"], points["D"]
     return {name: about(p, E, D, -theta5) for name, p in points.items()}
 
@@ -154,7 +185,9 @@ def undone(points: dict[str, np.ndarray], joint: int, degrees: float) -> dict[st
 def sequence(
     A: np.ndarray, R: np.ndarray, slide: float, s: int = 1, side: int = 1
 ) -> Iterator[tuple[int, float, dict[str, np.ndarray]]]:
-    """Joint, its value, and the points before it is returned, for joints 1, 2, 3, 4 in turn; `side` chooses of theta1's two."""
+    """Joint, its value, and the points before it is returned, for joints 1, 2, 3, 4 in turn; `side`
+    chooses of theta1's two.
+    """
     points = wrist_returned(A, R, slide, fifth(A, R, s, slide))
     theta1 = degrees2(-side * points["F"][1], -side * points["F"][0])
     yield 1, theta1, points
@@ -172,16 +205,24 @@ def sequence(
 
 def returned(A: np.ndarray, R: np.ndarray, slide: float, s: int, side: int = 1) -> np.ndarray:
     """theta1 to theta5 and L6."""
-    return np.array([*(value for _, value, _ in sequence(A, R, slide, s, side)), fifth(A, R, s, slide), slide])
+    return np.array(
+        [*(value for _, value, _ in sequence(A, R, slide, s, side)), fifth(A, R, s, slide), slide]
+    )
 
 
 def third_angles(joints: np.ndarray) -> dict[str, float]:
-    """(11) from the points of the state before joint 3 is returned: as printed, its arguments exchanged, signs mended, by C -
-    A."""
+    """(11) from the points of the state before joint 3 is returned: as printed, its arguments
+    exchanged, signs mended, by C - A.
+    """
     A, R = pose_of(joints)
     points = undone(undone(wrist_returned(A, R, joints[5], joints[4]), 1, joints[0]), 2, joints[1])
     (_, y, z), (_, cy, cz) = points["D"], points["C"] - points["A"]
-    return {"(z, y)": degrees2(z, y), "(y, z)": degrees2(y, z), "(-y, z)": degrees2(-y, z), "C - A": degrees2(cz, cy)}
+    return {
+        "(z, y)": degrees2(z, y),
+        "(y, z)": degrees2(y, z),
+        "(-y, z)": degrees2(-y, z),
+        "C - A": degrees2(cz, cy),
+    }
 
 
 def degrees2(y: float, x: float) -> float:
@@ -189,18 +230,26 @@ def degrees2(y: float, x: float) -> float:
 
 
 def inverse(A: np.ndarray, R: np.ndarray) -> list[np.ndarray]:
-    """All real solutions, up to eight, each verified against the pose; the branch of the paper's answer first."""
-    found = [returned(A, R, x, s, side) for s in (1, -1) for x in slides(A, R, s) for side in (1, -1)]
-    return sorted((q for q in found if misses(q, A, R) < 1e-7), key=lambda q: (-round(q[5], 6), abs(q[0])))
+    """All real solutions, up to eight, each verified against the pose; the branch of the paper's
+    answer first.
+    """
+    found = [
+        returned(A, R, x, s, side) for s in (1, -1) for x in slides(A, R, s) for side in (1, -1)
+    ]
+    return sorted(
+        (q for q in found if misses(q, A, R) < 1e-7), key=lambda q: (-round(q[5], 6), abs(q[0]))
+    )
 
 
 def misses(joints: np.ndarray, A: np.ndarray, R: np.ndarray) -> float:
-    """How far joint values are from a pose: the larger of position (mm) and rotation times the robot's length."""
+    """How far joint values are from a pose: the larger of position (mm) and rotation times the
+    robot's length.
+    """
     at, turned = pose_of(joints)
     return max(float(np.linalg.norm(at - A)), SIZE * float(np.abs(turned - R).max()))
 
 
-# --- closures for CasADi's solvers -------------------------------------------------------------------------------
+# --- closures for CasADi's solvers ----------------------------------------------------------------
 
 
 def plane_closure() -> Closure:
@@ -208,7 +257,12 @@ def plane_closure() -> Closure:
     L6, theta5 = ca.SX.sym("L6"), ca.SX.sym("theta5")
     e = ca.vertcat(*(ca.SX.sym(f"e{c}") for c in "xyz"))
     across = (e[0] - L6) * ca.sin(theta5) + e[1] * ca.cos(theta5)
-    distance = ca.sqrt((e[0] - L6 + A2 * ca.cos(theta5)) ** 2 + (e[1] - A2 * ca.sin(theta5)) ** 2 + e[2] ** 2) - A1
+    distance = (
+        ca.sqrt(
+            (e[0] - L6 + A2 * ca.cos(theta5)) ** 2 + (e[1] - A2 * ca.sin(theta5)) ** 2 + e[2] ** 2
+        )
+        - A1
+    )
     return Closure(ca.vertcat(L6, theta5), e, ca.vertcat(across, distance), (False, True), SIZE)
 
 
@@ -237,8 +291,9 @@ def point_closure() -> Closure:
 
 
 def square_closure() -> Closure:
-    """(3) as six rows: A less its goal, and t times the Cayley vector of the turn from the goal's B - A, C - A to ours, which
-    vanishes only where the two agree."""
+    """(3) as six rows: A less its goal, and t times the Cayley vector of the turn from the goal's
+    B - A, C - A to ours, which vanishes only where the two agree.
+    """
     q, goal = _joints(), ca.SX.sym("goal", 9)
     A, B, C = (_moved(ZERO[name], q) for name in "ABC")
     frame, wanted = _frame(A, B, C), _frame(*ca.vertsplit(goal, 3))

@@ -1,14 +1,16 @@
-"""Geometry of the wrist-offset telescopic Pieper robot as its paper writes it: axes by two points, equations (1) to (3).
+"""Geometry of the wrist-offset telescopic Pieper robot as its paper writes it: axes by two points,
+equations (1) to (3).
 
-Notation (global frame, initial position): axes 1, 2, 3 through O along z, y, x; F = (-a1, 0, 0) on axis 4 (along y);
-E = (-a1-a2, 0, 0) on axis 5 (along z); D = E + (0, 0, d1); tool tip A = D - (a3, 0, 0); B = A + (0, 0, t), C = A + (0, t, 0);
-joint 6 slides along +x by L6. A point passes joint 6 first and joint 1 last, so that
+Notation (global frame, initial position): axes 1, 2, 3 through O along z, y, x; F = (-a1, 0, 0) on
+axis 4 (along y); E = (-a1-a2, 0, 0) on axis 5 (along z); D = E + (0, 0, d1); tool tip A = D - (a3,
+0, 0); B = A + (0, 0, t), C = A + (0, t, 0); joint 6 slides along +x by L6. A point passes joint 6
+first and joint 1 last, so that
 
     A = R123 (F + Ry(theta4) (E - F + Rz(theta5) (A - E + (L6, 0, 0)))),
     R123 = Rz(theta1) Ry(theta2) Rx(theta3).
 
-Units: mm; degrees where printed. Source: Yao Haifeng et al. 2020 (see `study`). The paper prints none of its lengths; they
-follow from the points D0, E0, F0 and the answer of its worked example.
+Units: mm; degrees where printed. Source: Yao Haifeng et al. 2020 (see `study`). The paper prints
+none of its lengths; they follow from the points D0, E0, F0 and the answer of its worked example.
 """
 
 from __future__ import annotations
@@ -35,7 +37,11 @@ FORWARD = (5.0, -10.0, 15.0, -20.0, 25.0, 30.0)
 TIP = np.array([-507.4063, 89.8079, 69.4402])
 ANGLES = (20.0, -15.0, 25.0)
 """theta_x, theta_y, theta_z of the pose of the inverse example."""
-PRINTED_POINTS = {"D": (-367.3381, 155.1228, 110.8512), "E": (-359.3707, 198.4627, 15.5455), "F": (-284.9595, 233.1612, 37.5452)}
+PRINTED_POINTS = {
+    "D": (-367.3381, 155.1228, 110.8512),
+    "E": (-359.3707, 198.4627, 15.5455),
+    "F": (-284.9595, 233.1612, 37.5452),
+}
 PRINTED = (-35.5954, 2.7289, 22.5392, 7.7657, 62.2462, -51.556)
 STROKE = (-500.0, 0.0)
 """Interval of L6 that the paper searches; it prints no other range of any joint."""
@@ -78,7 +84,7 @@ def same(a: Sequence[float], b: Sequence[float]) -> bool:
     return max(*(apart(x, y) for x, y in zip(a[:5], b[:5], strict=True)), abs(a[5] - b[5])) < 1e-6
 
 
-# --- equations (1) to (3) ----------------------------------------------------------------------------------------
+# --- equations (1) to (3) -------------------------------------------------------------------------
 
 
 def along(point: np.ndarray, start, end, length: float) -> np.ndarray:
@@ -134,8 +140,12 @@ def line_distance(one: Line, other: Line) -> float:
 
 
 def forward_steps() -> list[tuple[str, ca.SX]]:
-    """Equation (3) for A as symbols, one joint a step: what was moved, and its x, y, z in terms of the step before."""
-    theta1, theta2, theta3, theta4, theta5, L6 = (ca.SX.sym(n) for n in (*(f"theta{k}" for k in range(1, 6)), "L6"))
+    """Equation (3) for A as symbols, one joint a step: what was moved, and its x, y, z in terms of
+    the step before.
+    """
+    theta1, theta2, theta3, theta4, theta5, L6 = (
+        ca.SX.sym(n) for n in (*(f"theta{k}" for k in range(1, 6)), "L6")
+    )
     a1, a2, a3, d1 = (ca.SX.sym(n) for n in ("a1", "a2", "a3", "d1"))
 
     def before(joint: int) -> list[ca.SX]:
@@ -144,16 +154,28 @@ def forward_steps() -> list[tuple[str, ca.SX]]:
     slid = ca.vertcat(L6 - a1 - a2 - a3, 0, d1)
     x, y, z = before(6)
     fifth = ca.vertcat(
-        ca.cos(theta5) * (x + a1 + a2) - ca.sin(theta5) * y - a1 - a2, ca.sin(theta5) * (x + a1 + a2) + ca.cos(theta5) * y, z
+        ca.cos(theta5) * (x + a1 + a2) - ca.sin(theta5) * y - a1 - a2,
+        ca.sin(theta5) * (x + a1 + a2) + ca.cos(theta5) * y,
+        z,
     )
     x, y, z = before(5)
-    fourth = ca.vertcat(ca.cos(theta4) * (x + a1) + ca.sin(theta4) * z - a1, y, ca.cos(theta4) * z - ca.sin(theta4) * (x + a1))
+    fourth = ca.vertcat(
+        ca.cos(theta4) * (x + a1) + ca.sin(theta4) * z - a1,
+        y,
+        ca.cos(theta4) * z - ca.sin(theta4) * (x + a1),
+    )
     x, y, z = before(4)
-    third = ca.vertcat(x, ca.cos(theta3) * y - ca.sin(theta3) * z, ca.sin(theta3) * y + ca.cos(theta3) * z)
+    third = ca.vertcat(
+        x, ca.cos(theta3) * y - ca.sin(theta3) * z, ca.sin(theta3) * y + ca.cos(theta3) * z
+    )
     x, y, z = before(3)
-    second = ca.vertcat(ca.cos(theta2) * x + ca.sin(theta2) * z, y, ca.cos(theta2) * z - ca.sin(theta2) * x)
+    second = ca.vertcat(
+        ca.cos(theta2) * x + ca.sin(theta2) * z, y, ca.cos(theta2) * z - ca.sin(theta2) * x
+    )
     x, y, z = before(2)
-    first = ca.vertcat(ca.cos(theta1) * x - ca.sin(theta1) * y, ca.sin(theta1) * x + ca.cos(theta1) * y, z)
+    first = ca.vertcat(
+        ca.cos(theta1) * x - ca.sin(theta1) * y, ca.sin(theta1) * x + ca.cos(theta1) * y, z
+    )
     return list(
         zip(
             ("x6, y6, z6", "x5, y5, z5", "x4, y4, z4", "x3, y3, z3", "x2, y2, z2", "A"),
@@ -163,7 +185,7 @@ def forward_steps() -> list[tuple[str, ca.SX]]:
     )
 
 
-# --- rotations and poses -----------------------------------------------------------------------------------------
+# --- rotations and poses --------------------------------------------------------------------------
 
 
 def turn(axis: str, degrees: float) -> np.ndarray:
@@ -173,7 +195,9 @@ def turn(axis: str, degrees: float) -> np.ndarray:
 
 
 def euler_product(order: str) -> np.ndarray:
-    """The worked example's three turns, the first letter leftmost: "zyx" is Rz(25) Ry(-15) Rx(20)."""
+    """The worked example's three turns, the first letter leftmost: "zyx" is Rz(25) Ry(-15)
+    Rx(20).
+    """
     R = np.eye(3)
     for axis in order:
         R = R @ turn(axis, ANGLES["xyz".index(axis)])
@@ -185,13 +209,15 @@ def goal_rotation() -> np.ndarray:
 
 
 def orders_off() -> dict[str, float]:
-    """For each order of the three turns, how far the directions A0 D0, D0 E0, E0 F0 of the printed points are from the
-    rotation's x, -z, x."""
+    """For each order of the three turns, how far the directions A0 D0, D0 E0, E0 F0 of the printed
+    points are from the rotation's x, -z, x.
+    """
     points = [TIP, *(np.array(PRINTED_POINTS[name]) for name in "DEF")]
     steps = [(b - a) / np.linalg.norm(b - a) for a, b in pairwise(points)]
     wanted = np.column_stack([steps[0], -steps[1], steps[2]])
     return {
-        "".join(order): float(np.abs(euler_product("".join(order))[:, [0, 2, 0]] - wanted).max()) for order in permutations("xyz")
+        "".join(order): float(np.abs(euler_product("".join(order))[:, [0, 2, 0]] - wanted).max())
+        for order in permutations("xyz")
     }
 
 
@@ -200,28 +226,45 @@ def symkin_pose(A: np.ndarray, R: np.ndarray) -> symkin.Pose:
 
 
 def tool_points(A: np.ndarray, R: np.ndarray) -> dict[str, np.ndarray]:
-    """A0, D0, E0, F0: points fixed to member 6, where they stand at the goal with L6 = theta5 = 0."""
+    """A0, D0, E0, F0: points fixed to member 6, where they stand at the goal with L6 = theta5 =
+    0.
+    """
     return {name: A + R @ (ZERO[name] - ZERO["A"]) for name in "ADEF"}
 
 
-# --- figure 1: arms with spherical wrists ------------------------------------------------------------------------
+# --- figure 1: arms with spherical wrists ---------------------------------------------------------
 
 
 def spherical_wrists() -> dict[str, symkin.Mechanism]:
-    """PUMA 560 (Corke and Armstrong-Helouvry 1994) and the Stanford arm (Paul 1981) with its slide at 0.4,
-    lengths in m; the paper prints none."""
+    """PUMA 560 (Corke and Armstrong-Helouvry 1994) and the Stanford arm (Paul 1981) with its slide
+    at 0.4, lengths in m; the paper prints none.
+    """
     quarter = math.pi / 2
-    puma = (("R", 0, 0, 0, quarter), ("R", 0, 0, 0.4318, 0), ("R", 0, 0.15005, 0.0203, -quarter), ("R", 0, 0.4318, 0, quarter),
-            ("R", 0, 0, 0, -quarter), ("R", 0, 0, 0, 0))  # fmt: skip
-    stanford = (("R", 0, 0.412, 0, -quarter), ("R", 0, 0.154, 0, quarter), ("P", -quarter, 0.4, 0, 0), ("R", 0, 0, 0, -quarter),
-                ("R", 0, 0, 0, quarter), ("R", 0, 0.263, 0, 0))  # fmt: skip
+    puma = (
+        ("R", 0, 0, 0, quarter),
+        ("R", 0, 0, 0.4318, 0),
+        ("R", 0, 0.15005, 0.0203, -quarter),
+        ("R", 0, 0.4318, 0, quarter),
+        ("R", 0, 0, 0, -quarter),
+        ("R", 0, 0, 0, 0),
+    )
+    stanford = (
+        ("R", 0, 0.412, 0, -quarter),
+        ("R", 0, 0.154, 0, quarter),
+        ("P", -quarter, 0.4, 0, 0),
+        ("R", 0, 0, 0, -quarter),
+        ("R", 0, 0, 0, quarter),
+        ("R", 0, 0.263, 0, 0),
+    )
     tables = {"PUMA560": puma, "Stanford": stanford}
     return {name: arm_of(name, rows) for name, rows in tables.items()}
 
 
 def arm_of(name: str, rows) -> symkin.Mechanism:
     table = [symkin.DHRow(f"q{k}", *row) for k, row in enumerate(rows, start=1)]
-    return symkin.serial_arm_from_dh(name, symkin.DHTable("standard", table), length_unit="m", angle_unit="deg")
+    return symkin.serial_arm_from_dh(
+        name, symkin.DHTable("standard", table), length_unit="m", angle_unit="deg"
+    )
 
 
 def drawn_axes(arm: symkin.Mechanism) -> list[Line]:
@@ -230,13 +273,20 @@ def drawn_axes(arm: symkin.Mechanism) -> list[Line]:
 
 
 def posed_axes(lines: list[Line], joints: Sequence[float], types: Sequence[str]) -> list[Line]:
-    """Axes of an arm, given where its joints are zero, at joint values: each is moved by the joints before it."""
+    """Axes of an arm, given where its joints are zero, at joint values: each is moved by the joints
+    before it.
+    """
     moved = []
     for k, (point, direction) in enumerate(lines):
         ends = [point, point + direction]
         for j in reversed(range(k)):
             (start, along_axis), value = lines[j], joints[j]
-            ends = [p + value * along_axis if types[j] == "P" else about(p, start, start + along_axis, value) for p in ends]
+            ends = [
+                p + value * along_axis
+                if types[j] == "P"
+                else about(p, start, start + along_axis, value)
+                for p in ends
+            ]
         moved.append((ends[0], ends[1] - ends[0]))
     return moved
 

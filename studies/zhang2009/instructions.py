@@ -1,10 +1,12 @@
-"""Instructions of the paper's example in C: its Newton's method in six and in 24 unknowns, CasADi's fast_newton, and symkin's C.
+"""Instructions of the paper's example in C: its Newton's method in six and in 24 unknowns, CasADi's
+fast_newton, and symkin's C.
 
     python studies/zhang2009/instructions.py [--write]
 
-Each solves table 1 from (0, 0, 100; 0, 0, 0) in double precision. F and D are C by CasADi's generator; the Gauss-Jordan inverse
-and the update are written out here as `newton` has them. Counted as codegen/bench counts: under QEMU on a Cortex-M7,
-by valgrind on the host (x86-64), GCC -O2. `--write` keeps the counts in instructions.json, which `claims` reads.
+Each solves table 1 from (0, 0, 100; 0, 0, 0) in double precision. F and D are C by CasADi's
+generator; the Gauss-Jordan inverse and the update are written out here as `newton` has them.
+Counted as codegen/bench counts: under QEMU on a Cortex-M7, by valgrind on the host (x86-64), GCC
+-O2. `--write` keeps the counts in instructions.json, which `claims` reads.
 """
 
 from __future__ import annotations
@@ -56,9 +58,11 @@ static int invert(double work[N][2 * N])
 {
     for (int k = 0; k < N; ++k) {
         int best = k;
-        for (int i = k + 1; i < N; ++i) { if (fabs(work[i][k]) > fabs(work[best][k])) { best = i; } }
+        for (int i = k + 1; i < N; ++i) { if (fabs(work[i][k]) > fabs(work[best][k])) { best = i;
+          } }
         if (!(fabs(work[best][k]) > 0.0)) { return 1; }
-        for (int j = 0; j < 2 * N; ++j) { const double t = work[k][j]; work[k][j] = work[best][j]; work[best][j] = t; }
+        for (int j = 0; j < 2 * N; ++j) { const double t = work[k][j]; work[k][j] = work[best][j];
+          work[best][j] = t; }
         const double pivot = work[k][k];
         for (int j = 0; j < 2 * N; ++j) { work[k][j] /= pivot; }
         for (int i = 0; i < N; ++i) {
@@ -80,10 +84,12 @@ int written(const double *u, double *X)
         for (int i = 0; i < N; ++i) { largest = fmax(largest, fabs(F[i])); }
         if (largest < @closed@) { return 0; }
         for (int i = 0; i < N; ++i) {
-            for (int j = 0; j < N; ++j) { work[i][j] = D[i + j * N]; work[i][N + j] = (i == j) ? 1.0 : 0.0; }
+            for (int j = 0; j < N; ++j) { work[i][j] = D[i + j * N];
+              work[i][N + j] = (i == j) ? 1.0 : 0.0; }
         }
         if (invert(work) != 0) { return 1; }
-        for (int i = 0; i < N; ++i) { for (int j = 0; j < N; ++j) { X[i] -= work[i][N + j] * F[j]; } }
+        for (int i = 0; i < N; ++i) { for (int j = 0; j < N; ++j) { X[i] -= work[i][N + j] * F[j];
+          } }
     }
     return 1;
 }
@@ -103,13 +109,20 @@ def bench_tools() -> tuple[Any, Any]:
 def _tables(start: np.ndarray, known: np.ndarray, expected: np.ndarray) -> list[str]:
     harness, _ = bench_tools()
     exact = harness.Real("double")
-    return [harness.table("double", n, v[None], exact) for n, v in (("begin", start), ("known", known), ("expected", expected))]
+    return [
+        harness.table("double", n, v[None], exact)
+        for n, v in (("begin", start), ("known", known), ("expected", expected))
+    ]
 
 
-def _folder(source: str, include: str, tables: list[str], prepare: str, call: str, measured: str) -> Any:
+def _folder(
+    source: str, include: str, tables: list[str], prepare: str, call: str, measured: str
+) -> Any:
     harness, _ = bench_tools()
     folder = Path(tempfile.mkdtemp())
-    (folder / "bench.c").write_text(harness.filled(f'#include "{include}.h"', tables, prepare, call, 3, 1, 1))
+    (folder / "bench.c").write_text(
+        harness.filled(f'#include "{include}.h"', tables, prepare, call, 3, 1, 1)
+    )
     return harness.Harness(folder, source, (measured,), ("example",))
 
 
@@ -117,17 +130,33 @@ def newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarray) ->
     """The paper's iteration on a closure, written out in C."""
     function, n = PaperNewton(closure).evaluate, int(closure.X.shape[0])
     tables = _tables(start, TABLE_1 / BASE_RADIUS, expected)
-    prepare = f"static double result[{n}]; int status; for (int i = 0; i < {n}; ++i) {{ result[i] = begin[k][i]; }}"
-    bench = _folder("newton", "written", tables, prepare, "status = written(known[k], result);", "written")
+    prepare = (
+        f"static double result[{n}]; int status; for (int i = 0; i < {n}; ++i) {{ result[i] = "
+        f"begin[k][i]; }}"
+    )
+    bench = _folder(
+        "newton", "written", tables, prepare, "status = written(known[k], result);", "written"
+    )
     generator = ca.CodeGenerator("f_d.c", {"with_header": True})
     generator.add(function)
     generator.generate(f"{bench.folder}/")
-    sizes = zip(("arg", "res", "iw", "w"), (function.sz_arg(), function.sz_res(), function.sz_iw(), function.sz_w()), strict=True)
-    values = {"n": n, "most": MOST, "closed": CLOSED_SCALED, **{key: size + 1 for key, size in sizes}}
+    sizes = zip(
+        ("arg", "res", "iw", "w"),
+        (function.sz_arg(), function.sz_res(), function.sz_iw(), function.sz_w()),
+        strict=True,
+    )
+    values = {
+        "n": n,
+        "most": MOST,
+        "closed": CLOSED_SCALED,
+        **{key: size + 1 for key, size in sizes},
+    }
     text = NEWTON
     for key, value in values.items():
         text = text.replace(f"@{key}@", str(value))
-    (bench.folder / "written.h").write_text('#include "f_d.h"\nint written(const double *u, double *X);\n')
+    (bench.folder / "written.h").write_text(
+        '#include "f_d.h"\nint written(const double *u, double *X);\n'
+    )
     (bench.folder / "newton.c").write_text(f'#include "f_d.c"\n{text}')
     return bench
 
@@ -136,14 +165,23 @@ def fast_newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarra
     """CasADi's own C of a fast_newton rootfinder on a closure."""
     problem = {"x": closure.X, "p": closure.u, "g": closure.F}
     solver = ca.rootfinder(
-        "solver", "fast_newton", problem, {"abstol": CLOSED_SCALED, "abstolStep": CLOSED_SCALED, "max_iter": MOST}
+        "solver",
+        "fast_newton",
+        problem,
+        {"abstol": CLOSED_SCALED, "abstolStep": CLOSED_SCALED, "max_iter": MOST},
     )
-    n, sizes = int(closure.X.shape[0]), [solver.sz_arg(), solver.sz_res(), solver.sz_iw(), solver.sz_w()]
+    n, sizes = (
+        int(closure.X.shape[0]),
+        [solver.sz_arg(), solver.sz_res(), solver.sz_iw(), solver.sz_w()],
+    )
     prepare = f"""static double w[{sizes[3] + 1}]; static casadi_int iw[{sizes[2] + 1}];
         static double result[{n}]; int status;
-        const double *arg[{sizes[0] + 1}] = {{ begin[k], known[k] }}; double *res[{sizes[1] + 1}] = {{ result }};"""
+        const double *arg[{sizes[0] + 1}] = {{ begin[k], known[k] }};
+          double *res[{sizes[1] + 1}] = {{ result }};"""
     tables = _tables(start, TABLE_1 / BASE_RADIUS, expected)
-    bench = _folder("solver_c", "solver_c", tables, prepare, "status = solver(arg, res, iw, w, 0);", "solver")
+    bench = _folder(
+        "solver_c", "solver_c", tables, prepare, "status = solver(arg, res, iw, w, 0);", "solver"
+    )
     generator = ca.CodeGenerator("solver_c.c", {"with_header": True})
     generator.add(solver)
     generator.generate(f"{bench.folder}/")
@@ -171,20 +209,28 @@ def contenders() -> dict[str, tuple[Callable[[], Any], float]]:
     six, more = six_unknowns(), quadratic_unknowns()
     return {
         "six": (lambda: newton_harness(six, begin, X[:3]), BASE_RADIUS),
-        "twenty-four": (lambda: newton_harness(more, unknowns_of(begin), unknowns_of(X)[:3]), BASE_RADIUS),
+        "twenty-four": (
+            lambda: newton_harness(more, unknowns_of(begin), unknowns_of(X)[:3]),
+            BASE_RADIUS,
+        ),
         "fast_newton": (lambda: fast_newton_harness(six, begin, X[:3]), BASE_RADIUS),
         "symkin": (lambda: symkin_harness(np.array(mode.position)), 1.0),
     }
 
 
-def counts(names: tuple[str, ...] | None = None, processors: tuple[str, ...] = PROCESSORS) -> dict[str, dict[str, Any]]:
+def counts(
+    names: tuple[str, ...] | None = None, processors: tuple[str, ...] = PROCESSORS
+) -> dict[str, dict[str, Any]]:
     """Instructions and error in mm of each contender on each processor."""
     _, tools = bench_tools()
     found: dict[str, dict[str, Any]] = {}
     for name, (build, millimetres) in contenders().items():
         if names is None or name in names:
             figures = {p: tools.measure(build(), p)["example"] for p in processors}
-            found[name] = {p: {"instructions": int(f.mean), "error": f.error * millimetres} for p, f in figures.items()}
+            found[name] = {
+                p: {"instructions": int(f.mean), "error": f.error * millimetres}
+                for p, f in figures.items()
+            }
     return found
 
 

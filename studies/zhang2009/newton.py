@@ -1,4 +1,5 @@
-"""Newton's method as the paper writes it, X <- X - C F with C = D^-1 by Gauss and Jordan, for any closure; its operations.
+"""Newton's method as the paper writes it, X <- X - C F with C = D^-1 by Gauss and Jordan, for any
+closure; its operations.
 
 The residual max |f_i| of a path is in mm^2. Source: Zhang Zhaoyin 2009, section 3 (see `study`).
 """
@@ -39,7 +40,9 @@ def gauss_jordan(D: np.ndarray) -> np.ndarray:
 
 
 def newton(system: Equations, start: Numbers, *, as_printed: bool = False, most: int = 30) -> Path:
-    """Steps until no |f| is above 1e-9 mm^2. `as_printed`: the update X - C D, row i of C by column i of D for unknown i."""
+    """Steps until no |f| is above 1e-9 mm^2. `as_printed`: the update X - C D, row i of C by column
+    i of D for unknown i.
+    """
     X, path = inside(start), []
     for _ in range(most + 1):
         F, D = (np.asarray(v) for v in system.evaluate(X))
@@ -52,12 +55,16 @@ def newton(system: Equations, start: Numbers, *, as_printed: bool = False, most:
 
 
 class PaperNewton:
-    """The paper's iteration on a closure, as a solver of `guesses`: `path` holds the largest |F| at each step of its last
-    call."""
+    """The paper's iteration on a closure, as a solver of `guesses`: `path` holds the largest |F| at
+    each step of its last call.
+    """
 
     def __init__(self, closure: Closure) -> None:
         self.evaluate = ca.Function(
-            "F_D", [closure.X, closure.u], [closure.F, ca.densify(ca.jacobian(closure.F, closure.X))], {"cse": True}
+            "F_D",
+            [closure.X, closure.u],
+            [closure.F, ca.densify(ca.jacobian(closure.F, closure.X))],
+            {"cse": True},
         )
         self.path: list[float] = []
 
@@ -84,17 +91,23 @@ def rootfinder_pose(system: Equations, method: str) -> np.ndarray:
     return outside(np.asarray(find(x0=inside(START))["x"]).ravel())
 
 
-# --- operations --------------------------------------------------------------------------------------------------
+# --- operations -----------------------------------------------------------------------------------
 
 
 def evaluation_operations(closure: Closure) -> int:
     """Arithmetic operations, sines and cosines of F and D, common subexpressions shared."""
     evaluate = PaperNewton(closure).evaluate
     kinds = Counter(evaluate.instruction_id(k) for k in range(evaluate.n_instructions()))
-    return sum(count for kind, count in kinds.items() if kind not in (ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_ASSIGN))
+    return sum(
+        count
+        for kind, count in kinds.items()
+        if kind not in (ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_ASSIGN)
+    )
 
 
 def inverse_operations(n: int) -> int:
-    """Divisions, multiplications and subtractions of `gauss_jordan` on n rows of 2 n columns, and of C F and X - C F."""
+    """Divisions, multiplications and subtractions of `gauss_jordan` on n rows of 2 n columns, and
+    of C F and X - C F.
+    """
     elimination = n * (2 * n + (n - 1) * 2 * (2 * n))
     return elimination + n * (2 * n - 1) + n

@@ -1,8 +1,10 @@
-"""Geometry of the 3-TRT + SPS platform, its inverse problem, and the direct problem in closed form and as equations (6).
+"""Geometry of the 3-TRT + SPS platform, its inverse problem, and the direct problem in closed form
+and as equations (6).
 
-Notation: a_i, c_i corners of the base (side 240 mm) and platform (120 mm) triangles at -90, 30, 150 degrees; the platform
-stays level, X = (Xp, Yp, Zp, gamma); theta_i direction of limb i seen from above, l_op = |OP|; limb = links 70 + 70 mm.
-Units: mm; degrees where printed, radians inside. Source: Zhao Tieshi et al. 2000 (see `study`).
+Notation: a_i, c_i corners of the base (side 240 mm) and platform (120 mm) triangles at -90, 30, 150
+degrees; the platform stays level, X = (Xp, Yp, Zp, gamma); theta_i direction of limb i seen from
+above, l_op = |OP|; limb = links 70 + 70 mm. Units: mm; degrees where printed, radians inside.
+Source: Zhao Tieshi et al. 2000 (see `study`).
 """
 
 from __future__ import annotations
@@ -17,10 +19,15 @@ from studies.shared.guesses import Closure
 CORNERS = np.array([[math.cos(t), math.sin(t)] for t in np.radians([-90.0, 30.0, 150.0])])
 BASE, PLATFORM, LINK = 240.0 / math.sqrt(3) * CORNERS, 120.0 / math.sqrt(3) * CORNERS, 70.0
 QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])
-TABLE_1 = (((0.0, 0.0, 100.0, 0.0), (90.0, 210.0, 330.0, 100.0)), ((5.0, 5.0, 105.0, 5.0), (81.6, 202.8, 330.6, 105.2)))
+TABLE_1 = (
+    ((0.0, 0.0, 100.0, 0.0), (90.0, 210.0, 330.0, 100.0)),
+    ((5.0, 5.0, 105.0, 5.0), (81.6, 202.8, 330.6, 105.2)),
+)
 INPUT = TABLE_1[1][1]
 PAPER_POSES = tuple(
-    (x, y, s * z, g) for x, y, z, g in ((4.95, 5.01, 104.96, 5.02), (-3.85, 23.60, 102.45, 14.99)) for s in (1, -1)
+    (x, y, s * z, g)
+    for x, y, z, g in ((4.95, 5.01, 104.96, 5.02), (-3.85, 23.60, 102.45, 14.99))
+    for s in (1, -1)
 )
 SIZE = 240.0
 """Side of the base triangle, mm: rows and residuals are judged against it."""
@@ -28,7 +35,7 @@ STARTING_POSE = (0.0, 0.0, 100.0, 0.0)
 """The paper's initial position: first row of table 1."""
 
 
-# --- geometry, inverse problem -----------------------------------------------------------------------------------
+# --- geometry, inverse problem --------------------------------------------------------------------
 
 
 def turned(points: np.ndarray, gamma: float) -> np.ndarray:
@@ -45,7 +52,9 @@ def corners(pose) -> np.ndarray:
 def inverse(pose, base: np.ndarray = BASE, flip: float = 1.0) -> np.ndarray:
     """theta_1, theta_2, theta_3 in [0, 360), l_op; `flip` scales the platform."""
     flat = np.array(pose[:2]) + turned(flip * PLATFORM, math.radians(pose[3])) - base
-    return np.array([*np.degrees(np.arctan2(flat[:, 1], flat[:, 0])) % 360.0, math.hypot(*pose[:3])])
+    return np.array(
+        [*np.degrees(np.arctan2(flat[:, 1], flat[:, 0])) % 360.0, math.hypot(*pose[:3])]
+    )
 
 
 def limb_lengths(pose) -> np.ndarray:
@@ -62,7 +71,7 @@ def line_misses(pose, theta=INPUT[:3]) -> np.ndarray:
     return np.sum(normals(theta) * (corners(pose)[:, :2] - BASE), axis=1)
 
 
-# --- direct problem, three ways ----------------------------------------------------------------------------------
+# --- direct problem, three ways -------------------------------------------------------------------
 
 
 def coefficients(theta, platform: np.ndarray = PLATFORM) -> np.ndarray:
@@ -93,8 +102,9 @@ def closed_form(given) -> list[np.ndarray]:
 
 
 def closure() -> Closure:
-    """X = (Xp, Yp, Zp, gamma), inputs u = (theta, l_op), and the paper's equations (6), each in mm: lines written without
-    tan, and (|P|^2 - l_op^2) / l_op."""
+    """X = (Xp, Yp, Zp, gamma), inputs u = (theta, l_op), and the paper's equations (6), each in mm:
+    lines written without tan, and (|P|^2 - l_op^2) / l_op.
+    """
     X = ca.vertcat(*(ca.SX.sym(name) for name in ("Xp", "Yp", "Zp", "gamma")))
     u = ca.vertcat(*(ca.SX.sym(name) for name in ("theta1", "theta2", "theta3", "l_op")))
     s, c = ca.sin(X[3]), ca.cos(X[3])

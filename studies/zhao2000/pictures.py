@@ -1,4 +1,6 @@
-"""Pictures of the 3-TRT + SPS platform: its modes, and the guesses that lead to them. Source: see `study`."""
+"""Pictures of the 3-TRT + SPS platform: its modes, and the guesses that lead to them. Source: see
+`study`.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ def triangle(axes, points: np.ndarray, colour: str) -> None:
 
 
 def draw_space(axes, pose, title: str, outward: bool | None = None) -> None:
-    """Line model: each limb as the straight line a_i C_i over its trace on the ground; real limbs: the two links."""
+    """Line model: each limb as the straight line a_i C_i over its trace on the ground; real limbs:
+    the two links.
+    """
     feet, tops = np.column_stack([BASE, np.zeros(3)]), corners(pose)
     triangle(axes, feet, GREY)
     triangle(axes, tops, BLUE)
@@ -59,37 +63,68 @@ def draw_plan(axes, pose, title: str) -> None:
 
 def draw(poses: list[np.ndarray]):
     figure = new_figure(18, 9.5)
-    figure.suptitle("3-TRT + SPS platform: direct problem of (81.6°, 202.8°, 330.6°; 105.2 mm)", fontsize=15)
+    figure.suptitle(
+        "3-TRT + SPS platform: direct problem of (81.6°, 202.8°, 330.6°; 105.2 mm)", fontsize=15
+    )
     grid = figure.add_gridspec(2, 4)
     for k, pose in enumerate(poses):
         place = figure.add_subplot(grid[k % 2, k // 2], projection="3d")
-        title = f"line model, pose {k + 1}\n({pose[0]:.2f}, {pose[1]:.2f}, {pose[2]:.2f}) mm, {pose[3]:.2f}°"
+        title = (
+            f"line model, pose {k + 1}\n"
+            f"({pose[0]:.2f}, {pose[1]:.2f}, {pose[2]:.2f}) mm, {pose[3]:.2f}°"
+        )
         draw_space(place, pose, title)
     for k, side in enumerate(("outward", "inward")):
         place = figure.add_subplot(grid[k, 2], projection="3d")
-        draw_space(place, poses[0], f"real limbs at pose 1,\nelbows {side}", outward=side == "outward")
-    draw_plan(figure.add_subplot(grid[0, 3]), poses[0], "from above, pose 1:\neach corner on its line")
-    draw_plan(figure.add_subplot(grid[1, 3]), PAPER_POSES[2], "from above, the paper's (-3.85, 23.60):\ncorner 2 off its line")
+        draw_space(
+            place, poses[0], f"real limbs at pose 1,\nelbows {side}", outward=side == "outward"
+        )
+    draw_plan(
+        figure.add_subplot(grid[0, 3]), poses[0], "from above, pose 1:\neach corner on its line"
+    )
+    draw_plan(
+        figure.add_subplot(grid[1, 3]),
+        PAPER_POSES[2],
+        "from above, the paper's (-3.85, 23.60):\ncorner 2 off its line",
+    )
     return figure
 
 
-# --- guesses -----------------------------------------------------------------------------------------------------
+# --- guesses --------------------------------------------------------------------------------------
 
 
 def draw_guesses(closure: Closure, poses: list[np.ndarray], points: int):
-    """Over two planes of guesses, the mode that each solver reaches, and the four modes themselves."""
+    """Over two planes of guesses, the mode that each solver reaches, and the four modes
+    themselves.
+    """
     modes = [np.array([*p[:3], math.radians(p[3])]) for p in poses]
     figure = new_figure(17, 9)
-    figure.suptitle("3-TRT + SPS platform: from which guesses each solver reaches which of the four modes", fontsize=15)
+    figure.suptitle(
+        "3-TRT + SPS platform: from which guesses each solver reaches which of the four modes",
+        fontsize=15,
+    )
     grid = figure.add_gridspec(2, 4)
     turn = (-math.pi, math.pi)
-    planes = (((2, 3), ((-150.0, 150.0), turn), "Zp [mm]", "gamma [deg]", (1.0, 180 / math.pi)),
-              ((0, 3), ((-150.0, 150.0), turn), "Xp [mm]", "gamma [deg]", (1.0, 180 / math.pi)))  # fmt: skip
+    planes = (
+        ((2, 3), ((-150.0, 150.0), turn), "Zp [mm]", "gamma [deg]", (1.0, 180 / math.pi)),
+        ((0, 3), ((-150.0, 150.0), turn), "Xp [mm]", "gamma [deg]", (1.0, 180 / math.pi)),
+    )
     at = np.array([0.0, 0.0, 100.0, 0.0])
     for column, search in enumerate((rootfinder(closure), least_squares(closure))):
         for row, (plane, ranges, x, y, scales) in enumerate(planes):
             axes = figure.add_subplot(grid[row, column])
-            draw_basins(axes, search, inside(INPUT), modes, plane, at, ranges, MODES, points=points, scales=scales)
+            draw_basins(
+                axes,
+                search,
+                inside(INPUT),
+                modes,
+                plane,
+                at,
+                ranges,
+                MODES,
+                points=points,
+                scales=scales,
+            )
             axes.set(xlabel=f"guess: {x}", ylabel=f"guess: {y}", yticks=range(-180, 181, 90))
             others = "Xp = Yp = 0" if row == 0 else "Yp = 0, Zp = 100 mm"
             axes.set_title(f"{search.name}, {others}", fontsize=12)
@@ -98,6 +133,8 @@ def draw_guesses(closure: Closure, poses: list[np.ndarray], points: int):
         draw_space(axes, pose, f"mode {k + 1}")
         axes.title.set_color(MODES[k])
     figure.supxlabel(
-        "each guess has the colour of the mode that it leads to; white: no solution; circles: the modes", fontsize=11
+        "each guess has the colour of the mode that it leads to; white: no solution; circles: the "
+        "modes",
+        fontsize=11,
     )
     return figure

@@ -1,8 +1,10 @@
-"""Real roots of one block of a problem at many instances, by paths, with what is in doubt left to others.
+"""Real roots of one block of a problem at many instances, by paths, with what is in doubt left to
+others.
 
-All steps take all instances together: paths, certificates of the complex roots, real candidates, Newton's method on the block's
-own rows, the check on all rows. An instance is plain where none of them leaves a doubt: every path arrived at a regular root of
-its own, every root is real or not beyond doubt, and every real one is well conditioned and differs from the others.
+All steps take all instances together: paths, certificates of the complex roots, real candidates,
+Newton's method on the block's own rows, the check on all rows. An instance is plain where none of
+them leaves a doubt: every path arrived at a regular root of its own, every root is real or not
+beyond doubt, and every real one is well conditioned and differs from the others.
 """
 
 from __future__ import annotations
@@ -33,7 +35,9 @@ _REAL, _NOT_REAL = 1e-10, 1e-4
 
 @dataclass(frozen=True, eq=False)
 class BlockPaths:
-    """A block with its algebraic system and the start of its paths: its own, or those of its structure (`shared`)."""
+    """A block with its algebraic system and the start of its paths: its own, or those of its
+    structure (`shared`).
+    """
 
     problem: Problem
     block: System
@@ -50,7 +54,9 @@ class BlockPaths:
     @property
     def most_roots(self) -> int:
         """Complex roots of a generic instance."""
-        return complex_count(self.algebraic, self.start.z) << len(replaced_universal_joints(self.problem))
+        return complex_count(self.algebraic, self.start.z) << len(
+            replaced_universal_joints(self.problem)
+        )
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
@@ -79,17 +85,25 @@ class BlockPaths:
         proved = self.prover.ends(z, known, instance) if proves else None
         if proved is not None and not proved.certified.all():  # a certified root is regular
             left = np.flatnonzero(~proved.certified)
-            irregular = ~are_regular(self.algebraic, z[:, left], aligned(self.algebraic, self.start.k, k)[:, instance[left]])
+            irregular = ~are_regular(
+                self.algebraic,
+                z[:, left],
+                aligned(self.algebraic, self.start.k, k)[:, instance[left]],
+            )
             plain[instance[left[irregular]]] = False
         counts, origin, columns, owner = self._real_ones(
             z, instance, plain, None if proved is None else proved.real == "not real"
         )
         counts = counts << len(replaced_universal_joints(self.problem))
-        found, origin = checked_roots(self.block, self._points(columns, owner, origin, k, known), known, plain, counts)
+        found, origin = checked_roots(
+            self.block, self._points(columns, owner, origin, k, known), known, plain, counts
+        )
         return with_proofs(found, self.prover, proved, known, origin) if certify else found
 
     def _clear(self, ends: np.ndarray) -> np.ndarray:
-        """Instances (n,) whose ends (n, width, roots) are real or not, beyond doubt, in the pose and in each limb."""
+        """Instances (n,) whose ends (n, width, roots) are real or not, beyond doubt, in the pose
+        and in each limb.
+        """
         n, width, roots = ends.shape
         z = ends.transpose(1, 0, 2).reshape(width, n * roots)
         clear = np.ones(n * roots, dtype=bool)
@@ -98,13 +112,15 @@ class BlockPaths:
             clear &= (part < _REAL) | (part > _NOT_REAL)
         return np.asarray(clear.reshape(n, roots).all(axis=1))
 
-    # --- candidates --------------------------------------------------------------------------------------------------
+    # --- candidates -------------------------------------------------------------------------------
 
     def _real_ones(
         self, z: np.ndarray, instance: np.ndarray, plain: np.ndarray, not_real: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Counts (n,) of complex solutions; of the real ones, with those that limbs' branches add, the places in z (-1 for
-        these), the columns and the instances. Instances with more combinations than can be listed are no longer plain."""
+        """Counts (n,) of complex solutions; of the real ones, with those that limbs' branches add,
+        the places in z (-1 for these), the columns and the instances. Instances with more
+        combinations than can be listed are no longer plain.
+        """
         counts = np.bincount(instance, minlength=len(plain))
         real = imaginary_part(self.algebraic, z, range(self.algebraic.width)) < _REAL
         if not_real is not None:
@@ -127,10 +143,17 @@ class BlockPaths:
             origins.append(np.full(found.shape[1], -1))
         together = np.concatenate(owner)
         order = np.argsort(together, kind="stable")
-        return counts, np.concatenate(origins)[order], np.concatenate(columns, axis=1)[:, order], together[order]
+        return (
+            counts,
+            np.concatenate(origins)[order],
+            np.concatenate(columns, axis=1)[:, order],
+            together[order],
+        )
 
     def _several_branches(self, z: np.ndarray, instance: np.ndarray) -> np.ndarray | None:
-        """Instances with limbs that have several branches at one pose; None where there are none."""
+        """Instances with limbs that have several branches at one pose; None where there are
+        none.
+        """
         if not self.algebraic.limbs or not instance.size:
             return None
         chosen = np.flatnonzero(np.bincount(instance))
@@ -140,26 +163,43 @@ class BlockPaths:
         found[chosen] = several
         return found if several.any() else None
 
-    def _points(self, z: np.ndarray, owner: np.ndarray, origin: np.ndarray, k: np.ndarray, known: np.ndarray) -> Candidates:
-        """Points of the block for real roots z (width, any) at the instances `owner`; with universal joints that distances have
-        replaced, all their choices."""
+    def _points(
+        self, z: np.ndarray, owner: np.ndarray, origin: np.ndarray, k: np.ndarray, known: np.ndarray
+    ) -> Candidates:
+        """Points of the block for real roots z (width, any) at the instances `owner`; with
+        universal joints that distances have replaced, all their choices.
+        """
         values = many_real_values(self.problem, self.algebraic, z, k[:, owner])
         if self.shared is not None and not self.algebraic.projective:
-            values = {c.name: value for c, value in zip(self.block.unknowns, values.values(), strict=True)}
+            values = {
+                c.name: value for c, value in zip(self.block.unknowns, values.values(), strict=True)
+            }
         names = [c.name for c in self.block.unknowns]
         if not replaced_universal_joints(self.problem):
-            return Candidates(np.concatenate([values[name] for name in names], axis=1), owner, origin)
+            return Candidates(
+                np.concatenate([values[name] for name in names], axis=1), owner, origin
+            )
         points, repeats = [np.zeros((0, self.block.width))], []
         for i, instance in enumerate(owner):
-            choices = with_universal_angles(self.problem, known[instance], {name: value[i] for name, value in values.items()})
+            choices = with_universal_angles(
+                self.problem, known[instance], {name: value[i] for name, value in values.items()}
+            )
             points += [np.concatenate([choice[name] for name in names])[None] for choice in choices]
             repeats.append(len(choices))
-        return Candidates(np.concatenate(points), np.repeat(owner, repeats), np.full(sum(repeats), -1))
+        return Candidates(
+            np.concatenate(points), np.repeat(owner, repeats), np.full(sum(repeats), -1)
+        )
 
 
 def orbit_notes(system: AlgebraicSystem, start: Fibre) -> tuple[str, ...]:
     """What is said of generic roots that no loop of the known values connects."""
-    sizes = [complex_count(system, start.z[:, start.orbits == orbit]) for orbit in np.flatnonzero(np.bincount(start.orbits))]
+    sizes = [
+        complex_count(system, start.z[:, start.orbits == orbit])
+        for orbit in np.flatnonzero(np.bincount(start.orbits))
+    ]
     if len(sizes) < 2:
         return ()
-    return (f"the generic modes fall into {len(sizes)} operation modes of {', '.join(str(s) for s in sizes)} complex solutions",)
+    return (
+        f"the generic modes fall into {len(sizes)} operation modes of "
+        f"{', '.join(str(s) for s in sizes)} complex solutions",
+    )

@@ -1,8 +1,9 @@
 """All modes of a problem by its structure groups, for one set of given values or for many.
 
-Each group is solved for every choice of those before it that it depends on, for all inputs together. The modes of an input are the
-tree of the groups' choices. A group is solved once for each set of values that it reads, so that the cost grows with the sum of the
-groups and not with their product; groups that do not read each other's values are independent.
+Each group is solved for every choice of those before it that it depends on, for all inputs
+together. The modes of an input are the tree of the groups' choices. A group is solved once for each
+set of values that it reads, so that the cost grows with the sum of the groups and not with their
+product; groups that do not read each other's values are independent.
 """
 
 from __future__ import annotations
@@ -14,7 +15,13 @@ from math import prod
 import numpy as np
 
 from symkin.assembly.group_proofs import with_certificates
-from symkin.assembly.group_roots import STATEMENTS, GroupRoots, engines_together, group_roots, one_by_one
+from symkin.assembly.group_roots import (
+    STATEMENTS,
+    GroupRoots,
+    engines_together,
+    group_roots,
+    one_by_one,
+)
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.modes_result import Completeness, Group, Modes, sampling
 from symkin.assembly.proofs import ground_notes
@@ -34,8 +41,10 @@ FEW = -1
 
 @dataclass(frozen=True, eq=False)
 class GroupedModes:
-    """Modes of n inputs: `listed` (m,) of the inputs `owner` (m,), rising, and of each input how many there are (`total`), the place
-    of what is said of them in `STATEMENTS`, and what the groups tell (`account`)."""
+    """Modes of n inputs: `listed` (m,) of the inputs `owner` (m,), rising, and of each input how
+    many there are (`total`), the place of what is said of them in `STATEMENTS`, and what the groups
+    tell (`account`).
+    """
 
     problem: Problem
     search: Search
@@ -46,14 +55,20 @@ class GroupedModes:
     account: _Account
 
     def modes_of(self, number: int, given: Given) -> Modes:
-        """The modes of one input. Raises TooManyModesError where its groups' choices are more than can be held."""
+        """The modes of one input. Raises TooManyModesError where its groups' choices are more than
+        can be held.
+        """
         account, groups = self.account, structure_groups(self.problem)
         if account.too_many[number] != FEW:
             raise TooManyModesError(_too_many(self.problem, groups, int(account.too_many[number])))
         mine = np.flatnonzero(self.owner == number)
         found = replace(self.listed.chosen(mine), notes=given.notes)
         reached = np.flatnonzero(account.seen[number]).tolist()
-        grounds = [] if found.ground is None else [ground for ground in found.ground if ground is not None]
+        grounds = (
+            []
+            if found.ground is None
+            else [ground for ground in found.ground if ground is not None]
+        )
         smallest = float(account.smallest[number])
         continuum = bool(account.continuum[number].any())
         return Modes(
@@ -67,10 +82,18 @@ class GroupedModes:
             **sampling(account.samples.get(number, [])),
             complex_count=account.complex_count_of(number),
             unresolved_paths=account.unresolved_of(number),
-            smallest_residual=None if len(found) or continuum or not np.isfinite(smallest) else smallest,
+            smallest_residual=None
+            if len(found) or continuum or not np.isfinite(smallest)
+            else smallest,
             positive_dimensional=continuum,
             notes=tuple(
-                dict.fromkeys((*given.notes, *account.notes_of(number), *ground_notes(self.problem, grounds, len(found))))
+                dict.fromkeys(
+                    (
+                        *given.notes,
+                        *account.notes_of(number),
+                        *ground_notes(self.problem, grounds, len(found)),
+                    )
+                )
             ),
             engine=account.engine,
             groups=tuple(account.group_of(number, k, groups[k]) for k in reached),
@@ -80,9 +103,12 @@ class GroupedModes:
 
 @dataclass(eq=False)
 class _Account:
-    """What is known of n inputs and each group (n, groups): whether it was reached, the place of what is said of it in `STATEMENTS`,
-    the most complex and real solutions for one choice before it, unresolved paths, whether a set that is not isolated was met. Of
-    each input: what was searched from random starts (`samples`), and (n,) the least closure error of the group that has no solution, and the group at which choices are too many."""
+    """What is known of n inputs and each group (n, groups): whether it was reached, the place of
+    what is said of it in `STATEMENTS`, the most complex and real solutions for one choice before
+    it, unresolved paths, whether a set that is not isolated was met. Of each input: what was
+    searched from random starts (`samples`), and (n,) the least closure error of the group that has
+    no solution, and the group at which choices are too many.
+    """
 
     seen: np.ndarray
     statement: np.ndarray
@@ -101,27 +127,50 @@ class _Account:
         statement, count = (np.zeros((n, groups), dtype=int) for _ in range(2))
         complex_count, unresolved = (np.zeros((n, groups)) for _ in range(2))
         seen, continuum = (np.zeros((n, groups), dtype=bool) for _ in range(2))
-        return _Account(seen, statement, complex_count, count, unresolved, continuum, np.full(n, np.inf), np.full(n, FEW))
+        return _Account(
+            seen,
+            statement,
+            complex_count,
+            count,
+            unresolved,
+            continuum,
+            np.full(n, np.inf),
+            np.full(n, FEW),
+        )
 
     def add(self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray) -> None:
-        """What a group's roots say of inputs: each pair of `owner` (k,) and `which` (k,) is an input and a row that it asks for."""
+        """What a group's roots say of inputs: each pair of `owner` (k,) and `which` (k,) is an
+        input and a row that it asks for.
+        """
         self.seen[owner, number] = True
         counts = roots.counts
-        for array, values in ((self.statement, roots.statement), (self.complex_count, roots.complex_count), (self.count, counts)):
+        for array, values in (
+            (self.statement, roots.statement),
+            (self.complex_count, roots.complex_count),
+            (self.count, counts),
+        ):
             with np.errstate(invalid="ignore"):  # a count that is not known stays so
                 np.maximum.at(array[:, number], owner, values[which])
         self._add_unresolved(number, roots, owner, which)
         np.logical_or.at(self.continuum[:, number], owner, roots.continuum[which])
         self.notes.append((number, None, roots.orbits))
-        self.notes += [(number, np.unique(owner[which == row]), texts) for row, texts in roots.notes.items()]
+        self.notes += [
+            (number, np.unique(owner[which == row]), texts) for row, texts in roots.notes.items()
+        ]
         self.engines += [roots.engine] if roots.engine is not None else []
         for row, sample in roots.samples.items():
             for i in np.unique(owner[which == row]).tolist():
                 self.samples.setdefault(i, []).append(sample)
 
-    def _add_unresolved(self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray) -> None:
+    def _add_unresolved(
+        self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray
+    ) -> None:
         """Unresolved paths of all different rows that an input asks for."""
-        pairs = np.unique(np.stack([owner, which]), axis=1) if roots.unresolved.any() else np.zeros((2, 0), dtype=int)
+        pairs = (
+            np.unique(np.stack([owner, which]), axis=1)
+            if roots.unresolved.any()
+            else np.zeros((2, 0), dtype=int)
+        )
         np.add.at(self.unresolved[:, number], pairs[0], roots.unresolved[pairs[1]])
 
     @property
@@ -135,7 +184,11 @@ class _Account:
 
     def complex_count_of(self, number: int) -> int | None:
         """Complex solutions of an input; None where they are not known."""
-        return product_of_counts(self.complex_count[number].tolist()) if self.seen[number].all() else None
+        return (
+            product_of_counts(self.complex_count[number].tolist())
+            if self.seen[number].all()
+            else None
+        )
 
     def unresolved_of(self, number: int) -> int | None:
         """Unresolved paths of an input; None where some group was searched without paths."""
@@ -143,8 +196,13 @@ class _Account:
 
     def notes_of(self, number: int) -> list[str]:
         """What is said of an input's groups, in their order."""
-        told = [k for k, (_, inputs, _) in enumerate(self.notes) if inputs is None or number in inputs]
-        chosen = sorted((self.notes[k] for k in told if self.seen[number, self.notes[k][0]]), key=lambda note: note[0])
+        told = [
+            k for k, (_, inputs, _) in enumerate(self.notes) if inputs is None or number in inputs
+        ]
+        chosen = sorted(
+            (self.notes[k] for k in told if self.seen[number, self.notes[k][0]]),
+            key=lambda note: note[0],
+        )
         return [text for _, _, texts in chosen for text in texts]
 
     def group_of(self, number: int, place: int, group: Problem) -> Group:
@@ -166,8 +224,10 @@ def modes_by_groups(
     certify: bool = False,
     progress: Progress | None = None,
 ) -> GroupedModes:
-    """The modes for known values (n, numbers); `choose` takes one solution of each of the first groups, by number. With
-    `least_errors` inputs without a solution are searched for the least closure error; with `certify` modes are proved."""
+    """The modes for known values (n, numbers); `choose` takes one solution of each of the first
+    groups, by number. With `least_errors` inputs without a solution are searched for the least
+    closure error; with `certify` modes are proved.
+    """
     n, groups = len(known), structure_groups(problem)
     begin = np.zeros((n, int(problem.closure.variables.shape[0])))
     # of a structure nothing moves, its geometry is what is given
@@ -178,14 +238,18 @@ def modes_by_groups(
         tree = _Tree(begin, np.arange(n), np.full(n, np.inf))
         for number in numbers:
             chosen = choose[number] if number < len(choose) else None
-            tree = _extended(groups[number], number, tree, account, _Ask(search, chosen, least_errors, progress))
+            tree = _extended(
+                groups[number], number, tree, account, _Ask(search, chosen, least_errors, progress)
+            )
         columns = np.concatenate([groups[number].unknown_places for number in numbers])
         parts.append(_Tree(tree.values[:, columns], tree.owner, tree.hits, columns))
     return _checked(problem, known, search, account, _combined(begin, parts), certify=certify)
 
 
 def independent_parts(groups: Sequence[Problem]) -> list[list[int]]:
-    """Numbers of the groups that read each other's values, directly or not: a left leg and a right one are two parts."""
+    """Numbers of the groups that read each other's values, directly or not: a left leg and a right
+    one are two parts.
+    """
     label = list(range(len(groups)))
     for k, group in enumerate(groups):
         read = {c.name for c in group.known_coordinates}
@@ -200,7 +264,8 @@ def _check_choices(problem: Problem, choose: Sequence[int]) -> None:
     groups = structure_groups(problem)
     if len(choose) > len(groups):
         raise InputError(
-            f"choose: {len(choose)} numbers for {len(groups)} blocks of {problem.mechanism.name}; one a block, in order"
+            f"choose: {len(choose)} numbers for {len(groups)} blocks of {problem.mechanism.name}; "
+            f"one a block, in order"
         )
     for number in choose:
         if isinstance(number, bool) or not isinstance(number, int) or number < 0:
@@ -210,19 +275,23 @@ def _check_choices(problem: Problem, choose: Sequence[int]) -> None:
 def _too_many(problem: Problem, groups: Sequence[Problem], number: int) -> str:
     names = ", ".join(c.name for c in groups[number].system.unknowns)
     return (
-        f"{problem.mechanism.name}: the solutions of its blocks combine to more than the {MOST_MODES} modes that are listed, at "
-        f"block {number} ({names}) of {len(groups)}; take one solution of each of the first blocks by choose (--choose 0,1,...), or "
+        f"{problem.mechanism.name}: the solutions of its blocks combine to more than the "
+        f"{MOST_MODES} modes that are listed, at "
+        f"block {number} ({names}) of {len(groups)}; take one solution of each of the first blocks "
+        f"by choose (--choose 0,1,...), or "
         "solve for one near a start"
     )
 
 
-# --- the tree of choices -------------------------------------------------------------------------------------------
+# --- the tree of choices --------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class _Tree:
-    """Partial configurations `values` (m, variables) of the inputs `owner` (m,), rising, and the `hits` (m,) of the rarest choice of
-    each; of a part that is done only its own `columns` of the variables."""
+    """Partial configurations `values` (m, variables) of the inputs `owner` (m,), rising, and the
+    `hits` (m,) of the rarest choice of each; of a part that is done only its own `columns` of the
+    variables.
+    """
 
     values: np.ndarray
     owner: np.ndarray
@@ -232,7 +301,9 @@ class _Tree:
 
 @dataclass(frozen=True)
 class _Ask:
-    """How a group is to be solved: the search, the number of the one solution to take, and whether least errors are needed."""
+    """How a group is to be solved: the search, the number of the one solution to take, and whether
+    least errors are needed.
+    """
 
     search: Search
     choice: int | None
@@ -241,7 +312,9 @@ class _Ask:
 
 
 def _extended(group: Problem, number: int, tree: _Tree, account: _Account, ask: _Ask) -> _Tree:
-    """Each partial configuration with every solution of a group beside it, or with the chosen one."""
+    """Each partial configuration with every solution of a group beside it, or with the chosen
+    one.
+    """
     if not len(tree.owner):
         return tree
     known, which = np.unique(tree.values[:, group.known_places], axis=0, return_inverse=True)
@@ -251,7 +324,9 @@ def _extended(group: Problem, number: int, tree: _Tree, account: _Account, ask: 
     if lost.any() and ask.least_errors:
         untold = np.unique(which[lost[tree.owner] & np.isinf(roots.smallest[which])])
         if untold.size:
-            roots = roots.with_rows(untold, one_by_one(group, known[untold], ask.search, ask.progress))
+            roots = roots.with_rows(
+                untold, one_by_one(group, known[untold], ask.search, ask.progress)
+            )
             lost = _lost(roots, tree.owner, which, len(account.seen))
     roots = roots.in_order()
     account.add(number, roots, tree.owner, which)
@@ -262,7 +337,11 @@ def _extended(group: Problem, number: int, tree: _Tree, account: _Account, ask: 
         first, counts = _chosen(group, ask.choice, first, counts)
     counts = _without_too_many(number, tree.owner, counts, account)
     parent = np.repeat(np.arange(len(which)), counts)
-    place = first[which[parent]] + np.arange(len(parent)) - np.repeat(np.cumsum(counts) - counts, counts)
+    place = (
+        first[which[parent]]
+        + np.arange(len(parent))
+        - np.repeat(np.cumsum(counts) - counts, counts)
+    )
     values = tree.values[parent]
     values[:, group.unknown_places] = roots.points[place]
     return _Tree(values, tree.owner[parent], np.minimum(tree.hits[parent], roots.hits[place]))
@@ -274,17 +353,26 @@ def _lost(roots: GroupRoots, owner: np.ndarray, which: np.ndarray, n: int) -> np
     return np.asarray(asked & (np.bincount(owner, weights=roots.counts[which], minlength=n) == 0))
 
 
-def _chosen(group: Problem, choice: int, first: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where the one solution to take stands of each row, and one for each partial configuration. Raises InputError."""
+def _chosen(
+    group: Problem, choice: int, first: np.ndarray, counts: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where the one solution to take stands of each row, and one for each partial configuration.
+    Raises InputError.
+    """
     least = int(counts.min())
     if choice >= least:
         names = ", ".join(c.name for c in group.system.unknowns)
         allowed = f"0 to {least - 1}" if least else "none"
-        raise InputError(f"choose: {choice} for the block {names}, which has {least} solutions here; allowed: {allowed}")
+        raise InputError(
+            f"choose: {choice} for the block {names}, which has {least} solutions here; allowed: "
+            f"{allowed}"
+        )
     return first + choice, np.ones_like(counts)
 
 
-def _without_too_many(number: int, owner: np.ndarray, counts: np.ndarray, account: _Account) -> np.ndarray:
+def _without_too_many(
+    number: int, owner: np.ndarray, counts: np.ndarray, account: _Account
+) -> np.ndarray:
     """Counts of choices, 0 for inputs that have more than can be listed: these are marked."""
     each = np.bincount(owner, weights=counts, minlength=len(account.too_many))
     account.too_many[each > MOST_MODES] = number
@@ -293,8 +381,9 @@ def _without_too_many(number: int, owner: np.ndarray, counts: np.ndarray, accoun
 
 @dataclass(frozen=True, eq=False)
 class _Combined:
-    """Configurations (m, variables) of the inputs `owner` (m,), rising, with the hits of each; how many each input has, listed or
-    not."""
+    """Configurations (m, variables) of the inputs `owner` (m,), rising, with the hits of each; how
+    many each input has, listed or not.
+    """
 
     values: np.ndarray
     owner: np.ndarray
@@ -303,10 +392,13 @@ class _Combined:
 
 
 def _combined(begin: np.ndarray, parts: list[_Tree]) -> _Combined:
-    """Every combination of the parts' solutions of each input, the last part fastest, or, where these are too many, the first of
-    each with every one of one part; and how many they are."""
+    """Every combination of the parts' solutions of each input, the last part fastest, or, where
+    these are too many, the first of each with every one of one part; and how many they are.
+    """
     n = len(begin)
-    sizes = np.array([np.bincount(part.owner, minlength=n) for part in parts], dtype=int).reshape(len(parts), n)
+    sizes = np.array([np.bincount(part.owner, minlength=n) for part in parts], dtype=int).reshape(
+        len(parts), n
+    )
     few = np.prod(sizes.astype(float), axis=0) <= MOST_MODES
     counts = np.where(few, np.prod(np.where(few, sizes, 1), axis=0), 0)
     owner = np.repeat(np.arange(n), counts)
@@ -330,17 +422,28 @@ def _combined(begin: np.ndarray, parts: list[_Tree]) -> _Combined:
 
 
 def _some_combinations(sizes: list[int]) -> np.ndarray:
-    """The first solution of each part with every one of one part, as places (parts, combinations)."""
+    """The first solution of each part with every one of one part, as places (parts,
+    combinations).
+    """
     first = np.zeros((len(sizes), 1), dtype=int)
-    others = [first + np.eye(len(sizes), dtype=int)[:, [k]] * np.arange(1, size) for k, size in enumerate(sizes)]
+    others = [
+        first + np.eye(len(sizes), dtype=int)[:, [k]] * np.arange(1, size)
+        for k, size in enumerate(sizes)
+    ]
     return np.concatenate([first, *others], axis=1)
 
 
-# --- the result ----------------------------------------------------------------------------------------------------
+# --- the result -----------------------------------------------------------------------------------
 
 
 def _checked(
-    problem: Problem, known: np.ndarray, search: Search, account: _Account, combined: _Combined, *, certify: bool
+    problem: Problem,
+    known: np.ndarray,
+    search: Search,
+    account: _Account,
+    combined: _Combined,
+    *,
+    certify: bool,
 ) -> GroupedModes:
     found = checked_solutions(problem, combined.values)
     order = order_of_modes(problem, found.values, found.position, found.quaternion, combined.owner)
@@ -350,7 +453,12 @@ def _checked(
     left_out = np.zeros(len(known), dtype=bool)
     left_out[owner[~closed]] = True
     hits = combined.hits[order[closed]]
-    listed, owner = replace(found.chosen(order[closed]), hits=np.where(np.isfinite(hits), hits, -1).astype(int)), owner[closed]
+    listed, owner = (
+        replace(
+            found.chosen(order[closed]), hits=np.where(np.isfinite(hits), hits, -1).astype(int)
+        ),
+        owner[closed],
+    )
     if certify:
         listed = with_certificates(structure_groups(problem), listed)
     statement = np.max(account.statement, axis=1, initial=0)
@@ -358,4 +466,6 @@ def _checked(
     counts = np.bincount(owner, minlength=len(known))
     total = np.where(account.whole, np.array(combined.total, dtype=object), 0)
     total = np.where(left_out, counts, total)
-    return GroupedModes(problem, search, listed, owner, tuple(int(count) for count in total), statement, account)
+    return GroupedModes(
+        problem, search, listed, owner, tuple(int(count) for count in total), statement, account
+    )

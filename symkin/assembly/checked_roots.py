@@ -1,4 +1,6 @@
-"""Candidates for real roots of one block at many instances: polished, checked on all rows, told apart, proved."""
+"""Candidates for real roots of one block at many instances: polished, checked on all rows, told
+apart, proved.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +21,11 @@ from symkin.position.roots import features
 
 @dataclass(frozen=True, eq=False)
 class BlockRoots:
-    """Distinct real roots of a block at n instances: `points` (m, width) in their standard writing, `owner` (m,) their instances,
-    rising, `residual` (m,), `extremes` (m, 2): the largest and smallest singular values of their Jacobians; `plain` (n,) the
-    instances to which this applies, `complex_count` (n,), and what is proved, if asked."""
+    """Distinct real roots of a block at n instances: `points` (m, width) in their standard writing,
+    `owner` (m,) their instances, rising, `residual` (m,), `extremes` (m, 2): the largest and
+    smallest singular values of their Jacobians; `plain` (n,) the instances to which this applies,
+    `complex_count` (n,), and what is proved, if asked.
+    """
 
     points: np.ndarray
     owner: np.ndarray
@@ -39,8 +43,9 @@ class BlockRoots:
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Points (m, width) of the block near real roots, their instances `owner` (m,), rising, and the ends `origin` (m,) that they
-    come from, -1 where they combine several."""
+    """Points (m, width) of the block near real roots, their instances `owner` (m,), rising, and the
+    ends `origin` (m,) that they come from, -1 where they combine several.
+    """
 
     points: np.ndarray
     owner: np.ndarray
@@ -50,8 +55,10 @@ class Candidates:
 def checked_roots(
     block: System, candidates: Candidates, known: np.ndarray, plain: np.ndarray, counts: np.ndarray
 ) -> tuple[BlockRoots, np.ndarray]:
-    """Candidates polished on the block's own rows; those that close on all rows, written in the standard way, and their origin.
-    Instances (n,) with roots that are badly conditioned or equal are no longer `plain`; `counts` (n,) are their complex roots."""
+    """Candidates polished on the block's own rows; those that close on all rows, written in the
+    standard way, and their origin. Instances (n,) with roots that are badly conditioned or equal
+    are no longer `plain`; `counts` (n,) are their complex roots.
+    """
     owner = candidates.owner
     here = known[owner]
     polished = block.polish_many(candidates.points, here, POLISHING)
@@ -59,7 +66,11 @@ def checked_roots(
     points = canonical(block.unknowns, places, polished.points)
     residual = block.residuals(points, here)
     closed = np.flatnonzero(are_roots(block, polished, residual))
-    points, owner, extremes = points[closed], owner[closed], extreme_singular_values(polished.jacobians[closed])
+    points, owner, extremes = (
+        points[closed],
+        owner[closed],
+        extreme_singular_values(polished.jacobians[closed]),
+    )
     plain[owner[are_suspect(extremes)]] = False
     plain[_owners_of_equal(block, points, owner)] = False
     return BlockRoots(
@@ -82,8 +93,9 @@ def with_proofs(
     *,
     required: bool = True,
 ) -> BlockRoots:
-    """The roots with what is proved of them; where certificates are `required`, instances with a root that has none are no longer
-    plain."""
+    """The roots with what is proved of them; where certificates are `required`, instances with a
+    root that has none are no longer plain.
+    """
     proofs = prover.roots(ends, found.points, found.owner, known, origin)
     if required:
         found.plain[found.owner[~proofs.certified]] = False
@@ -93,8 +105,8 @@ def with_proofs(
 def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> list[int]:
     """Instances with two roots that are not distinct (see `roots.unite`).
 
-    Roots differ where a combination of their features does by more than the sum of its weights times the tolerance; sorted by
-    one, nearly all instances are told by neighbours alone.
+    Roots differ where a combination of their features does by more than the sum of its weights
+    times the tolerance; sorted by one, nearly all instances are told by neighbours alone.
     """
     if len(points) < 2:
         return []
@@ -106,7 +118,11 @@ def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> li
     near = (sorted_owner[1:] == sorted_owner[:-1]) & ~(
         gap > DISTINCT_ROOTS * block.characteristic_length * float(np.sum(np.abs(weights)))
     )
-    return [i for i in np.flatnonzero(np.bincount(sorted_owner[1:][near])).tolist() if _has_equal(block, f[owner == i])]
+    return [
+        i
+        for i in np.flatnonzero(np.bincount(sorted_owner[1:][near])).tolist()
+        if _has_equal(block, f[owner == i])
+    ]
 
 
 @lru_cache(maxsize=64)

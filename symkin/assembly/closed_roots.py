@@ -1,8 +1,11 @@
-"""Real roots of one block of a problem at many instances, by formulas, with what is in doubt left to paths.
+"""Real roots of one block of a problem at many instances, by formulas, with what is in doubt left
+to paths.
 
-Formulas are used where they account for all solutions: generically every branch, complex ones included, closes on all rows, and they are
-as many as paths find. Where each equation of the formulas is far from a double root and from leaving its unknown undecided, and each
-real branch closes on all rows to rounding, their branches are then all solutions that there are; every other input is left to paths.
+Formulas are used where they account for all solutions: generically every branch, complex ones
+included, closes on all rows, and they are as many as paths find. Where each equation of the
+formulas is far from a double root and from leaving its unknown undecided, and each real branch
+closes on all rows to rounding, their branches are then all solutions that there are; every other
+input is left to paths.
 """
 
 from __future__ import annotations
@@ -27,15 +30,21 @@ from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN
 
 _SOLVES, _FAILS = 1e-7, 1e-4
-"""Closure errors, of the size, of branches that are solutions to rounding, with some digits lost, and of branches that are none."""
+"""Closure errors, of the size, of branches that are solutions to rounding, with some digits lost,
+and of branches that are none.
+"""
 _SPREAD = 0.3
-"""How far generic known values lie from the regular ones at which formulas are compared with paths: in radians, and in sizes."""
+"""How far generic known values lie from the regular ones at which formulas are compared with paths:
+in radians, and in sizes.
+"""
 _INSTANCES = 2
 """Generic known values at which all branches must close."""
 
 
 class Formulas(Protocol):
-    """Formulas of all unknowns of a block; `count` solutions over the complex numbers, `steps` the derivation."""
+    """Formulas of all unknowns of a block; `count` solutions over the complex numbers, `steps` the
+    derivation.
+    """
 
     @property
     def count(self) -> int: ...
@@ -85,8 +94,10 @@ class ClosedBlock:
 
     @cached_property
     def is_determined(self) -> bool:
-        """Whether each real branch is a solution. Arms of fewer than six joints have branches that some of their poses' conditions
-        refuse, and that are none then; formulas that elimination has found have none of these (`accounts_for_all`)."""
+        """Whether each real branch is a solution. Arms of fewer than six joints have branches that
+        some of their poses' conditions refuse, and that are none then; formulas that elimination
+        has found have none of these (`accounts_for_all`).
+        """
         if self._is_square or isinstance(self.formulas, ClosedForm):
             return True
         found = self.formulas.solutions(self.regular[None])
@@ -95,7 +106,9 @@ class ClosedBlock:
 
     @property
     def is_of_arm(self) -> bool:
-        """Whether the formulas are those of an arm, which are derived for its family of axes, complex branches included."""
+        """Whether the formulas are those of an arm, which are derived for its family of axes,
+        complex branches included.
+        """
         return not isinstance(self.formulas, ClosedForm)
 
     @property
@@ -118,18 +131,28 @@ class ClosedBlock:
         candidates = Candidates(chosen, owner, np.full(len(owner), -1))
         # of an arm whose branches must meet further conditions only real ones are held against them
         count: float = self.formulas.count if self.is_determined else NOT_KNOWN
-        found, kept = checked_roots(self.block, candidates, known, plain, np.full(len(known), count))
+        found, kept = checked_roots(
+            self.block, candidates, known, plain, np.full(len(known), count)
+        )
         # a branch that solves all steps and fails the check leaves a doubt
         plain[np.bincount(owner, minlength=len(known)) != found.counts] = False
-        return with_proofs(found, self.prover, None, known, kept, required=self._certifies) if certify else found
+        return (
+            with_proofs(found, self.prover, None, known, kept, required=self._certifies)
+            if certify
+            else found
+        )
 
     @cached_property
     def _certifies(self) -> bool:
-        """Whether roots can be certified: with more rows than unknowns, where those of a regular configuration can."""
+        """Whether roots can be certified: with more rows than unknowns, where those of a regular
+        configuration can.
+        """
         if self._is_square:
             return True
         found = self.roots(self.regular[None], certify=False)
-        proofs = self.prover.roots(None, found.points, found.owner, self.regular[None], np.full(len(found.owner), -1))
+        proofs = self.prover.roots(
+            None, found.points, found.owner, self.regular[None], np.full(len(found.owner), -1)
+        )
         return bool(len(found.owner) and proofs.certified.all())
 
 
@@ -144,13 +167,17 @@ def _all_close(formulas: ClosedForm, known: np.ndarray) -> bool:
 
 @lru_cache(maxsize=256)
 def accounts_for_all(closed: ClosedBlock, paths: BlockPaths | None) -> bool:
-    """Whether each complex solution of a generic instance is one of the formulas' branches: they are as many as paths find, and all
-    of them close. Where no paths tell, since known values must meet conditions, all of them close at the regular configuration."""
+    """Whether each complex solution of a generic instance is one of the formulas' branches: they
+    are as many as paths find, and all of them close. Where no paths tell, since known values must
+    meet conditions, all of them close at the regular configuration.
+    """
     if not isinstance(closed.formulas, ClosedForm):
         return True
     if paths is None:
         return _all_close(closed.formulas, closed.regular[None])
-    return closed.formulas.count == paths.most_roots and _all_close(closed.formulas, closed.generic_known)
+    return closed.formulas.count == paths.most_roots and _all_close(
+        closed.formulas, closed.generic_known
+    )
 
 
 @lru_cache(maxsize=256)

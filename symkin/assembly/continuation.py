@@ -1,11 +1,13 @@
 """Every mode by parameter continuation from the mechanism's own start system.
 
-The roots of one generic complex instance are found once for a mechanism and kept (see `start_store`); each real
-instance is then a straight path in the known values from there, with exactly the mechanism's own number of paths. All
-paths accounted for, the list is complete with probability one: the random numbers avoid a set of measure zero, and the
-generic count rests on a theorem's bound or on the evidence of monodromy, never on a proof.
+The roots of one generic complex instance are found once for a mechanism and kept (see
+`start_store`); each real instance is then a straight path in the known values from there, with
+exactly the mechanism's own number of paths. All paths accounted for, the list is complete with
+probability one: the random numbers avoid a set of measure zero, and the generic count rests on a
+theorem's bound or on the evidence of monodromy, never on a proof.
 
-In a direct problem paths belong to poses and to single branches of limbs; see `branches` for their combinations.
+In a direct problem paths belong to poses and to single branches of limbs; see `branches` for their
+combinations.
 """
 
 from __future__ import annotations
@@ -35,17 +37,24 @@ from symkin.position.problem import Problem
 from symkin.position.roots import PolishedRoots, Proofs, Roots, polished_roots, unite
 
 _ALL_ROWS = 1e-6
-"""Largest row, over the size, of a root of combined rows that is one of all: given values that were projected close them to
-1e-9."""
+"""Largest row, over the size, of a root of combined rows that is one of all: given values that were
+projected close them to 1e-9.
+"""
 _LEAST_ERROR_STARTS = 200
 """Random starts for the least closure error where no root is real."""
 
 
 def by_continuation(
-    problem: Problem, given: Given, starts: int, rng: np.random.Generator, progress: Progress | None = None
+    problem: Problem,
+    given: Given,
+    starts: int,
+    rng: np.random.Generator,
+    progress: Progress | None = None,
 ) -> tuple[list[Roots], tuple[str, ...], bool]:
-    """Roots of each block by paths; blocks without a start system by `starts` random starts, with a note why. Last, whether
-    `starts` and `rng` were of use: in such blocks, and where paths left something in doubt."""
+    """Roots of each block by paths; blocks without a start system by `starts` random starts, with a
+    note why. Last, whether `starts` and `rng` were of use: in such blocks, and where paths left
+    something in doubt.
+    """
     from symkin.certificate.disc_library import begin_loading
 
     blocks, notes, random_starts = [], [], False
@@ -59,7 +68,9 @@ def by_continuation(
             start, why = start_of(problem, match, block, progress)
         if match is None or start is None:
             blocks.append(batched(problem, block, given, starts, rng))
-            notes.append(f"{', '.join(sorted(c.name for c in block.unknowns))}: sampled by multistart, {why}")
+            notes.append(
+                f"{', '.join(sorted(c.name for c in block.unknowns))}: sampled by multistart, {why}"
+            )
             random_starts = True
             continue
         roots, doubtful = _block_roots(problem, match, block, start, given, starts, rng)
@@ -70,47 +81,77 @@ def by_continuation(
 
 
 def _block_roots(
-    problem: Problem, algebraic: AlgebraicSystem, block: System, start: Fibre, given: Given, starts: int, rng: np.random.Generator
+    problem: Problem,
+    algebraic: AlgebraicSystem,
+    block: System,
+    start: Fibre,
+    given: Given,
+    starts: int,
+    rng: np.random.Generator,
 ) -> tuple[Roots, bool]:
-    """Roots that are real: polished on the block's own rows and checked on all of them. Where paths are unresolved, or end
-    on a set that is not isolated, `starts` random starts look for what they missed, and True is returned beside; where no root
-    is real, a fixed number of fixed ones looks for the least error."""
+    """Roots that are real: polished on the block's own rows and checked on all of them. Where paths
+    are unresolved, or end on a set that is not isolated, `starts` random starts look for what they
+    missed, and True is returned beside; where no root is real, a fixed number of fixed ones looks
+    for the least error.
+    """
     k = known_values(problem, given.values)
     ends = instance(algebraic, start, k)
     prover = Prover.of(problem, algebraic, block, ends.z, given)
-    possible = np.concatenate([ends.z[:, ~prover.not_real(ends.z.shape[1])], ends.singular.z], axis=1)
+    possible = np.concatenate(
+        [ends.z[:, ~prover.not_real(ends.z.shape[1])], ends.singular.z], axis=1
+    )
     real = [real_values(problem, algebraic, z, k) for z in real_candidates(algebraic, possible).T]
-    named = [values for root in real for values in with_universal_angles(problem, given.values, root)]
+    named = [
+        values for root in real for values in with_universal_angles(problem, given.values, root)
+    ]
     found = _polished(block, given.values, named)
     points, continuum, smallest = found.points, found.continuum, found.smallest_residual
     doubtful = bool(ends.unresolved) or not ends.singular.isolated.all()
     if doubtful or not len(points):
-        count, generator = (starts, rng) if doubtful else (_LEAST_ERROR_STARTS, np.random.default_rng(0))
+        count, generator = (
+            (starts, rng) if doubtful else (_LEAST_ERROR_STARTS, np.random.default_rng(0))
+        )
         sampled = batched(problem, block, given, count, generator)
         continuum = sampled.continuum if continuum is None else continuum
         points = np.concatenate([points, sampled.points])
         smallest = min(smallest, sampled.smallest_residual)
     first, _ = unite(block, points, given.values, continuum_met=continuum is not None)
     points = points[first]
-    poses = complex_count(algebraic, _of_all_rows(problem, algebraic, block, _isolated(problem, ends, given), k))
+    poses = complex_count(
+        algebraic, _of_all_rows(problem, algebraic, block, _isolated(problem, ends, given), k)
+    )
     roots = Roots(
-        block, points, None, smallest, continuum=continuum, sampled=False, unresolved=len(ends.unresolved),
+        block,
+        points,
+        None,
+        smallest,
+        continuum=continuum,
+        sampled=False,
+        unresolved=len(ends.unresolved),
         # roots that nearly meet may be one for paths and two for the rows
         complex_count=max(poses * 2 ** len(replaced_universal_joints(problem)), len(points)),
-        complex_sets=not ends.singular.isolated.all(), engine=engine_of(algebraic)[1], proofs=_proofs(problem, prover, points),
+        complex_sets=not ends.singular.isolated.all(),
+        engine=engine_of(algebraic)[1],
+        proofs=_proofs(problem, prover, points),
         missing=_missing(ends),
-    )  # fmt: skip
+    )
     return roots, doubtful
 
 
 def _isolated(problem: Problem, ends: Ends, given: Given) -> np.ndarray:
     """Isolated complex roots, of all distances where there are more than six."""
     z = ends.isolated
-    return z if not redundant_distances(problem) else z[:, meet_all_distances(problem, z, given.values)]
+    return (
+        z
+        if not redundant_distances(problem)
+        else z[:, meet_all_distances(problem, z, given.values)]
+    )
 
 
 def _proofs(problem: Problem, prover: Prover, points: np.ndarray) -> Proofs:
-    """What is proved; of more distances than six, that numbers can only meet up to rounding, nothing."""
+    """What is proved; of more distances than six, that numbers can only meet up to rounding,
+    nothing.
+    """
     found, more = prover.proofs(points), redundant_distances(problem)
     if not more:
         return found
@@ -118,21 +159,38 @@ def _proofs(problem: Problem, prover: Prover, points: np.ndarray) -> Proofs:
         np.zeros(len(points), dtype=bool),
         f"of {6 + more} distances six have been solved, the others are met up to rounding",
     )
-    return replace(found, certified=none, radius=np.full(len(points), np.nan), theorem=None, reason=reason)
+    return replace(
+        found, certified=none, radius=np.full(len(points), np.nan), theorem=None, reason=reason
+    )
 
 
 def _missing(ends: Ends) -> str | None:
     """Where generic solutions are that are no isolated ones of their own at these values."""
     several = ends.singular.isolated & (ends.singular.multiplicity > 1)
-    met, sets = int(ends.singular.multiplicity[several].sum()), int(ends.singular.multiplicity[~ends.singular.isolated].sum())
-    parts = [f"{met} meet in {several.sum()} multiple one{'' if several.sum() == 1 else 's'}"] if met else []
+    met, sets = (
+        int(ends.singular.multiplicity[several].sum()),
+        int(ends.singular.multiplicity[~ends.singular.isolated].sum()),
+    )
+    parts = (
+        [f"{met} meet in {several.sum()} multiple one{'' if several.sum() == 1 else 's'}"]
+        if met
+        else []
+    )
     parts += [f"{ends.at_infinity} are at infinity"] if ends.at_infinity else []
     parts += [f"{sets} end on sets that are not isolated"] if sets else []
-    return f"of {ends.paths} generic complex solutions {', '.join(parts)} at these values" if parts else None
+    return (
+        f"of {ends.paths} generic complex solutions {', '.join(parts)} at these values"
+        if parts
+        else None
+    )
 
 
-def _of_all_rows(problem: Problem, algebraic: AlgebraicSystem, block: System, z: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Roots (width, n) that meet all rows of the block, where `algebraic` holds combinations of them."""
+def _of_all_rows(
+    problem: Problem, algebraic: AlgebraicSystem, block: System, z: np.ndarray, k: np.ndarray
+) -> np.ndarray:
+    """Roots (width, n) that meet all rows of the block, where `algebraic` holds combinations of
+    them.
+    """
     whole = system_of(problem, block)
     if whole.count <= algebraic.count or whole.width != algebraic.width:
         return z
@@ -140,7 +198,9 @@ def _of_all_rows(problem: Problem, algebraic: AlgebraicSystem, block: System, z:
     return np.asarray(z[:, np.max(np.abs(f), axis=1, initial=0.0) < _ALL_ROWS])
 
 
-def _polished(block: System, known: np.ndarray, configurations: list[dict[str, np.ndarray]]) -> PolishedRoots:
+def _polished(
+    block: System, known: np.ndarray, configurations: list[dict[str, np.ndarray]]
+) -> PolishedRoots:
     """The roots among configurations, and those of them that are not isolated."""
     starts = [np.concatenate([named[c.name] for c in block.unknowns]) for named in configurations]
     return polished_roots(block, np.array(starts).reshape(len(starts), block.width), known)

@@ -1,7 +1,9 @@
-"""Certificates of modes group by group: the known values of a group are the boxes in which those before it are proved to be.
+"""Certificates of modes group by group: the known values of a group are the boxes in which those
+before it are proved to be.
 
-A group is proved once for each of its own solutions, however many modes these combine to. Where a group's rows are redundant, as many
-independent ones as its unknowns are proved to vanish at one exact point, and the others to be small there (`PartialProof`).
+A group is proved once for each of its own solutions, however many modes these combine to. Where a
+group's rows are redundant, as many independent ones as its unknowns are proved to vanish at one
+exact point, and the others to be small there (`PartialProof`).
 """
 
 from __future__ import annotations
@@ -30,8 +32,9 @@ _BITS = 128
 
 @dataclass(frozen=True, eq=False)
 class _Proved:
-    """Of n solutions of a group: which are certified, how far the exact ones are (length unit; infinite: nothing is proved), and
-    what is proved of those whose rows are redundant."""
+    """Of n solutions of a group: which are certified, how far the exact ones are (length unit;
+    infinite: nothing is proved), and what is proved of those whose rows are redundant.
+    """
 
     certified: np.ndarray
     radius: np.ndarray
@@ -39,7 +42,9 @@ class _Proved:
 
 
 def with_certificates(groups: Sequence[Problem], found: SolutionList) -> SolutionList:
-    """The solutions with what is proved of them; as they are where no proof can be tried: rows of some group are not algebraic."""
+    """The solutions with what is proved of them; as they are where no proof can be tried: rows of
+    some group are not algebraic.
+    """
     if not len(found) or not all(is_linear(group) or unsuitable(group) is None for group in groups):
         return found
     values = found.values
@@ -48,7 +53,9 @@ def with_certificates(groups: Sequence[Problem], found: SolutionList) -> Solutio
     parts: list[np.ndarray] = []
     for group in groups:
         columns = np.concatenate([group.known_places, group.unknown_places])
-        _, first, which = np.unique(values[:, columns], axis=0, return_index=True, return_inverse=True)
+        _, first, which = np.unique(
+            values[:, columns], axis=0, return_index=True, return_inverse=True
+        )
         which = which.ravel()
         far = np.zeros((len(first), len(group.known_places)))
         np.maximum.at(far, which, reach[:, group.known_places])
@@ -61,12 +68,18 @@ def with_certificates(groups: Sequence[Problem], found: SolutionList) -> Solutio
     for i in np.flatnonzero(~certified).tolist():
         ground[i] = PartialProof.joined([part[i] for part in parts])
     return replace(
-        found, certified=certified.astype(int), radius=np.where(certified, radius, np.nan), ground=ground, _made={}
-    )  # fmt: skip
+        found,
+        certified=certified.astype(int),
+        radius=np.where(certified, radius, np.nan),
+        ground=ground,
+        _made={},
+    )
 
 
 def _of_group(group: Problem, values: np.ndarray, far: np.ndarray) -> _Proved:
-    """Of solutions (n, variables) whose known values are within `far` (n, known) of what is given (length unit)."""
+    """Of solutions (n, variables) whose known values are within `far` (n, known) of what is given
+    (length unit).
+    """
     n = len(values)
     found = _Proved(np.zeros(n, dtype=bool), np.full(n, np.inf), np.full(n, None, dtype=object))
     (block,) = group.blocks
@@ -101,7 +114,9 @@ def _widened(knowns: Knowns, radius: np.ndarray) -> Knowns:
         with precision(_BITS):
             return tuple(
                 arb(float(m), float(r)) if r > 0.0 else v
-                for v, m, r in zip(knowns.numbers(j), discs.middle[j].real, discs.radius[j], strict=True)
+                for v, m, r in zip(
+                    knowns.numbers(j), discs.middle[j].real, discs.radius[j], strict=True
+                )
             )
 
     return Knowns(discs, numbers)

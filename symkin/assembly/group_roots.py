@@ -1,7 +1,8 @@
 """Real solutions of one structure group at many values of what it reads.
 
-A group whose rows are linear, or couplings of whole numbers, is solved at once. Others have their paths tracked for all values together (see `block_paths`); values
-that leave something in doubt, and groups without a start, are searched one by one.
+A group whose rows are linear, or couplings of whole numbers, is solved at once. Others have their
+paths tracked for all values together (see `block_paths`); values that leave something in doubt, and
+groups without a start, are searched one by one.
 """
 
 from __future__ import annotations
@@ -35,16 +36,20 @@ from symkin.position.roots import NOT_KNOWN, Roots
 STATEMENTS: tuple[Completeness, ...] = ("proved", "probability one", "incomplete", "sampled")
 """What is said of a list, from the strongest to the weakest; of several parts the weakest holds."""
 _DIGITS = 6
-"""Decimals to which values are rounded for the order of a group's solutions, so that rounding errors do not decide it."""
+"""Decimals to which values are rounded for the order of a group's solutions, so that rounding
+errors do not decide it.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class GroupRoots:
-    """Solutions `points` (m, width) of a group at n rows of known values, the row `owner` (m,) of each, rising, and its `hits` (m,),
-    infinite where it was not searched from random starts. Of each row
-    (n,): the place of what is said of it in `STATEMENTS`, complex solutions and unresolved paths (`NOT_KNOWN`), the least closure
-    error that a search without success has reached (else infinite), whether a set that is not isolated was met; `notes` of single
-    rows, and the `samples` of those searched from random starts; `engine` and `orbits` (notes) of all."""
+    """Solutions `points` (m, width) of a group at n rows of known values, the row `owner` (m,) of
+    each, rising, and its `hits` (m,), infinite where it was not searched from random starts. Of
+    each row (n,): the place of what is said of it in `STATEMENTS`, complex solutions and unresolved
+    paths (`NOT_KNOWN`), the least closure error that a search without success has reached (else
+    infinite), whether a set that is not isolated was met; `notes` of single rows, and the `samples`
+    of those searched from random starts; `engine` and `orbits` (notes) of all.
+    """
 
     points: np.ndarray
     owner: np.ndarray
@@ -79,23 +84,38 @@ class GroupRoots:
         samples = {**self.samples, **{int(rows[i]): roots for i, roots in other.samples.items()}}
         engine = engines_together([self.engine, other.engine])
         return GroupRoots(
-            points[order], owner[order], hits[order], **arrays, notes=notes, engine=engine, orbits=self.orbits, samples=samples
+            points[order],
+            owner[order],
+            hits[order],
+            **arrays,
+            notes=notes,
+            engine=engine,
+            orbits=self.orbits,
+            samples=samples,
         )
 
     def in_order(self) -> GroupRoots:
-        """The same with the solutions of each row in an order that rounding errors do not decide."""
+        """The same with the solutions of each row in an order that rounding errors do not
+        decide.
+        """
         order = np.lexsort((*np.round(self.points.T[::-1], _DIGITS), self.owner))
-        return replace(self, points=self.points[order], owner=self.owner[order], hits=self.hits[order])
+        return replace(
+            self, points=self.points[order], owner=self.owner[order], hits=self.hits[order]
+        )
 
 
-def group_roots(group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None) -> GroupRoots:
+def group_roots(
+    group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None
+) -> GroupRoots:
     """The solutions of a group at known values (n, known)."""
     if is_linear(group):
         return _linear(group, known)
     train = gear_train(group)
     if train is not None:
         return _geared(group, train, known)
-    solver = group_solver(group, formulas=search.formulas) if search.method == "continuation" else None
+    solver = (
+        group_solver(group, formulas=search.formulas) if search.method == "continuation" else None
+    )
     if solver is None:
         return one_by_one(group, known, search, progress)
     found, doubtful = _all_together(solver, known)
@@ -107,8 +127,12 @@ def group_roots(group: Problem, known: np.ndarray, search: Search, progress: Pro
     return found.with_rows(doubtful, one_by_one(group, known[doubtful], search, progress))
 
 
-def _all_together(solver: BlockPaths | ClosedBlock, known: np.ndarray) -> tuple[GroupRoots, np.ndarray]:
-    """The solutions at known values (n, known) by formulas or paths, and which rows are left in doubt."""
+def _all_together(
+    solver: BlockPaths | ClosedBlock, known: np.ndarray
+) -> tuple[GroupRoots, np.ndarray]:
+    """The solutions at known values (n, known) by formulas or paths, and which rows are left in
+    doubt.
+    """
     found = solver.roots(known, certify=False)
     return GroupRoots(
         found.points,
@@ -124,16 +148,26 @@ def _all_together(solver: BlockPaths | ClosedBlock, known: np.ndarray) -> tuple[
     ), np.flatnonzero(~found.plain)
 
 
-def one_by_one(group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None) -> GroupRoots:
-    """The solutions of a group at known values (n, known), each searched alone, with random numbers that do not depend on the
-    others."""
-    searched = [_searched(group, Given("given", numbers, {}), search, progress) for numbers in known]
+def one_by_one(
+    group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None
+) -> GroupRoots:
+    """The solutions of a group at known values (n, known), each searched alone, with random numbers
+    that do not depend on the others.
+    """
+    searched = [
+        _searched(group, Given("given", numbers, {}), search, progress) for numbers in known
+    ]
     roots = [found for found, _ in searched]
     counts = [NOT_KNOWN if r.complex_count is None else r.complex_count for r in roots]
     return GroupRoots(
         points=np.concatenate([np.zeros((0, group.system.width)), *(r.points for r in roots)]),
         owner=np.repeat(np.arange(len(roots)), [len(r.points) for r in roots]),
-        hits=np.concatenate([np.zeros(0), *(np.full(len(r.points), np.inf) if r.hits is None else r.hits for r in roots)]),
+        hits=np.concatenate(
+            [
+                np.zeros(0),
+                *(np.full(len(r.points), np.inf) if r.hits is None else r.hits for r in roots),
+            ]
+        ),
         statement=np.array([STATEMENTS.index(_statement(r)) for r in roots], dtype=int),
         complex_count=np.array(counts, dtype=float),
         unresolved=np.array([NOT_KNOWN if r.sampled else r.unresolved for r in roots], dtype=float),
@@ -147,29 +181,43 @@ def one_by_one(group: Problem, known: np.ndarray, search: Search, progress: Prog
 
 def engines_together(engines: Iterable[str | None]) -> str | None:
     """Names of engines, each once."""
-    return ", ".join(dict.fromkeys(name for e in engines if e is not None for name in e.split(", "))) or None
+    return (
+        ", ".join(dict.fromkeys(name for e in engines if e is not None for name in e.split(", ")))
+        or None
+    )
 
 
-def _searched(group: Problem, given: Given, search: Search, progress: Progress | None) -> tuple[Roots, tuple[str, ...]]:
+def _searched(
+    group: Problem, given: Given, search: Search, progress: Progress | None
+) -> tuple[Roots, tuple[str, ...]]:
     rng = np.random.default_rng(search.seed)
     if search.method != "continuation" and search.solver == "batched":
         return batched(group, group.blocks[0], given, search.starts, rng, progress), ()
     if search.method != "continuation":
         return by_solver(group, given, search.starts, rng, search.solver, progress), ()
     (roots,), notes, _ = by_continuation(group, given, search.starts, rng, progress)
-    missing = () if roots.missing is None else (f"{', '.join(c.name for c in group.system.unknowns)}: {roots.missing}",)
+    missing = (
+        ()
+        if roots.missing is None
+        else (f"{', '.join(c.name for c in group.system.unknowns)}: {roots.missing}",)
+    )
     return roots, (*notes, *missing)
 
 
 def _statement(roots: Roots) -> Completeness:
     if roots.sampled:
         return "sampled"
-    return "incomplete" if roots.unresolved or roots.complex_sets or roots.continuum is not None else "probability one"
+    return (
+        "incomplete"
+        if roots.unresolved or roots.complex_sets or roots.continuum is not None
+        else "probability one"
+    )
 
 
 def group_solver(group: Problem, *, formulas: bool = True) -> BlockPaths | ClosedBlock | None:
-    """The formulas of a group, if they are wanted and account for all its solutions, else what tracks its paths; None where it has
-    neither."""
+    """The formulas of a group, if they are wanted and account for all its solutions, else what
+    tracks its paths; None where it has neither.
+    """
     closed, paths = closed_block(group, 0) if formulas else None, group_paths(group)
     return closed if closed is not None and accounts_for_all(closed, paths) else paths
 
@@ -206,7 +254,7 @@ def solved_at_once(group: Problem) -> bool:
     return is_linear(group) or gear_train(group) is not None
 
 
-# --- groups that are linear, or linear but for whole turns ---------------------------------------------------------
+# --- groups that are linear, or linear but for whole turns ----------------------------------------
 
 
 def _linear(group: Problem, known: np.ndarray) -> GroupRoots:
@@ -220,21 +268,34 @@ def _geared(group: Problem, train: GearTrain, known: np.ndarray) -> GroupRoots:
     places = {c.name: place for c, place in zip(unknowns, slices, strict=True)}
     flat = canonical(unknowns, places, points.reshape(-1, group.system.width))
     found = _closed(group, known, flat.reshape(points.shape))
-    return found if len(train.places) == 1 else replace(found, orbits=(_places_note(group, len(train.places)),))
+    return (
+        found
+        if len(train.places) == 1
+        else replace(found, orbits=(_places_note(group, len(train.places)),))
+    )
 
 
 def _places_note(group: Problem, count: int) -> str:
     """What is said of wheels that have several places beside one place of those that drive them."""
-    own, read = (", ".join(c.name for c in part) for part in (group.system.unknowns, group.known_coordinates))
-    return f"{own}: {count} places for one of {read}, whose whole turns are not told apart (ratio of the coupling)"
+    own, read = (
+        ", ".join(c.name for c in part) for part in (group.system.unknowns, group.known_coordinates)
+    )
+    return (
+        f"{own}: {count} places for one of {read}, whose whole turns are not told apart (ratio of "
+        f"the coupling)"
+    )
 
 
 def _closed(group: Problem, known: np.ndarray, points: np.ndarray) -> GroupRoots:
-    """The solutions that close, of all complex ones (n, count, width) at known values (n, known)."""
+    """The solutions that close, of all complex ones (n, count, width) at known values (n,
+    known).
+    """
     system, (n, count, width) = group.system, points.shape
     flat, given = points.reshape(-1, width), np.repeat(known, count, axis=0)
     residual = system.residuals(flat, given)
-    closed = are_roots(system, Polished(flat, *system.linearise(flat, given)), residual).reshape(n, count)
+    closed = are_roots(system, Polished(flat, *system.linearise(flat, given)), residual).reshape(
+        n, count
+    )
     residual = residual.reshape(n, count)
     return GroupRoots(
         points[closed],

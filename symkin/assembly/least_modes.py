@@ -1,4 +1,6 @@
-"""Modes of mechanisms whose loops of redundant constraints close only to the digits of a file: minima of the closure error."""
+"""Modes of mechanisms whose loops of redundant constraints close only to the digits of a file:
+minima of the closure error.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ _SAME = 1e-4
 
 
 def with_least_modes(problem: Problem, given: Given, search: Search, found: Modes) -> Modes:
-    """The same modes, or where there are none and the description's digits are why, those of least squares."""
+    """The same modes, or where there are none and the description's digits are why, those of least
+    squares.
+    """
     if len(found) or not determination(problem).misfit or given.off_motion > 0.0:
         return found
     listed = _minima(problem, given, search)
@@ -31,9 +35,17 @@ def with_least_modes(problem: Problem, given: Given, search: Search, found: Mode
         return found
     note = misfit_note(problem, float(listed.residual.max()))
     return replace(
-        found, modes=listed, completeness="sampled", complex_count=None, unresolved_paths=None, smallest_residual=None, groups=(),
-        engine=None, starts=_STARTS, notes=(*given.notes, note),
-    )  # fmt: skip
+        found,
+        modes=listed,
+        completeness="sampled",
+        complex_count=None,
+        unresolved_paths=None,
+        smallest_residual=None,
+        groups=(),
+        engine=None,
+        starts=_STARTS,
+        notes=(*given.notes, note),
+    )
 
 
 def _minima(problem: Problem, given: Given, search: Search) -> SolutionList:
@@ -42,12 +54,20 @@ def _minima(problem: Problem, given: Given, search: Search) -> SolutionList:
     ends = levenberg_marquardt(system, starts, given.values, max_iterations=200, patience=30).points
     ends = system.polish_many(system.fold(ends[np.isfinite(ends).all(axis=1)]), given.values).points
     left = system.residuals(ends, given.values)
-    kept = [z for z, residual in zip(ends, left, strict=True) if is_least(problem, given.values, z, float(residual))]
-    values = problem.join_values(np.array(kept).reshape(-1, system.width), np.tile(given.values, (len(kept), 1)))
+    kept = [
+        z
+        for z, residual in zip(ends, left, strict=True)
+        if is_least(problem, given.values, z, float(residual))
+    ]
+    values = problem.join_values(
+        np.array(kept).reshape(-1, system.width), np.tile(given.values, (len(kept), 1))
+    )
     solutions = checked_solutions(problem, values, given.notes)
     solutions = solutions.chosen(_distinct(problem, solutions.values))
     owner = np.zeros(len(solutions), dtype=int)
-    order = order_of_modes(problem, solutions.values, solutions.position, solutions.quaternion, owner)
+    order = order_of_modes(
+        problem, solutions.values, solutions.position, solutions.quaternion, owner
+    )
     return solutions.chosen(order)
 
 
@@ -59,7 +79,9 @@ def _distinct(problem: Problem, values: np.ndarray) -> list[int]:
         if c.kind == "angle":
             features += [np.cos(part), np.sin(part)]
         else:
-            features.append(part / problem.closure.characteristic_length if c.kind == "length" else part)
+            features.append(
+                part / problem.closure.characteristic_length if c.kind == "length" else part
+            )
     rows = np.concatenate(features, axis=1)
     kept: list[int] = []
     for k, row in enumerate(rows):

@@ -1,7 +1,9 @@
-"""Group modes by what was found: poses, and actuated joints that are not given; and name the U joints in which alone others differ.
+"""Group modes by what was found: poses, and actuated joints that are not given; and name the U
+joints in which alone others differ.
 
-A U joint leads to a place of the next joint in two ways, between which the link behind is turned about its line to that joint: by half a
-turn where the line is across both axes. So a rod with a U and an S joint has two modes in every place, and n of them 2^n.
+A U joint leads to a place of the next joint in two ways, between which the link behind is turned
+about its line to that joint: by half a turn where the line is across both axes. So a rod with a U
+and an S joint has two modes in every place, and n of them 2^n.
 """
 
 from __future__ import annotations
@@ -20,20 +22,30 @@ _PROJECTIONS = 3
 
 
 def groups_of(problem: Problem, modes: Sequence[Solution], *, joints: bool) -> np.ndarray:
-    """The group (n,) of each mode, numbered in the order of their first modes: those of one pose, with `joints` also of one set of
-    actuated joints. Each is its own where neither was found."""
+    """The group (n,) of each mode, numbered in the order of their first modes: those of one pose,
+    with `joints` also of one set of actuated joints. Each is its own where neither was found.
+    """
     if not len(modes):
         return np.zeros(0, dtype=int)
     size = problem.closure.characteristic_length
     given = {c.name for c in problem.known_coordinates}
-    found = [c for c in problem.mechanism.actuated if joints and c.name not in given and c.name in modes[0].values]
+    found = [
+        c
+        for c in problem.mechanism.actuated
+        if joints and c.name not in given and c.name in modes[0].values
+    ]
     columns = [np.zeros((len(modes), 0))]
     if problem.mechanism.platform_link is not None:
-        columns += [np.array([mode.position for mode in modes]), size * np.array([mode.rotation.ravel() for mode in modes])]
+        columns += [
+            np.array([mode.position for mode in modes]),
+            size * np.array([mode.rotation.ravel() for mode in modes]),
+        ]
     for c in found:
         values = np.array([[mode.values[c.name]] for mode in modes])
         columns += (
-            [size * np.cos(values), size * np.sin(values)] if c.kind == "angle" else [size * values if c.is_angular else values]
+            [size * np.cos(values), size * np.sin(values)]
+            if c.kind == "angle"
+            else [size * values if c.is_angular else values]
         )
     features = np.concatenate([part.reshape(len(modes), -1) for part in columns], axis=1)
     if not features.shape[1]:
@@ -54,10 +66,17 @@ def _labels(features: np.ndarray) -> np.ndarray:
     return np.asarray(np.argsort(np.argsort(first))[inverse.ravel()])
 
 
-def differing_universal_joints(problem: Problem, modes: Sequence[Solution], groups: np.ndarray) -> tuple[str, ...]:
+def differing_universal_joints(
+    problem: Problem, modes: Sequence[Solution], groups: np.ndarray
+) -> tuple[str, ...]:
     """U joints in which alone the modes of one group differ; none where other joints differ too."""
     first = np.unique(groups, return_index=True)[1][groups]
-    angles = {f"{joint.name}.{k}": joint.name for joint in problem.mechanism.all_joints if joint.type == "U" for k in (1, 2)}
+    angles = {
+        f"{joint.name}.{k}": joint.name
+        for joint in problem.mechanism.all_joints
+        if joint.type == "U"
+        for k in (1, 2)
+    }
     found: dict[str, None] = {}
     for c in problem.system.unknowns:
         if c.role in ("pose", "body") or c.kind == "quaternion":

@@ -1,5 +1,6 @@
-"""The order of modes: nearest to the example's start or the reference pose first, without a platform to the reference's joints; ties
-by joint values, all rounded."""
+"""The order of modes: nearest to the example's start or the reference pose first, without a
+platform to the reference's joints; ties by joint values, all rounded.
+"""
 
 from __future__ import annotations
 
@@ -10,15 +11,25 @@ from symkin.position.problem import Problem
 from symkin.spatial.pose import Pose
 
 _DIGITS = 6
-"""Decimals to which distances (of the size) and values are rounded, so that rounding errors do not decide the order."""
+"""Decimals to which distances (of the size) and values are rounded, so that rounding errors do not
+decide the order.
+"""
 
 
 def order_of_modes(
-    problem: Problem, values: np.ndarray, position: np.ndarray, quaternion: np.ndarray, owner: np.ndarray
+    problem: Problem,
+    values: np.ndarray,
+    position: np.ndarray,
+    quaternion: np.ndarray,
+    owner: np.ndarray,
 ) -> np.ndarray:
-    """Places (m,) that sort modes by their points `owner`, then by nearness, then by values (m, variables)."""
+    """Places (m,) that sort modes by their points `owner`, then by nearness, then by values (m,
+    variables).
+    """
     without = problem.mechanism.platform_link is None
-    away = _joint_distances(problem, values) if without else _distances(problem, position, quaternion)
+    away = (
+        _joint_distances(problem, values) if without else _distances(problem, position, quaternion)
+    )
     order = np.lexsort((away, owner))
     tied = (np.diff(away[order]) == 0.0) & (np.diff(owner[order]) == 0)
     if not tied.any():
@@ -35,7 +46,9 @@ def _distances(problem: Problem, position: np.ndarray, quaternion: np.ndarray) -
 
 
 def _joint_distances(problem: Problem, values: np.ndarray) -> np.ndarray:
-    """Squares of the distances of coordinates from the reference's: chords of angles, lengths over the size."""
+    """Squares of the distances of coordinates from the reference's: chords of angles, lengths over
+    the size.
+    """
     closure, total = problem.closure, np.zeros(len(values))
     for c in closure.coordinates:
         place = closure.slices[c.name]
@@ -55,6 +68,11 @@ def _joint_distances(problem: Problem, values: np.ndarray) -> np.ndarray:
 def _first_pose(problem: Problem) -> Pose:
     """The pose from which distances are taken."""
     example = problem.mechanism.example
-    if problem.kind == "direct" and example is not None and example.start is not None and example.joints is not None:
+    if (
+        problem.kind == "direct"
+        and example is not None
+        and example.start is not None
+        and example.joints is not None
+    ):
         return pose_from(example.start)
     return problem.mechanism.reference_pose

@@ -15,16 +15,27 @@ from symkin.position.problem import Problem
 from symkin.position.readings import points_at, readings
 from symkin.position.solution_list import SolutionList
 
-COMPLETENESS = ("not computed", "proved", "probability one", "incomplete", "sampled", "off the motion", "too many to list")
+COMPLETENESS = (
+    "not computed",
+    "proved",
+    "probability one",
+    "incomplete",
+    "sampled",
+    "off the motion",
+    "too many to list",
+)
 """What the numbers of the array `completeness` mean: their place here."""
 
 
 @dataclass(frozen=True, eq=False)
 class ModeTable:
-    """Of n points: `count` modes (-1: not counted), `completeness` codes, `unresolved` paths (-1: no paths), `continuum`: a set
-    of solutions that are not isolated was met; `complex_count` (-1: not known). Of all m modes, in the order of points: positions
-    (m, 3), quaternions (m, 4), joints (m, numbers) in the mechanism's units, named points (m, points, 3); residual, condition;
-    limits: 1 within, 0 not, -1 none; `certified` 1, 0, or -1 where it was not tried; radius; `values` (m, variables) of the closure."""
+    """Of n points: `count` modes (-1: not counted), `completeness` codes, `unresolved` paths (-1:
+    no paths), `continuum`: a set of solutions that are not isolated was met; `complex_count` (-1:
+    not known). Of all m modes, in the order of points: positions (m, 3), quaternions (m, 4), joints
+    (m, numbers) in the mechanism's units, named points (m, points, 3); residual, condition; limits:
+    1 within, 0 not, -1 none; `certified` 1, 0, or -1 where it was not tried; radius; `values` (m,
+    variables) of the closure.
+    """
 
     count: np.ndarray
     completeness: np.ndarray
@@ -45,7 +56,11 @@ class ModeTable:
     def listed(self, closure: Closure) -> SolutionList:
         """All modes of all points, as solutions of their closure."""
         return SolutionList(
-            closure, **{f.name: getattr(self, f.name) for f in fields(SolutionList) if hasattr(self, f.name)}, notes=()
+            closure,
+            **{
+                f.name: getattr(self, f.name) for f in fields(SolutionList) if hasattr(self, f.name)
+            },
+            notes=(),
         )
 
 
@@ -58,8 +73,9 @@ PER_POINT = ("count", "completeness", "unresolved", "continuum", "complex_count"
 
 
 def listed_joints(problem: Problem) -> tuple[Coordinate, ...]:
-    """The joint coordinates that a table lists: all of the mechanism where the known ones are told by name, else those that the
-    closure has."""
+    """The joint coordinates that a table lists: all of the mechanism where the known ones are told
+    by name, else those that the closure has.
+    """
     if problem.kind == "given":
         return problem.mechanism.coordinates
     return tuple(c for c in problem.closure.coordinates if c.role != "pose")
@@ -71,13 +87,16 @@ def joint_labels(problem: Problem) -> list[tuple[str, str]]:
     labels: list[tuple[str, str]] = []
     for c in listed_joints(problem):
         unit = mechanism.angle_unit if c.is_angular else mechanism.length_unit
-        labels += [(f"{c.name}.{k}", "1") for k in "wxyz"] if c.kind == "quaternion" else [(c.name, unit)]
+        labels += (
+            [(f"{c.name}.{k}", "1") for k in "wxyz"] if c.kind == "quaternion" else [(c.name, unit)]
+        )
     return labels
 
 
 def joints_and_points(problem: Problem, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Joint coordinates (m, numbers) in the mechanism's units and named points (m, points, 3), of full vectors of variables (m,
-    variables)."""
+    """Joint coordinates (m, numbers) in the mechanism's units and named points (m, points, 3), of
+    full vectors of variables (m, variables).
+    """
     closure, mechanism = problem.closure, problem.mechanism
     joints = listed_joints(problem)
     cut = any(c.name not in closure.slices for c in joints)
@@ -88,7 +107,9 @@ def joints_and_points(problem: Problem, values: np.ndarray) -> tuple[np.ndarray,
         part = read[c.name] if c.name in read else values[:, closure.slices[c.name]]
         columns.append(part * mechanism.angle_out(1.0) if c.is_angular else part)
     points = list(points_at(mechanism, poses).values()) if poses is not None else []
-    return np.concatenate(columns, axis=1), np.stack([np.zeros((len(values), 3)), *points], axis=1)[:, 1:]
+    return np.concatenate(columns, axis=1), np.stack([np.zeros((len(values), 3)), *points], axis=1)[
+        :, 1:
+    ]
 
 
 def table_of(problem: Problem, listed: SolutionList, **told: np.ndarray) -> ModeTable:
@@ -161,7 +182,10 @@ def concatenated(tables: Sequence[ModeTable]) -> ModeTable:
     """The points of several tables, one after the other."""
     if len(tables) == 1:
         return tables[0]
-    arrays = {name: np.concatenate([getattr(t, name) for t in tables]) for name in ModeTable.__dataclass_fields__}
+    arrays = {
+        name: np.concatenate([getattr(t, name) for t in tables])
+        for name in ModeTable.__dataclass_fields__
+    }
     return ModeTable(**arrays)
 
 
@@ -170,7 +194,10 @@ def at_places(table: ModeTable, places: np.ndarray) -> ModeTable:
     owner = np.repeat(np.arange(len(table.count)), np.maximum(table.count, 0))
     modes = np.isin(owner, places)
     return ModeTable(
-        **{name: getattr(table, name)[places if name in PER_POINT else modes] for name in ModeTable.__dataclass_fields__}
+        **{
+            name: getattr(table, name)[places if name in PER_POINT else modes]
+            for name in ModeTable.__dataclass_fields__
+        }
     )
 
 

@@ -21,7 +21,15 @@ from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.determination import refuse_unless_determined
 from symkin.position.given import Given, Joints, are_many, motion_note
-from symkin.position.given_by_name import Columns, Values, any_given, has_columns, many_given, named_given, problem_of
+from symkin.position.given_by_name import (
+    Columns,
+    Values,
+    any_given,
+    has_columns,
+    many_given,
+    named_given,
+    problem_of,
+)
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
@@ -44,21 +52,38 @@ class RandomStarts(TypedDict, total=False):
 
 @overload
 def modes(
-    mechanism: Mechanism, *, joints: Joints | None = None, pose: Sequence[float] | Pose | None = None,
-    given: Values | None = None, choose: Sequence[int] = (), method: str | None = None, progress: Progress | None = None,
+    mechanism: Mechanism,
+    *,
+    joints: Joints | None = None,
+    pose: Sequence[float] | Pose | None = None,
+    given: Values | None = None,
+    choose: Sequence[int] = (),
+    method: str | None = None,
+    progress: Progress | None = None,
     **random: Unpack[RandomStarts],
-) -> Modes: ...  # fmt: skip
+) -> Modes: ...
 @overload
 def modes(
-    mechanism: Mechanism, *, joints: Sequence[Joints] | Mapping[str, Sequence[float]] | None = None,
-    pose: Sequence[Sequence[float] | Pose] | None = None, given: Columns | None = None, choose: Sequence[int] = (),
-    method: str | None = None, progress: Progress | None = None, **random: Unpack[RandomStarts],
-) -> tuple[Modes, ...]: ...  # fmt: skip
+    mechanism: Mechanism,
+    *,
+    joints: Sequence[Joints] | Mapping[str, Sequence[float]] | None = None,
+    pose: Sequence[Sequence[float] | Pose] | None = None,
+    given: Columns | None = None,
+    choose: Sequence[int] = (),
+    method: str | None = None,
+    progress: Progress | None = None,
+    **random: Unpack[RandomStarts],
+) -> tuple[Modes, ...]: ...
 @overload
 def modes(
-    mechanism: Mechanism, *, joints: np.ndarray | None = None, pose: np.ndarray | None = None, method: str | None = None,
-    progress: Progress | None = None, **random: Unpack[RandomStarts],
-) -> Any: ...  # fmt: skip
+    mechanism: Mechanism,
+    *,
+    joints: np.ndarray | None = None,
+    pose: np.ndarray | None = None,
+    method: str | None = None,
+    progress: Progress | None = None,
+    **random: Unpack[RandomStarts],
+) -> Any: ...
 @without_float_warnings
 def modes(
     mechanism: Mechanism,
@@ -71,21 +96,27 @@ def modes(
     progress: Progress | None = None,
     **random: Unpack[RandomStarts],
 ) -> Modes | tuple[Modes, ...]:
-    """Every solution of the direct (`joints`) or inverse (`pose`) problem, values in the mechanism's units.
+    """Every solution of the direct (`joints`) or inverse (`pose`) problem, values in the
+    mechanism's units.
 
-    `joints` are those of one input, in file order or by name, or of n inputs as an array (n, joints); `pose` is x, y, z, qw, qx,
-    qy, qz, a `Pose`, or n of them. Of n inputs the result is a tuple of their `Modes`, the same as one by one, found together in
-    a fraction of the time. `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth, tilt and
-    torsion of the platform, or its whole "pose"; as many as the mobility; of n inputs a column for each name, one value where all
-    have the same. Modes for given values are found block by block (see
-    `Modes.groups`); `choose` takes one solution of each of the first blocks, by number, where all are too many to be listed.
+    `joints` are those of one input, in file order or by name, or of n inputs as an array (n,
+    joints); `pose` is x, y, z, qw, qx, qy, qz, a `Pose`, or n of them. Of n inputs the result is a
+    tuple of their `Modes`, the same as one by one, found together in a fraction of the time.
+    `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth,
+    tilt and torsion of the platform, or its whole "pose"; as many as the mobility; of n inputs a
+    column for each name, one value where all have the same. Modes for given values are found block
+    by block (see `Modes.groups`); `choose` takes one solution of each of the first blocks, by
+    number, where all are too many to be listed.
 
-    By default the inverse problem of an arm whose axes allow it is solved by formulas, in each joint's turn, and all that these leave in
-    doubt, and every other problem, by continuation (`Modes.method` says which). `method` "continuation" tracks all complex roots from
-    the mechanism's own generic instance and says how complete the list is; "multistart" keeps what `starts` (default 2000) random starts reach. `solver`, for multistart, is
-    "batched" (default: Levenberg-Marquardt on all rows, all starts at once) or a solver of `solve`, called once a start. With
-    continuation a part that has no start system is sampled, and a note says why. Raises InputError for values that do not
-    fit, and for options that the call would ignore: `solver` with continuation, `starts` and `seed` where nothing is sampled.
+    By default the inverse problem of an arm whose axes allow it is solved by formulas, in each
+    joint's turn, and all that these leave in doubt, and every other problem, by continuation
+    (`Modes.method` says which). `method` "continuation" tracks all complex roots from the
+    mechanism's own generic instance and says how complete the list is; "multistart" keeps what
+    `starts` (default 2000) random starts reach. `solver`, for multistart, is "batched" (default:
+    Levenberg-Marquardt on all rows, all starts at once) or a solver of `solve`, called once a
+    start. With continuation a part that has no start system is sampled, and a note says why. Raises
+    InputError for values that do not fit, and for options that the call would ignore: `solver` with
+    continuation, `starts` and `seed` where nothing is sampled.
 
     >>> import numpy as np, symkin
     >>> platform = symkin.load("zhang2009")
@@ -96,10 +127,20 @@ def modes(
     require_mechanism(mechanism)
     search = Search.of(method, **random)
     if has_columns(given) or (given is None and (are_many(joints) or are_many(pose))):
-        return _found(mechanism, many_given(mechanism, joints, pose, given), search, choose, progress)
-    one = named_given(mechanism, joints, pose, given) if choose else any_given(mechanism, joints, pose, given)
+        return _found(
+            mechanism, many_given(mechanism, joints, pose, given), search, choose, progress
+        )
+    one = (
+        named_given(mechanism, joints, pose, given)
+        if choose
+        else any_given(mechanism, joints, pose, given)
+    )
     found = _found(mechanism, [one], search, choose, progress)[0]
-    note = motion_note(mechanism, [mode.pose for mode in found.modes]) if mechanism.is_graph and mechanism.platform_link else None
+    note = (
+        motion_note(mechanism, [mode.pose for mode in found.modes])
+        if mechanism.is_graph and mechanism.platform_link
+        else None
+    )
     found = found if note is None else replace(found, notes=(*found.notes, note))
     if found.modes or found.positive_dimensional or found.smallest_residual is None:
         return found
@@ -108,7 +149,11 @@ def modes(
 
 
 def _found(
-    mechanism: Mechanism, givens: Sequence[Given], search: Search, choose: Sequence[int], progress: Progress | None
+    mechanism: Mechanism,
+    givens: Sequence[Given],
+    search: Search,
+    choose: Sequence[int],
+    progress: Progress | None,
 ) -> tuple[Modes, ...]:
     """The modes of inputs of one kind."""
     if givens and givens[0].kind == "given":
@@ -117,15 +162,27 @@ def _found(
 
 
 def _of_coordinates(
-    mechanism: Mechanism, givens: Sequence[Given], search: Search, choose: Sequence[int], progress: Progress | None
+    mechanism: Mechanism,
+    givens: Sequence[Given],
+    search: Search,
+    choose: Sequence[int],
+    progress: Progress | None,
 ) -> tuple[Modes, ...]:
-    """The modes for inputs whose coordinates, the same for all, are given by name: structure group by structure group."""
+    """The modes for inputs whose coordinates, the same for all, are given by name: structure group
+    by structure group.
+    """
     begin = time.perf_counter()
     problem = problem_of(mechanism, givens[0])
     refuse_unless_determined(problem)
     found = modes_by_name(problem, givens, search, choose, progress)
-    feasible = [modes for modes, given in zip(found, givens, strict=True) if given.off_motion == 0.0]
-    if search.method == "continuation" and feasible and all(modes.starts is None for modes in feasible):
+    feasible = [
+        modes for modes, given in zip(found, givens, strict=True) if given.off_motion == 0.0
+    ]
+    if (
+        search.method == "continuation"
+        and feasible
+        and all(modes.starts is None for modes in feasible)
+    ):
         search.refuse_starts(problem)
     share = (time.perf_counter() - begin) / len(givens)
     return tuple(replace(modes, elapsed_s=share) for modes in found)
@@ -140,11 +197,21 @@ def modes_at_need(
     starts: int = DEFAULT_STARTS,
     seed: int = DEFAULT_SEED,
 ) -> Modes:
-    """`modes` by continuation, with `starts` and `seed` at hand for the parts that need random starts, if any does."""
-    return _found(mechanism, [any_given(mechanism, joints, pose)], Search("continuation", starts, seed, "batched"), (), None)[0]
+    """`modes` by continuation, with `starts` and `seed` at hand for the parts that need random
+    starts, if any does.
+    """
+    return _found(
+        mechanism,
+        [any_given(mechanism, joints, pose)],
+        Search("continuation", starts, seed, "batched"),
+        (),
+        None,
+    )[0]
 
 
-def _modes(mechanism: Mechanism, givens: Sequence[Given], search: Search, progress: Progress | None) -> tuple[Modes, ...]:
+def _modes(
+    mechanism: Mechanism, givens: Sequence[Given], search: Search, progress: Progress | None
+) -> tuple[Modes, ...]:
     """The modes of each input, which are all of one kind."""
     begin = time.perf_counter()
     if not givens:
@@ -164,7 +231,9 @@ def _modes(mechanism: Mechanism, givens: Sequence[Given], search: Search, progre
     return (replace(found[0], elapsed_s=time.perf_counter() - begin),)
 
 
-def _plain(problem: Problem, givens: Sequence[Given], search: Search, progress: Progress | None) -> dict[int, Modes]:
+def _plain(
+    problem: Problem, givens: Sequence[Given], search: Search, progress: Progress | None
+) -> dict[int, Modes]:
     """The modes of those inputs that leave nothing in doubt and have some."""
     chosen = [i for i, given in enumerate(givens) if given.off_motion == 0.0]
     prepared = plain_modes(problem, progress, formulas=search.formulas) if chosen else None
@@ -177,7 +246,14 @@ def _plain(problem: Problem, givens: Sequence[Given], search: Search, progress: 
     listed = with_grounds(problem, t.listed(problem.closure), known, owner)
     return {
         chosen[place]: _plain_modes(
-            prepared, plain, listed, number, slice(end - count, end), givens[chosen[place]], search, engine
+            prepared,
+            plain,
+            listed,
+            number,
+            slice(end - count, end),
+            givens[chosen[place]],
+            search,
+            engine,
         )
         for number, (place, end, count) in enumerate(
             zip(plain.places.tolist(), ends.tolist(), plain.table.count.tolist(), strict=True)
@@ -196,10 +272,14 @@ def _plain_modes(
     search: Search,
     engine: str | None,
 ) -> Modes:
-    """The modes of one plain input, the `part` of `every` mode of the table, that `engine` has found."""
+    """The modes of one plain input, the `part` of `every` mode of the table, that `engine` has
+    found.
+    """
     t, problem = plain.table, prepared.problem
     listed = replace(every.chosen(part), notes=given.notes)
-    grounds = [] if listed.ground is None else [ground for ground in listed.ground if ground is not None]
+    grounds = (
+        [] if listed.ground is None else [ground for ground in listed.ground if ground is not None]
+    )
     notes = (
         *given.notes,
         *prepared.notes,

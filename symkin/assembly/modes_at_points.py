@@ -1,7 +1,8 @@
 """Modes at many points of one problem as arrays: what a sweep asks for.
 
-Points that leave nothing in doubt are found together, block by block (see `plain_modes`) or, where the known coordinates are told by
-name, structure group by structure group (see `by_groups`); all others one by one, as `symkin.modes` does.
+Points that leave nothing in doubt are found together, block by block (see `plain_modes`) or, where
+the known coordinates are told by name, structure group by structure group (see `by_groups`); all
+others one by one, as `symkin.modes` does.
 """
 
 from __future__ import annotations
@@ -46,8 +47,9 @@ from symkin.position.roots import NOT_KNOWN
 
 @dataclass(frozen=True, eq=False)
 class ModeFinder:
-    """What is prepared once for all points of one problem of a mechanism; `search` holds starts and seed of random starts, for
-    the points that need some."""
+    """What is prepared once for all points of one problem of a mechanism; `search` holds starts and
+    seed of random starts, for the points that need some.
+    """
 
     problem: Problem
     search: Search
@@ -81,8 +83,10 @@ class ModeFinder:
         return self.find_values(values, np.array([given.off_motion for given in givens]))
 
     def find_values(self, known: np.ndarray, off_motion: np.ndarray | None = None) -> ModeTable:
-        """All modes at points known (n, numbers): values of the known coordinates in the length unit and radians, quaternions of
-        unit length; `off_motion` (n,) is how far a pose lies off the platform's motion, where some does (length unit)."""
+        """All modes at points known (n, numbers): values of the known coordinates in the length
+        unit and radians, quaternions of unit length; `off_motion` (n,) is how far a pose lies off
+        the platform's motion, where some does (length unit).
+        """
         off = np.zeros(len(known)) if off_motion is None else off_motion
         feasible = np.flatnonzero(off == 0.0)
         with np.errstate(all="ignore"):
@@ -91,7 +95,9 @@ class ModeFinder:
             if len(places) == len(known):
                 return found.table
             others = np.setdiff1d(np.arange(len(known)), places).tolist()
-            return joined(found.table, places, {i: self._one(known[i], float(off[i])) for i in others})
+            return joined(
+                found.table, places, {i: self._one(known[i], float(off[i])) for i in others}
+            )
 
     def _one(self, known: np.ndarray, off_motion: float) -> ModeTable:
         """One point, alone."""
@@ -115,7 +121,10 @@ class GroupFinder:
 
     @cached_property
     def _solvers(self) -> list[BlockPaths | ClosedBlock]:
-        found = (None if solved_at_once(group) else group_solver(group) for group in structure_groups(self.problem))
+        found = (
+            None if solved_at_once(group) else group_solver(group)
+            for group in structure_groups(self.problem)
+        )
         return [solver for solver in found if solver is not None]
 
     @property
@@ -146,8 +155,9 @@ class GroupFinder:
         return prod(bound for bound in self._bounds if bound is not None)
 
     def find(self, known: np.ndarray, *, certify: bool) -> Plain:
-        """Modes at those of the points known (n, values) that need not be looked at one by one: all, but for points without a
-        solution where the description's digits may be why."""
+        """Modes at those of the points known (n, values) that need not be looked at one by one:
+        all, but for points without a solution where the description's digits may be why.
+        """
         each = max(1, ROOTS_AT_ONCE // max(self.most_modes, 1))
         begins = range(0, max(len(known), 1), each)
         table = concatenated([self._table(known[i : i + each], certify) for i in begins])
@@ -162,8 +172,12 @@ class GroupFinder:
         listed = np.bincount(found.owner, minlength=len(known))
         total, account = np.array(found.total, dtype=object), found.account
         many = (account.too_many != FEW) | np.array(listed < total, dtype=bool)
-        complex_counts = np.where(account.whole & ~many, np.prod(account.complex_count, axis=1), NOT_KNOWN)
-        said = np.array([COMPLETENESS.index(statement) for statement in STATEMENTS])[found.statement]
+        complex_counts = np.where(
+            account.whole & ~many, np.prod(account.complex_count, axis=1), NOT_KNOWN
+        )
+        said = np.array([COMPLETENESS.index(statement) for statement in STATEMENTS])[
+            found.statement
+        ]
         return table_of(
             self.problem,
             found.listed.chosen(~many[found.owner]),
@@ -175,16 +189,20 @@ class GroupFinder:
         )
 
 
-def make_finder(problem: Problem, *, starts: int, seed: int, certify: bool, progress: Progress | None = None) -> ModeFinder:
-    """The finder of one problem; a start that is not kept yet is computed. Raises InputError where the problem has no
-    isolated solutions."""
+def make_finder(
+    problem: Problem, *, starts: int, seed: int, certify: bool, progress: Progress | None = None
+) -> ModeFinder:
+    """The finder of one problem; a start that is not kept yet is computed. Raises InputError where
+    the problem has no isolated solutions.
+    """
     mechanism, search = problem.mechanism, Search("continuation", starts, seed, "batched")
     if problem.kind == "given":
         refuse_unless_determined(problem)
         return ModeFinder(problem, search, certify, GroupFinder(problem, search))
     if mechanism.serial and problem.system.freedom > problem.generic_rank:
         raise InputError(
-            f"{mechanism.name}: its {len(mechanism.actuated)} joints leave solutions of a pose free, so that none is isolated; "
+            f"{mechanism.name}: its {len(mechanism.actuated)} joints leave solutions of a pose "
+            f"free, so that none is isolated; "
             "sweep over its inputs"
         )
     return ModeFinder(problem, search, certify, plain_modes(problem, progress))

@@ -1,4 +1,6 @@
-"""The modes of inputs whose coordinates are told by name, with what is said where there are none."""
+"""The modes of inputs whose coordinates are told by name, with what is said where there are
+none.
+"""
 
 from __future__ import annotations
 
@@ -19,29 +21,54 @@ from symkin.position.problem import Problem
 
 
 def modes_by_name(
-    problem: Problem, givens: Sequence[Given], search: Search, choose: Sequence[int] = (), progress: Progress | None = None
+    problem: Problem,
+    givens: Sequence[Given],
+    search: Search,
+    choose: Sequence[int] = (),
+    progress: Progress | None = None,
 ) -> tuple[Modes, ...]:
-    """The modes of each input of a problem; `choose` takes one solution of each of the first structure groups."""
+    """The modes of each input of a problem; `choose` takes one solution of each of the first
+    structure groups.
+    """
     known = np.array([given.values for given in givens])
-    grouped = modes_by_groups(problem, known, search, choose, least_errors=True, certify=True, progress=progress)
+    grouped = modes_by_groups(
+        problem, known, search, choose, least_errors=True, certify=True, progress=progress
+    )
     found = []
     for number, given in enumerate(givens):
         modes = grouped.modes_of(number, given)
         if given.off_motion > 0.0:
             modes = _off_the_motion(modes, given)
         found.append(with_least_modes(problem, given, search, modes))
-    if any(modes.completeness == "sampled" and given.off_motion == 0.0 for modes, given in zip(found, givens, strict=True)):
+    if any(
+        modes.completeness == "sampled" and given.off_motion == 0.0
+        for modes, given in zip(found, givens, strict=True)
+    ):
         notes = motion_notes(problem)
-        found = [replace(m, notes=(*m.notes, *notes)) if m.completeness == "sampled" else m for m in found]
+        found = [
+            replace(m, notes=(*m.notes, *notes)) if m.completeness == "sampled" else m
+            for m in found
+        ]
     note = open_loops_note(problem.mechanism) if not all(found) else None
     if note is None:
         return tuple(found)
-    return tuple(modes if len(modes) else replace(modes, notes=(*modes.notes, note)) for modes in found)
+    return tuple(
+        modes if len(modes) else replace(modes, notes=(*modes.notes, note)) for modes in found
+    )
 
 
 def _off_the_motion(modes: Modes, given: Given) -> Modes:
-    """No modes, for a pose that the platform cannot take: those of the nearest pose are none of it."""
+    """No modes, for a pose that the platform cannot take: those of the nearest pose are none of
+    it.
+    """
     return replace(
-        modes, modes=(), count=0, completeness="sampled", complex_count=None, unresolved_paths=None,
-        smallest_residual=given.off_motion, groups=(), engine=None,
-    )  # fmt: skip
+        modes,
+        modes=(),
+        count=0,
+        completeness="sampled",
+        complex_count=None,
+        unresolved_paths=None,
+        smallest_residual=given.off_motion,
+        groups=(),
+        engine=None,
+    )

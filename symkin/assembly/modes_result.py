@@ -1,4 +1,6 @@
-"""What `modes` returns: all solutions of a problem, with a statement of how complete the list is."""
+"""What `modes` returns: all solutions of a problem, with a statement of how complete the list
+is.
+"""
 
 from __future__ import annotations
 
@@ -29,8 +31,9 @@ _PRINTED_ROWS = 64
 
 @dataclass(frozen=True)
 class Group:
-    """A structure group of a problem: its unknown coordinates, its complex solutions and the real ones (`count`, the most) for one
-    choice of what it reads, and what is said of its list."""
+    """A structure group of a problem: its unknown coordinates, its complex solutions and the real
+    ones (`count`, the most) for one choice of what it reads, and what is said of its list.
+    """
 
     name: str
     unknowns: tuple[str, ...]
@@ -59,12 +62,15 @@ class Sampling(TypedDict, total=False):
 
 
 def sampling(searches: Sequence[Roots]) -> Sampling:
-    """What searches from random starts tell together; nothing where there are none. The bound of the share of hits at roots that are not
-    hit yet holds for all of the searches at once."""
+    """What searches from random starts tell together; nothing where there are none. The bound of
+    the share of hits at roots that are not hit yet holds for all of the searches at once.
+    """
     if not searches:
         return {}
     return {
-        "starts": max((roots.starts for roots in searches if roots.starts is not None), default=None),
+        "starts": max(
+            (roots.starts for roots in searches if roots.starts is not None), default=None
+        ),
         "estimated_unseen": sum(roots.unseen for roots in searches),
         "next_new": max(roots.next_new for roots in searches),
         "unseen_share": max(roots.unseen_share(_DOUBT / len(searches)) for roots in searches),
@@ -73,13 +79,14 @@ def sampling(searches: Sequence[Roots]) -> Sampling:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Modes(Result):
-    """All solutions found for one set of given values, with a statement of completeness that is never too large.
+    """All solutions found for one set of given values, with a statement of completeness that is
+    never too large.
 
-    `estimated_unseen` is Chao's lower-bound estimate of modes not yet hit, `next_new` the Good-Turing
-    estimate of the probability that one more hit is new, `unseen_share` an upper bound of that
-    probability, true in 95 of 100 cases (all for random starts only); `engine` is what solved the
-    equations: a closed form, or the program that tracked the paths. A list of `Solution`s: it has a
-    length, is iterated and indexed.
+    `estimated_unseen` is Chao's lower-bound estimate of modes not yet hit, `next_new` the
+    Good-Turing estimate of the probability that one more hit is new, `unseen_share` an upper bound
+    of that probability, true in 95 of 100 cases (all for random starts only); `engine` is what
+    solved the equations: a closed form, or the program that tracked the paths. A list of
+    `Solution`s: it has a length, is iterated and indexed.
 
     >>> import symkin
     >>> found = symkin.modes(symkin.load("zhao2000"), joints=[81.6, 202.8, 330.6, 105.2])
@@ -122,17 +129,23 @@ class Modes(Result):
 
     @cached_property
     def _sets(self) -> np.ndarray:
-        """The set (n,) of each mode: one pose, and one value of each actuated joint that is not given."""
+        """The set (n,) of each mode: one pose, and one value of each actuated joint that is not
+        given.
+        """
         return groups_of(self.problem, self.modes, joints=True)
 
     @cached_property
     def first_of_sets(self) -> list[int]:
-        """Places of the first mode at each distinct pose and actuated joints, which were found; of all modes where neither was."""
+        """Places of the first mode at each distinct pose and actuated joints, which were found; of
+        all modes where neither was.
+        """
         return np.unique(self._sets, return_index=True)[1].tolist()  # type: ignore[no-any-return]
 
     @cached_property
     def representatives(self) -> list[Solution]:
-        """The first mode at each distinct pose and set of actuated joints, where they were found; else all of them."""
+        """The first mode at each distinct pose and set of actuated joints, where they were found;
+        else all of them.
+        """
         return [self.modes[place] for place in self.first_of_sets]
 
     @property
@@ -170,18 +183,29 @@ class Modes(Result):
             "notes": list(self.notes),
         }
 
-    # --- text ------------------------------------------------------------------------------------------------------
+    # --- text -------------------------------------------------------------------------------------
 
     def summary(self, most_rows: int | None = None, *, everything: bool = False) -> Summary:
-        """The modes as a table, and what is known of their completeness; with `everything` all joints and named points too."""
+        """The modes as a table, and what is known of their completeness; with `everything` all
+        joints and named points too.
+        """
         mechanism = self.problem.mechanism
         title = mechanism.name + (f" ({mechanism.title})" if mechanism.title else "")
         above = [f"{title}: {self.problem.name} problem, {given_text(self.given)}"]
-        below = [*self._universal_joints(), self._statement(), *(f"note: {note}" for note in self.notes)]
+        below = [
+            *self._universal_joints(),
+            self._statement(),
+            *(f"note: {note}" for note in self.notes),
+        ]
         places = self._shown(most_rows)
         if len(places) < len(self):
             below.insert(0, self._left_out(len(places), most_rows))
-        table = solution_table(self.problem, [self.modes[place] for place in places], everything, [place + 1 for place in places])
+        table = solution_table(
+            self.problem,
+            [self.modes[place] for place in places],
+            everything,
+            [place + 1 for place in places],
+        )
         below = [*([table.left_out] if table.left_out else []), *below]
         return Summary(above, table.header, table.rows, below)
 
@@ -196,19 +220,27 @@ class Modes(Result):
         sets = len(self.first_of_sets)
         if most_rows is None and sets < len(self):
             what = "poses" if sets == self.poses else "sets of pose and actuated joints"
-            return f"one of the modes at each of {shown} {what} of {sets}; all {len(self)} modes with --json"
+            return (
+                f"one of the modes at each of {shown} {what} of {sets}; all {len(self)} modes with "
+                f"--json"
+            )
         return f"the first {shown} of {len(self)} modes"
 
     def _universal_joints(self) -> list[str]:
         """What is said of modes that differ in U joints alone."""
         sets = len(self.first_of_sets)
-        names = differing_universal_joints(self.problem, self.modes, self._sets) if sets < len(self) else ()
+        names = (
+            differing_universal_joints(self.problem, self.modes, self._sets)
+            if sets < len(self)
+            else ()
+        )
         if not names:
             return []
         what = "pose" if sets == self.poses else "pose and set of actuated joints"
         joints = f"U joint {names[0]}" if len(names) == 1 else f"U joints {first_of(names, 6)}"
         return [
-            f"modes of one {what} differ in the {joints} alone: the link behind is turned about its line to the next joint, by half a turn where that is across both axes"
+            f"modes of one {what} differ in the {joints} alone: the link behind is turned about "
+            f"its line to the next joint, by half a turn where that is across both axes"
         ]
 
     def _statement(self) -> str:
@@ -229,7 +261,8 @@ class Modes(Result):
             parts.append(f"{self.starts} starts, seed {self.seed}")
         if self.unseen_share is not None and count:
             parts.append(
-                f"what is not hit yet has at most {100 * self.unseen_share:.2g} % of the hits (95 % confidence), however many modes it is"
+                f"what is not hit yet has at most {100 * self.unseen_share:.2g} % of the hits (95 "
+                f"% confidence), however many modes it is"
             )
         if self.estimated_unseen and count:
             parts.append(f"estimated still unseen: {self.estimated_unseen:.3g} or more (Chao)")
@@ -244,10 +277,15 @@ class Modes(Result):
         if not count:
             return nothing_found(self)
         if self.total > count:
-            return f"{self.total} modes, of which {count} are listed: each block's solutions beside the first ones of the others"
+            return (
+                f"{self.total} modes, of which {count} are listed: each block's solutions beside "
+                f"the first ones of the others"
+            )
         sets = len(self.first_of_sets)
         at = f" at {poses} {_plural('pose', poses)}" if poses != count else ""
-        return f"{count} {_plural('mode', count)}{at}" + (f", {sets} sets of actuated joints" if poses < sets < count else "")
+        return f"{count} {_plural('mode', count)}{at}" + (
+            f", {sets} sets of actuated joints" if poses < sets < count else ""
+        )
 
 
 def _plural(word: str, count: int) -> str:
@@ -255,7 +293,9 @@ def _plural(word: str, count: int) -> str:
 
 
 def nothing_found(modes: Modes) -> str:
-    """What is said of an empty list: that there is none where the list is complete, that none was found where it is a sample."""
+    """What is said of an empty list: that there is none where the list is complete, that none was
+    found where it is a sample.
+    """
     if modes.positive_dimensional:
         return "no isolated solution"
     return "no real solution found" if modes.completeness == "sampled" else "no real solution"

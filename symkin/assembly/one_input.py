@@ -1,4 +1,6 @@
-"""All modes for one input: parts found by continuation or multistart, combined, with what can be said of them."""
+"""All modes for one input: parts found by continuation or multistart, combined, with what can be
+said of them.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ from symkin.position.solution_list import checked_solutions, make_solution
 from symkin.position.starts import start_values
 
 
-def modes_of_input(problem: Problem, given: Given, search: Search, progress: Progress | None = None) -> tuple[Modes, bool | None]:
+def modes_of_input(
+    problem: Problem, given: Given, search: Search, progress: Progress | None = None
+) -> tuple[Modes, bool | None]:
     """The modes, and whether random starts were of use; None where nothing was searched."""
     begin = time.perf_counter()
     found, random_starts = _known_without_search(problem, given, search), None
@@ -36,7 +40,9 @@ def modes_of_input(problem: Problem, given: Given, search: Search, progress: Pro
     return replace(found, elapsed_s=time.perf_counter() - begin), random_starts
 
 
-def _searched(problem: Problem, given: Given, search: Search, progress: Progress | None) -> tuple[Modes, bool]:
+def _searched(
+    problem: Problem, given: Given, search: Search, progress: Progress | None
+) -> tuple[Modes, bool]:
     """The modes by paths or from random starts, and whether these were of use."""
     rng = np.random.default_rng(search.seed)
     notes: tuple[str, ...] = ()
@@ -44,7 +50,9 @@ def _searched(problem: Problem, given: Given, search: Search, progress: Progress
     if search.method == "continuation":
         blocks, notes, random_starts = by_continuation(problem, given, search.starts, rng, progress)
     elif search.solver == "batched":
-        blocks = [batched(problem, block, given, search.starts, rng, progress) for block in problem.blocks]
+        blocks = [
+            batched(problem, block, given, search.starts, rng, progress) for block in problem.blocks
+        ]
     else:
         blocks = [one_by_one(problem, given, search.starts, rng, search.solver, progress)]
     found = _result(problem, given, blocks, search.name, search.seed, notes)
@@ -59,14 +67,16 @@ def free_unknowns(problem: Problem) -> str | None:
     if free <= 0:
         return None
     return (
-        f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of {problem.system.freedom} unknowns free, so that "
+        f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of "
+        f"{problem.system.freedom} unknowns free, so that "
         "its solutions are no isolated modes; use solve with a start for one of them"
     )
 
 
 def _known_without_search(problem: Problem, given: Given, search: Search) -> Modes | None:
-    """What needs no search: unknowns that nothing determines, a pose off the motion, the direct problem of a serial arm, given
-    values that contradict rows without unknowns."""
+    """What needs no search: unknowns that nothing determines, a pose off the motion, the direct
+    problem of a serial arm, given values that contradict rows without unknowns.
+    """
     method, seed = search.method, search.seed
     free = free_unknowns(problem)
     if free is not None and problem.mechanism.serial:
@@ -76,14 +86,21 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         empty = _result(problem, given, [], method, seed, (f"positive-dimensional set: {free}",))
         return replace(empty, positive_dimensional=True)
     if given.off_motion > 0.0:
-        return replace(_result(problem, given, [], method, seed, ()), smallest_residual=given.off_motion)
+        return replace(
+            _result(problem, given, [], method, seed, ()), smallest_residual=given.off_motion
+        )
     if problem.is_explicit:
-        search.refuse_unless_multistart("the direct problem of a serial arm is a function of its joints, and nothing is searched")
+        search.refuse_unless_multistart(
+            "the direct problem of a serial arm is a function of its joints, and nothing is "
+            "searched"
+        )
         values = problem.join_values(start_values(problem, given, None), given.values)
         note = "forward kinematics of a serial arm is a function of its joints: one pose"
         solution = make_solution(problem, values)
         if not solution.residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length:
-            return replace(_result(problem, given, [], method, seed, ()), smallest_residual=solution.residual)
+            return replace(
+                _result(problem, given, [], method, seed, ()), smallest_residual=solution.residual
+            )
         return Modes(
             problem=problem,
             given=given.echo,
@@ -102,9 +119,12 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         return replace(_result(problem, given, [], method, seed, ()), smallest_residual=off)
     if not problem.blocks:
         search.refuse_unless_multistart(
-            f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing is searched"
+            f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing "
+            f"is searched"
         )
-        solution = make_solution(problem, problem.join_values(np.zeros(0), given.values), notes=given.notes)
+        solution = make_solution(
+            problem, problem.join_values(np.zeros(0), given.values), notes=given.notes
+        )
         return Modes(
             problem=problem,
             given=given.echo,
@@ -120,17 +140,38 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
     return None
 
 
-def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, seed: int, notes: tuple[str, ...]) -> Modes:
-    found = _combine(problem, given, blocks) if blocks and all(len(b.points) for b in blocks) else []
+def _result(
+    problem: Problem,
+    given: Given,
+    blocks: list[Roots],
+    method: str,
+    seed: int,
+    notes: tuple[str, ...],
+) -> Modes:
+    found = (
+        _combine(problem, given, blocks) if blocks and all(len(b.points) for b in blocks) else []
+    )
     continuum = [b for b in blocks if b.continuum is not None]
-    texts = [*given.notes, *notes, *(_continuum_note(problem, block) for block in continuum), *_proof_notes(blocks)]
+    texts = [
+        *given.notes,
+        *notes,
+        *(_continuum_note(problem, block) for block in continuum),
+        *_proof_notes(blocks),
+    ]
     if not continuum and any(b.complex_sets for b in blocks):
-        texts.append("paths ended on a set of complex solutions that are not isolated; no real one of it was met")
+        texts.append(
+            "paths ended on a set of complex solutions that are not isolated; no real one of it "
+            "was met"
+        )
     smallest = None
     if not found and not continuum:
         smallest = max((b.smallest_residual for b in blocks if not len(b.points)), default=None)
     texts += ground_notes(problem, [s.ground for s in found if s.ground is not None], len(found))
-    texts += [b.missing if len(blocks) == 1 else f"{_names(b)}: {b.missing}" for b in blocks if b.missing is not None]
+    texts += [
+        b.missing if len(blocks) == 1 else f"{_names(b)}: {b.missing}"
+        for b in blocks
+        if b.missing is not None
+    ]
     sampled = sampling([b for b in blocks if b.hits is not None])
     if sampled:
         sampled["estimated_unseen"] = _unseen(blocks)
@@ -143,10 +184,14 @@ def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, se
         seed=seed,
         elapsed_s=0.0,
         **sampled,
-        complex_count=product_of_counts(NOT_KNOWN if b.complex_count is None else b.complex_count for b in blocks)
+        complex_count=product_of_counts(
+            NOT_KNOWN if b.complex_count is None else b.complex_count for b in blocks
+        )
         if blocks
         else None,
-        unresolved_paths=sum(b.unresolved for b in blocks) if blocks and not all(b.sampled for b in blocks) else None,
+        unresolved_paths=sum(b.unresolved for b in blocks)
+        if blocks and not all(b.sampled for b in blocks)
+        else None,
         smallest_residual=smallest,
         positive_dimensional=bool(continuum),
         notes=tuple(texts),
@@ -160,7 +205,11 @@ def _completeness(blocks: list[Roots]) -> Completeness:
         return "sampled"
     if all(b.proofs is not None and b.proofs.theorem is not None for b in blocks):
         return "proved"
-    return "incomplete" if any(b.unresolved or b.complex_sets or b.continuum is not None for b in blocks) else "probability one"
+    return (
+        "incomplete"
+        if any(b.unresolved or b.complex_sets or b.continuum is not None for b in blocks)
+        else "probability one"
+    )
 
 
 def _proof_notes(blocks: list[Roots]) -> list[str]:
@@ -185,43 +234,69 @@ def _unseen(blocks: list[Roots]) -> float:
 def _continuum_note(problem: Problem, block: Roots) -> str:
     names = ", ".join(c.name for c in block.system.unknowns)
     return (
-        f"positive-dimensional set: the {problem.kind} problem has solutions that are not isolated (in {names}); "
+        f"positive-dimensional set: the {problem.kind} problem has solutions that are not isolated "
+        f"(in {names}); "
         "the modes listed are the isolated ones only"
     )
 
 
 def _combine(problem: Problem, given: Given, blocks: list[Roots]) -> list[Solution]:
-    """The product of the blocks' roots, sorted by pose and joint values; a mode's hits are its rarest part's."""
+    """The product of the blocks' roots, sorted by pose and joint values; a mode's hits are its
+    rarest part's.
+    """
     count = prod(len(b.points) for b in blocks)
     if count > MOST_MODES:
         raise TooManyModesError(
-            f"{problem.mechanism.name}: the limbs' branches combine to {count} modes, more than the {MOST_MODES} that are "
+            f"{problem.mechanism.name}: the limbs' branches combine to {count} modes, more than "
+            f"the {MOST_MODES} that are "
             "listed; solve for one of them near a start"
         )
-    parts = np.array(list(product(*(range(len(b.points)) for b in blocks))), dtype=int).reshape(count, len(blocks))
+    parts = np.array(list(product(*(range(len(b.points)) for b in blocks))), dtype=int).reshape(
+        count, len(blocks)
+    )
     values = np.empty((count, int(problem.closure.variables.shape[0])))
     values[:, problem.known_places] = given.values
     for roots, chosen in zip(blocks, parts.T, strict=True):
         values[:, problem.places(roots.system.unknowns)] = roots.points[chosen]
     found = checked_solutions(problem, values, given.notes)
-    order = order_of_modes(problem, found.values, found.position, found.quaternion, np.zeros(count, dtype=int))
+    order = order_of_modes(
+        problem, found.values, found.position, found.quaternion, np.zeros(count, dtype=int)
+    )
     return [_with_parts(found[i], blocks, tuple(parts[i].tolist())) for i in order.tolist()]
 
 
 def _with_parts(solution: Solution, blocks: list[Roots], parts: tuple[int, ...]) -> Solution:
-    """A mode with what is known of its parts: it is certified if each of them is, and its radius is the largest of theirs."""
-    hits = min((int(roots.hits[k]) for roots, k in zip(blocks, parts, strict=True) if roots.hits is not None), default=None)
+    """A mode with what is known of its parts: it is certified if each of them is, and its radius is
+    the largest of theirs.
+    """
+    hits = min(
+        (
+            int(roots.hits[k])
+            for roots, k in zip(blocks, parts, strict=True)
+            if roots.hits is not None
+        ),
+        default=None,
+    )
     proofs = [roots.proofs for roots in blocks]
     if not all(proofs):
         return replace(solution, hits=hits)
     certified = all(p.certified[k] for p, k in zip(proofs, parts, strict=True) if p is not None)
-    radius = max(float(p.radius[k]) for p, k in zip(proofs, parts, strict=True) if p is not None) if certified else None
+    radius = (
+        max(float(p.radius[k]) for p, k in zip(proofs, parts, strict=True) if p is not None)
+        if certified
+        else None
+    )
     ground = None if certified else _ground(blocks, parts)
     return replace(solution, hits=hits, certified=certified, radius=radius, ground=ground)
 
 
 def _ground(blocks: list[Roots], parts: tuple[int, ...]) -> PartialProof | None:
-    """What is proved of a mode that is not certified, if something is proved of each of its parts."""
+    """What is proved of a mode that is not certified, if something is proved of each of its
+    parts.
+    """
     return PartialProof.joined(
-        [None if r.proofs is None else r.proofs.of(k, r.system) for r, k in zip(blocks, parts, strict=True)]
+        [
+            None if r.proofs is None else r.proofs.of(k, r.system)
+            for r, k in zip(blocks, parts, strict=True)
+        ]
     )

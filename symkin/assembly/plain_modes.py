@@ -15,7 +15,13 @@ from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.checked_roots import BlockRoots
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
 from symkin.assembly.mode_order import order_of_modes
-from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, stored_counts, table_of
+from symkin.assembly.mode_table import (
+    COMPLETENESS,
+    ModeTable,
+    concatenated,
+    stored_counts,
+    table_of,
+)
 from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.six_distances import redundant_distances
 from symkin.homotopy.start_store import start_of
@@ -36,8 +42,9 @@ ROOTS_AT_ONCE = 40_000
 
 @dataclass(frozen=True, eq=False)
 class Plain:
-    """Modes of the inputs at the `places` (n,); `complete` (n, blocks): whether a theorem bounds a block's roots and as many are
-    certified."""
+    """Modes of the inputs at the `places` (n,); `complete` (n, blocks): whether a theorem bounds a
+    block's roots and as many are certified.
+    """
 
     table: ModeTable
     places: np.ndarray
@@ -46,8 +53,9 @@ class Plain:
 
 @dataclass(frozen=True, eq=False)
 class PlainModes:
-    """What is prepared once for all inputs of one problem: its blocks with their formulas or paths, none where some block has
-    neither."""
+    """What is prepared once for all inputs of one problem: its blocks with their formulas or paths,
+    none where some block has neither.
+    """
 
     problem: Problem
     parts: tuple[BlockPaths | ClosedBlock, ...]
@@ -70,7 +78,11 @@ class PlainModes:
 
     def theorems(self, complete: np.ndarray) -> tuple[str, ...]:
         """What is said of the bounds that an input's blocks (blocks,) reach."""
-        texts = [part.prover.theorem for part, reached in zip(self.parts, complete, strict=True) if reached]
+        texts = [
+            part.prover.theorem
+            for part, reached in zip(self.parts, complete, strict=True)
+            if reached
+        ]
         found = dict.fromkeys(text for text in texts if text is not None)
         return tuple(f"at most {text}" for text in found if len(found) == 1 or "alone" not in text)
 
@@ -95,7 +107,9 @@ class PlainModes:
     def find(self, known: np.ndarray, *, certify: bool) -> Plain:
         """Modes at those of the inputs known (n, values) that are plain."""
         each = max(1, ROOTS_AT_ONCE // max(self.most_modes, 1))
-        found = [self._found(known[i : i + each], certify) for i in range(0, max(len(known), 1), each)]
+        found = [
+            self._found(known[i : i + each], certify) for i in range(0, max(len(known), 1), each)
+        ]
         return Plain(
             concatenated([part.table for part in found]),
             np.concatenate([number * each + part.places for number, part in enumerate(found)]),
@@ -104,19 +118,29 @@ class PlainModes:
 
     def _found(self, known: np.ndarray, certify: bool) -> Plain:
         constant = self._errors_without_unknowns(known)
-        places = np.flatnonzero((constant <= CLOSURE_TOLERANCE * self.problem.closure.characteristic_length) & bool(self.parts))
+        places = np.flatnonzero(
+            (constant <= CLOSURE_TOLERANCE * self.problem.closure.characteristic_length)
+            & bool(self.parts)
+        )
         known = known[places]
         blocks = [part.roots(known, certify=certify) for part in self.parts] if places.size else []
         good = np.ones(len(places), dtype=bool)
         for block in blocks:
             good &= block.plain
-        counts = np.array([block.counts for block in blocks], dtype=float).reshape(len(blocks), len(places))
+        counts = np.array([block.counts for block in blocks], dtype=float).reshape(
+            len(blocks), len(places)
+        )
         kept = np.flatnonzero(good & (np.prod(counts, axis=0) <= MOST_MODES))
-        complete = [b.proofs.complete[kept] if b.proofs is not None else np.zeros(len(kept), dtype=bool) for b in blocks]
+        complete = [
+            b.proofs.complete[kept] if b.proofs is not None else np.zeros(len(kept), dtype=bool)
+            for b in blocks
+        ]
         proved = np.array(complete, dtype=bool).reshape(len(blocks), len(kept)).T
         if not blocks:
             proved = np.zeros((len(kept), len(self.parts)), dtype=bool)
-        return Plain(self._combined(known, constant[places], blocks, kept, proved), places[kept], proved)
+        return Plain(
+            self._combined(known, constant[places], blocks, kept, proved), places[kept], proved
+        )
 
     def _errors_without_unknowns(self, known: np.ndarray) -> np.ndarray:
         """By how much inputs contradict rows without unknowns (n,), length unit."""
@@ -126,10 +150,16 @@ class PlainModes:
         return conditions.residuals(np.zeros((len(known), 0)), known)
 
     def _combined(
-        self, known: np.ndarray, constant: np.ndarray, blocks: list[BlockRoots], kept: np.ndarray, proved: np.ndarray
+        self,
+        known: np.ndarray,
+        constant: np.ndarray,
+        blocks: list[BlockRoots],
+        kept: np.ndarray,
+        proved: np.ndarray,
     ) -> ModeTable:
-        """All modes of the instances `kept`: the product of their blocks' roots. `constant` (n,) are the errors of rows without
-        unknowns."""
+        """All modes of the instances `kept`: the product of their blocks' roots. `constant` (n,)
+        are the errors of rows without unknowns.
+        """
         problem, width = self.problem, int(self.problem.closure.variables.shape[0])
         counts = [block.counts[kept] for block in blocks]
         total = (
@@ -147,7 +177,9 @@ class PlainModes:
         position, quaternion = poses_of(problem.closure, values)
         order = order_of_modes(problem, values, position, quaternion, owner)
         values, position, quaternion = values[order], position[order], quaternion[order]
-        residual, condition = self._verified(values, blocks, [which[order] for which in chosen], constant[kept][owner])
+        residual, condition = self._verified(
+            values, blocks, [which[order] for which in chosen], constant[kept][owner]
+        )
         inside = within_limits(problem.closure, values)
         certified, radius = _certified(blocks, chosen, order)
         listed = SolutionList(
@@ -166,30 +198,54 @@ class PlainModes:
             problem,
             listed,
             count=total,
-            completeness=np.where(proved.all(axis=1), COMPLETENESS.index("proved"), COMPLETENESS.index("probability one")),
+            completeness=np.where(
+                proved.all(axis=1),
+                COMPLETENESS.index("proved"),
+                COMPLETENESS.index("probability one"),
+            ),
             unresolved=np.zeros(len(kept), dtype=int),
             continuum=np.zeros(len(kept), dtype=bool),
             complex_count=stored_counts(
-                np.prod(np.array([b.complex_count[kept] for b in blocks]).reshape(len(blocks), len(kept)), axis=0)
+                np.prod(
+                    np.array([b.complex_count[kept] for b in blocks]).reshape(
+                        len(blocks), len(kept)
+                    ),
+                    axis=0,
+                )
             ),
         )
 
     def _verified(
-        self, values: np.ndarray, blocks: list[BlockRoots], chosen: list[np.ndarray], constant: np.ndarray
+        self,
+        values: np.ndarray,
+        blocks: list[BlockRoots],
+        chosen: list[np.ndarray],
+        constant: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Residuals and conditions (m,) of the whole system: the largest of the blocks' and of rows without unknowns; the blocks'
-        Jacobians are the diagonal of the whole one."""
+        """Residuals and conditions (m,) of the whole system: the largest of the blocks' and of rows
+        without unknowns; the blocks' Jacobians are the diagonal of the whole one.
+        """
         problem, residual = self.problem, constant
         for block, which in zip(blocks, chosen, strict=True):
             residual = np.maximum(residual, block.residual[which])
         if blocks and all(part.block.rows.shape[0] >= part.block.freedom for part in self.parts):
-            extremes = np.stack([block.extremes[which] for block, which in zip(blocks, chosen, strict=True)])
-            return residual, condition_of(np.stack([extremes[:, :, 0].max(axis=0), extremes[:, :, 1].min(axis=0)], axis=1))
-        return residual, problem.system.conditions(values[:, problem.unknown_places], values[:, problem.known_places])
+            extremes = np.stack(
+                [block.extremes[which] for block, which in zip(blocks, chosen, strict=True)]
+            )
+            return residual, condition_of(
+                np.stack([extremes[:, :, 0].max(axis=0), extremes[:, :, 1].min(axis=0)], axis=1)
+            )
+        return residual, problem.system.conditions(
+            values[:, problem.unknown_places], values[:, problem.known_places]
+        )
 
 
-def _choices(blocks: list[BlockRoots], kept: np.ndarray, total: np.ndarray, owner: np.ndarray) -> list[np.ndarray]:
-    """Of each block, the root (m,) of every mode: those of an instance run through all combinations, the last block fastest."""
+def _choices(
+    blocks: list[BlockRoots], kept: np.ndarray, total: np.ndarray, owner: np.ndarray
+) -> list[np.ndarray]:
+    """Of each block, the root (m,) of every mode: those of an instance run through all
+    combinations, the last block fastest.
+    """
     number = np.arange(len(owner)) - (np.cumsum(total) - total)[owner]
     chosen = []
     for block in reversed(blocks):
@@ -200,8 +256,12 @@ def _choices(blocks: list[BlockRoots], kept: np.ndarray, total: np.ndarray, owne
     return chosen[::-1]
 
 
-def _certified(blocks: list[BlockRoots], chosen: list[np.ndarray], order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Whether each mode is certified (1, 0; -1 where it was not tried) and its radius, the largest of its parts'."""
+def _certified(
+    blocks: list[BlockRoots], chosen: list[np.ndarray], order: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Whether each mode is certified (1, 0; -1 where it was not tried) and its radius, the largest
+    of its parts'.
+    """
     proofs = [block.proofs for block in blocks if block.proofs is not None]
     if not proofs or len(proofs) < len(blocks):
         return np.full(len(order), -1), np.full(len(order), np.nan)
@@ -212,9 +272,12 @@ def _certified(blocks: list[BlockRoots], chosen: list[np.ndarray], order: np.nda
     return certified[order].astype(int), np.where(certified, radius, np.nan)[order]
 
 
-def plain_modes(problem: Problem, progress: Progress | None = None, *, formulas: bool = True) -> PlainModes:
-    """The blocks of a problem with their formulas, if they are wanted and there are some, or with their paths; a start that is not
-    kept yet is computed."""
+def plain_modes(
+    problem: Problem, progress: Progress | None = None, *, formulas: bool = True
+) -> PlainModes:
+    """The blocks of a problem with their formulas, if they are wanted and there are some, or with
+    their paths; a start that is not kept yet is computed.
+    """
     if problem.is_explicit or problem.system.freedom > problem.generic_rank:
         return PlainModes(problem, ())
     parts: list[BlockPaths | ClosedBlock] = []
@@ -226,8 +289,12 @@ def plain_modes(problem: Problem, progress: Progress | None = None, *, formulas:
     return _prepared(problem, tuple(parts))
 
 
-def _solver(problem: Problem, number: int, progress: Progress | None, *, formulas: bool) -> BlockPaths | ClosedBlock | None:
-    """The formulas of one of a problem's blocks, if they are wanted and account for all solutions, else its paths."""
+def _solver(
+    problem: Problem, number: int, progress: Progress | None, *, formulas: bool
+) -> BlockPaths | ClosedBlock | None:
+    """The formulas of one of a problem's blocks, if they are wanted and account for all solutions,
+    else its paths.
+    """
     closed = closed_block(problem, number) if formulas else None
     if closed is not None and closed.is_of_arm:
         return closed
@@ -236,8 +303,12 @@ def _solver(problem: Problem, number: int, progress: Progress | None, *, formula
 
 
 @lru_cache(maxsize=256)
-def _paths(problem: Problem, number: int, progress: Progress | None, _folder: str) -> BlockPaths | None:
-    """One of a problem's blocks with its paths, whose start is read from the cache folder once in a process; None where it has none."""
+def _paths(
+    problem: Problem, number: int, progress: Progress | None, _folder: str
+) -> BlockPaths | None:
+    """One of a problem's blocks with its paths, whose start is read from the cache folder once in a
+    process; None where it has none.
+    """
     if unsuitable(problem) or redundant_distances(problem):
         return None
     block = problem.blocks[number]

@@ -1,4 +1,6 @@
-"""How modes are searched: the method with its random starts and solver, and which of these the caller has named."""
+"""How modes are searched: the method with its random starts and solver, and which of these the
+caller has named.
+"""
 
 from __future__ import annotations
 
@@ -21,9 +23,10 @@ _MULTISTART = "give method = 'multistart' (--method multistart), which searches 
 
 @dataclass(frozen=True)
 class Search:
-    """`starts` and `seed` of random starts and the `solver` of multistart; `named` are those that the caller gave, None for
-    the others, so that what a problem has no use for can be refused. `formulas`: whether continuation may leave inputs to closed
-    forms where there are some."""
+    """`starts` and `seed` of random starts and the `solver` of multistart; `named` are those that
+    the caller gave, None for the others, so that what a problem has no use for can be refused.
+    `formulas`: whether continuation may leave inputs to closed forms where there are some.
+    """
 
     method: str
     starts: int
@@ -39,7 +42,10 @@ class Search:
 
     @staticmethod
     def of(
-        method: str | None, starts: int | None = None, seed: int | None = None, solver: str | Newton | LeastSquares | None = None
+        method: str | None,
+        starts: int | None = None,
+        seed: int | None = None,
+        solver: str | Newton | LeastSquares | None = None,
     ) -> Search:
         """A checked search; a solver without a method means multistart. Raises InputError."""
         chosen = method or ("continuation" if solver is None else "multistart")
@@ -50,7 +56,11 @@ class Search:
         if seed is not None and seed < 0:
             raise InputError(f"seed = {seed} must not be negative")
         if chosen == "continuation":
-            refuse_ignored({"solver": solver}, "continuation tracks paths and calls no solver of single solutions", _MULTISTART)
+            refuse_ignored(
+                {"solver": solver},
+                "continuation tracks paths and calls no solver of single solutions",
+                _MULTISTART,
+            )
         return Search(
             chosen,
             DEFAULT_STARTS if starts is None else starts,
@@ -62,11 +72,15 @@ class Search:
 
     def refuse_starts(self, problem: Problem) -> None:
         """Refuse `starts` and `seed` after a continuation that had no use for random starts."""
-        reason = f"every part of the {problem.kind} problem of {problem.mechanism.name} was solved by formulas or by continuation, and nothing was sampled"
+        reason = (
+            f"every part of the {problem.kind} problem of {problem.mechanism.name} was solved by "
+            f"formulas or by continuation, and nothing was sampled"
+        )
         refuse_ignored(self.named, reason, _MULTISTART)
 
     def refuse_unless_multistart(self, reason: str) -> None:
-        """Refuse `starts` and `seed` where nothing is searched, unless they belong to a multistart that the caller asked for,
-        which is then answered without any start."""
+        """Refuse `starts` and `seed` where nothing is searched, unless they belong to a multistart
+        that the caller asked for, which is then answered without any start.
+        """
         if self.method == "continuation":
             refuse_ignored(self.named, reason)

@@ -1,4 +1,5 @@
-"""Calibration: identify a mechanism's geometry from joint readings and measurements of its platform.
+"""Calibration: identify a mechanism's geometry from joint readings and measurements of its
+platform.
 
 The way of the data, by modules:
   data       `files` and `columns` read a file, `measurements` hold it, `parameters` name what it

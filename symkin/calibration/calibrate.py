@@ -1,4 +1,6 @@
-"""Calibrate a mechanism in one call: build the problem, fit it, remove outliers, and build the result."""
+"""Calibrate a mechanism in one call: build the problem, fit it, remove outliers, and build the
+result.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +26,18 @@ from symkin.calibration.estimate.configurations import (
 from symkin.calibration.estimate.descent import is_rounding
 from symkin.calibration.estimate.first_guess import fit_measuring_frames, parameters_from_poses
 from symkin.calibration.estimate.lifted import estimate_by_ipopt
-from symkin.calibration.estimate.problem import CalibrationProblem, NothingReadError, build_calibration
+from symkin.calibration.estimate.problem import (
+    CalibrationProblem,
+    NothingReadError,
+    build_calibration,
+)
 from symkin.calibration.estimate.robust import LOSSES, loss_note, robust_estimate
-from symkin.calibration.estimate.solver import Estimate, descend_from, estimate, move_by_least_change
+from symkin.calibration.estimate.solver import (
+    Estimate,
+    descend_from,
+    estimate,
+    move_by_least_change,
+)
 from symkin.calibration.estimate.starting import start_configurations, with_starts
 from symkin.calibration.estimate.state import evaluate
 from symkin.calibration.judge.assessment import Fit, build_result
@@ -50,10 +61,14 @@ __all__ = [
 
 METHODS = ("nested", "lifted", "ipopt")
 _OTHER_METHOD = {"nested": "lifted", "lifted": "nested"}
-"""The method that is tried where one does not converge: they cross curved valleys in different ways."""
+"""The method that is tried where one does not converge: they cross curved valleys in different
+ways.
+"""
 _EXTENSION_FACTOR, _NEARLY_CONVERGED_RATIO, _NEARLY_CONVERGED_SHARE = 5, 3.0, 1e-3
-"""An iteration that has not ended gets so many times its limit more where the residuals, root mean square, are below so many
-standard deviations, or below this share of the size where these are not known."""
+"""An iteration that has not ended gets so many times its limit more where the residuals, root mean
+square, are below so many standard deviations, or below this share of the size where these are not
+known.
+"""
 OUTLIER_RULES = ("remove", "report", "ignore")
 
 
@@ -116,20 +131,24 @@ def calibrate(
 ) -> Calibration:
     """Identify a mechanism's geometry from measurements.
 
-    The parameters p minimise sum |W (h(z_i, p) - m_i)|^2 over the configurations i, with readings m_i, their model h and weights
-    W from the standard deviations (see `estimate.residuals`), where each configuration meets its closure F(z_i; q_i, p) = 0 at
-    the joint readings q_i. What no reading determines is held by the least change from nominal.
+    The parameters p minimise sum |W (h(z_i, p) - m_i)|^2 over the configurations i, with readings
+    m_i, their model h and weights W from the standard deviations (see `estimate.residuals`), where
+    each configuration meets its closure F(z_i; q_i, p) = 0 at the joint readings q_i. What no
+    reading determines is held by the least change from nominal.
 
-    `parameters` names what is identified, factors of readings and measuring frames too (see `parameter_names`), by default all that
-    matter; those in `fixed` keep their nominal values, which is one way to choose frames (see `joint_frames`). `residual` is "means",
-    "differences" or "maximum likelihood" (see `residuals`); `tolerance` gives the standard deviations to which lengths (length unit)
-    and angles (radians) are manufactured, and the estimate is then the maximum a posteriori. `method` is "nested", "lifted" or
-    "ipopt", of at most `max_iterations` steps; `loss` "squared", "huber" or "cauchy" (see `robust`); `outliers` "remove", "report" or
-    "ignore", where a share `level` (default 0.02) of clean data sets may have a reading called one. `seed` is that of random starts of
-    direct problems.
+    `parameters` names what is identified, factors of readings and measuring frames too (see
+    `parameter_names`), by default all that matter; those in `fixed` keep their nominal values,
+    which is one way to choose frames (see `joint_frames`). `residual` is "means", "differences" or
+    "maximum likelihood" (see `residuals`); `tolerance` gives the standard deviations to which
+    lengths (length unit) and angles (radians) are manufactured, and the estimate is then the
+    maximum a posteriori. `method` is "nested", "lifted" or "ipopt", of at most `max_iterations`
+    steps; `loss` "squared", "huber" or "cauchy" (see `robust`); `outliers` "remove", "report" or
+    "ignore", where a share `level` (default 0.02) of clean data sets may have a reading called one.
+    `seed` is that of random starts of direct problems.
 
-    Raises InputError for names, options and readings that do not fit, and where no configuration's direct problem is solved.
-    Source: Hollerbach, Khalil, Gautier, Model Identification, Springer Handbook of Robotics, 2016.
+    Raises InputError for names, options and readings that do not fit, and where no configuration's
+    direct problem is solved. Source: Hollerbach, Khalil, Gautier, Model Identification, Springer
+    Handbook of Robotics, 2016.
 
     >>> import numpy as np, symkin
     >>> arm = symkin.load("gluon_6l3")
@@ -143,12 +162,15 @@ def calibrate(
     ('ok', 105.53)
     """
     require_mechanism(mechanism)
-    options = _Options(parameters, fixed, residual, tolerance, method, loss, outliers, level, max_iterations, seed)
+    options = _Options(
+        parameters, fixed, residual, tolerance, method, loss, outliers, level, max_iterations, seed
+    )
     try:
         return _calibrate(mechanism, measurements, options)
     except np.linalg.LinAlgError:
         raise InputError(
-            f"{mechanism.name}: the fit broke down, its equations are no finite numbers: loops that are redundant close at no geometry near "
+            f"{mechanism.name}: the fit broke down, its equations are no finite numbers: loops "
+            f"that are redundant close at no geometry near "
             "the file's for these readings; identify fewer parameters, or check units and signs"
         ) from None
 
@@ -168,26 +190,36 @@ def _calibrate(mechanism: Mechanism, measurements: Measurements, options: _Optio
     if options.outliers != "ignore":
         screened = fit_without_outliers(fit, measurements, found, options.significance)
         found = screened.found if options.outliers == "remove" else found
-    result = build_result(measurements, found, screened.screening, removed=options.outliers == "remove")
+    result = build_result(
+        measurements, found, screened.screening, removed=options.outliers == "remove"
+    )
     elapsed = time.perf_counter() - begin
-    return replace(result, method=options.method, elapsed_s=elapsed, refused=result.refused or screened.refused)
+    return replace(
+        result, method=options.method, elapsed_s=elapsed, refused=result.refused or screened.refused
+    )
 
 
 def _check_residual_form(residual: str, measurements: Measurements) -> None:
-    """Refuse a form of residuals that these readings make no use of, so that it would be that of means."""
+    """Refuse a form of residuals that these readings make no use of, so that it would be that of
+    means.
+    """
     groups = np.array([NO_GROUP]) if measurements.groups is None else measurements.groups
     asked = {f"residual = {residual!r}": residual}
     if residual == "differences" and not np.any(groups != NO_GROUP):
-        refuse_ignored(asked, "differences are between neighbours in a group, and there are no groups")
+        refuse_ignored(
+            asked, "differences are between neighbours in a group, and there are no groups"
+        )
     if residual == "maximum likelihood" and measurements.joint_sigma is None:
         reason = "it weighs the noise of the joint readings, which is not known"
         refuse_ignored(asked, reason, "give it (sigma_ columns of the joints, --sigma-joints)")
 
 
-# --- fitting -------------------------------------------------------------------------------------------------------
+# --- fitting --------------------------------------------------------------------------------------
 
 
-def _fit_measurements(mechanism: Mechanism, measurements: Measurements, options: _Options, near: StartValues | None) -> Fit:
+def _fit_measurements(
+    mechanism: Mechanism, measurements: Measurements, options: _Options, near: StartValues | None
+) -> Fit:
     """Fit the configurations that hold a reading beside the joints, from `near` if given."""
     read = measurements.is_read
     if read.all() or not read.any():
@@ -195,12 +227,18 @@ def _fit_measurements(mechanism: Mechanism, measurements: Measurements, options:
     some = None if near is None else near.subset(read)
     found = _Fitting(options, options.build(mechanism, measurements.subset(read))).run(some)
     numbers = np.flatnonzero(read)
-    return replace(found, used=numbers[found.used], unsolved=numbers[found.unsolved], silent=np.flatnonzero(~read))
+    return replace(
+        found,
+        used=numbers[found.used],
+        unsolved=numbers[found.unsolved],
+        silent=np.flatnonzero(~read),
+    )
 
 
 class _Fitting:
-    """Fit one problem: over the configurations that can be solved; those that could not at nominal are tried again at the
-    estimate."""
+    """Fit one problem: over the configurations that can be solved; those that could not at nominal
+    are tried again at the estimate.
+    """
 
     def __init__(self, options: _Options, problem: CalibrationProblem) -> None:
         self.options, self.problem = options, problem
@@ -208,10 +246,15 @@ class _Fitting:
 
     def run(self, near: StartValues | None) -> Fit:
         p = self._start_parameters() if near is None else near.p
-        solved = start_configurations(self.problem, p, seed=self.options.seed) if near is None else self._solve_from(near)
+        solved = (
+            start_configurations(self.problem, p, seed=self.options.seed)
+            if near is None
+            else self._solve_from(near)
+        )
         if not solved.solved.any():
             raise InputError(
-                f"{self.problem.mechanism.name}: the direct problem of no posture has a solution at the start geometry; check units, signs "
+                f"{self.problem.mechanism.name}: the direct problem of no posture has a solution "
+                f"at the start geometry; check units, signs "
                 "and the order of joints, or give starts"
             )
         p = fit_measuring_frames(self.problem, solved.z, p, solved.solved)
@@ -228,29 +271,49 @@ class _Fitting:
         result = self._improved(part, solved, p, result)
         rows_z = part.model.rows(solved.z[solved.solved], part.measurements.joints, p)[1]
         return Fit(
-            problem=part, result=result, used=np.flatnonzero(solved.solved), unsolved=np.flatnonzero(~solved.solved),
-            start_signs=determinant_signs(rows_z), notes=tuple(self.notes), loss=self.options.loss,
-        )  # fmt: skip
+            problem=part,
+            result=result,
+            used=np.flatnonzero(solved.solved),
+            unsolved=np.flatnonzero(~solved.solved),
+            start_signs=determinant_signs(rows_z),
+            notes=tuple(self.notes),
+            loss=self.options.loss,
+        )
 
     def _estimate(
-        self, part: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray, method: str | None = None
+        self,
+        part: CalibrationProblem,
+        solved: SolvedConfigurations,
+        p: np.ndarray,
+        method: str | None = None,
     ) -> Estimate:
         method, z = method or self.options.method, solved.z[solved.solved]
         return _estimate_by(method, part, z, p, self.options.max_iterations)
 
-    def _improved(self, part: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray, result: Estimate) -> Estimate:
-        """Improve the estimate: by another method where one does not converge, continued where it nearly has, by descent alone where that
-        leads lower, with the least change along what no reading determines, and with the robust loss that is asked for."""
+    def _improved(
+        self,
+        part: CalibrationProblem,
+        solved: SolvedConfigurations,
+        p: np.ndarray,
+        result: Estimate,
+    ) -> Estimate:
+        """Improve the estimate: by another method where one does not converge, continued where it
+        nearly has, by descent alone where that leads lower, with the least change along what no
+        reading determines, and with the robust loss that is asked for.
+        """
         method, limit = self.options.method, self.options.max_iterations
         if result.status != "ok" and method in _OTHER_METHOD:
             other = self._estimate(part, solved, p, _OTHER_METHOD[method])
             if other.status == "ok":
                 self.notes.append(
-                    f"the {method} form did not converge ({result.status}); the {_OTHER_METHOD[method]} form was used"
+                    f"the {method} form did not converge ({result.status}); the "
+                    f"{_OTHER_METHOD[method]} form was used"
                 )
                 result = other
         if result.status == "max_iterations" and _is_nearly_converged(part, result):
-            longer = _estimate_by(method, part, result.state.z, result.state.p, _EXTENSION_FACTOR * limit)
+            longer = _estimate_by(
+                method, part, result.state.z, result.state.p, _EXTENSION_FACTOR * limit
+            )
             result = replace(longer, iterations=result.iterations + longer.iterations)
         if result.status == "ok":
             result = _lower_cost(result, descend_from(part, solved.z[solved.solved], p, result))
@@ -262,8 +325,10 @@ class _Fitting:
         return result
 
     def _start_parameters(self) -> np.ndarray:
-        """Choose the nominal parameters; those that whole measured poses give by themselves where there are such poses and the file's own
-        geometry does not give the readings to rounding already, which nothing may then move."""
+        """Choose the nominal parameters; those that whole measured poses give by themselves where
+        there are such poses and the file's own geometry does not give the readings to rounding
+        already, which nothing may then move.
+        """
         model, m = self.problem.model, self.problem.measurements
         start = parameters_from_poses(model, m)
         if start is None:
@@ -272,25 +337,43 @@ class _Fitting:
         if not is_determined(model, start_points(model, m), m.joints, start):
             return model.nominal
         with np.errstate(all="ignore"):
-            z, solved = newton_configurations(model, first_points(model, m, model.nominal), m.joints, model.nominal)
-            stays = bool(solved.all()) and is_rounding(self.problem, evaluate(self.problem, model.nominal, z, "means"))
+            z, solved = newton_configurations(
+                model, first_points(model, m, model.nominal), m.joints, model.nominal
+            )
+            stays = bool(solved.all()) and is_rounding(
+                self.problem, evaluate(self.problem, model.nominal, z, "means")
+            )
         return model.nominal if stays else start
 
     def _solve_from(self, near: StartValues) -> SolvedConfigurations:
-        """Solve the direct problems from where an earlier fit has left them; configurations that it had not begin where they would
-        without it."""
+        """Solve the direct problems from where an earlier fit has left them; configurations that it
+        had not begin where they would without it.
+        """
         begun = first_points(self.problem.model, self.problem.measurements, near.p)
-        return self._solve_roughly(near.p, self.options.seed, np.where(np.isnan(near.z), begun, near.z))
+        return self._solve_roughly(
+            near.p, self.options.seed, np.where(np.isnan(near.z), begun, near.z)
+        )
 
     def _solve_again(self, result: Estimate) -> SolvedConfigurations:
-        """Solve the direct problems at an estimate; near their starts, whatever mode they end in, where it did not converge."""
+        """Solve the direct problems at an estimate; near their starts, whatever mode they end in,
+        where it did not converge.
+        """
         if result.status == "ok":
             return start_configurations(self.problem, result.state.p, seed=self.options.seed + 1)
         return self._solve_roughly(result.state.p, self.options.seed + 1)
 
-    def _solve_roughly(self, p: np.ndarray, seed: int, z: np.ndarray | None = None) -> SolvedConfigurations:
+    def _solve_roughly(
+        self, p: np.ndarray, seed: int, z: np.ndarray | None = None
+    ) -> SolvedConfigurations:
         problem = self.problem
-        return solve_configurations(problem.model, problem.measurements, p, z=z, seed=seed, tolerance=ROUGHLY_SOLVED_TOLERANCE)
+        return solve_configurations(
+            problem.model,
+            problem.measurements,
+            p,
+            z=z,
+            seed=seed,
+            tolerance=ROUGHLY_SOLVED_TOLERANCE,
+        )
 
     def _solved_part(self, solved: SolvedConfigurations) -> CalibrationProblem:
         """Build the problem of the configurations that are solved."""
@@ -302,20 +385,27 @@ class _Fitting:
             return self.options.build(problem.mechanism, some)
         except NothingReadError:
             raise InputError(
-                f"{problem.mechanism.name}: the direct problem of only {len(some)} of {len(problem.measurements)} postures has a solution "
-                "at the start geometry, and these hold no reading that could be compared (no group of two postures is left, where groups "
-                "are what was read); check that the data is of this mechanism, units, signs and the order of joints, or give starts"
+                f"{problem.mechanism.name}: the direct problem of only {len(some)} of "
+                f"{len(problem.measurements)} postures has a solution "
+                "at the start geometry, and these hold no reading that could be compared (no group "
+                "of two postures is left, where groups "
+                "are what was read); check that the data is of this mechanism, units, signs and "
+                "the order of joints, or give starts"
             ) from None
 
 
-def _estimate_by(method: str, problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, limit: int) -> Estimate:
+def _estimate_by(
+    method: str, problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, limit: int
+) -> Estimate:
     if method == "ipopt":
         return estimate_by_ipopt(problem, z, max_iterations=limit, p=p)
     return estimate(problem, z, method=method, max_iterations=limit, p=p)
 
 
 def _is_nearly_converged(problem: CalibrationProblem, result: Estimate) -> bool:
-    """Tell whether the residuals are small although the iteration has not ended: a flat valley, along which it pays to go on."""
+    """Tell whether the residuals are small although the iteration has not ended: a flat valley,
+    along which it pays to go on.
+    """
     scatter = float(np.sqrt(result.state.cost / problem.readings.count))
     known, size = problem.readings.known, problem.model.closure.characteristic_length
     return scatter < (_NEARLY_CONVERGED_RATIO if known else _NEARLY_CONVERGED_SHARE * size)
@@ -323,4 +413,8 @@ def _is_nearly_converged(problem: CalibrationProblem, result: Estimate) -> bool:
 
 def _lower_cost(one: Estimate, other: Estimate | None) -> Estimate:
     """Choose the estimate with the lower cost."""
-    return one if other is None or other.status != "ok" or other.state.cost >= one.state.cost else other
+    return (
+        one
+        if other is None or other.status != "ok" or other.state.cost >= one.state.cost
+        else other
+    )

@@ -24,7 +24,13 @@ from symkin.calibration.estimate.problem import default_parameters
 from symkin.calibration.judge.diagnoses import diagnose, diagnose_labels, nominal_misfit
 from symkin.calibration.judge.euler_sequence import diagnose_sequence, find_sequence
 from symkin.calibration.judge.holdout import draw_held_out, held_out_count, predict_held_out
-from symkin.calibration.judge.plausibility import Departure, is_beyond_noise, is_noticeable, measure_departure, rejection_reason
+from symkin.calibration.judge.plausibility import (
+    Departure,
+    is_beyond_noise,
+    is_noticeable,
+    measure_departure,
+    rejection_reason,
+)
 from symkin.calibration.judge.pose_accuracy import predict_pose_sigma
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.report import FitReport
@@ -38,14 +44,21 @@ ALL_PARAMETERS = "all"
 _MAX_LISTED_NAMES = 12
 """Most names that a message lists."""
 _READING_NAMES = {
-    "group": "groups", "inclination": "inclinations", "position": "positions", "orientation": "orientations",
-    "distance": "distances"
-}  # fmt: skip
+    "group": "groups",
+    "inclination": "inclinations",
+    "position": "positions",
+    "orientation": "orientations",
+    "distance": "distances",
+}
 """Readings by the keys of their standard deviations."""
 _SIGMA_KEYS = {
-    "joint": "joint", "point": "position", "position": "position", "orientation": "orientation", "inclination": "inclination",
-    "distance": "distance"
-}  # fmt: skip
+    "joint": "joint",
+    "point": "position",
+    "position": "position",
+    "orientation": "orientation",
+    "inclination": "inclination",
+    "distance": "distance",
+}
 """Keys of standard deviations that hold for observables of each kind, too."""
 _Single = TypeVar("_Single", Distance, Reading)
 LEAST_CHANGE = "least"
@@ -53,7 +66,9 @@ LEAST_CHANGE = "least"
 
 
 class NotFittedError(InputError):
-    """Readings that nothing can be fitted to, and the mistakes (see `diagnose`) that would explain it."""
+    """Readings that nothing can be fitted to, and the mistakes (see `diagnose`) that would explain
+    it.
+    """
 
     def __init__(self, message: str, suspicions: tuple[str, ...]) -> None:
         super().__init__(f"NOT BELIEVABLE, nothing was fitted: {suspicions[0]} ({message})")
@@ -81,13 +96,16 @@ def fit_file(
 ) -> FitReport:
     """Fit a data file and judge the fit.
 
-    `parameters` are patterns of what is identified, separated by commas, by default all; those that `hold` matches keep their nominal
-    values. `frames` is "least" or "joints:..." (see `frame_names`). `sigmas` are standard deviations by kind of reading, for what the
-    file leaves out; `hold_out` is how many configurations (`20`, `20%`) are only predicted. `any_machine` accepts a geometry far
-    from the file's, `command` is what the report says was run, `seed` that of random starts and draws; other `options` are those of
-    `calibrate`.
+    `parameters` are patterns of what is identified, separated by commas, by default all; those that
+    `hold` matches keep their nominal values. `frames` is "least" or "joints:..." (see
+    `frame_names`). `sigmas` are standard deviations by kind of reading, for what the file leaves
+    out; `hold_out` is how many configurations (`20`, `20%`) are only predicted. `any_machine`
+    accepts a geometry far from the file's, `command` is what the report says was run, `seed` that
+    of random starts and draws; other `options` are those of `calibrate`.
 
-    Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be fitted."""
+    Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be
+    fitted.
+    """
     patterns = ALL_PARAMETERS if parameters is None else parameters
     read = data.measurements.observed
     names, fixed = _chosen_names(mechanism, read, patterns, hold, frames)
@@ -99,19 +117,32 @@ def fit_file(
     fit = task.fit(seed)
     departure = measure_departure(fit.problem, fit.state)
     mistakes = task.mistakes(fit, departure)
-    refused = rejection_reason(fit, task.nominal_misfit(fit), mistakes, departure, any_machine=any_machine)
+    refused = rejection_reason(
+        fit, task.nominal_misfit(fit), mistakes, departure, any_machine=any_machine
+    )
     sequence = "" if task.choice is None else task.choice.sequence
     return FitReport(
-        fit=fit, data=data.path, command=command, sequence=task.choice, suspicions=mistakes, notes=data.notes,
-        sigma=predict_pose_sigma(fit, seed), departure=departure, refusal=refused,
-        held_out=None if kept_back is None else predict_held_out(fit, kept_back.with_sequence(sequence), seed),
-    )  # fmt: skip
+        fit=fit,
+        data=data.path,
+        command=command,
+        sequence=task.choice,
+        suspicions=mistakes,
+        notes=data.notes,
+        sigma=predict_pose_sigma(fit, seed),
+        departure=departure,
+        refusal=refused,
+        held_out=None
+        if kept_back is None
+        else predict_held_out(fit, kept_back.with_sequence(sequence), seed),
+    )
 
 
 def _chosen_names(
     mechanism: Mechanism, read: tuple[str, ...], patterns: str, hold: str | None, frames: str
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Name the parameters to identify, and those among them that keep their values; `read` is what is read beside the platform."""
+    """Name the parameters to identify, and those among them that keep their values; `read` is what
+    is read beside the platform.
+    """
     names = match_parameters(mechanism, patterns, read)
     fixed = () if hold is None else _match_patterns(mechanism, hold, read)
     fixed = tuple(dict.fromkeys((*fixed, *frame_names(mechanism, frames))))
@@ -122,56 +153,87 @@ def _hold_out(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile
     """Split the file into what is fitted, and what is only predicted (None where nothing is)."""
     if hold_out is None:
         return data, None
-    held = draw_held_out(data.measurements, held_out_count(hold_out, int(np.sum(data.measurements.is_read))), seed)
+    held = draw_held_out(
+        data.measurements, held_out_count(hold_out, int(np.sum(data.measurements.is_read))), seed
+    )
     return data.subset(np.flatnonzero(~held)), data.subset(np.flatnonzero(held))
 
 
 class _FileFit:
-    """Fit a file's readings, in the Euler sequence that was found where the header names none, and what may be wrong with
-    them; `options` are those of `calibrate`."""
+    """Fit a file's readings, in the Euler sequence that was found where the header names none, and
+    what may be wrong with them; `options` are those of `calibrate`.
+    """
 
     def __init__(self, mechanism: Mechanism, data: DataFile, options: dict[str, Any]) -> None:
         self.mechanism, self.data, self.options = mechanism, data, options
-        self.choice = find_sequence(mechanism, data, **options) if data.open_euler is not None else None
-        self.measurements = data.measurements if self.choice is None else data.with_sequence(self.choice.sequence)
-        self.frames = tuple(n for n in options["parameters"] if n in MEASURING_FRAMES and n not in options["fixed"])
+        self.choice = (
+            find_sequence(mechanism, data, **options) if data.open_euler is not None else None
+        )
+        self.measurements = (
+            data.measurements if self.choice is None else data.with_sequence(self.choice.sequence)
+        )
+        self.frames = tuple(
+            n for n in options["parameters"] if n in MEASURING_FRAMES and n not in options["fixed"]
+        )
 
     def fit(self, seed: int) -> Calibration:
         try:
             return calibrate(self.mechanism, self.measurements, seed=seed, **self.options)
         except InputError as error:
-            mistakes = diagnose(self.mechanism, self.measurements, self.frames) or self._wrong_sequence()
+            mistakes = (
+                diagnose(self.mechanism, self.measurements, self.frames) or self._wrong_sequence()
+            )
             if not mistakes:
                 raise InputError(f"{self.data.path}: {error}") from None
             raise NotFittedError(f"{self.data.path}: {error}", mistakes) from None
 
     def mistakes(self, fit: Calibration, departure: Departure) -> tuple[str, ...]:
-        """Find mistakes of the file that may explain a fit which is not believable, or which went far from the file's geometry."""
+        """Find mistakes of the file that may explain a fit which is not believable, or which went
+        far from the file's geometry.
+        """
         if fit.believable and fit.p_value is not None and not is_noticeable(fit, departure):
             return ()
         found = diagnose(self.mechanism, self.measurements, self.frames)
         if found or fit.believable:
             return found
         found = diagnose_labels(self.mechanism, self.measurements)
-        return self._wrong_sequence() if not found and (fit.status != "ok" or is_beyond_noise(fit)) else found
+        return (
+            self._wrong_sequence()
+            if not found and (fit.status != "ok" or is_beyond_noise(fit))
+            else found
+        )
 
     def nominal_misfit(self, fit: Calibration) -> float:
-        """Compute the misfit of the nominal geometry, 0 where the fit is believable and nothing is compared with it."""
-        return 0.0 if fit.believable else nominal_misfit(self.mechanism, self.measurements, self.frames)
+        """Compute the misfit of the nominal geometry, 0 where the fit is believable and nothing is
+        compared with it.
+        """
+        return (
+            0.0
+            if fit.believable
+            else nominal_misfit(self.mechanism, self.measurements, self.frames)
+        )
 
     def _wrong_sequence(self) -> tuple[str, ...]:
         return diagnose_sequence(self.mechanism, self.data, self.options)
 
 
-def with_sigmas(mechanism: Mechanism, data: DataFile, sigmas: Mapping[str, np.ndarray | float]) -> Measurements:
+def with_sigmas(
+    mechanism: Mechanism, data: DataFile, sigmas: Mapping[str, np.ndarray | float]
+) -> Measurements:
     """Add standard deviations (keys joint, group, ...) that the file does not give."""
     m = data.measurements
     for key, value in sigmas.items():
         if key != "joint" and not _is_read(mechanism, data, key):
             refuse_ignored({f"--sigma-{key}": value}, f"{data.path} holds no {_READING_NAMES[key]}")
-        others = tuple(o.name for o in observables_named(mechanism, m.observed) if _SIGMA_KEYS[o.kind] == key)
+        others = tuple(
+            o.name for o in observables_named(mechanism, m.observed) if _SIGMA_KEYS[o.kind] == key
+        )
         m = replace(
-            m, readings=[_with_sigma(data, r, _of_joints(mechanism, value, r)) if r.name in others else r for r in m.readings]
+            m,
+            readings=[
+                _with_sigma(data, r, _of_joints(mechanism, value, r)) if r.name in others else r
+                for r in m.readings
+            ],
         )
         if key == "distance":
             m = replace(m, distances=[_with_sigma(data, d, float(value)) for d in m.distances])
@@ -179,24 +241,38 @@ def with_sigmas(mechanism: Mechanism, data: DataFile, sigmas: Mapping[str, np.nd
         if key not in ("joint", "group") and getattr(m, key) is None and not _is_euler(data, key):
             continue
         if m.sigma(key) is not None:
-            raise InputError(f"{data.path}: the standard deviation of {key} readings stands in the file; leave the option out")
+            raise InputError(
+                f"{data.path}: the standard deviation of {key} readings stands in the file; leave "
+                f"the option out"
+            )
         m = replace(m, **{f"{key}_sigma": value})  # type: ignore[arg-type]
     return m
 
 
 def _of_joints(mechanism: Mechanism, value: np.ndarray | float, reading: Reading) -> float:
-    """Choose the standard deviation of a reading; of joints it is by kind, as that of the actuated ones."""
+    """Choose the standard deviation of a reading; of joints it is by kind, as that of the actuated
+    ones.
+    """
     if np.ndim(value) == 0:
         return float(value)
     angular = is_angular(mechanism, reading.name)
-    like = [float(v) for v, c in zip(np.asarray(value), mechanism.actuated, strict=True) if c.is_angular == angular]
+    like = [
+        float(v)
+        for v, c in zip(np.asarray(value), mechanism.actuated, strict=True)
+        if c.is_angular == angular
+    ]
     if not like:
-        raise InputError(f"--sigma-joints: it says nothing of {reading.name}; give its column sigma_{reading.name}")
+        raise InputError(
+            f"--sigma-joints: it says nothing of {reading.name}; give its column "
+            f"sigma_{reading.name}"
+        )
     return like[0]
 
 
 def _is_read(mechanism: Mechanism, data: DataFile, key: str) -> bool:
-    """Tell whether the file holds readings of a kind (group, inclination, position, orientation, distance)."""
+    """Tell whether the file holds readings of a kind (group, inclination, position, orientation,
+    distance).
+    """
     m = data.measurements
     if any(_SIGMA_KEYS[o.kind] == key for o in observables_named(mechanism, m.observed)):
         return True
@@ -211,14 +287,21 @@ def _is_euler(data: DataFile, key: str) -> bool:
 
 def _with_sigma(data: DataFile, d: _Single, value: float) -> _Single:
     if d.sigma is not None:
-        raise InputError(f"{data.path}: the standard deviation of {d.name} stands in the file; leave the option out")
+        raise InputError(
+            f"{data.path}: the standard deviation of {d.name} stands in the file; leave the option "
+            f"out"
+        )
     return replace(d, sigma=value)
 
 
-def match_parameters(mechanism: Mechanism, patterns: str, read: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Name the parameters that match any of the patterns (`leg*.base.*`), in the order of the closure; `all` is every
-    parameter that moves poses (see `default_parameters`). What a declared motion binds is only matched by its whole name.
-    Raises InputError for a pattern that matches nothing."""
+def match_parameters(
+    mechanism: Mechanism, patterns: str, read: tuple[str, ...] = ()
+) -> tuple[str, ...]:
+    """Name the parameters that match any of the patterns (`leg*.base.*`), in the order of the
+    closure; `all` is every parameter that moves poses (see `default_parameters`). What a declared
+    motion binds is only matched by its whole name. Raises InputError for a pattern that matches
+    nothing.
+    """
     bound = bound_by_motion(mechanism, read) - {part.strip() for part in patterns.split(",")}
     return tuple(name for name in _match_patterns(mechanism, patterns, read) if name not in bound)
 
@@ -227,10 +310,16 @@ def _match_patterns(mechanism: Mechanism, patterns: str, read: tuple[str, ...]) 
     known, own = parameter_names(mechanism, read), set(default_parameters(mechanism, read))
     wanted: set[str] = set()
     for pattern in (part.strip() for part in patterns.split(",")):
-        found = own if pattern == ALL_PARAMETERS else {name for name in known if fnmatchcase(name, pattern)}
+        found = (
+            own
+            if pattern == ALL_PARAMETERS
+            else {name for name in known if fnmatchcase(name, pattern)}
+        )
         if not found:
             raise InputError(
-                f"parameter {pattern!r} matches nothing of {mechanism.name}{meant(pattern, known)}; allowed: {ALL_PARAMETERS}, {_list_names(known)}, and patterns "
+                f"parameter {pattern!r} matches nothing of "
+                f"{mechanism.name}{meant(pattern, known)}; allowed: {ALL_PARAMETERS}, "
+                f"{_list_names(known)}, and patterns "
                 "such as 'leg*.base.*'"
             )
         wanted |= found
@@ -239,17 +328,27 @@ def _match_patterns(mechanism: Mechanism, patterns: str, read: tuple[str, ...]) 
 
 def _note_left_out(
     mechanism: Mechanism, patterns: str, names: Sequence[str], read: tuple[str, ...]
-) -> tuple[str, ...]:  # fmt: skip
+) -> tuple[str, ...]:
     """Note what the patterns match and the declared motion binds."""
     every = bound_by_motion(mechanism, read)
-    bound = every if patterns == ALL_PARAMETERS else frozenset(_match_patterns(mechanism, patterns, read))
-    missing = [name for name in geometry_parameters(mechanism, read) if name in bound and name not in names]
+    bound = (
+        every
+        if patterns == ALL_PARAMETERS
+        else frozenset(_match_patterns(mechanism, patterns, read))
+    )
+    missing = [
+        name for name in geometry_parameters(mechanism, read) if name in bound and name not in names
+    ]
     if not missing:
         return ()
     if mechanism.motion == "spatial":
-        return (f"not identified, since a planar or spherical loop could no longer move: {first_of(missing)}",)
+        return (
+            f"not identified, since a planar or spherical loop could no longer move: "
+            f"{first_of(missing)}",
+        )
     return (
-        f"not identified, bound by the {mechanism.motion} motion of the platform: {first_of(missing)}; to identify them, declare the "
+        f"not identified, bound by the {mechanism.motion} motion of the platform: "
+        f"{first_of(missing)}; to identify them, declare the "
         "motion spatial",
     )
 
@@ -260,24 +359,37 @@ def _list_names(names: Sequence[str]) -> str:
         return ", ".join(names)
     endings = dict.fromkeys(".".join(name.split(".")[1:]) for name in names)
     begins = list(dict.fromkeys(name.split(".")[0] for name in names))
-    kinds = [next(n for n in names if n.split(".", 1)[1:] == [ending]) for ending in list(endings)[:_MAX_LISTED_NAMES] if ending]
+    kinds = [
+        next(n for n in names if n.split(".", 1)[1:] == [ending])
+        for ending in list(endings)[:_MAX_LISTED_NAMES]
+        if ending
+    ]
     more = len(begins) - _MAX_LISTED_NAMES
-    return f"{', '.join(kinds)}, ... of {', '.join(begins[:_MAX_LISTED_NAMES])}" + (f" and {more} more" if more > 0 else "")
+    return f"{', '.join(kinds)}, ... of {', '.join(begins[:_MAX_LISTED_NAMES])}" + (
+        f" and {more} more" if more > 0 else ""
+    )
 
 
 def frame_names(mechanism: Mechanism, frames: str) -> tuple[str, ...]:
-    """Name the parameters that a choice of frames holds: none for "least"; for "joints:leg1,leg2,leg6/leg1,leg2" the platform
-    frame in the first limb's joint, x through the second's, the xy plane through the third's; the base frame in the joint of
-    the first limb after the slash, x towards the second's, z against gravity."""
+    """Name the parameters that a choice of frames holds: none for "least"; for
+    "joints:leg1,leg2,leg6/leg1,leg2" the platform frame in the first limb's joint, x through the
+    second's, the xy plane through the third's; the base frame in the joint of the first limb after
+    the slash, x towards the second's, z against gravity.
+    """
     if frames == LEAST_CHANGE:
         return ()
     kind, _, limbs = frames.partition(":")
     platform, _, base = limbs.partition("/")
     if kind != "joints" or not base:
         raise InputError(
-            f"frames = {frames!r} is unknown; allowed: {LEAST_CHANGE}, or joints:P1,P2,P3/B1,B2 with names of rod limbs"
+            f"frames = {frames!r} is unknown; allowed: {LEAST_CHANGE}, or joints:P1,P2,P3/B1,B2 "
+            f"with names of rod limbs"
         )
-    return joint_frames(mechanism, tuple(s.strip() for s in platform.split(",")), tuple(s.strip() for s in base.split(",")))
+    return joint_frames(
+        mechanism,
+        tuple(s.strip() for s in platform.split(",")),
+        tuple(s.strip() for s in base.split(",")),
+    )
 
 
 def calibrated_mechanism(report: FitReport) -> Mechanism:

@@ -16,7 +16,11 @@ from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.judge.euler_sequence import SequenceChoice
 from symkin.calibration.judge.fit_notes import is_exact
 from symkin.calibration.judge.holdout import HeldOut
-from symkin.calibration.judge.plausibility import Departure, describe_other_machine, is_other_machine
+from symkin.calibration.judge.plausibility import (
+    Departure,
+    describe_other_machine,
+    is_other_machine,
+)
 from symkin.calibration.judge.pose_accuracy import PoseSigma
 from symkin.calibration.judge.result import Calibration, Parameter, unit_of, value_out
 from symkin.calibration.judge.statistics import SIGNIFICANCE
@@ -31,9 +35,10 @@ _MAX_OUTSIDE_SHARE = 0.2
 
 @dataclass(frozen=True, eq=False)
 class FitReport:
-    """A fit with what its user must know besides: where the data came from, the Euler sequence that was found, mistakes that
-    may explain readings which do not fit, the pose's standard deviation, how far the geometry went from the file's, and why
-    it is not to be used."""
+    """A fit with what its user must know besides: where the data came from, the Euler sequence that
+    was found, mistakes that may explain readings which do not fit, the pose's standard deviation,
+    how far the geometry went from the file's, and why it is not to be used.
+    """
 
     fit: Calibration
     data: str
@@ -48,10 +53,17 @@ class FitReport:
 
     @property
     def usable(self) -> bool:
-        """Whether the fit converged, every combination that moves poses was observable, and the readings fit the geometry (no
-        `refusal`)."""
+        """Whether the fit converged, every combination that moves poses was observable, and the
+        readings fit the geometry (no `refusal`).
+        """
         fit = self.fit
-        return fit.status == "ok" and fit.refused is None and not self.sigma.blind and bool(fit.used) and self.refusal is None
+        return (
+            fit.status == "ok"
+            and fit.refused is None
+            and not self.sigma.blind
+            and bool(fit.used)
+            and self.refusal is None
+        )
 
     @property
     def believable(self) -> bool:
@@ -69,11 +81,20 @@ class FitReport:
         """One sentence: believable, or why not."""
         if self.believable:
             sure = (
-                "the residuals are as the stated noise lets expect" if self.fit.p_value is not None else "the noise is not known"
+                "the residuals are as the stated noise lets expect"
+                if self.fit.p_value is not None
+                else "the noise is not known"
             )
-            other = f"; {describe_other_machine(self.fit, self.departure)}" if is_other_machine(self.fit, self.departure) else ""
+            other = (
+                f"; {describe_other_machine(self.fit, self.departure)}"
+                if is_other_machine(self.fit, self.departure)
+                else ""
+            )
             if self.held_out is not None and self.held_out.p_value is not None:
-                shown = f"{len(self.held_out.labels)} held-out postures are predicted as well as it lets expect"
+                shown = (
+                    f"{len(self.held_out.labels)} held-out postures are predicted as well as it "
+                    f"lets expect"
+                )
                 link = "and" if self.fit.p_value is not None else "but"
                 return f"believable: {sure}, {link} {shown}{other}"
             if self.fit.p_value is not None:
@@ -83,7 +104,10 @@ class FitReport:
         if self.fit.status != "ok":
             return f"NOT USABLE: the fit did not converge ({self.fit.status}){why}"
         if self.sigma.blind:
-            return f"NOT USABLE: the readings do not determine the geometry; see what is not observable{why}"
+            return (
+                f"NOT USABLE: the readings do not determine the geometry; see what is not "
+                f"observable{why}"
+            )
         if self.refusal is not None:
             return f"NOT USABLE: {self.refusal}{'' if why[2:] in self.refusal else why}"
         if self.fit.refused is not None:
@@ -95,14 +119,21 @@ class FitReport:
         if fit.degrees <= 0:
             return "no degree of freedom is left to check it; add postures"
         if fit.p_value is not None and is_exact(fit):
-            return "the residuals are rounding only, far below the stated noise: a plan, or a simulation without noise?"
+            return (
+                "the residuals are rounding only, far below the stated noise: a plan, or a "
+                "simulation without noise?"
+            )
         if fit.p_value is not None and fit.p_value >= 1.0 - SIGNIFICANCE:
             return (
-                f"chi-square per degree of freedom is only {fit.chi_square / fit.degrees:.3g}; the stated noise is too large, and the "
+                f"chi-square per degree of freedom is only {fit.chi_square / fit.degrees:.3g}; the "
+                f"stated noise is too large, and the "
                 "standard deviations with it"
             )
         if fit.p_value is not None and fit.p_value <= SIGNIFICANCE:
-            return f"chi-square per degree of freedom is {fit.chi_square / fit.degrees:.3g}; noise larger than stated, outliers, or a model that lacks something"
+            return (
+                f"chi-square per degree of freedom is {fit.chi_square / fit.degrees:.3g}; noise "
+                f"larger than stated, outliers, or a model that lacks something"
+            )
         if fit.given_up:
             return "too many readings do not belong; see the notes"
         if fit.unsolved:
@@ -112,7 +143,10 @@ class FitReport:
         if self.sequence is not None and not self.sequence.clear:
             return "these data cannot tell the Euler sequence: several fit almost equally"
         if not fit.identifiability.is_clear:
-            return "the rank is not clear: something is told by the readings to second order only; hold it, or choose postures that differ more"
+            return (
+                "the rank is not clear: something is told by the readings to second order only; "
+                "hold it, or choose postures that differ more"
+            )
         return "see the notes"
 
     @property
@@ -136,11 +170,16 @@ class FitReport:
         sigma, m = self.sigma.about_home, self.fit.mechanism
         if sigma is None or not self.usable or np.mean(sigma.outside) <= _MAX_OUTSIDE_SHARE:
             return ()
-        there, inside = (float(np.max(sigma.position[part], initial=0.0)) for part in (sigma.outside, ~sigma.outside))
+        there, inside = (
+            float(np.max(sigma.position[part], initial=0.0))
+            for part in (sigma.outside, ~sigma.outside)
+        )
         elsewhere = "" if np.all(sigma.outside) else f" and {inside:.3g} {m.length_unit} elsewhere"
         return (
-            f"{int(np.sum(sigma.outside))} of {len(sigma.outside)} poses of the workspace about home need joint values beyond those measured: the "
-            f"largest standard deviation of the position is {there:.3g} {m.length_unit} there{elsewhere}; "
+            f"{int(np.sum(sigma.outside))} of {len(sigma.outside)} poses of the workspace about "
+            f"home need joint values beyond those measured: the "
+            f"largest standard deviation of the position is {there:.3g} {m.length_unit} "
+            f"there{elsewhere}; "
             "no reading has tested the model there; measure as far as the mechanism is used",
         )
 
@@ -154,7 +193,7 @@ class FitReport:
         """List the frames between the mechanism and what was measured that were identified."""
         return [p for p in self.fit.parameters if p.name in MEASURING_FRAMES and not p.held]
 
-    # --- text ------------------------------------------------------------------------------------------------------
+    # --- text -------------------------------------------------------------------------------------
 
     def summary(self) -> str:
         """Write what the terminal shows."""
@@ -162,28 +201,40 @@ class FitReport:
         p = "" if fit.p_value is None else f", probability {fit.p_value:.3g}"
         lines = [
             f"{fit.mechanism.name}: {self.verdict}",
-            f"  {fit.status} after {fit.iterations} iterations, {len(fit.used)} of {len(fit.measurements)} postures, "
+            f"  {fit.status} after {fit.iterations} iterations, {len(fit.used)} of "
+            f"{len(fit.measurements)} postures, "
             f"chi-square {fit.chi_square:.4g} with {fit.degrees} degrees of freedom{p}",
-            f"  rank {found.rank} of {len(found.names)} parameters, condition {found.condition:.3g}",
+            f"  rank {found.rank} of {len(found.names)} parameters, condition "
+            f"{found.condition:.3g}",
         ]
         if self.fit.frames:
             lines.append(f"  frames held by the least change: {_short(self.fit.frames, 10)}")
         missing = "NOT OBSERVABLE" if self.sigma.blind else "not observable, moves no pose"
         lines += [f"  {missing}: {text}" for text in self.fit.unobservable[:_MAX_SHOWN]]
         if len(self.fit.unobservable) > _MAX_SHOWN:
-            lines.append(f"  and {len(self.fit.unobservable) - _MAX_SHOWN} more combinations (report.md)")
+            lines.append(
+                f"  and {len(self.fit.unobservable) - _MAX_SHOWN} more combinations (report.md)"
+            )
         if self.fit.unobservable:
-            lines.append(f"  {len(found.base_set)} parameters are a base set, for --parameters (report.md)")
+            lines.append(
+                f"  {len(found.base_set)} parameters are a base set, for --parameters (report.md)"
+            )
         lines += [f"  to do: {text}" for text in found.advice]
         lines += ["  " + self.residual_text(), "  " + self.sigma_text()]
         lines += [f"  {text}" for text in self.held_out_texts()]
         lines.append(
-            f"  the geometry's poses differ from the file's by {100 * self.departure.share:.2g} % of their spread (frames aligned)"
+            f"  the geometry's poses differ from the file's by {100 * self.departure.share:.2g} % "
+            f"of their spread (frames aligned)"
         )
-        changed = [f"{q.name} {_value(self, q, q.change, sign=True)}" for q in self.changes()[:_MAX_SHOWN]]
+        changed = [
+            f"{q.name} {_value(self, q, q.change, sign=True)}" for q in self.changes()[:_MAX_SHOWN]
+        ]
         if changed:
             lines.append(f"  largest changes: {', '.join(changed)}")
-        if placed := [f"{q.name} {_out(self, q, q.value):.7g} {_unit(self, q)}" for q in self.measuring_frames()]:
+        if placed := [
+            f"{q.name} {_out(self, q, q.value):.7g} {_unit(self, q)}"
+            for q in self.measuring_frames()
+        ]:
             lines.append(f"  measuring frames: {', '.join(placed)}")
         for o in fit.outliers[:_MAX_SHOWN]:
             lines.append(f"  outlier: {o.reason}")
@@ -203,12 +254,19 @@ class FitReport:
         if self.fit.degrees <= 0 and self.fit.p_value is None:
             return "standard deviation of poses: unknown, no degree of freedom is left"
         stated = ""
-        if self.fit.p_value is not None and not SIGNIFICANCE < self.fit.p_value < 1.0 - SIGNIFICANCE:
+        if (
+            self.fit.p_value is not None
+            and not SIGNIFICANCE < self.fit.p_value < 1.0 - SIGNIFICANCE
+        ):
             times = math.sqrt(self.fit.chi_square / self.fit.degrees)
-            stated = f"; with the noise as stated, while the residuals are {times:.3g} times as large"
+            stated = (
+                f"; with the noise as stated, while the residuals are {times:.3g} times as large"
+            )
         return (
-            f"standard deviation of poses in aligned frames ({self.sigma.where}): rms {_rms(self.sigma.position):.3g} {m.length_unit} and "
-            f"{m.angle_out(_rms(self.sigma.angle)):.3g} {m.angle_unit}, largest {self.sigma.position.max():.3g} {m.length_unit} and "
+            f"standard deviation of poses in aligned frames ({self.sigma.where}): rms "
+            f"{_rms(self.sigma.position):.3g} {m.length_unit} and "
+            f"{m.angle_out(_rms(self.sigma.angle)):.3g} {m.angle_unit}, largest "
+            f"{self.sigma.position.max():.3g} {m.length_unit} and "
             f"{m.angle_out(float(self.sigma.angle.max())):.3g} {m.angle_unit}{stated}"
         )
 
@@ -229,58 +287,100 @@ class FitReport:
         if held is None:
             return []
         parts = [
-            f"{kind} {_of_kind(self, kind, rms):.3g} (expected {_of_kind(self, kind, held.expected[kind]):.3g}) {_unit_of_kind(self, kind)}"
+            f"{kind} {_of_kind(self, kind, rms):.3g} (expected "
+            f"{_of_kind(self, kind, held.expected[kind]):.3g}) {_unit_of_kind(self, kind)}"
             for kind, rms in held.rms.items()
         ]
         p = "" if held.p_value is None else f", probability {held.p_value:.3g}"
         lines = [
-            f"held out, at random with seed {held.seed}: {len(held.labels)} postures, errors of the prediction, rms: {', '.join(parts)}; "
+            f"held out, at random with seed {held.seed}: {len(held.labels)} postures, errors of "
+            f"the prediction, rms: {', '.join(parts)}; "
             f"chi-square {held.chi_square:.4g} with {held.degrees} degrees of freedom{p}"
         ]
         if held.outliers:
-            lines.append(f"held-out postures that are outliers, left out of that chi-square: {_short(held.outliers, _MAX_SHOWN)}")
+            lines.append(
+                f"held-out postures that are outliers, left out of that chi-square: "
+                f"{_short(held.outliers, _MAX_SHOWN)}"
+            )
         if held.unsolved:
-            lines.append(f"held-out postures whose direct problem has no solution: {_short(held.unsolved, _MAX_SHOWN)}")
+            lines.append(
+                f"held-out postures whose direct problem has no solution: "
+                f"{_short(held.unsolved, _MAX_SHOWN)}"
+            )
         return lines
 
     def to_dict(self, *, residuals: bool = True) -> dict[str, Any]:
-        """Return the JSON object of the report, with or without `residuals`; lengths in the mechanism's unit, angles in its
-        angle unit."""
+        """Return the JSON object of the report, with or without `residuals`; lengths in the
+        mechanism's unit, angles in its angle unit.
+        """
         fit, m = self.fit, self.fit.mechanism
         return {
-            "mechanism": m.name, "data": self.data, "command": self.command, "length_unit": m.length_unit, "angle_unit": m.angle_unit,
-            "verdict": self.verdict, "believable": self.believable, "usable": self.usable, **fit.figures(),
-            "euler_sequence": None if self.sequence is None or not self._fits else {
-                "sequence": self.sequence.sequence, "same": list(self.sequence.same), "chi_square": self.sequence.chi_square,
-                "runner_up": self.sequence.runner_up, "runner_up_chi_square": finite(self.sequence.runner_up_chi_square),
-                "clear": self.sequence.clear
+            "mechanism": m.name,
+            "data": self.data,
+            "command": self.command,
+            "length_unit": m.length_unit,
+            "angle_unit": m.angle_unit,
+            "verdict": self.verdict,
+            "believable": self.believable,
+            "usable": self.usable,
+            **fit.figures(),
+            "euler_sequence": None
+            if self.sequence is None or not self._fits
+            else {
+                "sequence": self.sequence.sequence,
+                "same": list(self.sequence.same),
+                "chi_square": self.sequence.chi_square,
+                "runner_up": self.sequence.runner_up,
+                "runner_up_chi_square": finite(self.sequence.runner_up_chi_square),
+                "clear": self.sequence.clear,
             },
             "departure": {
-                "share": finite(self.departure.share), "position": self.departure.position, "angle": m.angle_out(self.departure.angle), "open": self.departure.unclosed,
-                "postures": self.departure.configurations
+                "share": finite(self.departure.share),
+                "position": self.departure.position,
+                "angle": m.angle_out(self.departure.angle),
+                "open": self.departure.unclosed,
+                "postures": self.departure.configurations,
             },
             **fit.findings(),
-            "pose_sigma": None if not self.usable else {
-                "where": self.sigma.where, "position_rms": _rms(self.sigma.position), "position_largest": float(self.sigma.position.max()),
-                "angle_rms": m.angle_out(_rms(self.sigma.angle)), "angle_largest": m.angle_out(float(self.sigma.angle.max()))
+            "pose_sigma": None
+            if not self.usable
+            else {
+                "where": self.sigma.where,
+                "position_rms": _rms(self.sigma.position),
+                "position_largest": float(self.sigma.position.max()),
+                "angle_rms": m.angle_out(_rms(self.sigma.angle)),
+                "angle_largest": m.angle_out(float(self.sigma.angle.max())),
             },
-            "held_out": None if self.held_out is None else {
-                "postures": list(self.held_out.labels), "seed": self.held_out.seed, "chi_square": self.held_out.chi_square,
-                "degrees": self.held_out.degrees, "p_value": finite(self.held_out.p_value),
+            "held_out": None
+            if self.held_out is None
+            else {
+                "postures": list(self.held_out.labels),
+                "seed": self.held_out.seed,
+                "chi_square": self.held_out.chi_square,
+                "degrees": self.held_out.degrees,
+                "p_value": finite(self.held_out.p_value),
                 "rms": {kind: _of_kind(self, kind, rms) for kind, rms in self.held_out.rms.items()},
-                "expected_rms": {kind: _of_kind(self, kind, rms) for kind, rms in self.held_out.expected.items()},
-                "outliers": list(self.held_out.outliers), "unsolved": list(self.held_out.unsolved)
+                "expected_rms": {
+                    kind: _of_kind(self, kind, rms) for kind, rms in self.held_out.expected.items()
+                },
+                "outliers": list(self.held_out.outliers),
+                "unsolved": list(self.held_out.unsolved),
             },
-            "suspicions": list(self.suspicions), "notes": list(self.all_notes), "elapsed_s": fit.elapsed_s,
+            "suspicions": list(self.suspicions),
+            "notes": list(self.all_notes),
+            "elapsed_s": fit.elapsed_s,
             "residuals": list(fit.residual_rows()) if residuals else [],
-        }  # fmt: skip
+        }
 
     def json_text(self) -> bytes:
-        """Write `to_dict` as a file's content, residuals a line each: objects of many configurations would take more memory
-        than all else."""
+        """Write `to_dict` as a file's content, residuals a line each: objects of many
+        configurations would take more memory than all else.
+        """
         head = json.dumps(self.to_dict(residuals=False), indent=1, allow_nan=False)
         begin, _, end = head.rpartition("[]")
-        rows = b",\n  ".join(json.dumps(row, allow_nan=False).encode() for row in self.fit.residual_rows())
+        rows = b",\n  ".join(
+            json.dumps(row, allow_nan=False).encode() for row in self.fit.residual_rows()
+        )
         return begin.encode() + b"[\n  " + rows + b"\n ]" + end.encode() + b"\n"
 
     def to_markdown(self, files: Sequence[Path]) -> str:
@@ -306,22 +406,41 @@ class FitReport:
             "|---|---|---|---|---|---|",
         ]
         for q in fit.parameters:
-            sigma = "held" if q.held else "unknown" if q.sigma is None else f"{_out(self, q, q.sigma):.2g}"
+            sigma = (
+                "held"
+                if q.held
+                else "unknown"
+                if q.sigma is None
+                else f"{_out(self, q, q.sigma):.2g}"
+            )
             lines.append(
-                f"| {markdown(q.name)} | {_unit(self, q)} | {_out(self, q, q.nominal):.9g} | {_out(self, q, q.value):.9g} | {sigma} | "
+                f"| {markdown(q.name)} | {_unit(self, q)} | {_out(self, q, q.nominal):.9g} | "
+                f"{_out(self, q, q.value):.9g} | {sigma} | "
                 f"{_out(self, q, q.change):+.3g} |"
             )
-        lines += ["", "Parameters along what is not observable are held by the least change from nominal.", ""]
+        lines += [
+            "",
+            "Parameters along what is not observable are held by the least change from nominal.",
+            "",
+        ]
         lines += ["## Observability", "", f"Rank {fit.rank} of {len(fit.identifiability.names)}."]
         lines += [f"- frame: {markdown(text)}" for text in self.fit.frames]
         lines += [f"- **not observable**: {markdown(text)}" for text in self.fit.unobservable]
         lines += [f"- to do: {markdown(text)}" for text in fit.identifiability.advice]
         if fit.identifiability.unobservable:
             names = ",".join(fit.identifiability.base_set)
-            lines += ["", "A base set, which these readings tell whole where the other parameters are held:", ""]
+            lines += [
+                "",
+                "A base set, which these readings tell whole where the other parameters are held:",
+                "",
+            ]
             lines += ["```text", f"--parameters {names}", "```"]
-        lines += ["", "## Outliers", ""] + ([f"- {markdown(o.reason)}" for o in fit.outliers] or ["None."])
-        lines += ["", "## Notes", ""] + ([f"- {markdown(note)}" for note in self.all_notes] or ["None."])
+        lines += ["", "## Outliers", ""] + (
+            [f"- {markdown(o.reason)}" for o in fit.outliers] or ["None."]
+        )
+        lines += ["", "## Notes", ""] + (
+            [f"- {markdown(note)}" for note in self.all_notes] or ["None."]
+        )
         return "\n".join(lines) + "\n"
 
 
@@ -331,7 +450,9 @@ def _rms(values: np.ndarray) -> float:
 
 def _of_kind(report: FitReport, kind: str, value: float) -> float:
     """A reading's value in the mechanism's unit."""
-    return report.fit.mechanism.angle_out(value) if is_angular(report.fit.mechanism, kind) else value
+    return (
+        report.fit.mechanism.angle_out(value) if is_angular(report.fit.mechanism, kind) else value
+    )
 
 
 def _unit_of_kind(report: FitReport, kind: str) -> str:
@@ -349,7 +470,9 @@ def _out(report: FitReport, q: Parameter, value: float) -> float:
 
 def _value(report: FitReport, q: Parameter, value: float, *, sign: bool = False) -> str:
     unit = _unit(report, q)
-    return f"{_out(report, q, value):{'+' if sign else ''}.3g}" + ("" if unit == "1" else f" {unit}")
+    return f"{_out(report, q, value):{'+' if sign else ''}.3g}" + (
+        "" if unit == "1" else f" {unit}"
+    )
 
 
 def _short(items: Sequence[str], most: int) -> str:

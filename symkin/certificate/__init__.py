@@ -1,1 +1,3 @@
-"""Proofs by ball arithmetic that approximate roots stand for exact ones, and theorems that bound their number."""
+"""Proofs by ball arithmetic that approximate roots stand for exact ones, and theorems that bound
+their number.
+"""

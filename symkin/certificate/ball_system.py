@@ -1,4 +1,6 @@
-"""A system's rows and their derivatives over balls, by its graph or, where the rows are quadratic, by matrix products."""
+"""A system's rows and their derivatives over balls, by its graph or, where the rows are quadratic,
+by matrix products.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,9 @@ from symkin.numeric.balls import BallFunction, Number, Part, Ring, raise_constan
 class BallSystem:
     """F(z, k) and dF/dz over balls, at known values k that are doubles, taken as exact, or balls.
 
-    Rows with a second derivative that does not depend on z, F_i = z.A_i z / 2 + b_i.z + c_i, are evaluated from A, b and c,
-    which are enclosed once: dF/dz = A z + b and F = (dF/dz + b) z / 2 + c.
+    Rows with a second derivative that does not depend on z, F_i = z.A_i z / 2 + b_i.z + c_i, are
+    evaluated from A, b and c, which are enclosed once: dF/dz = A z + b and F = (dF/dz + b) z / 2 +
+    c.
     """
 
     system: AlgebraicSystem
@@ -72,8 +75,14 @@ class BallSystem:
             graph = _graph(self.system)
             prepared = graph.prepare(ring, self.known)
             if _is_quadratic(self.system):
-                sizes = ((self.count * self.width, self.width), (self.count * self.width, 1), (self.count, 1))
-                prepared = [ring.matrix(*s, graph.evaluate(i, (), prepared)) for i, s in enumerate(sizes)]
+                sizes = (
+                    (self.count * self.width, self.width),
+                    (self.count * self.width, 1),
+                    (self.count, 1),
+                )
+                prepared = [
+                    ring.matrix(*s, graph.evaluate(i, (), prepared)) for i, s in enumerate(sizes)
+                ]
             self._prepared[key] = prepared
         return self._prepared[key]
 
@@ -87,5 +96,7 @@ def _is_quadratic(system: AlgebraicSystem) -> bool:
 @lru_cache(maxsize=64)
 def _graph(system: AlgebraicSystem) -> BallFunction:
     """Rows and first derivatives; of quadratic rows the coefficients A, b, c."""
-    parts: tuple[Part, ...] = ("second", "first", "constant") if _is_quadratic(system) else ("value", "slope")
+    parts: tuple[Part, ...] = (
+        ("second", "first", "constant") if _is_quadratic(system) else ("value", "slope")
+    )
     return BallFunction(system.z, system.k, system.rows, parts)

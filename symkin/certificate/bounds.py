@@ -1,9 +1,10 @@
 """Theorems that bound the number of solutions, and what makes a list of them complete.
 
-Each theorem is about a family in which the configuration x and the geometry p move freely and the known values follow: the
-pairs (x, known) of the closure form an irreducible variety of the dimension of the known values and p, and over generic
-ones there are `count` solutions x. If so many different regular ones are found for a member of the family, there is no
-other, isolated or not: near another, a curve in the variety would lead to generic members with one solution more.
+Each theorem is about a family in which the configuration x and the geometry p move freely and the
+known values follow: the pairs (x, known) of the closure form an irreducible variety of the
+dimension of the known values and p, and over generic ones there are `count` solutions x. If so many
+different regular ones are found for a member of the family, there is no other, isolated or not:
+near another, a curve in the variety would lead to generic members with one solution more.
 """
 
 from __future__ import annotations
@@ -36,22 +37,27 @@ class Theorem:
 
 SIX_DISTANCES = Theorem(
     40,
-    "poses of a body with six points at given distances from six points, in SE(3) over the complex numbers",
-    "F. Ronga, T. Vust, Stewart platforms without computer?, Trento 1992 (de Gruyter 1995, 197-212); "
+    "poses of a body with six points at given distances from six points, in SE(3) over the "
+    "complex numbers",
+    "F. Ronga, T. Vust, Stewart platforms without computer?, Trento 1992 (de Gruyter 1995, "
+    "197-212); "
     "B. Mourrain, The 40 generic positions of a parallel robot, ISSAC 1993, 173-182",
 )
 SIX_REVOLUTE = Theorem(
     16,
-    "joint angles of an arm of six revolute joints with a given tool pose, over the complex numbers modulo whole turns",
-    "E. J. F. Primrose, Mech. Mach. Theory 21 (1986) 509-510; H.-Y. Lee, C.-G. Liang, Mech. Mach. Theory 23 (1988) 219-226; "
+    "joint angles of an arm of six revolute joints with a given tool pose, over the complex "
+    "numbers modulo whole turns",
+    "E. J. F. Primrose, Mech. Mach. Theory 21 (1986) 509-510; H.-Y. Lee, C.-G. Liang, Mech. Mach. "
+    "Theory 23 (1988) 219-226; "
     "M. Raghavan, B. Roth, J. Mech. Des. 115 (1993) 502-508",
 )
 
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """A theorem, the system to certify for it, and its known values for those (m, known) of the problem's instances (length
-    unit, radians)."""
+    """A theorem, the system to certify for it, and its known values for those (m, known) of the
+    problem's instances (length unit, radians).
+    """
 
     theorem: Theorem
     system: AlgebraicSystem
@@ -73,13 +79,20 @@ def bound_of(problem: Problem, system: AlgebraicSystem) -> Bound | None:
     if degree is None:
         return None
     least = system.unknowns[0].least is not None
-    text = f"{system.unknowns[0].name} alone, by a polynomial of degree {degree}" + (" in the square of the length" * least)
-    return Bound(Theorem((degree + 1) // 2 if least else degree, text, "fundamental theorem of algebra"), system, knowns)
+    text = f"{system.unknowns[0].name} alone, by a polynomial of degree {degree}" + (
+        " in the square of the length" * least
+    )
+    return Bound(
+        Theorem((degree + 1) // 2 if least else degree, text, "fundamental theorem of algebra"),
+        system,
+        knowns,
+    )
 
 
 def proves(certificates: Certificates, bound: Bound) -> bool:
-    """Whether the certified roots are all solutions that there are, and each is known to be real or not: they are as many
-    as the theorem allows, proved to be different from each other, and poses."""
+    """Whether the certified roots are all solutions that there are, and each is known to be real or
+    not: they are as many as the theorem allows, proved to be different from each other, and poses.
+    """
     return bool(
         certificates.system is bound.system
         and certificates.certified.all()
@@ -89,13 +102,15 @@ def proves(certificates: Certificates, bound: Bound) -> bool:
     )
 
 
-# --- one row in one unknown --------------------------------------------------------------------------------------
+# --- one row in one unknown -----------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class _Degree:
-    """What is known of an intermediate value as a function of the unknown z: its degree as a polynomial in z, or, with
-    `turning`, as one in exp(i z) and exp(-i z); `slope`, if it is slope z + something that z does not enter."""
+    """What is known of an intermediate value as a function of the unknown z: its degree as a
+    polynomial in z, or, with `turning`, as one in exp(i z) and exp(-i z); `slope`, if it is slope
+    z + something that z does not enter.
+    """
 
     degree: int = 0
     turning: bool = False
@@ -103,8 +118,10 @@ class _Degree:
 
 
 def univariate_degree(system: AlgebraicSystem) -> int | None:
-    """The degree of a single row as a polynomial in its single unknown z, or, for an angle, twice that in exp(i z): a bound on
-    its roots, modulo whole turns. None where the system is no such row."""
+    """The degree of a single row as a polynomial in its single unknown z, or, for an angle, twice
+    that in exp(i z): a bound on its roots, modulo whole turns. None where the system is no such
+    row.
+    """
     if system.width != 1 or system.count != 1 or system.projective:
         return None
     function = ca.Function("f", [system.z, system.k], [ca.densify(system.rows)], {"cse": True})
@@ -122,7 +139,11 @@ def univariate_degree(system: AlgebraicSystem) -> int | None:
             if degree is None:
                 return None
             work[o[0]] = (degree, None)
-    if result is None or result.degree == 0 or (result.turning and system.unknowns[0].kind != "angle"):
+    if (
+        result is None
+        or result.degree == 0
+        or (result.turning and system.unknowns[0].kind != "angle")
+    ):
         return None
     return 2 * result.degree if result.turning else result.degree
 
@@ -139,7 +160,13 @@ def _degree_of(op: int, operands: list[tuple[_Degree, float | None]]) -> _Degree
     slopes = [d.slope for d in degrees]
     if op in (ca.OP_ADD, ca.OP_SUB):
         first, second = slopes
-        slope = None if first is None or second is None else first + second if op == ca.OP_ADD else first - second
+        slope = (
+            None
+            if first is None or second is None
+            else first + second
+            if op == ca.OP_ADD
+            else first - second
+        )
         return _Degree(max(d.degree for d in degrees), turning, None if turning else slope)
     if op in (ca.OP_NEG, ca.OP_TWICE, ca.OP_ASSIGN):
         factor = {ca.OP_NEG: -1, ca.OP_TWICE: 2}.get(op, 1)

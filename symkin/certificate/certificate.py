@@ -1,12 +1,14 @@
 """Certificates: proofs that approximate roots of F(z, k) = 0 stand for exact ones.
 
-The known values k and the constants of the system's graph are taken as the exact doubles that they are (k may also be given as
-balls or discs: the proof then holds for every k in them). What is proved of a root: it exists within a stated radius and is the
-only one there, it is regular, it is real or it is not, it is a pose (e.e is not zero), and it is none of the other roots of its
-instance: neither by whole turns of angles, nor by the scale of a ray, nor by the sign of a rod's length.
+The known values k and the constants of the system's graph are taken as the exact doubles that they
+are (k may also be given as balls or discs: the proof then holds for every k in them). What is
+proved of a root: it exists within a stated radius and is the only one there, it is regular, it is
+real or it is not, it is a pose (e.e is not zero), and it is none of the other roots of its
+instance: neither by whole turns of angles, nor by the scale of a ray, nor by the sign of a rod's
+length.
 
-All points are proved together in double precision with bounds of every rounding (`quick_test`); what that leaves open is proved
-point by point in ball arithmetic (`open_points`).
+All points are proved together in double precision with bounds of every rounding (`quick_test`);
+what that leaves open is proved point by point in ball arithmetic (`open_points`).
 """
 
 from __future__ import annotations
@@ -23,7 +25,15 @@ from symkin.certificate.knowns import Knowns
 from symkin.certificate.krawczyk import Box, box_about
 from symkin.certificate.open_points import prove_points
 from symkin.certificate.quick_test import enclose_all
-from symkin.certificate.separation import Features, are_apart, are_not_real, distinct_boxes, features, is_pose, not_real
+from symkin.certificate.separation import (
+    Features,
+    are_apart,
+    are_not_real,
+    distinct_boxes,
+    features,
+    is_pose,
+    not_real,
+)
 from symkin.computed_once import cached_property
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import COMPLEX, REAL, UP, Number, precision
@@ -31,8 +41,9 @@ from symkin.numeric.balls import COMPLEX, REAL, UP, Number, precision
 _DOUBLE = 53
 """Bits of what is computed with balls around the proofs."""
 _FARTHEST = 1e-7
-"""A root farther than this from the given point (unit ray, angles, lengths over size) is not what was given; a point with a
-smaller imaginary part is tried as a real one."""
+"""A root farther than this from the given point (unit ray, angles, lengths over size) is not what
+was given; a point with a smaller imaginary part is tried as a real one.
+"""
 _REALITY = np.array(["unknown", "real", "not real"])
 _DIAGONAL = 1.4143
 """At least half the diagonal of a square over half its side."""
@@ -42,12 +53,14 @@ _DIAGONAL = 1.4143
 class Certificates:
     """What is proved of the n roots of one instance.
 
-    `certified` (n,): one regular root lies in the box |Re (z_j - centre_j)|, |Im (z_j - centre_j)| <= ball about `centre`
-    (width, n); of a ray, the representative x with conj(g).(x - c) = 0, g the given unit ray and c the centre. Where the
-    root is real the box is one of real points. `radius` (n,), length unit: how far the root is from the given point in any
-    coordinate: lengths, position, and angles and unit quaternion times the size; for a root that is not proved real, in z
-    times the size. `real` (n,): "real", "not real" or "unknown". `pose` (n,): e.e is not zero. `distinct`: so many of the
-    certified roots are proved to differ from each other. `reasons` (n,): why a root is not certified, else empty.
+    `certified` (n,): one regular root lies in the box |Re (z_j - centre_j)|, |Im (z_j -
+    centre_j)| <= ball about `centre` (width, n); of a ray, the representative x with conj(g).(x -
+    c) = 0, g the given unit ray and c the centre. Where the root is real the box is one of real
+    points. `radius` (n,), length unit: how far the root is from the given point in any coordinate:
+    lengths, position, and angles and unit quaternion times the size; for a root that is not proved
+    real, in z times the size. `real` (n,): "real", "not real" or "unknown". `pose` (n,): e.e is not
+    zero. `distinct`: so many of the certified roots are proved to differ from each other. `reasons`
+    (n,): why a root is not certified, else empty.
     """
 
     system: AlgebraicSystem
@@ -78,17 +91,23 @@ class Certificates:
         return self.distinct == int(np.sum(self.certified))
 
     def find(self, point: np.ndarray) -> tuple[int, float] | None:
-        """The certified real root at a real point (width,), such as one with other whole turns, scale or sign of a length,
-        or one that was polished on other rows: its index, and `radius` about that point. None where there is none."""
-        index, radius = self.batch.find(np.asarray(point, dtype=complex)[:, None], np.array([self.instance]))
+        """The certified real root at a real point (width,), such as one with other whole turns,
+        scale or sign of a length, or one that was polished on other rows: its index, and `radius`
+        about that point. None where there is none.
+        """
+        index, radius = self.batch.find(
+            np.asarray(point, dtype=complex)[:, None], np.array([self.instance])
+        )
         return None if index[0] < 0 else (int(index[0]) - self._rows.start, float(radius[0]))
 
 
 @dataclass(frozen=True, eq=False)
 class CertificateBatch:
-    """What is proved of n roots of m instances: arrays as in `Certificates`, `distinct` (m,) for each instance.
+    """What is proved of n roots of m instances: arrays as in `Certificates`, `distinct` (m,) for
+    each instance.
 
-    `instance` (n,) says which of the known values each root belongs to, in ascending order."""
+    `instance` (n,) says which of the known values each root belongs to, in ascending order.
+    """
 
     system: AlgebraicSystem
     knowns: Knowns
@@ -108,7 +127,9 @@ class CertificateBatch:
         """How far each root is from its point, (n,)."""
         real = self.real == "real"
         away = _away(self.centre, self.ball, np.where(real, self.given.real, self.given))
-        away[real] = spread(self.system, self.given[:, real].real, away[real], self.knowns, self.instance[real])
+        away[real] = spread(
+            self.system, self.given[:, real].real, away[real], self.knowns, self.instance[real]
+        )
         return away * self.characteristic_length * UP
 
     @cached_property
@@ -128,26 +149,44 @@ class CertificateBatch:
         """What is proved of instance j."""
         rows = self.rows(j)
         return Certificates(
-            system=self.system, certified=self.certified[rows], centre=self.centre[:, rows], ball=self.ball[rows],
-            real=self.real[rows], pose=self.pose[rows], distinct=int(self.distinct[j]), batch=self, instance=j,
-        )  # fmt: skip
+            system=self.system,
+            certified=self.certified[rows],
+            centre=self.centre[:, rows],
+            ball=self.ball[rows],
+            real=self.real[rows],
+            pose=self.pose[rows],
+            distinct=int(self.distinct[j]),
+            batch=self,
+            instance=j,
+        )
 
     @cached_property
     def _marks(self) -> tuple[np.ndarray, np.ndarray]:
         """Certified real roots, and a number for each in which equal roots are about equal."""
         proved = np.flatnonzero(self.real == "real")
-        return proved, features(self.system, Discs.exact(self.centre[:, proved].T)).mixed.middle[:, 0]
+        return proved, features(self.system, Discs.exact(self.centre[:, proved].T)).mixed.middle[
+            :, 0
+        ]
 
     def find(
-        self, points: np.ndarray, instance: np.ndarray | None = None, expected: np.ndarray | None = None
+        self,
+        points: np.ndarray,
+        instance: np.ndarray | None = None,
+        expected: np.ndarray | None = None,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The certified real roots at real points (width, p) of instances (p,), ascending: their indices, -1 where there is
-        none, and `radius` about these points, NaN where there is none. `expected` (p,) are the indices of the roots that the
-        points come from, where they are known."""
+        """The certified real roots at real points (width, p) of instances (p,), ascending: their
+        indices, -1 where there is none, and `radius` about these points, NaN where there is none.
+        `expected` (p,) are the indices of the roots that the points come from, where they are
+        known.
+        """
         count = points.shape[1]
         instance = np.zeros(count, dtype=int) if instance is None else np.asarray(instance)
         index, radius = np.full(count, -1), np.full(count, np.nan)
-        nearest = self._nearest(points, instance) if expected is None else np.where(self.real[expected] == "real", expected, -1)
+        nearest = (
+            self._nearest(points, instance)
+            if expected is None
+            else np.where(self.real[expected] == "real", expected, -1)
+        )
         some = np.flatnonzero(nearest >= 0)
         if not some.size:
             return index, radius
@@ -156,12 +195,16 @@ class CertificateBatch:
         away = (np.max(np.abs(near - self.centre[:, roots]), axis=0) + self.ball[roots]) * UP
         found = away <= _FARTHEST
         index[some[found]] = roots[found]
-        wide = spread(self.system, near[:, found].real, away[found], self.knowns, instance[some[found]])
+        wide = spread(
+            self.system, near[:, found].real, away[found], self.knowns, instance[some[found]]
+        )
         radius[some[found]] = self.characteristic_length * wide * UP
         return index, radius
 
     def _nearest(self, points: np.ndarray, instance: np.ndarray) -> np.ndarray:
-        """The root of its instance whose marks are nearest to those of each point; -1 where it has no root."""
+        """The root of its instance whose marks are nearest to those of each point; -1 where it has
+        no root.
+        """
         proved, marks = self._marks
         nearest = np.full(points.shape[1], -1)
         if not proved.size or not nearest.size:
@@ -177,17 +220,29 @@ class CertificateBatch:
 
 
 def certify(
-    system: AlgebraicSystem, z: np.ndarray, k: Knowns | Sequence[Number] | np.ndarray, size: float | None = None
+    system: AlgebraicSystem,
+    z: np.ndarray,
+    k: Knowns | Sequence[Number] | np.ndarray,
+    size: float | None = None,
 ) -> Certificates:
-    """Certificates of approximate roots z (width, n) of one instance with known values k: doubles, taken as exact, or balls.
-    `size` is the length that z has as its unit, by default the system's."""
-    return certify_batch(system, z, k if isinstance(k, Knowns) else Knowns.of_one(k), size=size).of(0)
+    """Certificates of approximate roots z (width, n) of one instance with known values k: doubles,
+    taken as exact, or balls. `size` is the length that z has as its unit, by default the system's.
+    """
+    return certify_batch(system, z, k if isinstance(k, Knowns) else Knowns.of_one(k), size=size).of(
+        0
+    )
 
 
 def certify_batch(
-    system: AlgebraicSystem, z: np.ndarray, knowns: Knowns, instance: np.ndarray | None = None, size: float | None = None
+    system: AlgebraicSystem,
+    z: np.ndarray,
+    knowns: Knowns,
+    instance: np.ndarray | None = None,
+    size: float | None = None,
 ) -> CertificateBatch:
-    """Certificates of approximate roots z (width, n) of the instances `instance` (n,), ascending, of known values."""
+    """Certificates of approximate roots z (width, n) of the instances `instance` (n,), ascending,
+    of known values.
+    """
     instance = np.zeros(z.shape[1], dtype=int) if instance is None else np.asarray(instance)
     given = in_phase(system, np.asarray(z, dtype=complex))
     near = (np.abs(given.imag).max(axis=0, initial=0.0) <= _FARTHEST) & knowns.discs.is_real
@@ -209,8 +264,10 @@ def certify_batch(
 
 @dataclass(eq=False)
 class _Roots:
-    """Boxes about roots: `centre` (width, n), `half` (n,), infinite where nothing is proved, `real` where the root is; those
-    that balls have proved are kept in `boxes`, with why others are not proved in `reasons`."""
+    """Boxes about roots: `centre` (width, n), `half` (n,), infinite where nothing is proved, `real`
+    where the root is; those that balls have proved are kept in `boxes`, with why others are not
+    proved in `reasons`.
+    """
 
     system: AlgebraicSystem
     knowns: Knowns
@@ -236,22 +293,34 @@ class _Roots:
 
     @precision(_DOUBLE)
     def _prove_some(self, j: int, chosen: np.ndarray) -> None:
-        balls, real_rows = BallSystem(self.system, self.knowns.numbers(j)), self.knowns.discs.is_real
+        balls, real_rows = (
+            BallSystem(self.system, self.knowns.numbers(j)),
+            self.knowns.discs.is_real,
+        )
         known = self.knowns.discs.middle[j].astype(complex)
-        proved = prove_points(balls, self.given[:, chosen], self.near[chosen], known, real_rows=real_rows)
+        proved = prove_points(
+            balls, self.given[:, chosen], self.near[chosen], known, real_rows=real_rows
+        )
         for i, box, reason in zip(chosen.tolist(), proved.boxes, proved.reasons, strict=True):
             if box is None:
                 self.reasons[i] = reason
             else:
                 self.boxes[i] = box
-                self.centre[:, i], self.half[i], self.real[i] = box.point, (box.rounding + box.radius) * UP, box.ring.is_real
+                self.centre[:, i], self.half[i], self.real[i] = (
+                    box.point,
+                    (box.rounding + box.radius) * UP,
+                    box.ring.is_real,
+                )
 
     def leave_out_far_ones(self) -> None:
         """Roots that are too far from their points to be what was given."""
         far = ~(_away(self.centre, self.half, self.given) <= _FARTHEST)
         for i in np.flatnonzero(far).tolist() if far.any() else ():
             self.half[i] = np.inf
-            self.reasons[i] = self.reasons.get(i) or "the point is not a root; the one found is farther away than 1e-7"
+            self.reasons[i] = (
+                self.reasons.get(i)
+                or "the point is not a root; the one found is farther away than 1e-7"
+            )
 
     def collect(self, size: float) -> CertificateBatch:
         """All that is proved of the roots, beyond their boxes."""
@@ -279,7 +348,9 @@ class _Roots:
     def _features(self, real: np.ndarray) -> Features:
         """Of the numbers within discs that hold the boxes."""
         radius = np.where(real, self.half, self.half * _DIAGONAL)
-        return features(self.system, Discs(self.centre.T, np.repeat(radius[:, None], self.system.width, axis=1)))
+        return features(
+            self.system, Discs(self.centre.T, np.repeat(radius[:, None], self.system.width, axis=1))
+        )
 
     def _not_real(self, among: np.ndarray) -> np.ndarray:
         """Which roots are proved not to be real, of those `among` (n,)."""
@@ -298,7 +369,9 @@ class _Roots:
 
     def _distinct(self, found: np.ndarray, of: Features) -> np.ndarray:
         """So many certified roots of each instance are proved to differ."""
-        instance, mixed = (self.instance, of.mixed) if found.all() else (self.instance[found], of.mixed.at(found))
+        instance, mixed = (
+            (self.instance, of.mixed) if found.all() else (self.instance[found], of.mixed.at(found))
+        )
         distinct = np.bincount(instance, minlength=self.knowns.count)
         apart = are_apart(mixed, instance, len(distinct))
         for j in np.flatnonzero(~apart).tolist() if not apart.all() else ():
@@ -314,8 +387,10 @@ class _Roots:
 
 
 def _away(centre: np.ndarray, half: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """No point of a box of half width (n,) about its centre (width, n) is farther than this from its point (width, n) in any
-    |Re| or |Im|; infinite without a box."""
+    """No point of a box of half width (n,) about its centre (width, n) is farther than this from
+    its point (width, n) in any
+    |Re| or |Im|; infinite without a box.
+    """
     with np.errstate(invalid="ignore"):
         apart = centre - points
         far = np.maximum(np.abs(apart.real), np.abs(apart.imag)).max(axis=0, initial=0.0)

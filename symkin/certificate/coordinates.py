@@ -15,33 +15,50 @@ from symkin.numeric.balls import REAL, BallFunction, Number, precision, upper
 from symkin.spatial.rotation import conjugate, multiply
 
 _ROUNDING = 2.0**-49
-"""Allowance for coordinates that are computed from z in double precision, relative to 1 and to each coordinate."""
+"""Allowance for coordinates that are computed from z in double precision, relative to 1 and to each
+coordinate.
+"""
 
 
-def spread(system: AlgebraicSystem, points: np.ndarray, distance: np.ndarray, knowns: Knowns, instance: np.ndarray) -> np.ndarray:
-    """No coordinate at a real point within `distance` (n,) of its point (width, n) differs by more from the one there: lengths
-    and position over the size, angles, unit quaternion."""
+def spread(
+    system: AlgebraicSystem,
+    points: np.ndarray,
+    distance: np.ndarray,
+    knowns: Knowns,
+    instance: np.ndarray,
+) -> np.ndarray:
+    """No coordinate at a real point within `distance` (n,) of its point (width, n) differs by more
+    from the one there: lengths and position over the size, angles, unit quaternion.
+    """
     result = np.full(points.shape[1], np.inf)
     function = _disc_coordinates(system)
     if function is not None and knowns.discs.is_real:
         around = Discs(points.T, np.repeat(distance[:, None], system.width, axis=1))
         values = function.evaluate(0, around, function.prepare(knowns.discs), instance)
         # 2 r + _ROUNDING (1 + |m| + r)
-        result = ((2.0 + _ROUNDING) * values.radius + _ROUNDING * np.abs(values.middle)).max(axis=1, initial=0.0) + _ROUNDING
+        result = ((2.0 + _ROUNDING) * values.radius + _ROUNDING * np.abs(values.middle)).max(
+            axis=1, initial=0.0
+        ) + _ROUNDING
     if np.isfinite(result).all():
         return result
     for i in np.flatnonzero(~np.isfinite(result)).tolist():
-        result[i] = _ball_spread(system, points[:, i], float(distance[i]), knowns.numbers(int(instance[i])))
+        result[i] = _ball_spread(
+            system, points[:, i], float(distance[i]), knowns.numbers(int(instance[i]))
+        )
     return result
 
 
-def _ball_spread(system: AlgebraicSystem, point: np.ndarray, distance: float, known: tuple[Number, ...]) -> float:
+def _ball_spread(
+    system: AlgebraicSystem, point: np.ndarray, distance: float, known: tuple[Number, ...]
+) -> float:
     """`spread` of one point, by balls."""
     with precision(64):
         side, function = arb(0.0, distance), _coordinates(system)
         z = [arb(v) + side for v in point.tolist()]
         values = function.evaluate(0, z, function.prepare(REAL, known))
-        return max((2.0 * upper(v.rad()) + _ROUNDING * (1.0 + upper(v)) for v in values), default=0.0)
+        return max(
+            (2.0 * upper(v.rad()) + _ROUNDING * (1.0 + upper(v)) for v in values), default=0.0
+        )
 
 
 @lru_cache(maxsize=64)
@@ -55,8 +72,12 @@ def _disc_coordinates(system: AlgebraicSystem) -> DiscFunction | None:
 
 @lru_cache(maxsize=64)
 def _coordinates(system: AlgebraicSystem) -> BallFunction:
-    """Coordinates of a root, lengths in units of the size: affine ones, eliminated angles, position, unit quaternion."""
-    parts = [system.z[i] for i in range(len(system.unknowns))] + [angle for _, angle in system.eliminated]
+    """Coordinates of a root, lengths in units of the size: affine ones, eliminated angles,
+    position, unit quaternion.
+    """
+    parts = [system.z[i] for i in range(len(system.unknowns))] + [
+        angle for _, angle in system.eliminated
+    ]
     if system.projective:
         ray = system.z[list(system.projective)]
         e = ray[:4]
@@ -81,15 +102,18 @@ def in_phase(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
 
 
 def aligned(system: AlgebraicSystem, points: np.ndarray, centres: np.ndarray) -> np.ndarray:
-    """The same roots as `points` (width, n), each written as near as possible to its centre (width, n): angles by whole turns,
-    rods by the sign of their length, rays by their phase."""
+    """The same roots as `points` (width, n), each written as near as possible to its centre (width,
+    n): angles by whole turns, rods by the sign of their length, rays by their phase.
+    """
     points = np.array(points, dtype=complex)
     for i, c in enumerate(system.unknowns):
         if c.kind == "angle":
             points[i] += 2 * np.pi * np.round((centres[i] - points[i]).real / (2 * np.pi))
         elif c.least is not None:
             other = 2 * c.least / system.characteristic_length - points[i]
-            points[i] = np.where(np.abs(other - centres[i]) < np.abs(points[i] - centres[i]), other, points[i])
+            points[i] = np.where(
+                np.abs(other - centres[i]) < np.abs(points[i] - centres[i]), other, points[i]
+            )
     if system.projective:
         ray = list(system.projective)
         x = points[ray] / np.linalg.norm(points[ray], axis=0)

@@ -1,6 +1,7 @@
 """Arithmetic of discs in NumPy: each value is a pair of arrays over points, a middle and a radius.
 
-The bounds are those of `data/discs.h`, where they are derived; a result holds the exact results for all numbers in its operands.
+The bounds are those of `data/discs.h`, where they are derived; a result holds the exact results for
+all numbers in its operands.
 """
 
 from __future__ import annotations
@@ -27,18 +28,38 @@ _ROUND = 6755399441055744.0
 _HALF_PI = (1.5707963267341256142, 6.0771005063039659765e-11, 2.0222662487959505738e-21)
 _LOG2 = (6.93147180369123816490e-01, 1.90821492927058770002e-10)
 _SINE = (
-    -7.6471637318198164759e-13, 1.6059043836821614599e-10, -2.5052108385441718775e-08, 2.7557319223985890653e-06,
-    -1.9841269841269841270e-04, 8.3333333333333333333e-03, -1.6666666666666666667e-01,
-)  # fmt: skip
+    -7.6471637318198164759e-13,
+    1.6059043836821614599e-10,
+    -2.5052108385441718775e-08,
+    2.7557319223985890653e-06,
+    -1.9841269841269841270e-04,
+    8.3333333333333333333e-03,
+    -1.6666666666666666667e-01,
+)
 _COSINE = (
-    4.7794773323873852974e-14, -1.1470745597729724714e-11, 2.0876756987868098979e-09, -2.7557319223985890653e-07,
-    2.4801587301587301587e-05, -1.3888888888888888889e-03, 4.1666666666666666667e-02, -0.5,
-)  # fmt: skip
+    4.7794773323873852974e-14,
+    -1.1470745597729724714e-11,
+    2.0876756987868098979e-09,
+    -2.7557319223985890653e-07,
+    2.4801587301587301587e-05,
+    -1.3888888888888888889e-03,
+    4.1666666666666666667e-02,
+    -0.5,
+)
 _EXPONENTIAL = (
-    1.6059043836821614599e-10, 2.0876756987868098979e-09, 2.5052108385441718775e-08, 2.7557319223985890653e-07,
-    2.7557319223985890653e-06, 2.4801587301587301587e-05, 1.9841269841269841270e-04, 1.3888888888888888889e-03,
-    8.3333333333333333333e-03, 4.1666666666666666667e-02, 1.6666666666666666667e-01, 0.5,
-)  # fmt: skip
+    1.6059043836821614599e-10,
+    2.0876756987868098979e-09,
+    2.5052108385441718775e-08,
+    2.7557319223985890653e-07,
+    2.7557319223985890653e-06,
+    2.4801587301587301587e-05,
+    1.9841269841269841270e-04,
+    1.3888888888888888889e-03,
+    8.3333333333333333333e-03,
+    4.1666666666666666667e-02,
+    1.6666666666666666667e-01,
+    0.5,
+)
 Disc = tuple[np.ndarray, np.ndarray]
 """Middle and radius."""
 
@@ -103,7 +124,10 @@ def _root(x: Disc) -> Disc:
         first = np.sqrt(0.5 * (length + a))
         second = 0.5 * m.imag / first
         right = m.real > 0.0
-        middle = _joined(np.where(right, first, np.abs(second)), np.where(right, second, np.copysign(first, m.imag)))
+        middle = _joined(
+            np.where(right, first, np.abs(second)),
+            np.where(right, second, np.copysign(first, m.imag)),
+        )
         away = np.where(right, np.maximum(m.real, np.abs(m.imag)), np.abs(m.imag))
         error = 8.0 * UNIT * (first + np.abs(second))
     else:
@@ -147,9 +171,15 @@ def _angle(y: Disc, x: Disc) -> Disc:
     t = np.arctan2(y[0], x[0])
     (s, error), (c, _) = _sine_and_cosine((t, np.zeros(t.shape)))
     across, along = np.abs(y[0] * c - x[0] * s), y[0] * s + x[0] * c
-    total, size, spread = np.abs(x[0]) + np.abs(y[0]), np.maximum(np.abs(x[0]), np.abs(y[0])), x[1] + y[1]
+    total, size, spread = (
+        np.abs(x[0]) + np.abs(y[0]),
+        np.maximum(np.abs(x[0]), np.abs(y[0])),
+        x[1] + y[1],
+    )
     fine = (size > _SMALLEST) & (total < LARGEST) & (along > 0.25 * size) & (spread < 0.25 * size)
-    return t, np.where(fine, (2.0 * (across + total * (error + 4.0 * UNIT) + spread) / size + TINY) * UP, np.inf)
+    return t, np.where(
+        fine, (2.0 * (across + total * (error + 4.0 * UNIT) + spread) / size + TINY) * UP, np.inf
+    )
 
 
 def _joined(real: np.ndarray, imaginary: np.ndarray) -> np.ndarray:
@@ -159,7 +189,9 @@ def _joined(real: np.ndarray, imaginary: np.ndarray) -> np.ndarray:
 
 
 def sine_and_cosine(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of real numbers below 1e5 in size, within 8 units: no library's own, because theirs promise nothing."""
+    """Of real numbers below 1e5 in size, within 8 units: no library's own, because theirs promise
+    nothing.
+    """
     shifted = x * 0.63661977236758134308 + _ROUND
     n = shifted - _ROUND
     r = x - n * _HALF_PI[0]
@@ -171,7 +203,9 @@ def sine_and_cosine(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     quarter = np.where(np.abs(n) < 2.0**51, n, 0.0).astype(np.int64) & 3
     odd = (quarter & 1) == 1
     sine, cosine = np.where(odd, c, s), np.where(odd, s, c)
-    return np.where(quarter >= 2, -sine, sine), np.where((quarter == 1) | (quarter == 2), -cosine, cosine)
+    return np.where(quarter >= 2, -sine, sine), np.where(
+        (quarter == 1) | (quarter == 2), -cosine, cosine
+    )
 
 
 def exponential(x: np.ndarray) -> np.ndarray:
@@ -180,7 +214,9 @@ def exponential(x: np.ndarray) -> np.ndarray:
     n = x * 1.4426950408889634074 + _ROUND - _ROUND
     r = x - n * _LOG2[0]
     r = r - n * _LOG2[1]
-    result: np.ndarray = np.ldexp(1.0 + (r + (r * r) * _polynomial(_EXPONENTIAL, r)), np.nan_to_num(n).astype(np.intc))
+    result: np.ndarray = np.ldexp(
+        1.0 + (r + (r * r) * _polynomial(_EXPONENTIAL, r)), np.nan_to_num(n).astype(np.intc)
+    )
     return result
 
 
@@ -193,10 +229,18 @@ def _polynomial(coefficients: Sequence[float], y: np.ndarray) -> np.ndarray:
 
 
 _BINARY: dict[int, Callable[[Disc, Disc], Disc]] = {
-    Op.ADD: _add, Op.SUBTRACT: _subtract, Op.MULTIPLY: _multiply, Op.ANGLE: _angle,
-}  # fmt: skip
+    Op.ADD: _add,
+    Op.SUBTRACT: _subtract,
+    Op.MULTIPLY: _multiply,
+    Op.ANGLE: _angle,
+}
 _UNARY: dict[int, Callable[[Disc], Disc]] = {
-    Op.SQUARE: lambda x: _multiply(x, x), Op.NEGATE: lambda x: (-x[0], x[1]), Op.TWICE: lambda x: (2.0 * x[0], 2.0 * x[1]),
-    Op.INVERT: _invert, Op.SINE: lambda x: _sine_and_cosine(x)[0], Op.COSINE: lambda x: _sine_and_cosine(x)[1], Op.ROOT: _root,
+    Op.SQUARE: lambda x: _multiply(x, x),
+    Op.NEGATE: lambda x: (-x[0], x[1]),
+    Op.TWICE: lambda x: (2.0 * x[0], 2.0 * x[1]),
+    Op.INVERT: _invert,
+    Op.SINE: lambda x: _sine_and_cosine(x)[0],
+    Op.COSINE: lambda x: _sine_and_cosine(x)[1],
+    Op.ROOT: _root,
     Op.EXPONENTIAL: _exponential,
-}  # fmt: skip
+}

@@ -1,4 +1,5 @@
-"""Discs and Krawczyk's test in C, where a compiler is found: one library for all mechanisms (see `data/certificate.c`).
+"""Discs and Krawczyk's test in C, where a compiler is found: one library for all mechanisms (see
+`data/certificate.c`).
 
 SYMKIN_ENGINE = numpy turns it off.
 """
@@ -29,35 +30,64 @@ _SYMBOLS = ("symkin_run", "symkin_enclose")
 class _Code(ctypes.Structure):
     """`struct code` of certificate.c."""
 
-    _fields_ = [*((name, ctypes.c_void_p) for name in ("instructions", "constants")),
-                *((name, ctypes.c_int) for name in ("length", "places", "outputs"))]  # fmt: skip
+    _fields_ = [
+        *((name, ctypes.c_void_p) for name in ("instructions", "constants")),
+        *((name, ctypes.c_int) for name in ("length", "places", "outputs")),
+    ]
 
 
 class _Problem(ctypes.Structure):
     """`struct problem` of certificate.c."""
 
-    _fields_ = [*((name, _Code) for name in ("value", "slope")), *((name, ctypes.c_void_p) for name in ("row", "column")),
-                *((name, ctypes.c_int) for name in ("width", "kept"))]  # fmt: skip
+    _fields_ = [
+        *((name, _Code) for name in ("value", "slope")),
+        *((name, ctypes.c_void_p) for name in ("row", "column")),
+        *((name, ctypes.c_int) for name in ("width", "kept")),
+    ]
 
 
 class DiscLibrary:
-    """The functions of certificate.c. Arrays are in one piece, of doubles or complex numbers, all of one kind."""
+    """The functions of certificate.c. Arrays are in one piece, of doubles or complex numbers, all
+    of one kind.
+    """
 
     def __init__(self, library: ctypes.CDLL) -> None:
         pointer, number = ctypes.c_void_p, ctypes.c_int
         self._run, self._enclose = library.symkin_run, library.symkin_enclose
         self._run.argtypes = [number, number, number, number, *[pointer] * 8]
-        self._enclose.argtypes = [number, pointer, number, *[pointer] * 5, ctypes.c_double, pointer, pointer]
+        self._enclose.argtypes = [
+            number,
+            pointer,
+            number,
+            *[pointer] * 5,
+            ctypes.c_double,
+            pointer,
+            pointer,
+        ]
         self._run.restype = self._enclose.restype = number
 
     def run(
-        self, code: Code, z: np.ndarray, radii: np.ndarray, known: tuple[np.ndarray, np.ndarray], instance: np.ndarray
+        self,
+        code: Code,
+        z: np.ndarray,
+        radii: np.ndarray,
+        known: tuple[np.ndarray, np.ndarray],
+        instance: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """A code at discs z, radii (n, width) with discs `known` (m, kept), of each point those of its `instance` (n,)."""
+        """A code at discs z, radii (n, width) with discs `known` (m, kept), of each point those of
+        its `instance` (n,).
+        """
         n, width = z.shape
         middle, radius = np.empty((n, code.outputs), dtype=z.dtype), np.empty((n, code.outputs))
         arrays = [_at(a) for a in (z, radii, *known, instance, middle, radius)]
-        if not self._run(z.dtype.kind == "c", n, width, known[0].shape[1], ctypes.byref(_struct_of(code)), *arrays):
+        if not self._run(
+            z.dtype.kind == "c",
+            n,
+            width,
+            known[0].shape[1],
+            ctypes.byref(_struct_of(code)),
+            *arrays,
+        ):
             raise MemoryError
         return middle, radius
 
@@ -70,12 +100,16 @@ class DiscLibrary:
         instance: np.ndarray,
         wide: float,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """One Newton step from z (n, width), and half widths (n,) of boxes about where it leads that hold one root each."""
+        """One Newton step from z (n, width), and half widths (n,) of boxes about where it leads
+        that hold one root each.
+        """
         n = len(z)
         centre, half = np.empty(z.shape, dtype=z.dtype), np.empty(n)
         arrays = [_at(a) for a in (z, patch, *known, instance)]
         problem = ctypes.byref(_problem_of(tape))
-        if not self._enclose(z.dtype.kind == "c", problem, n, *arrays, wide, _at(centre), _at(half)):
+        if not self._enclose(
+            z.dtype.kind == "c", problem, n, *arrays, wide, _at(centre), _at(half)
+        ):
             raise MemoryError
         return centre, half
 
@@ -86,7 +120,9 @@ def disc_library() -> DiscLibrary | None:
 
 
 def begin_loading() -> None:
-    """Compile the library in a thread of its own, where that is to be done, while other things are: whoever asks for it waits."""
+    """Compile the library in a thread of its own, where that is to be done, while other things are:
+    whoever asks for it waits.
+    """
     if os.environ.get("SYMKIN_ENGINE") != OFF and not _loaded.cache_info().currsize:
         threading.Thread(target=_loaded).start()
 
@@ -101,7 +137,9 @@ def _load() -> DiscLibrary | None:
     """What was found at the first call, for good: the library is the same for all mechanisms."""
     try:
         compilers = find_compilers(os.environ.get("CC", ""), os.environ.get("PATH", ""))
-        return DiscLibrary(load_library(compilers, _sources(), _MAIN, _SYMBOLS, cache_folder(), build=True))
+        return DiscLibrary(
+            load_library(compilers, _sources(), _MAIN, _SYMBOLS, cache_folder(), build=True)
+        )
     except (CompilerError, OSError):
         return None
 
@@ -112,7 +150,9 @@ def _sources() -> dict[str, str]:
 
 
 def _at(array: np.ndarray) -> Any:
-    """Where an array begins: three times as fast as its own `ctypes.data`, where it may be written to."""
+    """Where an array begins: three times as fast as its own `ctypes.data`, where it may be written
+    to.
+    """
     if array.size and array.flags.writeable:
         return ctypes.byref(ctypes.c_char.from_buffer(array.data))
     return array.ctypes.data
@@ -123,11 +163,19 @@ def _at(array: np.ndarray) -> Any:
 
 @functools.lru_cache(maxsize=512)
 def _struct_of(code: Code) -> _Code:
-    return _Code(code.instructions.ctypes.data, code.constants.ctypes.data, len(code.instructions), code.places, code.outputs)
+    return _Code(
+        code.instructions.ctypes.data,
+        code.constants.ctypes.data,
+        len(code.instructions),
+        code.places,
+        code.outputs,
+    )
 
 
 @functools.lru_cache(maxsize=128)
 def _problem_of(tape: Tape) -> _Problem:
     rows, columns = tape.patterns[1]
     value, slope = (_struct_of(code) for code in tape.parts)
-    return _Problem(value, slope, rows.ctypes.data, columns.ctypes.data, tape.width, tape.before.outputs)
+    return _Problem(
+        value, slope, rows.ctypes.data, columns.ctypes.data, tape.width, tape.before.outputs
+    )

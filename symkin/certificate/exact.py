@@ -1,7 +1,9 @@
-"""A problem as it is written: known values and geometry as the exact doubles that they are, nothing rounded or folded.
+"""A problem as it is written: known values and geometry as the exact doubles that they are, nothing
+rounded or folded.
 
-The algebraic systems that paths are tracked in hold rounded numbers: lengths are divided by the size, axes are made unit.
-A theorem on a family of mechanisms speaks of members of that family, so that its certificates are built from these.
+The algebraic systems that paths are tracked in hold rounded numbers: lengths are divided by the
+size, axes are made unit. A theorem on a family of mechanisms speaks of members of that family, so
+that its certificates are built from these.
 """
 
 from __future__ import annotations
@@ -25,20 +27,25 @@ _BITS = 256
 
 
 def exact_known(problem: Problem, values: np.ndarray) -> tuple[Number, ...]:
-    """Known values (length unit, radians) as the algebraic system of the problem takes them, as thin balls that hold the
-    exact quotients by the size."""
+    """Known values (length unit, radians) as the algebraic system of the problem takes them, as
+    thin balls that hold the exact quotients by the size.
+    """
     with precision(_BITS):
         size = arb(problem.closure.characteristic_length)
         distances = _distances(problem)
         if distances is not None:
             joints = [arb(float(v)) for v in values]
-            return tuple(d / size for d in distances.evaluate(0, joints, distances.prepare(REAL, ())))
+            return tuple(
+                d / size for d in distances.evaluate(0, joints, distances.prepare(REAL, ()))
+            )
         scale = coordinate_scale(problem, problem.known_coordinates)
         return tuple(arb(float(v)) / arb(float(s)) for v, s in zip(values, scale, strict=True))
 
 
 def knowns_of(problem: Problem, values: np.ndarray) -> Knowns:
-    """Known values (m, known) of m instances, length unit and radians, as `exact_known` has them."""
+    """Known values (m, known) of m instances, length unit and radians, as `exact_known` has
+    them.
+    """
     function, divisors = _disc_known(problem)
     given = Discs.exact(np.asarray(values, dtype=float))
     discs = function.evaluate(0, given, divisors, np.zeros(len(values), dtype=np.intc))
@@ -47,17 +54,23 @@ def knowns_of(problem: Problem, values: np.ndarray) -> Knowns:
 
 @lru_cache(maxsize=128)
 def _disc_known(problem: Problem) -> tuple[DiscFunction, Discs]:
-    """The algebraic system's known values as a function of the problem's and of what they are divided by; and this, prepared."""
+    """The algebraic system's known values as a function of the problem's and of what they are
+    divided by; and this, prepared.
+    """
     balls, scale = _distances(problem), coordinate_scale(problem, problem.known_coordinates)
     if balls is None:
         joints, divisors = ca.SX.sym("q", len(scale)), ca.SX.sym("s", len(scale))
         # by 1.0 nothing is divided, nor rounded
-        quotients = [joints[i] if s == 1.0 else joints[i] / divisors[i] for i, s in enumerate(scale.tolist())]
+        quotients = [
+            joints[i] if s == 1.0 else joints[i] / divisors[i] for i, s in enumerate(scale.tolist())
+        ]
         function = DiscFunction(build_tape(joints, divisors, ca.vertcat(*quotients), ("value",)))
         return function, function.prepare(Discs.exact(scale[None]))
     size = ca.SX.sym("s")
     function = DiscFunction(build_tape(balls.z, size, balls.f / size, ("value",)))
-    return function, function.prepare(Discs.exact(np.array([[problem.closure.characteristic_length]])))
+    return function, function.prepare(
+        Discs.exact(np.array([[problem.closure.characteristic_length]]))
+    )
 
 
 @lru_cache(maxsize=128)
@@ -70,15 +83,22 @@ def _distances(problem: Problem) -> BallFunction | None:
 
 
 @lru_cache(maxsize=64)
-def exact_arm(problem: Problem, system: AlgebraicSystem) -> tuple[AlgebraicSystem, tuple[float, ...]]:
-    """The rows of a serial arm's inverse problem, over the same unknowns as `system`, with the geometry p behind the pose in
-    the known values; the nominal p. Axes are normalised within the rows: for any p the arm is one of the family."""
+def exact_arm(
+    problem: Problem, system: AlgebraicSystem
+) -> tuple[AlgebraicSystem, tuple[float, ...]]:
+    """The rows of a serial arm's inverse problem, over the same unknowns as `system`, with the
+    geometry p behind the pose in the known values; the nominal p. Axes are normalised within the
+    rows: for any p the arm is one of the family.
+    """
     mechanism, size = problem.mechanism, system.characteristic_length
     builder = RowBuilder(mechanism, "homogeneous", eliminate=bool(system.eliminated), bound=False)
     builder.build_rows()
     z = ca.vertcat(*(builder.coordinates[c.name][1] for c in system.unknowns))
     pose = builder.pose_symbols
-    scaled = ca.vertcat(z * ca.DM([1.0 if c.is_angular else size for c in system.unknowns]), pose * ca.DM([size] * 3 + [1.0] * 4))
+    scaled = ca.vertcat(
+        z * ca.DM([1.0 if c.is_angular else size for c in system.unknowns]),
+        pose * ca.DM([size] * 3 + [1.0] * 4),
+    )
     rows = ca.substitute(ca.vertcat(*builder.rows) / size, ca.vertcat(z, pose), scaled)
     known = ca.vertcat(pose, *builder.table.symbols)
     return AlgebraicSystem(size, system.unknowns, z, known, rows, ()), tuple(builder.table.values)

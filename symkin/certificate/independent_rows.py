@@ -1,7 +1,9 @@
-"""What is proved where rows are redundant: an exact root of as many independent rows as their rank, and a bound of the others.
+"""What is proved where rows are redundant: an exact root of as many independent rows as their rank,
+and a bound of the others.
 
-No arithmetic with rounding can show that redundant rows vanish together. It can show that some of them do at one exact point
-within a stated radius, and how far the others are from zero there at most.
+No arithmetic with rounding can show that redundant rows vanish together. It can show that some of
+them do at one exact point within a stated radius, and how far the others are from zero there at
+most.
 """
 
 from __future__ import annotations
@@ -30,45 +32,73 @@ _BITS = 128
 def prove_independent_rows(
     system: AlgebraicSystem, z: np.ndarray, knowns: Knowns, instance: np.ndarray, size: float
 ) -> list[PartialProof | None]:
-    """The proofs about real roots z (width, m) of more rows than unknowns, of the instances `instance` (m,), ascending, of known
-    values; None where as many independent rows as unknowns are not found there, or no proof is."""
+    """The proofs about real roots z (width, m) of more rows than unknowns, of the instances
+    `instance` (m,), ascending, of known values; None where as many independent rows as unknowns are
+    not found there, or no proof is.
+    """
     found: list[PartialProof | None] = [None] * z.shape[1]
     freedom = system.width - bool(system.projective)
     if system.count <= freedom:
         return found
-    _, jacobians = system.linearise(z.astype(complex), knowns.discs.middle[instance].T.astype(complex))
+    _, jacobians = system.linearise(
+        z.astype(complex), knowns.discs.middle[instance].T.astype(complex)
+    )
     takes = most_independent(jacobians, freedom)
     for chosen in np.unique(takes[takes.sum(axis=1) == freedom], axis=0):
         here = np.flatnonzero((takes == chosen).all(axis=1))
-        batch = certify_batch(_part(system, tuple(np.flatnonzero(chosen).tolist())), z[:, here], knowns, instance[here], size)
+        batch = certify_batch(
+            _part(system, tuple(np.flatnonzero(chosen).tolist())),
+            z[:, here],
+            knowns,
+            instance[here],
+            size,
+        )
         sure = np.flatnonzero(batch.certified & (batch.real == "real") & batch.pose)
         others = _largest_other(system, ~chosen, batch, sure) * size * UP
         for place, other in zip(sure.tolist(), others.tolist(), strict=True):
-            found[here[place]] = PartialProof(freedom, system.count, float(batch.radius[place]), other)
+            found[here[place]] = PartialProof(
+                freedom, system.count, float(batch.radius[place]), other
+            )
     return found
 
 
-def _largest_other(system: AlgebraicSystem, others: np.ndarray, batch: CertificateBatch, sure: np.ndarray) -> np.ndarray:
-    """No row among `others` (rows,) is larger within the boxes of the roots `sure` (m,) of a batch: (m,)."""
+def _largest_other(
+    system: AlgebraicSystem, others: np.ndarray, batch: CertificateBatch, sure: np.ndarray
+) -> np.ndarray:
+    """No row among `others` (rows,) is larger within the boxes of the roots `sure` (m,) of a batch:
+    (m,).
+    """
     centre, half = batch.centre[:, sure].T.real, batch.ball[sure]
     function = disc_function(system)
     if function is not None:
         box = Discs(np.ascontiguousarray(centre), np.repeat(half[:, None], system.width, axis=1))
-        values = function.evaluate(0, box, function.prepare(batch.knowns.discs), batch.instance[sure])
+        values = function.evaluate(
+            0, box, function.prepare(batch.knowns.discs), batch.instance[sure]
+        )
         size = np.zeros((len(sure), system.count))
         size[:, function.tape.patterns[0][0]] = (modulus(values.middle) + values.radius) * UP
         return np.asarray(np.max(size[:, others], axis=1, initial=0.0))
     with precision(_BITS):
         found = []
-        for z, side, j in zip(centre.tolist(), half.tolist(), batch.instance[sure].tolist(), strict=True):
-            rows = BallSystem(system, batch.knowns.numbers(j)).rows(REAL, [arb(c) + arb(0.0, side) for c in z])
-            found.append(max((upper(v) for v, other in zip(rows, others.tolist(), strict=True) if other), default=0.0))
+        for z, side, j in zip(
+            centre.tolist(), half.tolist(), batch.instance[sure].tolist(), strict=True
+        ):
+            rows = BallSystem(system, batch.knowns.numbers(j)).rows(
+                REAL, [arb(c) + arb(0.0, side) for c in z]
+            )
+            found.append(
+                max(
+                    (upper(v) for v, other in zip(rows, others.tolist(), strict=True) if other),
+                    default=0.0,
+                )
+            )
     return np.array(found)
 
 
 def most_independent(matrices: np.ndarray, most: int) -> np.ndarray:
-    """Which rows (m, rows) of matrices (m, rows, columns) to take, at most so many of each: one after another the row that is
-    farthest from the span of those taken."""
+    """Which rows (m, rows) of matrices (m, rows, columns) to take, at most so many of each: one
+    after another the row that is farthest from the span of those taken.
+    """
     left = matrices.copy()
     taken, every = np.zeros(left.shape[:2], dtype=bool), np.arange(len(left))
     going, first = np.isfinite(left).all(axis=(1, 2)), np.zeros(len(left))

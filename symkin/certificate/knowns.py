@@ -1,4 +1,6 @@
-"""Known values of many instances at once: as discs for the quick test, and as balls for what it leaves open."""
+"""Known values of many instances at once: as discs for the quick test, and as balls for what it
+leaves open.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +17,9 @@ from symkin.numeric.balls import Number
 
 @dataclass(frozen=True, eq=False)
 class Knowns:
-    """Known values of instances 0, 1, ...: discs (m, known), and the same values of one instance as numbers, balls where
-    they are not doubles."""
+    """Known values of instances 0, 1, ...: discs (m, known), and the same values of one instance as
+    numbers, balls where they are not doubles.
+    """
 
     discs: Discs
     numbers: Callable[[int], tuple[Number, ...]]
@@ -44,7 +47,9 @@ class Knowns:
         middle = np.asarray(k)
         if np.iscomplexobj(middle) and not np.any(middle.imag):
             middle = middle.real
-        return Knowns(Discs.exact(np.ascontiguousarray(middle)), lambda j: tuple(plain(v) for v in middle[j]))
+        return Knowns(
+            Discs.exact(np.ascontiguousarray(middle)), lambda j: tuple(plain(v) for v in middle[j])
+        )
 
 
 def plain(value: Number) -> Number:

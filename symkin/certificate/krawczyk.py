@@ -1,12 +1,14 @@
 """Existence and uniqueness of a root in a box, by Krawczyk's operator in ball arithmetic.
 
-For F(x) = 0 with as many rows as unknowns, a centre c, any matrix Y, and the box X of half width r about c,
+For F(x) = 0 with as many rows as unknowns, a centre c, any matrix Y, and the box X of half width r
+about c,
 
     K(X) = c - Y F(c) + (1 - Y F'(X)) (X - c).
 
-If K(X) lies in the interior of X, X holds exactly one root, and F' is regular on X (Krawczyk 1969; Moore 1977; Rump 1999).
-Over the complex numbers boxes are products of squares, and the statement is the real one for real and imaginary parts.
-A ray x is made a point by the affine patch conj(z).(x - c) = 0, z its approximate direction.
+If K(X) lies in the interior of X, X holds exactly one root, and F' is regular on X (Krawczyk 1969;
+Moore 1977; Rump 1999). Over the complex numbers boxes are products of squares, and the statement is
+the real one for real and imaginary parts. A ray x is made a point by the affine patch conj(z).(x -
+c) = 0, z its approximate direction.
 """
 
 from __future__ import annotations
@@ -39,8 +41,9 @@ _NEARLY_ZERO = 1e-10
 
 @dataclass(frozen=True)
 class Chart:
-    """A square part of F near a root: `rows`, the unknowns `columns` (the others are exactly zero), and the patch, a row
-    over all unknowns, if there is a ray."""
+    """A square part of F near a root: `rows`, the unknowns `columns` (the others are exactly zero),
+    and the patch, a row over all unknowns, if there is a ray.
+    """
 
     rows: tuple[int, ...]
     columns: tuple[int, ...]
@@ -53,7 +56,11 @@ class Chart:
 
     def matrix(self, ring: Ring, entries: Sequence[Number]) -> Any:
         """The square part, with the patch, of dF/dz given row by row."""
-        chosen = entries if self.is_whole else [entries[i * self.width + j] for i in self.rows for j in self.columns]
+        chosen = (
+            entries
+            if self.is_whole
+            else [entries[i * self.width + j] for i in self.rows for j in self.columns]
+        )
         n = len(self.columns)
         return ring.matrix(n, n, [*chosen, *self.patch_row(ring)])
 
@@ -61,7 +68,9 @@ class Chart:
         if self.patch is None:
             return []
         chosen = [self.patch[j] for j in self.columns]
-        return [ring.number(p.real) if ring.is_real else ring.number(p.real, p.imag) for p in chosen]
+        return [
+            ring.number(p.real) if ring.is_real else ring.number(p.real, p.imag) for p in chosen
+        ]
 
 
 def _exact(ring: Ring, value: complex) -> Number:
@@ -70,8 +79,10 @@ def _exact(ring: Ring, value: complex) -> Number:
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """|Re|, |Im| of (z_j - centre_j) at most `radius` (z_j = centre_j = 0 where the chart says so): one root, regular.
-    For a real ring the box and the root are real. `point` is the centre in double precision, up to `rounding`."""
+    """|Re|, |Im| of (z_j - centre_j) at most `radius` (z_j = centre_j = 0 where the chart says so):
+    one root, regular. For a real ring the box and the root are real. `point` is the centre in
+    double precision, up to `rounding`.
+    """
 
     chart: Chart
     ring: Ring
@@ -88,25 +99,39 @@ class Box:
             return _boxed(self.chart, self.ring, self.centre, self.radius)
 
     def conjugate(self) -> Box:
-        """The box of the conjugate points: where F has real coefficients, what holds of one holds of the other."""
+        """The box of the conjugate points: where F has real coefficients, what holds of one holds
+        of the other.
+        """
         chart = self.chart
         patch = None if chart.patch is None else tuple(p.conjugate() for p in chart.patch)
         centre = self.centre if self.ring.is_real else tuple(c.conjugate() for c in self.centre)
-        return replace(self, chart=replace(chart, patch=patch), centre=centre, point=np.conj(self.point))
+        return replace(
+            self, chart=replace(chart, patch=patch), centre=centre, point=np.conj(self.point)
+        )
 
 
 def box_about(ring: Ring, centre: np.ndarray, radius: float) -> Box:
-    """A box of all unknowns that is proved elsewhere, about a point (width,) in double precision."""
+    """A box of all unknowns that is proved elsewhere, about a point (width,) in double
+    precision.
+    """
     width = len(centre)
     chart = Chart((), tuple(range(width)), None, width)
-    return Box(chart, ring, _BITS, tuple(_exact(ring, v) for v in centre.tolist()), radius, centre, 0.0)
+    return Box(
+        chart, ring, _BITS, tuple(_exact(ring, v) for v in centre.tolist()), radius, centre, 0.0
+    )
 
 
 def enclose(
-    balls: BallSystem, chart: Chart, ring: Ring, point: np.ndarray, bits: int, inverse: np.ndarray | None = None
+    balls: BallSystem,
+    chart: Chart,
+    ring: Ring,
+    point: np.ndarray,
+    bits: int,
+    inverse: np.ndarray | None = None,
 ) -> Box | None:
-    """A box with exactly one root near a point (width,), or None. `inverse` is about that of the chart's matrix; without
-    it the point is refined by Newton at the given precision."""
+    """A box with exactly one root near a point (width,), or None. `inverse` is about that of the
+    chart's matrix; without it the point is refined by Newton at the given precision.
+    """
     with precision(bits):
         centre = [_exact(ring, v) for v in point.tolist()]
         for j in set(range(chart.width)).difference(chart.columns):
@@ -119,7 +144,9 @@ def enclose(
         return box if box is None or chart.is_whole or _is_alone(balls, box) else None
 
 
-def _krawczyk(balls: BallSystem, chart: Chart, ring: Ring, centre: Sequence[Number], inverse: Any) -> Box | None:
+def _krawczyk(
+    balls: BallSystem, chart: Chart, ring: Ring, centre: Sequence[Number], inverse: Any
+) -> Box | None:
     n = len(chart.columns)
     step = inverse * ring.column(_chosen_rows(balls, chart, ring, centre))
     radius = _INFLATION * max(upper(s) for s in step.entries()) + 2.0**-ctx.prec
@@ -145,8 +172,12 @@ def _in_doubles(ring: Ring, centre: Sequence[Number]) -> tuple[np.ndarray, float
     return point, 0.0 if all(r == 0 for r in rest) else max(upper(r) for r in rest)
 
 
-def _refine(balls: BallSystem, chart: Chart, ring: Ring, centre: list[Number]) -> tuple[list[Number], Any]:
-    """Newton's method on midpoints at the present precision; the centre and the last inverse, None if it does not settle."""
+def _refine(
+    balls: BallSystem, chart: Chart, ring: Ring, centre: list[Number]
+) -> tuple[list[Number], Any]:
+    """Newton's method on midpoints at the present precision; the centre and the last inverse, None
+    if it does not settle.
+    """
     inverse = None
     for _ in range(_REFINEMENTS):
         inverse = chart.matrix(ring, balls.jacobian(ring, centre)).mid().inv(nonstop=True).mid()
@@ -161,10 +192,15 @@ def _refine(balls: BallSystem, chart: Chart, ring: Ring, centre: list[Number]) -
     return centre, inverse
 
 
-def _chosen_rows(balls: BallSystem, chart: Chart, ring: Ring, centre: Sequence[Number]) -> list[Number]:
+def _chosen_rows(
+    balls: BallSystem, chart: Chart, ring: Ring, centre: Sequence[Number]
+) -> list[Number]:
     """F at the centre; the patch goes through the centre."""
     f = balls.rows(ring, centre)
-    return [*(f if chart.is_whole else [f[i] for i in chart.rows]), *([] if chart.patch is None else [ring.number(0)])]
+    return [
+        *(f if chart.is_whole else [f[i] for i in chart.rows]),
+        *([] if chart.patch is None else [ring.number(0)]),
+    ]
 
 
 def _boxed(chart: Chart, ring: Ring, centre: Sequence[Number], radius: float) -> list[Number]:
@@ -184,18 +220,21 @@ def _from_numpy(ring: Ring, a: np.ndarray) -> Any:
     real = arb_mat(rows, columns, a.real.ravel().tolist())
     if ring.is_real:
         return real
-    return acb_mat(real) + acb_mat(arb_mat(rows, columns, a.imag.ravel().tolist())) * ring.number(0, 1)
+    return acb_mat(real) + acb_mat(arb_mat(rows, columns, a.imag.ravel().tolist())) * ring.number(
+        0, 1
+    )
 
 
-# --- more rows than unknowns -------------------------------------------------------------------------------------
+# --- more rows than unknowns ----------------------------------------------------------------------
 
 
 def chart_of(balls: BallSystem, point: np.ndarray) -> Chart | None:
     """A square part of the rows whose roots near the point are roots of all of them.
 
-    It is all rows where they are as many as the unknowns. Else a part of the ray must be zero, so that rows vanish
-    identically and leave as many as unknowns: a planar mechanism in space. The evaluation over a box about the point must
-    give exact zeros. None where nothing of the kind is found.
+    It is all rows where they are as many as the unknowns. Else a part of the ray must be zero, so
+    that rows vanish identically and leave as many as unknowns: a planar mechanism in space. The
+    evaluation over a box about the point must give exact zeros. None where nothing of the kind is
+    found.
     """
     ray, width = balls.system.projective, balls.width
     patch = None
@@ -217,14 +256,19 @@ def chart_of(balls: BallSystem, point: np.ndarray) -> Chart | None:
 def _rows_left(balls: BallSystem, point: np.ndarray, columns: tuple[int, ...]) -> tuple[int, ...]:
     with precision(64):
         side = COMPLEX.around_zero(_WIDEST)
-        box = [COMPLEX.number(complex(v)) + side if j in columns else COMPLEX.number(0) for j, v in enumerate(point)]
-        vanishes = [bool(f == 0) for f in balls.rows(COMPLEX, box)]  # balls: true only of an exact zero
+        box = [
+            COMPLEX.number(complex(v)) + side if j in columns else COMPLEX.number(0)
+            for j, v in enumerate(point)
+        ]
+        # balls: true only of an exact zero
+        vanishes = [bool(f == 0) for f in balls.rows(COMPLEX, box)]
         return tuple(i for i, zero in enumerate(vanishes) if not zero)
 
 
 def _is_alone(balls: BallSystem, box: Box) -> bool:
-    """Whether all rows together have no second root in the box widened to all unknowns: some L makes the norm of
-    1 - L F'(X) less than one, so that F is one to one there."""
+    """Whether all rows together have no second root in the box widened to all unknowns: some L
+    makes the norm of 1 - L F'(X) less than one, so that F is one to one there.
+    """
     chart, ring, width = box.chart, box.ring, box.chart.width
     side = ring.around_zero(box.radius)
     whole = Chart((), tuple(range(width)), chart.patch, width)
@@ -233,4 +277,8 @@ def _is_alone(balls: BallSystem, box: Box) -> bool:
     middle = np.array([complex(v) for v in entries]).reshape(rows, width)
     left = _from_numpy(ring, np.linalg.pinv(middle.real if ring.is_real else middle))
     error = _identity(ring, width) - left * ring.matrix(rows, width, entries)
-    return bool(ring.column([ring.around_zero(_INSIDE * box.radius)] * width).contains(error * ring.column([side] * width)))
+    return bool(
+        ring.column([ring.around_zero(_INSIDE * box.radius)] * width).contains(
+            error * ring.column([side] * width)
+        )
+    )

@@ -1,4 +1,6 @@
-"""Proofs by balls, point by point, of what the quick test leaves open: more bits, parts of the rows, nearly double roots."""
+"""Proofs by balls, point by point, of what the quick test leaves open: more bits, parts of the
+rows, nearly double roots.
+"""
 
 from __future__ import annotations
 
@@ -28,9 +30,12 @@ class Proved:
     reasons: list[str]
 
 
-def prove_points(balls: BallSystem, given: np.ndarray, near: np.ndarray, known: np.ndarray, *, real_rows: bool) -> Proved:
-    """Boxes of points (width, n) of one instance: real ones are tried where `near` (n,). `known` are about its values; with
-    real rows, one proof serves a pair of conjugate points."""
+def prove_points(
+    balls: BallSystem, given: np.ndarray, near: np.ndarray, known: np.ndarray, *, real_rows: bool
+) -> Proved:
+    """Boxes of points (width, n) of one instance: real ones are tried where `near` (n,). `known`
+    are about its values; with real rows, one proof serves a pair of conjugate points.
+    """
     centre, inverses = _polished(balls.system, np.where(near, given.real, given), known)
     mates = _conjugates(given) if real_rows else {}
     proved = Proved([], [])
@@ -49,16 +54,22 @@ def prove_points(balls: BallSystem, given: np.ndarray, near: np.ndarray, known: 
 def _prove(
     balls: BallSystem, given: np.ndarray, near: bool, centre: np.ndarray, inverse: np.ndarray | None
 ) -> tuple[Box | None, str]:
-    """A box, or None and the reason: first about the polished centre in double precision, then about the given point by
-    more bits."""
+    """A box, or None and the reason: first about the polished centre in double precision, then
+    about the given point by more bits.
+    """
     if not np.isfinite(given).all():
         return None, "the point is not finite"
     chart = chart_of(balls, given.real if near else given)
     if chart is None and balls.count < balls.freedom:
-        return None, f"{balls.count} rows hold the pose, and others, which these do not tell, the passive joints beside it"
+        return (
+            None,
+            f"{balls.count} rows hold the pose, and others, which these do not tell, the passive "
+            f"joints beside it",
+        )
     if chart is None:
         return None, (
-            f"{balls.count} rows for {balls.freedom} unknowns: no square part of them is known to imply the others "
+            f"{balls.count} rows for {balls.freedom} unknowns: no square part of them is known to "
+            f"imply the others "
             "(`symkin show` names the motion that removes some, where there is one)"
         )
     box = None
@@ -68,7 +79,9 @@ def _prove(
     while box is None and (trial := next(trials, None)) is not None:
         bits, ring = trial
         box = enclose(balls, chart, ring, given.real if ring.is_real else given, bits)
-    reason = f"no proof by {_BITS[-1]} bits: the point is no root, or one that is singular or nearly so"
+    reason = (
+        f"no proof by {_BITS[-1]} bits: the point is no root, or one that is singular or nearly so"
+    )
     return box, "" if box is not None else reason
 
 
@@ -77,12 +90,22 @@ def _conjugates(given: np.ndarray) -> dict[int, int]:
     weights = np.random.default_rng(0).normal(size=len(given))
     mixed = weights @ given
     with np.errstate(invalid="ignore"):
-        candidates = np.argwhere(np.tril(np.abs(mixed[:, None] - np.conj(mixed)) < len(given) * 10 * _CONJUGATE, -1)).tolist()
-    return {i: j for i, j in candidates if np.max(np.abs(given[:, i] - np.conj(given[:, j]))) < _CONJUGATE}
+        candidates = np.argwhere(
+            np.tril(np.abs(mixed[:, None] - np.conj(mixed)) < len(given) * 10 * _CONJUGATE, -1)
+        ).tolist()
+    return {
+        i: j
+        for i, j in candidates
+        if np.max(np.abs(given[:, i] - np.conj(given[:, j]))) < _CONJUGATE
+    }
 
 
-def _polished(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, Sequence[np.ndarray | None]]:
-    """Newton steps, and the last inverse of dF/dz with the patch; None where there is none or rows are too many."""
+def _polished(
+    system: AlgebraicSystem, z: np.ndarray, k: np.ndarray
+) -> tuple[np.ndarray, Sequence[np.ndarray | None]]:
+    """Newton steps, and the last inverse of dF/dz with the patch; None where there is none or rows
+    are too many.
+    """
     n, width = z.shape[1], system.width
     if system.count + bool(system.projective) != width or not np.isfinite(z).all():
         return z, [None] * n

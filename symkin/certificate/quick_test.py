@@ -1,12 +1,14 @@
 """Krawczyk's test in double precision for all points at once, with bounds for every rounding.
 
-For F(z) = 0 with as many rows as unknowns (a ray's patch is one more row), points c and any matrix Y, with
-e_i >= sum_j |1 - Y F'(X)|_ij on the numbers X within `wide` of the first points and s_i >= |Y F(c)|_i,
+For F(z) = 0 with as many rows as unknowns (a ray's patch is one more row), points c and any matrix
+Y, with e_i >= sum_j |1 - Y F'(X)|_ij on the numbers X within `wide` of the first points and s_i >=
+|Y F(c)|_i,
 
     s_i + 1.5 e_i r < r for all i
 
-shows one root, regular, within r of c, and no other in the box |Re|, |Im| <= r (see `krawczyk`, and `data/krawczyk.h` for the
-bounds). Where the known values and c are real, so is the root. What fails here may be proved by balls.
+shows one root, regular, within r of c, and no other in the box |Re|, |Im| <= r (see `krawczyk`, and
+`data/krawczyk.h` for the bounds). Where the known values and c are real, so is the root. What fails
+here may be proved by balls.
 """
 
 from __future__ import annotations
@@ -24,7 +26,9 @@ from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 
 _WIDE = (2.0**-30, 2.0**-34, 2.0**-40)
-"""Distances from a point within which the derivatives are bounded, one trial after another. The first may serve to come near."""
+"""Distances from a point within which the derivatives are bounded, one trial after another. The
+first may serve to come near.
+"""
 _MOST_UNKNOWNS = 64
 """Up to which the rounding of sums is allowed for."""
 _WORTH_NUMPY = 250
@@ -37,8 +41,9 @@ _MANY = 1.0 + 2.0**-44
 
 @dataclass(frozen=True, eq=False)
 class Enclosures:
-    """Of n points: the half width (n,) of the box about `centre` (width, n) that holds one root, infinite where the test is
-    open, and whether its numbers are real."""
+    """Of n points: the half width (n,) of the box about `centre` (width, n) that holds one root,
+    infinite where the test is open, and whether its numbers are real.
+    """
 
     centre: np.ndarray
     half_width: np.ndarray
@@ -49,29 +54,43 @@ class Enclosures:
         return np.asarray(np.isfinite(self.half_width))
 
 
-def enclose_all(system: AlgebraicSystem, z: np.ndarray, real: np.ndarray, knowns: Knowns, instance: np.ndarray) -> Enclosures:
-    """The test at points z (width, n) of instances (n,), of their real parts in real numbers where `real` (n,)."""
+def enclose_all(
+    system: AlgebraicSystem, z: np.ndarray, real: np.ndarray, knowns: Knowns, instance: np.ndarray
+) -> Enclosures:
+    """The test at points z (width, n) of instances (n,), of their real parts in real numbers where
+    `real` (n,).
+    """
     n, is_real = z.shape[1], real & knowns.discs.is_real
     function = disc_function(system)
     square = system.count + bool(system.projective) == system.width <= _MOST_UNKNOWNS
     if function is None or not square or (n < _WORTH_NUMPY and disc_library() is None):
         return Enclosures(z.copy(), np.full(n, np.inf), is_real)
-    points, prepared, reals = np.ascontiguousarray(z.T), function.prepare(knowns.discs), int(np.count_nonzero(is_real))
+    points, prepared, reals = (
+        np.ascontiguousarray(z.T),
+        function.prepare(knowns.discs),
+        int(np.count_nonzero(is_real)),
+    )
     if reals == 0:
-        centre, half = _enclose(function, system.projective, points, prepared.as_complex(), instance)
+        centre, half = _enclose(
+            function, system.projective, points, prepared.as_complex(), instance
+        )
     elif reals == n:
         centre, half = _enclose(function, system.projective, points.real, prepared, instance)
     else:
         centre, half = np.empty_like(points), np.empty(n)
         for among, ready in ((is_real, prepared), (~is_real, prepared.as_complex())):
             chosen = points[among].real if ready is prepared else points[among]
-            centre[among], half[among] = _enclose(function, system.projective, chosen, ready, instance[among])
+            centre[among], half[among] = _enclose(
+                function, system.projective, chosen, ready, instance[among]
+            )
     return Enclosures(centre.T.astype(complex), half, is_real)
 
 
 @lru_cache(maxsize=128)
 def disc_function(system: AlgebraicSystem) -> DiscFunction | None:
-    """The rows of a system and their derivatives over discs; None where an operation has no form over them."""
+    """The rows of a system and their derivatives over discs; None where an operation has no form
+    over them.
+    """
     try:
         return DiscFunction(build_tape(system.z, system.k, system.rows, ("value", "slope")))
     except NotImplementedError:
@@ -79,9 +98,15 @@ def disc_function(system: AlgebraicSystem) -> DiscFunction | None:
 
 
 def _enclose(
-    function: DiscFunction, ray: tuple[int, ...], points: np.ndarray, prepared: Discs, instance: np.ndarray
+    function: DiscFunction,
+    ray: tuple[int, ...],
+    points: np.ndarray,
+    prepared: Discs,
+    instance: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Centres (n, width) and half widths for points of one kind; trials about what the one before has come to."""
+    """Centres (n, width) and half widths for points of one kind; trials about what the one before
+    has come to.
+    """
     points = np.ascontiguousarray(points)
     patch = np.zeros(points.shape, dtype=points.dtype)
     if ray:
@@ -91,30 +116,49 @@ def _enclose(
         todo = ~np.isfinite(half)
         if not todo.any():
             break
-        centre[todo], half[todo] = _test(function, centre[todo], patch[todo], prepared, instance[todo], wide)
+        centre[todo], half[todo] = _test(
+            function, centre[todo], patch[todo], prepared, instance[todo], wide
+        )
     return centre, half
 
 
 def _test(
-    function: DiscFunction, points: np.ndarray, patch: np.ndarray, prepared: Discs, instance: np.ndarray, wide: float
+    function: DiscFunction,
+    points: np.ndarray,
+    patch: np.ndarray,
+    prepared: Discs,
+    instance: np.ndarray,
+    wide: float,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """One trial: a Newton step from points (n, width), and half widths (n,), infinite where it fails."""
+    """One trial: a Newton step from points (n, width), and half widths (n,), infinite where it
+    fails.
+    """
     library = disc_library()
     if library is not None:
         chosen = np.ascontiguousarray(instance, dtype=np.intc)
-        return library.enclose(function.tape, points, patch, (prepared.middle, prepared.radius), chosen, wide)
+        return library.enclose(
+            function.tape, points, patch, (prepared.middle, prepared.radius), chosen, wide
+        )
     with np.errstate(all="ignore"):
         return _test_in_numpy(function, points, patch, prepared, instance, wide)
 
 
 def _test_in_numpy(
-    function: DiscFunction, points: np.ndarray, patch: np.ndarray, prepared: Discs, instance: np.ndarray, wide: float
+    function: DiscFunction,
+    points: np.ndarray,
+    patch: np.ndarray,
+    prepared: Discs,
+    instance: np.ndarray,
+    wide: float,
 ) -> tuple[np.ndarray, np.ndarray]:
     n, width = points.shape
     rows = function.tape.parts[0].outputs
     slope = function.evaluate(1, Discs(points, np.full(points.shape, wide)), prepared, instance)
     middle, error = np.zeros((2, n, width, width), dtype=points.dtype)
-    middle[:, *function.tape.patterns[1]], middle[:, rows:] = slope.middle, patch[:, None][:, : width - rows]
+    middle[:, *function.tape.patterns[1]], middle[:, rows:] = (
+        slope.middle,
+        patch[:, None][:, : width - rows],
+    )
     error = np.zeros((n, width, width))
     error[:, *function.tape.patterns[1]] = slope.radius
     gamma = (2 * width + 8) * UNIT
@@ -124,13 +168,24 @@ def _test_in_numpy(
     centre = points - np.einsum("nij,nj->ni", inverse[:, :, :rows], value)
     f = function.evaluate(0, Discs.exact(centre), prepared, instance)
     step = modulus(np.einsum("nij,nj->ni", inverse[:, :, :rows], f.middle))
-    s = (step + np.einsum("nij,nj->ni", weights[:, :, :rows], f.radius + gamma * modulus(f.middle)) + _FLOOR) * _MANY
+    s = (
+        step
+        + np.einsum("nij,nj->ni", weights[:, :, :rows], f.radius + gamma * modulus(f.middle))
+        + _FLOOR
+    ) * _MANY
     off = np.sum(modulus(np.einsum("nij,njk->nik", inverse, middle) - np.eye(width)), axis=2)
-    e = (off + np.einsum("nij,nj->ni", weights, np.sum(error + gamma * modulus(middle), axis=2)) + _FLOOR) * _MANY
+    e = (
+        off
+        + np.einsum("nij,nj->ni", weights, np.sum(error + gamma * modulus(middle), axis=2))
+        + _FLOOR
+    ) * _MANY
     half = np.max(s / (0.98 - 1.5 * e), axis=1) * (1.0 + 2.0**-40)
     away = modulus(centre - points) + 1.5 * half[:, None]
     inside = (
-        (e < 0.6) & (weights.max(axis=2) < LARGEST) & ((s + e * (1.5 * half[:, None])) * UP < half[:, None]) & (away * UP <= wide)
+        (e < 0.6)
+        & (weights.max(axis=2) < LARGEST)
+        & ((s + e * (1.5 * half[:, None])) * UP < half[:, None])
+        & (away * UP <= wide)
     )
     return centre, np.where(inside.all(axis=1), half, np.inf)
 

@@ -1,7 +1,8 @@
 """Which boxes are proved to hold different roots, real ones, and poses.
 
-Two roots are one if their features are equal: exp(i z) of an angle, the square of a rod's length, a length, and for a ray x the
-ratios x_j / (a.x), a fixed. A complex number t = c.(features) is then equal too, so that roots with disjoint t differ.
+Two roots are one if their features are equal: exp(i z) of an angle, the square of a rod's length, a
+length, and for a ray x the ratios x_j / (a.x), a fixed. A complex number t = c.(features) is then
+equal too, so that roots with disjoint t differ.
 """
 
 from __future__ import annotations
@@ -27,8 +28,9 @@ _WEIGHTS = 3
 
 
 def distinct_boxes(system: AlgebraicSystem, boxes: Sequence[Box]) -> list[int]:
-    """Indices of boxes whose roots are proved to differ from each other: pairwise by disjoint t, taken one after another if
-    they touch none that is taken."""
+    """Indices of boxes whose roots are proved to differ from each other: pairwise by disjoint t,
+    taken one after another if they touch none that is taken.
+    """
     n = len(boxes)
     touching = np.ones((n, n), dtype=bool)
     for which in range(_WEIGHTS):
@@ -72,7 +74,9 @@ def _random_weights(system: AlgebraicSystem, which: int) -> tuple[list[acb], lis
     return tuple([acb(w.real, w.imag) for w in group] for group in _random_numbers(system, which))  # type: ignore[return-value]
 
 
-def _random_numbers(system: AlgebraicSystem, which: int) -> tuple[list[complex], list[complex], list[complex]]:
+def _random_numbers(
+    system: AlgebraicSystem, which: int
+) -> tuple[list[complex], list[complex], list[complex]]:
     """Weights of the affine unknowns' features, and a and b of the ray's ratio a.x / b.x."""
     rng = np.random.default_rng(which)
     sizes = (len(system.unknowns), len(system.projective), len(system.projective))
@@ -91,7 +95,9 @@ def _interval(x: arb) -> tuple[float, float]:
 
 
 def not_real(system: AlgebraicSystem, box: Box) -> bool:
-    """Whether the root in the box differs from its conjugate: Im z_j is not zero, or, of a ray, Im (x_i conj(x_j))."""
+    """Whether the root in the box differs from its conjugate: Im z_j is not zero, or, of a ray, Im
+    (x_i conj(x_j)).
+    """
     if box.ring.is_real:
         return False
     ray = list(system.projective)
@@ -102,29 +108,37 @@ def not_real(system: AlgebraicSystem, box: Box) -> bool:
         if not ray:
             return False
         x = np.array([complex(z[j]) for j in ray])
-        i, j = np.unravel_index(np.argmax(np.abs((x[:, None] * np.conj(x)).imag)), (len(ray), len(ray)))
+        i, j = np.unravel_index(
+            np.argmax(np.abs((x[:, None] * np.conj(x)).imag)), (len(ray), len(ray))
+        )
         return not _has_zero((z[ray[i]] * z[ray[j]].conjugate()).imag)
 
 
 def is_pose(system: AlgebraicSystem, box: Box) -> bool:
-    """Whether e.e is not zero, without which a ray is no pose; true where the unknowns hold no ray."""
+    """Whether e.e is not zero, without which a ray is no pose; true where the unknowns hold no
+    ray.
+    """
     if not system.projective:
         return True
     with precision(box.bits):
         z = box.balls
-        return not _has_zero(sum((z[j] * z[j] for j in system.projective[:4]), start=box.ring.number(0)))
+        return not _has_zero(
+            sum((z[j] * z[j] for j in system.projective[:4]), start=box.ring.number(0))
+        )
 
 
 def _has_zero(x: Number) -> bool:
     return bool(x.contains(0)) or not x.is_finite()
 
 
-# --- many boxes, in double precision ------------------------------------------------------------------------------
+# --- many boxes, in double precision --------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class Features:
-    """Of n roots within discs: the numbers t, `mixed` (n, 3), and which are proved to be poses, (n,)."""
+    """Of n roots within discs: the numbers t, `mixed` (n, 3), and which are proved to be poses,
+    (n,).
+    """
 
     mixed: Discs
     poses: np.ndarray
@@ -143,14 +157,16 @@ def features(system: AlgebraicSystem, z: Discs) -> Features:
 
 
 def are_apart(mixed: Discs, instance: np.ndarray, count: int) -> np.ndarray:
-    """For each of `count` instances whether all its roots are proved to differ: by disjoint intervals of Re t, for one of the t.
-    `instance` (n,) is ascending."""
+    """For each of `count` instances whether all its roots are proved to differ: by disjoint
+    intervals of Re t, for one of the t. `instance` (n,) is ascending.
+    """
     apart = np.zeros(count, dtype=bool)
     for which in range(_WEIGHTS):
         middle, radius = mixed.middle[:, which].real, mixed.radius[:, which]
         order = np.lexsort((middle, instance)) if count > 1 else middle.argsort()
         middle, radius = middle[order], radius[order]
-        # of neighbours alone: those that are disjoint one by one are disjoint from all others of their instance
+        # of neighbours alone: those that are disjoint one by one are disjoint from all others of
+        # their instance
         meeting = ~(middle[1:] - middle[:-1] > (radius[1:] + radius[:-1]) * UP)
         here = np.ones(count, dtype=bool)
         if meeting.any():
@@ -163,11 +179,14 @@ def are_apart(mixed: Discs, instance: np.ndarray, count: int) -> np.ndarray:
 
 
 def are_not_real(system: AlgebraicSystem, centre: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """Which roots in boxes of half width (n,) about centres (width, n) are proved to differ from their conjugates."""
+    """Which roots in boxes of half width (n,) about centres (width, n) are proved to differ from
+    their conjugates.
+    """
     ray, affine = list(system.projective), slice(len(system.unknowns))
     shown: np.ndarray = np.abs(centre[affine].imag).max(axis=0, initial=0.0) > half
     if ray and half.size:
-        # Im (x_i conj(x_j)) for the largest x_j, |x_i| <= s: off by 2 h (2 s + h) in the box, and by 4 u s^2 in rounding
+        # Im (x_i conj(x_j)) for the largest x_j, |x_i| <= s: off by 2 h (2 s + h) in the box, and
+        # by 4 u s^2 in rounding
         x = centre[ray]
         sizes = np.abs(x.real) + np.abs(x.imag)
         largest = (sizes.argmax(axis=0), np.arange(x.shape[1]))
@@ -179,7 +198,9 @@ def are_not_real(system: AlgebraicSystem, centre: np.ndarray, half: np.ndarray) 
 
 @lru_cache(maxsize=64)
 def _mixing(system: AlgebraicSystem) -> tuple[DiscFunction, Discs]:
-    """The numbers t of a point, and, of a ray, e.e, as a function of z and of the weights; and these."""
+    """The numbers t of a point, and, of a ray, e.e, as a function of z and of the weights; and
+    these.
+    """
     z, ray = system.z, list(system.projective)
     # the size and the least lengths are weights too: CasADi would round their quotients
     least = [complex(c.least or 0.0) for c in system.unknowns]

@@ -1,7 +1,9 @@
-"""A CasADi function f(z, k) as a tape: numbered operations that the arithmetic of discs runs for many points at once.
+"""A CasADi function f(z, k) as a tape: numbered operations that the arithmetic of discs runs for
+many points at once.
 
-What k alone determines is a tape of its own, which is run once for each instance. Derivatives are taken of the graph in which
-each constant is a symbol (see `balls.raise_constants`), so that a tape stands for the graph with its exact constants.
+What k alone determines is a tape of its own, which is run once for each instance. Derivatives are
+taken of the graph in which each constant is a symbol (see `balls.raise_constants`), so that a tape
+stands for the graph with its exact constants.
 """
 
 from __future__ import annotations
@@ -19,7 +21,9 @@ from symkin.numeric.balls import Part, derive, raise_constants
 
 
 class Op(IntEnum):
-    """Operations, with the numbers that `discs.h` has for them. An instruction holds the operation and three places."""
+    """Operations, with the numbers that `discs.h` has for them. An instruction holds the operation
+    and three places.
+    """
 
     INPUT = 0
     CONSTANT = 1
@@ -39,16 +43,27 @@ class Op(IntEnum):
 
 
 _SAME = {
-    ca.OP_ADD: Op.ADD, ca.OP_SUB: Op.SUBTRACT, ca.OP_MUL: Op.MULTIPLY, ca.OP_SQ: Op.SQUARE, ca.OP_NEG: Op.NEGATE,
-    ca.OP_TWICE: Op.TWICE, ca.OP_INV: Op.INVERT, ca.OP_SIN: Op.SINE, ca.OP_COS: Op.COSINE, ca.OP_SQRT: Op.ROOT,
-    ca.OP_EXP: Op.EXPONENTIAL, ca.OP_ATAN2: Op.ANGLE,
-}  # fmt: skip
+    ca.OP_ADD: Op.ADD,
+    ca.OP_SUB: Op.SUBTRACT,
+    ca.OP_MUL: Op.MULTIPLY,
+    ca.OP_SQ: Op.SQUARE,
+    ca.OP_NEG: Op.NEGATE,
+    ca.OP_TWICE: Op.TWICE,
+    ca.OP_INV: Op.INVERT,
+    ca.OP_SIN: Op.SINE,
+    ca.OP_COS: Op.COSINE,
+    ca.OP_SQRT: Op.ROOT,
+    ca.OP_EXP: Op.EXPONENTIAL,
+    ca.OP_ATAN2: Op.ANGLE,
+}
 
 
 @dataclass(frozen=True, eq=False)
 class Code:
-    """Instructions (length, 4): operation, the places a and b that it reads, and the one that it writes. INPUT reads entry a
-    of the inputs, CONSTANT entry a of `constants`, OUTPUT writes entry `out` of the outputs."""
+    """Instructions (length, 4): operation, the places a and b that it reads, and the one that it
+    writes. INPUT reads entry a of the inputs, CONSTANT entry a of `constants`, OUTPUT writes entry
+    `out` of the outputs.
+    """
 
     instructions: np.ndarray
     constants: np.ndarray
@@ -59,8 +74,10 @@ class Code:
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    """f(z, k): `before` takes k and the constants' values to what z does not enter; each of `parts` takes z, followed by that,
-    to the nonzeros of one matrix, of which `patterns` holds rows and columns."""
+    """f(z, k): `before` takes k and the constants' values to what z does not enter; each of `parts`
+    takes z, followed by that, to the nonzeros of one matrix, of which `patterns` holds rows and
+    columns.
+    """
 
     width: int
     before: Code
@@ -72,12 +89,18 @@ class Tape:
     def has_known(self) -> bool:
         """Whether k enters: not constants alone."""
         lines = self.before.instructions
-        return bool(np.any((lines[:, 0] == Op.INPUT) & (lines[:, 1] < self.before.inputs - len(self.values))))
+        return bool(
+            np.any(
+                (lines[:, 0] == Op.INPUT) & (lines[:, 1] < self.before.inputs - len(self.values))
+            )
+        )
 
 
 @dataclass(frozen=True)
 class _Node:
-    """One value: operation, earlier values that it is made of (or the entry of an input), and whether z enters it."""
+    """One value: operation, earlier values that it is made of (or the entry of an input), and
+    whether z enters it.
+    """
 
     op: Op
     operands: tuple[int, ...]
@@ -86,7 +109,9 @@ class _Node:
 
 
 def build_tape(z: ca.SX, k: ca.SX, f: ca.SX, parts: Sequence[Part]) -> Tape:
-    """The tape of a column f(z, k) and of its derivatives. Raises NotImplementedError for an operation without a disc."""
+    """The tape of a column f(z, k) and of its derivatives. Raises NotImplementedError for an
+    operation without a disc.
+    """
     raised, constants, values = raise_constants(f, z, k)
     expressions = [derive(raised, z, part) for part in parts]
     function = ca.Function("f", [z, ca.vertcat(k, constants)], expressions, {"cse": True})
@@ -94,8 +119,10 @@ def build_tape(z: ca.SX, k: ca.SX, f: ca.SX, parts: Sequence[Part]) -> Tape:
     wanted = [[outputs[i, j] for j in range(function.nnz_out(i))] for i in range(len(parts))]
     needed = _reached(nodes, [n for part in wanted for n in part])
     moving = [i for i in needed if nodes[i].moving]
-    kept = sorted({a for i in moving for a in _operands(nodes[i]) if not nodes[a].moving} |
-                  {n for part in wanted for n in part if not nodes[n].moving})  # fmt: skip
+    kept = sorted(
+        {a for i in moving for a in _operands(nodes[i]) if not nodes[a].moving}
+        | {n for part in wanted for n in part if not nodes[n].moving}
+    )
     entry = {n: int(z.shape[0]) + i for i, n in enumerate(kept)}
     before = _code(nodes, kept, {}, int(k.shape[0]) + constants.shape[0])
     codes = tuple(_code(nodes, part, entry, int(z.shape[0]) + len(kept)) for part in wanted)
@@ -137,7 +164,9 @@ def _nodes(function: ca.Function) -> tuple[list[_Node], dict[tuple[int, int], in
         elif op == ca.OP_DIV:
             slots[o[0]] = add(Op.MULTIPLY, slots[a[0]], add(Op.INVERT, slots[a[1]]))
         elif op == ca.OP_TAN:
-            slots[o[0]] = add(Op.MULTIPLY, add(Op.SINE, slots[a[0]]), add(Op.INVERT, add(Op.COSINE, slots[a[0]])))
+            slots[o[0]] = add(
+                Op.MULTIPLY, add(Op.SINE, slots[a[0]]), add(Op.INVERT, add(Op.COSINE, slots[a[0]]))
+            )
         elif op in _SAME:
             slots[o[0]] = add(_SAME[op], *(slots[i] for i in a))
         else:
@@ -157,7 +186,9 @@ def _reached(nodes: list[_Node], ends: Iterable[int], given: Iterable[int] = ())
 
 
 def _code(nodes: list[_Node], ends: Sequence[int], entry: dict[int, int], inputs: int) -> Code:
-    """Instructions for the values `ends`, in which the values of `entry` are inputs; places are used again once free."""
+    """Instructions for the values `ends`, in which the values of `entry` are inputs; places are
+    used again once free.
+    """
     chosen = _reached(nodes, ends, entry)
     last: dict[int, int] = {}
     for i in chosen:
@@ -188,4 +219,10 @@ def _code(nodes: list[_Node], ends: Sequence[int], entry: dict[int, int], inputs
         lines += [(Op.OUTPUT, places[i], 0, place) for place in finals.get(i, ())]
         if i not in last:
             free.append(places[i])
-    return Code(np.array(lines, dtype=np.intc).reshape(-1, 4), np.array(constants, dtype=float), max(count, 1), inputs, len(ends))
+    return Code(
+        np.array(lines, dtype=np.intc).reshape(-1, 4),
+        np.array(constants, dtype=float),
+        max(count, 1),
+        inputs,
+        len(ends),
+    )

@@ -1,5 +1,6 @@
-"""The command line (docs/reference/commands.md). Exit status: 0 done, or its reader had enough; 2 bad input, 3 no real solution or not
-converged, 130 interrupted by Ctrl-C."""
+"""The command line (docs/reference/commands.md). Exit status: 0 done, or its reader had enough; 2
+bad input, 3 no real solution or not converged, 130 interrupted by Ctrl-C.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +31,10 @@ INTERRUPTED = 130
 
 app = typer.Typer(
     cls=Group,
-    help="Kinematics of robots with closed loops: closure equations, every solution, Jacobians, from one description.",
+    help=(
+        "Kinematics of robots with closed loops: closure equations, every solution, Jacobians, "
+        "from one description."
+    ),
     epilog="\n".join(
         (
             "symkin show zhao2000                    what a shipped mechanism is",
@@ -56,96 +60,147 @@ def _print_version(wanted: bool) -> None:
 @app.callback()
 def options(
     version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
     ] = False,
 ) -> None:
-    """Kinematics of robots with closed loops: closure equations, every solution, Jacobians, from one description."""
+    """Kinematics of robots with closed loops: closure equations, every solution, Jacobians, from
+    one description.
+    """
 
 
-_FILES, _POSITIONS, _VELOCITIES = "Mechanisms and files", "Positions and paths", "Velocities and singularities"
+_FILES, _POSITIONS, _VELOCITIES = (
+    "Mechanisms and files",
+    "Positions and paths",
+    "Velocities and singularities",
+)
 _MACHINE = "Your machine"
 
 add_command(app, list_, "List the shipped mechanisms.", ["symkin list"], group=_FILES, name="list")
 add_command(
-    app, show, "Limbs, unknowns, rank, mobility, redundant constraints.",
-    ["symkin show zhao2000", "symkin show zhao2000 --plot sketch.png", "symkin show zhao2000 --latex"], group=_FILES,
-)  # fmt: skip
-add_command(
-    app, close, "The closed configuration nearest to a file's own.",
-    ["symkin close ankle", "symkin close ankle -o closed.toml --plot closed.png", "symkin close robot.urdf"],
-    group=_FILES,
-)  # fmt: skip
-add_command(
-    app, convert, "Write a mechanism as TOML, MJCF, URDF or SDF.",
-    ["symkin convert ankle -o ankle.xml", "symkin convert robot.urdf -o robot.toml"], group=_FILES,
-)  # fmt: skip
-add_command(
-    app, modes, "Every solution: assembly modes, working modes.",
+    app,
+    show,
+    "Limbs, unknowns, rank, mobility, redundant constraints.",
     [
-        "symkin modes zhao2000", "symkin modes zhao2000 --joints 80,200,330,105 --plot modes.png",
-        "symkin modes zhang2009 --pose 10,0,90 --rpy 0,5,10", "symkin modes ankle --given upper_motor=8,lower_motor=12 --json",
+        "symkin show zhao2000",
+        "symkin show zhao2000 --plot sketch.png",
+        "symkin show zhao2000 --latex",
+    ],
+    group=_FILES,
+)
+add_command(
+    app,
+    close,
+    "The closed configuration nearest to a file's own.",
+    [
+        "symkin close ankle",
+        "symkin close ankle -o closed.toml --plot closed.png",
+        "symkin close robot.urdf",
+    ],
+    group=_FILES,
+)
+add_command(
+    app,
+    convert,
+    "Write a mechanism as TOML, MJCF, URDF or SDF.",
+    ["symkin convert ankle -o ankle.xml", "symkin convert robot.urdf -o robot.toml"],
+    group=_FILES,
+)
+add_command(
+    app,
+    modes,
+    "Every solution: assembly modes, working modes.",
+    [
+        "symkin modes zhao2000",
+        "symkin modes zhao2000 --joints 80,200,330,105 --plot modes.png",
+        "symkin modes zhang2009 --pose 10,0,90 --rpy 0,5,10",
+        "symkin modes ankle --given upper_motor=8,lower_motor=12 --json",
     ],
     group=_POSITIONS,
-)  # fmt: skip
+)
 add_command(
-    app, solve, "One solution near a start.",
+    app,
+    solve,
+    "One solution near a start.",
     [
-        "symkin solve zhang2009", "symkin solve zhao2000 --joints theta1=80,theta2=200,theta3=330,op=105",
+        "symkin solve zhang2009",
+        "symkin solve zhao2000 --joints theta1=80,theta2=200,theta3=330,op=105",
         "symkin solve zhao2000 --pose 0,0,100,1,0,0,0 --plot solution.png",
     ],
     group=_POSITIONS,
-)  # fmt: skip
+)
 add_command(
-    app, track, "Follow one mode along a path, up to the first stop.",
+    app,
+    track,
+    "Follow one mode along a path, up to the first stop.",
     [
         "symkin track zhao2000 --from 81,202,330,105 --to 85,200,330,110 -o path.csv",
-        "symkin track ankle --given upper_motor=8:20,lower_motor=12", "symkin track zhao2000 --csv path.csv",
+        "symkin track ankle --given upper_motor=8:20,lower_motor=12",
+        "symkin track zhao2000 --csv path.csv",
     ],
     group=_POSITIONS,
-)  # fmt: skip
+)
 add_command(
-    app, view, "The mechanism in a browser, where it moves.",
-    ["symkin view zhao2000 --html zhao2000.html", "symkin view ankle --given upper_motor=8,lower_motor=12 --html ankle.html"],
+    app,
+    view,
+    "The mechanism in a browser, where it moves.",
+    [
+        "symkin view zhao2000 --html zhao2000.html",
+        "symkin view ankle --given upper_motor=8,lower_motor=12 --html ankle.html",
+    ],
     group=_POSITIONS,
-)  # fmt: skip
+)
 add_command(
-    app, sweep, "Every solution over a grid or a sample; needs an extra.",
+    app,
+    sweep,
+    "Every solution over a grid or a sample; needs an extra.",
     [
         "symkin sweep zhao2000 --grid theta1=70:90:5 --at 81,202,330,105 -o map",
         "symkin sweep zhao2000 --poses --grid x=-20:20:5,y=-20:20:5 -o poses",
     ],
     group=_POSITIONS,
-)  # fmt: skip
+)
 add_command(
-    app, singularities, "Kind of one configuration's singularity; loci.",
+    app,
+    singularities,
+    "Kind of one configuration's singularity; loci.",
     [
-        "symkin singularities zhao2000", "symkin singularities zhao2000 --plane x,y --starts 50 --plot loci.png",
+        "symkin singularities zhao2000",
+        "symkin singularities zhao2000 --plane x,y --starts 50 --plot loci.png",
     ],
     group=_VELOCITIES,
-)  # fmt: skip
+)
 add_command(
-    app, jacobian, "A symbolic Jacobian for CasADi, C, NumPy, SymPy, LaTeX.",
+    app,
+    jacobian,
+    "A symbolic Jacobian for CasADi, C, NumPy, SymPy, LaTeX.",
     [
         "symkin jacobian zhao2000 --format numpy -o jacobian.py",
         "symkin jacobian ankle --of ankle.1 --by upper_motor,lower_motor --format c",
     ],
     group=_VELOCITIES,
-)  # fmt: skip
+)
 add_command(
-    app, firmware, "C99 for your controller, with tests and build files.",
+    app,
+    firmware,
+    "C99 for your controller, with tests and build files.",
     [
         "symkin firmware zhang2009 -o firmware --real float",
         "symkin firmware zhao2000 -o zhao2000_c --package --linuxcnc --cpp",
     ],
     group=_MACHINE,
-)  # fmt: skip
+)
 app.add_typer(calibrate, name="calibrate", rich_help_panel=_MACHINE)
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a command; every mistake of the user's becomes one line on stderr and exit status 2."""
     prepare_streams()
-    os.environ["MPLBACKEND"] = "agg"  # pictures go to files only, and a wrong name would stop the import of matplotlib
+    os.environ["MPLBACKEND"] = (
+        "agg"  # pictures go to files only, and a wrong name would stop the import of matplotlib
+    )
     sys.exit(_status(arguments))
 
 
@@ -166,7 +221,9 @@ def _status(arguments: list[str] | None) -> int:
         say(f"interrupted; {error}" if str(error) else "interrupted")
         return INTERRUPTED
     except SystemExit as stop:
-        if not isinstance(stop.__context__, BrokenPipeError):  # which Typer makes an exit status of 1 of
+        if not isinstance(
+            stop.__context__, BrokenPipeError
+        ):  # which Typer makes an exit status of 1 of
             raise
         return _reader_gone()
     except BrokenPipeError:

@@ -1,4 +1,6 @@
-"""`symkin calibrate`: identify a mechanism's geometry from measurements, and plan and simulate these."""
+"""`symkin calibrate`: identify a mechanism's geometry from measurements, and plan and simulate
+these.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,9 @@ if TYPE_CHECKING:
 
 calibrate = typer.Typer(
     cls=Group,
-    help="Identify a mechanism's geometry from measurements: plan them, take or simulate them, fit.",
+    help=(
+        "Identify a mechanism's geometry from measurements: plan them, take or simulate them, fit."
+    ),
     short_help="Geometry from measurements: plan, simulate, fit.",
     context_settings=HELP_NAMES,
     rich_markup_mode=None,
@@ -53,7 +57,11 @@ def fit(
     output: Annotated[
         Path,
         typer.Option(
-            "-o", "--output", metavar="DIR", help="Folder for the mechanism file and the report.", rich_help_panel=OUTPUT
+            "-o",
+            "--output",
+            metavar="DIR",
+            help="Folder for the mechanism file and the report.",
+            rich_help_panel=OUTPUT,
         ),
     ],
     parameters: PatternOption = None,
@@ -69,16 +77,20 @@ def fit(
     method: Annotated[
         Method, choice(Method, "--method", "Poses solved inside, or as unknowns, or by IPOPT.", HOW)
     ] = Method.nested,
-    residual: Annotated[Residual, choice(Residual, "--residual", "How groups and joint noise enter.", HOW)] = Residual.means,
+    residual: Annotated[
+        Residual, choice(Residual, "--residual", "How groups and joint noise enter.", HOW)
+    ] = Residual.means,
     outliers: Annotated[
-        Outliers, choice(Outliers, "--outliers", "What to do with readings that do not belong.", HOW)
+        Outliers,
+        choice(Outliers, "--outliers", "What to do with readings that do not belong.", HOW),
     ] = Outliers.remove,
     loss: Annotated[
         Loss,
         choice(
             Loss,
             "--loss",
-            "How far readings count that are far off: in full, or less the farther (robust, with a note on figures).",
+            "How far readings count that are far off: in full, or less the farther (robust, with "
+            "a note on figures).",
             HOW,
         ),
     ] = Loss.squared,
@@ -95,25 +107,48 @@ def fit(
     seed: SeedOption = 0,
     force: ForceOption = False,
 ) -> None:
-    """Identify the geometry: DIR/NAME.toml, report.json, report.md and pictures. Exit status 3: not usable."""
+    """Identify the geometry: DIR/NAME.toml, report.json, report.md and pictures. Exit status 3: not
+    usable.
+    """
     from symkin.calibration.data.files import read_measurements
     from symkin.calibration.fit_file import NotFittedError, fit_file
 
     mechanism = loaded(mech, read)
     check_folder(output, mech, mechanism, force=force)
-    given = {"group": sigma_group, "inclination": sigma_inclination, "orientation": sigma_orientation}
-    sigmas = {k: quantity(v, "angle", mechanism, f"sigma-{k}") for k, v in given.items() if v is not None}
+    given = {
+        "group": sigma_group,
+        "inclination": sigma_inclination,
+        "orientation": sigma_orientation,
+    }
+    sigmas = {
+        k: quantity(v, "angle", mechanism, f"sigma-{k}") for k, v in given.items() if v is not None
+    }
     lengths = {"position": sigma_position, "distance": sigma_distance}
-    sigmas |= {k: quantity(v, "length", mechanism, f"sigma-{k}") for k, v in lengths.items() if v is not None}
+    sigmas |= {
+        k: quantity(v, "length", mechanism, f"sigma-{k}")
+        for k, v in lengths.items()
+        if v is not None
+    }
     if sigma_joints is not None:
         sigmas["joint"] = joint_quantities(sigma_joints, mechanism, "sigma-joints")  # type: ignore[assignment]
     try:
         report = fit_file(
-            mechanism, read_measurements(data, mechanism, distance_points(distance, mechanism)), parameters=parameters, hold=hold,
-            frames=frames, sigmas=sigmas, command=shlex.join(["symkin", *sys.argv[1:]]), seed=seed, method=method.value, residual=residual.value.replace("-", " "),
-            outliers=outliers.value, loss=loss.value, tolerance=None if tolerance is None else tolerances(tolerance, mechanism),
-            any_machine=any_machine, hold_out=hold_out
-        )  # fmt: skip
+            mechanism,
+            read_measurements(data, mechanism, distance_points(distance, mechanism)),
+            parameters=parameters,
+            hold=hold,
+            frames=frames,
+            sigmas=sigmas,
+            command=shlex.join(["symkin", *sys.argv[1:]]),
+            seed=seed,
+            method=method.value,
+            residual=residual.value.replace("-", " "),
+            outliers=outliers.value,
+            loss=loss.value,
+            tolerance=None if tolerance is None else tolerances(tolerance, mechanism),
+            any_machine=any_machine,
+            hold_out=hold_out,
+        )
     except NotFittedError as error:
         write_unfitted(mechanism, data, error, output)
         print(f"{mechanism.name}: {error}")
@@ -129,21 +164,32 @@ def fit(
 
 
 def _note_earlier(output: Path, mechanism: Mechanism) -> None:
-    """Say which files of the folder an earlier, usable fit has left: they are kept and are not of this fit."""
+    """Say which files of the folder an earlier, usable fit has left: they are kept and are not of
+    this fit.
+    """
     for left in (output / f"{mechanism.name}.toml", output / "pose_sigma.png"):
         if left.exists():
             print(f"note: {left} is of an earlier fit, not of this one")
 
 
 add_command(
-    calibrate, plan, "Choose the postures that are worth measuring.",
+    calibrate,
+    plan,
+    "Choose the postures that are worth measuring.",
     ["symkin calibrate plan zhang2009 -o plan.csv --postures 30 --groups 3"],
-)  # fmt: skip
+)
 add_command(
-    calibrate, simulate, "Measurements as a measuring system would take them.",
+    calibrate,
+    simulate,
+    "Measurements as a measuring system would take them.",
     ["symkin calibrate simulate zhang2009 -o data.csv --postures 60 --readings pose"],
-)  # fmt: skip
+)
 add_command(
-    calibrate, fit, "Identify the geometry, and say how well.",
-    ["symkin calibrate fit zhang2009 data.csv -o fitted", "symkin calibrate fit zhang2009 data.csv -o fitted --hold-out 20%"],
-)  # fmt: skip
+    calibrate,
+    fit,
+    "Identify the geometry, and say how well.",
+    [
+        "symkin calibrate fit zhang2009 data.csv -o fitted",
+        "symkin calibrate fit zhang2009 data.csv -o fitted --hold-out 20%",
+    ],
+)

@@ -1,4 +1,6 @@
-"""The folder that `symkin calibrate fit` writes: mechanism, report and pictures, every file whole or not at all."""
+"""The folder that `symkin calibrate fit` writes: mechanism, report and pictures, every file whole
+or not at all.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,13 @@ from typing import TYPE_CHECKING
 from symkin._version import __version__
 from symkin.errors import InputError
 from symkin.files.outputs import write_output
-from symkin.files.written_files import MANIFEST, digest, foreign_files, read_manifest, refuse_foreign
+from symkin.files.written_files import (
+    MANIFEST,
+    digest,
+    foreign_files,
+    read_manifest,
+    refuse_foreign,
+)
 from symkin.text import markdown
 
 if TYPE_CHECKING:
@@ -19,19 +27,28 @@ if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
 
 
-_PICTURES, _REPORTS = ("residuals.png", "parameters.png", "pose_sigma.png"), ("report.json", "report.md")
+_PICTURES, _REPORTS = (
+    ("residuals.png", "parameters.png", "pose_sigma.png"),
+    ("report.json", "report.md"),
+)
 _KEY, _REPLACED = "calibration", "replaced"
-"""What the manifest of a calibration has, and others have not; and digests of files that a run under way replaces."""
+"""What the manifest of a calibration has, and others have not; and digests of files that a run
+under way replaces.
+"""
 
 
 def check_folder(folder: Path, mech: str, mechanism: Mechanism, *, force: bool = False) -> None:
-    """Refuse, before anything is computed, a folder that cannot be written, one where the file given would be lost and, unless
-    `force`, one where a file stands that no fit of this mechanism has written or that was edited since."""
+    """Refuse, before anything is computed, a folder that cannot be written, one where the file
+    given would be lost and, unless `force`, one where a file stands that no fit of this mechanism
+    has written or that was edited since.
+    """
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file; the name of a folder is needed")
     target = folder / f"{mechanism.name}.toml"
     if Path(mech).is_file() and target.exists() and target.samefile(mech):
-        raise InputError(f"{target} is the mechanism that was given and would be lost; name another folder")
+        raise InputError(
+            f"{target} is the mechanism that was given and would be lost; name another folder"
+        )
     there = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     if not os.access(there, os.W_OK):
         raise InputError(f"{folder}: the folder cannot be written (permission denied)")
@@ -44,15 +61,27 @@ def _check_own(folder: Path, mechanism: Mechanism) -> None:
     remedy = "give another folder with -o, or say --force"
     if written.get(_KEY, mechanism.name) != mechanism.name:
         raise InputError(f"{folder}: holds the calibration of {written[_KEY]!r}; {remedy}")
-    digests = {name: (d, written.get(_REPLACED, {}).get(name)) for name, d in written.get("files", {}).items()}
+    digests = {
+        name: (d, written.get(_REPLACED, {}).get(name))
+        for name, d in written.get("files", {}).items()
+    }
     names = [*_PICTURES, *_REPORTS, f"{mechanism.name}.toml", *([] if written else [MANIFEST])]
-    refuse_foreign(folder, foreign_files(folder, names, digests), digests, f"move them away, {remedy}")
+    refuse_foreign(
+        folder, foreign_files(folder, names, digests), digests, f"move them away, {remedy}"
+    )
 
 
 def write_fit(report: FitReport, folder: Path) -> list[Path]:
-    """Every file whole or not at all; the mechanism and what it says of poses only if it can be used."""
+    """Every file whole or not at all; the mechanism and what it says of poses only if it can be
+    used.
+    """
     from symkin.calibration.fit_file import calibrated_mechanism
-    from symkin.plots.calibration_plot import parameter_figure, png, pose_sigma_figure, residual_figure
+    from symkin.plots.calibration_plot import (
+        parameter_figure,
+        png,
+        pose_sigma_figure,
+        residual_figure,
+    )
 
     pictures = {
         "residuals.png": png(residual_figure(report.fit)),
@@ -71,22 +100,35 @@ def write_fit(report: FitReport, folder: Path) -> list[Path]:
     return _write_contents(folder, report.fit.mechanism, contents)
 
 
-def write_unfitted(mechanism: Mechanism, data: Path, error: NotFittedError, folder: Path) -> list[Path]:
+def write_unfitted(
+    mechanism: Mechanism, data: Path, error: NotFittedError, folder: Path
+) -> list[Path]:
     """The report of a file that nothing can be fitted to."""
     content = {
-        "mechanism": mechanism.name, "data": str(data), "verdict": str(error), "believable": False, "usable": False,
+        "mechanism": mechanism.name,
+        "data": str(data),
+        "verdict": str(error),
+        "believable": False,
+        "usable": False,
         "suspicions": list(error.suspicions),
-    }  # fmt: skip
+    }
     lines = "".join(f"- {markdown(line)}\n" for line in error.suspicions)
     text = f"# Calibration of {mechanism.name}\n\n{markdown(str(error))}\n\n{lines}"
     return _write_contents(
-        folder, mechanism, {"report.json": (json.dumps(content, indent=1) + "\n").encode(), "report.md": text.encode()}
+        folder,
+        mechanism,
+        {
+            "report.json": (json.dumps(content, indent=1) + "\n").encode(),
+            "report.md": text.encode(),
+        },
     )
 
 
 def _write_contents(folder: Path, mechanism: Mechanism, contents: dict[str, bytes]) -> list[Path]:
-    """Write every file whole or not at all. The manifest comes first, with the digests of what is replaced beside the new ones,
-    so that a run which is cut short leaves no file that counts as foreign."""
+    """Write every file whole or not at all. The manifest comes first, with the digests of what is
+    replaced beside the new ones, so that a run which is cut short leaves no file that counts as
+    foreign.
+    """
     before = read_manifest(folder, _KEY)
     kept = {name: d for name, d in before.get("files", {}).items() if (folder / name).is_file()}
     digests = kept | {name: digest(content) for name, content in contents.items()}
@@ -102,7 +144,11 @@ def _write_contents(folder: Path, mechanism: Mechanism, contents: dict[str, byte
 
 
 def _manifest(mechanism: Mechanism, digests: dict[str, str], replaced: dict[str, str]) -> bytes:
-    content: dict[str, object] = {_KEY: mechanism.name, "symkin": __version__, "files": dict(sorted(digests.items()))}
+    content: dict[str, object] = {
+        _KEY: mechanism.name,
+        "symkin": __version__,
+        "files": dict(sorted(digests.items())),
+    }
     if replaced:
         content[_REPLACED] = replaced
     return (json.dumps(content, indent=2) + "\n").encode()

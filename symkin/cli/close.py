@@ -31,17 +31,27 @@ def close(
             "-o",
             "--output",
             metavar="FILE",
-            help="Write the mechanism with the closed configuration as its reference (.toml), its JSON (.json), or an MJCF file with it as a keyframe (.xml).",
+            help=(
+                "Write the mechanism with the closed configuration as its reference (.toml), "
+                "its JSON (.json), or an MJCF file with it as a keyframe (.xml)."
+            ),
             rich_help_panel=OUTPUT,
         ),
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Draw the closed configuration into a file.", rich_help_panel=OUTPUT)
+        Path | None,
+        typer.Option(
+            metavar="FILE.png",
+            help="Draw the closed configuration into a file.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = None,
     names: NamesOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find the closed configuration nearest to the file's own: how far loops were open, rank, mobility. Exit status 3: none closes."""
+    """Find the closed configuration nearest to the file's own: how far loops were open, rank,
+    mobility. Exit status 3: none closes.
+    """
     from symkin.files.outputs import write_output
     from symkin.position.close import close as close_one
 
@@ -68,7 +78,8 @@ def _check_output(output: Path | None, mech: str) -> None:
     check_output(output, _SUFFIXES, "close", mech)
     if output.suffix == ".xml" and Path(mech).suffix.lower() != ".xml":
         raise InputError(
-            f"output {str(output)!r}: a keyframe is written into a copy of an MJCF file, and {mech} is none; give .toml or .json, or "
+            f"output {str(output)!r}: a keyframe is written into a copy of an MJCF file, and "
+            f"{mech} is none; give .toml or .json, or "
             "`symkin convert`"
         )
 

@@ -26,15 +26,26 @@ def convert(
     output: Annotated[
         Path,
         typer.Option(
-            "-o", "--output", metavar="FILE", help="The file to write: .toml, .xml (MJCF), .urdf or .sdf.", rich_help_panel=OUTPUT
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="The file to write: .toml, .xml (MJCF), .urdf or .sdf.",
+            rich_help_panel=OUTPUT,
         ),
     ],
     loops: Annotated[
         Loops,
-        choice(Loops, "--loops", "URDF: loops in the file as those of URDF+, or in a YAML file beside it.", OUTPUT),
+        choice(
+            Loops,
+            "--loops",
+            "URDF: loops in the file as those of URDF+, or in a YAML file beside it.",
+            OUTPUT,
+        ),
     ] = Loops.loop,
 ) -> None:
-    """Write a mechanism in another format: `symkin convert ankle -o ankle.xml`. Its kinematics are the same; masses are plain."""
+    """Write a mechanism in another format: `symkin convert ankle -o ankle.xml`. Its kinematics are
+    the same; masses are plain.
+    """
     from symkin.position.convert import convert as convert_one
 
     written = convert_one(mech, output, read, loops=loops.value)

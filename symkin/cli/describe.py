@@ -25,16 +25,27 @@ def list_() -> None:
     names = shipped_names()
     width = max(map(len, names))
     for name in names:
-        print(f"{name:{width}}  {shorten(load(name).title or '', TERMINAL_WIDTH - width - 2, placeholder=' ...')}")
+        print(
+            f"{name:{width}}  "
+            f"{shorten(load(name).title or '', TERMINAL_WIDTH - width - 2, placeholder=' ...')}"
+        )
 
 
 @reads_robots
 def show(
     mech: MechArgument,
     read: ReadOptions,
-    latex: Annotated[bool, typer.Option("--latex", help="Print the closure equations as LaTeX.", rich_help_panel=OUTPUT)] = False,
+    latex: Annotated[
+        bool,
+        typer.Option(
+            "--latex", help="Print the closure equations as LaTeX.", rich_help_panel=OUTPUT
+        ),
+    ] = False,
     plot: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Draw a kinematic sketch into a file.", rich_help_panel=OUTPUT)
+        Path | None,
+        typer.Option(
+            metavar="FILE.png", help="Draw a kinematic sketch into a file.", rich_help_panel=OUTPUT
+        ),
     ] = None,
     names: NamesOption = None,
     as_json: JsonOption = False,
@@ -42,7 +53,10 @@ def show(
     """Show limbs, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
 
     if latex and as_json:
-        raise InputError("both --latex and --json are given; the equations are LaTeX, the account is JSON: give one of them")
+        raise InputError(
+            "both --latex and --json are given; the equations are LaTeX, the account is JSON: give "
+            "one of them"
+        )
     mechanism = loaded(mech, read)
     options = picture_options(plot, mechanism, names=names)
     if plot is not None:
@@ -58,4 +72,6 @@ def show(
     from symkin.position.mobility import mobility
 
     picture = "" if plot is None else f"\n\npicture: {plot}"
-    print_result(as_json, lambda: mobility(mechanism).to_dict(), lambda: describe(mechanism) + picture)
+    print_result(
+        as_json, lambda: mobility(mechanism).to_dict(), lambda: describe(mechanism) + picture
+    )

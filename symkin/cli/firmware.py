@@ -30,8 +30,15 @@ class GeometryChoice(StrEnum):
 def firmware(
     mech: MechArgument,
     read: ReadOptions,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write.", rich_help_panel=OUTPUT)],
-    real: Annotated[RealType, choice(RealType, "--real", "The C type of numbers.", "The code")] = RealType.double,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "-o", "--output", metavar="DIR", help="Folder to write.", rich_help_panel=OUTPUT
+        ),
+    ],
+    real: Annotated[
+        RealType, choice(RealType, "--real", "The C type of numbers.", "The code")
+    ] = RealType.double,
     home_relative: Annotated[
         bool,
         typer.Option(
@@ -41,7 +48,13 @@ def firmware(
         ),
     ] = False,
     geometry: Annotated[
-        GeometryChoice, choice(GeometryChoice, "--geometry", "Numbers in the code, or a struct given with each call.", "The code")
+        GeometryChoice,
+        choice(
+            GeometryChoice,
+            "--geometry",
+            "Numbers in the code, or a struct given with each call.",
+            "The code",
+        ),
     ] = GeometryChoice.fixed,
     home: Annotated[
         str | None,
@@ -57,7 +70,10 @@ def firmware(
         str | None,
         typer.Option(
             metavar="A,B,...",
-            help="Joint coordinates of which a map is written, as many as the mobility; needs --find.",
+            help=(
+                "Joint coordinates of which a map is written, as many as the mobility; needs "
+                "--find."
+            ),
             rich_help_panel="A map between joints",
         ),
     ] = None,
@@ -71,19 +87,35 @@ def firmware(
     ] = None,
     compact: Annotated[
         bool,
-        typer.Option("--compact", help="The least code, at some cost of instructions (not of maps).", rich_help_panel="The code"),
+        typer.Option(
+            "--compact",
+            help="The least code, at some cost of instructions (not of maps).",
+            rich_help_panel="The code",
+        ),
     ] = False,
     package: Annotated[
-        bool, typer.Option("--package", help="Also files for PlatformIO, Arduino and Zephyr.", rich_help_panel=OUTPUT)
+        bool,
+        typer.Option(
+            "--package",
+            help="Also files for PlatformIO, Arduino and Zephyr.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = False,
     linuxcnc: Annotated[
-        bool, typer.Option("--linuxcnc", help="Also a LinuxCNC kinematics component.", rich_help_panel=OUTPUT)
+        bool,
+        typer.Option(
+            "--linuxcnc", help="Also a LinuxCNC kinematics component.", rich_help_panel=OUTPUT
+        ),
     ] = False,
-    cpp: Annotated[bool, typer.Option("--cpp", help="Also a header for C++17 and later.", rich_help_panel=OUTPUT)] = False,
+    cpp: Annotated[
+        bool,
+        typer.Option("--cpp", help="Also a header for C++17 and later.", rich_help_panel=OUTPUT),
+    ] = False,
 ) -> None:
     """Write C99 for controllers: direct and inverse kinematics, Jacobian, test and build files.
 
-    With --given and --find: the map between joints of any mechanism, both ways, with Jacobian, rates and torques.
+    With --given and --find: the map between joints of any mechanism, both ways, with Jacobian,
+    rates and torques.
     """
     from symkin.codegen.folder import write_firmware
     from symkin.codegen.own_test import can_run
@@ -92,15 +124,30 @@ def firmware(
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(home)
     pose = reader.pose(home, "home")
-    also = [name for name, wanted in (("package", package), ("linuxcnc", linuxcnc), ("cpp", cpp)) if wanted]
+    also = [
+        name
+        for name, wanted in (("package", package), ("linuxcnc", linuxcnc), ("cpp", cpp))
+        if wanted
+    ]
     files = write_firmware(
-        mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose,
-        given=names_from(given), find=names_from(find), also=also, compact=compact,  # type: ignore[arg-type]
-    )  # fmt: skip
+        mechanism,
+        output,
+        real=real.value,
+        home_relative=home_relative,
+        geometry=geometry.value,
+        home=pose,
+        given=names_from(given),
+        find=names_from(find),
+        also=also,  # type: ignore[arg-type]
+        compact=compact,
+    )
     if given is None and find is None:
         say_left_out(mechanism)
     if not can_run():
-        say("note: there is no C compiler here: the code's own test has not run; `make test` in the folder runs it")
+        say(
+            "note: there is no C compiler here: the code's own test has not run; `make test` in "
+            "the folder runs it"
+        )
     for path in files:
         print(path)
 

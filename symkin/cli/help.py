@@ -1,6 +1,8 @@
-"""Help as the commands print it: commands and options in groups, examples as they are typed, mistakes in a sentence.
+"""Help as the commands print it: commands and options in groups, examples as they are typed,
+mistakes in a sentence.
 
-Typer's classes are a version of Click's, and which one depends on Typer's version: nothing here imports Click.
+Typer's classes are a version of Click's, and which one depends on Typer's version: nothing here
+imports Click.
 """
 
 from __future__ import annotations
@@ -62,23 +64,42 @@ class Group(TyperGroup):
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         found = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
-        commands = [(name, getattr(c, "rich_help_panel", None) or "Commands", c) for name, c in found if c is not None]
+        commands = [
+            (name, getattr(c, "rich_help_panel", None) or "Commands", c)
+            for name, c in found
+            if c is not None
+        ]
         width = max(len(name) for name, _, _ in commands)
         for group in dict.fromkeys(group for _, group, _ in commands):
             there = [(f"{name:{width}}", c) for name, its, c in commands if its == group]
             with formatter.section(group):
-                formatter.write_dl([(name, c.get_short_help_str(formatter.width)) for name, c in there])
+                formatter.write_dl(
+                    [(name, c.get_short_help_str(formatter.width)) for name, c in there]
+                )
 
     def format_epilog(self, _ctx: Any, formatter: Any) -> None:
         _write_examples(self.epilog, formatter)
 
 
 def add_command(
-    app: typer.Typer, command: Callable[..., Any], short: str, examples: Sequence[str], *, group: str | None = None, name: str | None = None
-) -> None:  # fmt: skip
-    """Give `app` a command, with a line for the list of commands and examples, as they are typed, for its own help."""
+    app: typer.Typer,
+    command: Callable[..., Any],
+    short: str,
+    examples: Sequence[str],
+    *,
+    group: str | None = None,
+    name: str | None = None,
+) -> None:
+    """Give `app` a command, with a line for the list of commands and examples, as they are typed,
+    for its own help.
+    """
     app.command(
-        name, cls=Command, short_help=short, epilog="\n".join(examples), rich_help_panel=group, context_settings=HELP_NAMES
+        name,
+        cls=Command,
+        short_help=short,
+        epilog="\n".join(examples),
+        rich_help_panel=group,
+        context_settings=HELP_NAMES,
     )(command)
 
 
@@ -89,7 +110,9 @@ def _usage(parameter: Any) -> str:
 
 
 def _write_parameters(parameters: Sequence[Any], ctx: Any, formatter: Any) -> None:
-    """Arguments, then options by their groups; outputs, those of robots' files and the general ones last."""
+    """Arguments, then options by their groups; outputs, those of robots' files and the general ones
+    last.
+    """
     arguments = [(_usage(p), p.help or "") for p in parameters if p.param_type_name == "argument"]
     if arguments:
         with formatter.section("Arguments"):
@@ -98,8 +121,11 @@ def _write_parameters(parameters: Sequence[Any], ctx: Any, formatter: Any) -> No
     for p in parameters:
         record = p.get_help_record(ctx) if p.param_type_name == "option" else None
         if record is not None:
-            text = record[1].replace(r"\[", "[").removesuffix("  [required]")  # escapes of older versions; the usage says it
-            groups.setdefault(getattr(p, "rich_help_panel", None) or _OTHERS, []).append((record[0], text))
+            # escapes of older versions; the usage says it
+            text = record[1].replace(r"\[", "[").removesuffix("  [required]")
+            groups.setdefault(getattr(p, "rich_help_panel", None) or _OTHERS, []).append(
+                (record[0], text)
+            )
     last = [panel for panel in (OUTPUT, ROBOT_FILES, _OTHERS) if panel in groups]
     for panel in [*(panel for panel in groups if panel not in last), *last]:
         with formatter.section(panel):

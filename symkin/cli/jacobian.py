@@ -38,22 +38,38 @@ def jacobian(
     kind: Annotated[
         Kind | None,
         choice(
-            Kind, "--kind", "Twist by joint rates, joint rates by twist, pose rates, passive joint rates. Default: direct.", ASKED
+            Kind,
+            "--kind",
+            "Twist by joint rates, joint rates by twist, pose rates, passive joint rates. "
+            "Default: direct.",
+            ASKED,
         ),
     ] = None,
     of: Annotated[
         str | None,
-        typer.Option(metavar="NAME,...", help="Coordinates whose rates are wanted, by those of --by.", rich_help_panel=ASKED),
+        typer.Option(
+            metavar="NAME,...",
+            help="Coordinates whose rates are wanted, by those of --by.",
+            rich_help_panel=ASKED,
+        ),
     ] = None,
     by: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME,...", help="Coordinates that decide the motion, as many as the mobility.", rich_help_panel=ASKED
+            metavar="NAME,...",
+            help="Coordinates that decide the motion, as many as the mobility.",
+            rich_help_panel=ASKED,
         ),
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="FILE", help="File to write; default: stdout.", rich_help_panel=OUTPUT),
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="File to write; default: stdout.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = None,
 ) -> None:
     """Write a symbolic Jacobian in another language: CasADi, C99, NumPy, SymPy or LaTeX."""
@@ -67,7 +83,10 @@ def jacobian(
     made: AnyJacobian
     if of is not None or by is not None:
         if of is None or by is None or kind is not None:
-            raise InputError("--of and --by name the coordinates whose rates are related: give both, and no --kind")
+            raise InputError(
+                "--of and --by name the coordinates whose rates are related: give both, and no "
+                "--kind"
+            )
         made = symbolic(mechanism, of=_names(of), by=_names(by))
     else:
         made = symbolic(mechanism, (kind or Kind.direct).value)

@@ -33,24 +33,39 @@ def sentence(error: Any, ctx: Any, words: Sequence[str]) -> InputError:
 
 
 def refuse_empty_files(ctx: Any, words: Sequence[str]) -> None:
-    """Raise InputError for a file or folder whose name is empty, as of a variable that is not set: it would be the current folder."""
+    """Raise InputError for a file or folder whose name is empty, as of a variable that is not set:
+    it would be the current folder.
+    """
     files = [p for p in ctx.command.params if re.match("FILE|DIR|FOLDER", p.metavar or "")]
     names = {name for p in files for name in p.opts if name.startswith("-")}
     for k, word in enumerate(words):
         name, equals, value = word.partition("=") if word.startswith("--") else (word, "", "")
-        if name in names and not (value if equals else words[k + 1] if k + 1 < len(words) else "-").strip():
+        if (
+            name in names
+            and not (value if equals else words[k + 1] if k + 1 < len(words) else "-").strip()
+        ):
             raise InputError(f"{name} is empty; the name of a file or folder is needed")
 
 
 def unknown_command(word: str, path: str, commands: Sequence[str]) -> InputError:
-    """A word where a command is needed: one that no command has, or a mechanism before its command."""
+    """A word where a command is needed: one that no command has, or a mechanism before its
+    command.
+    """
     if word.startswith("-"):
-        return InputError(f"option {shown(word)} is unknown, or stands before its command: {path} COMMAND {word} ...")
+        return InputError(
+            f"option {shown(word)} is unknown, or stands before its command: {path} COMMAND {word} "
+            f"..."
+        )
     if word in ("help", "version"):
-        return InputError(f"{shown(word)} is an option here: {path} --{word}, or {path} COMMAND --help for one command")
+        return InputError(
+            f"{shown(word)} is an option here: {path} --{word}, or {path} COMMAND --help for one "
+            f"command"
+        )
     if Path(word).exists() or _is_shipped(word):
         first = "modes" if "modes" in commands else commands[-1]
-        return InputError(f"{shown(word)} is a mechanism, and the command comes first: {path} {first} {word}")
+        return InputError(
+            f"{shown(word)} is a mechanism, and the command comes first: {path} {first} {word}"
+        )
     return InputError(f"command {not_among(word, commands)}")
 
 
@@ -69,23 +84,37 @@ def _list_in_pieces(ctx: Any, words: Sequence[str], *, names_too: bool) -> Input
             continue
         values: list[str] = []
         for value in words[k + 1 :]:
-            more = not values or _VALUE.fullmatch(value) or values[-1].endswith(",") or (names_too and "," not in values[0])
+            more = (
+                not values
+                or _VALUE.fullmatch(value)
+                or values[-1].endswith(",")
+                or (names_too and "," not in values[0])
+            )
             if value in names or not more:
                 break
             values.append(value)
         if len(values) > 1:
             joined = re.sub(",+", ",", ",".join(values)).strip(",")
-            return InputError(f"{word} {' '.join(values)}: separate values by commas, without spaces: {word} {joined}")
+            return InputError(
+                f"{word} {' '.join(values)}: separate values by commas, without spaces: {word} "
+                f"{joined}"
+            )
     return None
 
 
 def _unknown_option(name: str, ctx: Any) -> InputError:
     known = [opt for p in ctx.command.params for opt in p.opts if opt.startswith("--")]
-    return InputError(f"option {shown(name)} is unknown{meant(name, known)}; `{ctx.command_path} -h` lists the options")
+    return InputError(
+        f"option {shown(name)} is unknown{meant(name, known)}; `{ctx.command_path} -h` lists the "
+        f"options"
+    )
 
 
 def _no_value(name: str, ctx: Any) -> InputError:
-    if any(name in p.opts and getattr(p, "is_flag", False) for p in ctx.command.params) or name == "--help":
+    if (
+        any(name in p.opts and getattr(p, "is_flag", False) for p in ctx.command.params)
+        or name == "--help"
+    ):
         return InputError(f"{name} takes no value; write {name} alone")
     return InputError(f"{name} has no value; {_written(ctx, name)} is needed")
 
@@ -99,21 +128,37 @@ def _written(ctx: Any, name: str) -> str:
 def _missing(parameter: Any, ctx: Any) -> InputError:
     if parameter is None:
         return InputError(f"a word is missing; `{ctx.command_path} -h` shows what is needed")
-    named = parameter.metavar if parameter.param_type_name == "argument" else _written(ctx, parameter.opts[0])
-    hint = ": " + parameter.help[0].lower() + parameter.help[1:].rstrip(".") if parameter.help else ""
+    named = (
+        parameter.metavar
+        if parameter.param_type_name == "argument"
+        else _written(ctx, parameter.opts[0])
+    )
+    hint = (
+        ": " + parameter.help[0].lower() + parameter.help[1:].rstrip(".") if parameter.help else ""
+    )
     return InputError(f"{named} is missing{hint}; `{ctx.command_path} -h` shows examples")
 
 
 def _too_many(ctx: Any, words: Sequence[str]) -> InputError:
     """Words that belong to nothing."""
-    options = {name for p in ctx.command.params if not getattr(p, "is_flag", False) for name in p.opts}
+    options = {
+        name for p in ctx.command.params if not getattr(p, "is_flag", False) for name in p.opts
+    }
     alone = [
-        w for k, w in enumerate(words) if not w.startswith("--") and w not in options and (k == 0 or words[k - 1] not in options)
+        w
+        for k, w in enumerate(words)
+        if not w.startswith("--") and w not in options and (k == 0 or words[k - 1] not in options)
     ]
     places = [p.metavar for p in ctx.command.params if p.param_type_name == "argument"]
     extra = alone[len(places)] if len(alone) > len(places) else ""
     taken = f"{' and '.join(places)}, and options" if places else "options only"
     joints = any("--joints" in p.opts for p in ctx.command.params) and _VALUE.fullmatch(extra)
     ends = any("--from" in p.opts for p in ctx.command.params) and _VALUE.fullmatch(extra)
-    hint = f"; joint values are given by --joints {extra}" if joints else f"; a path is --from {extra} --to ..." if ends else ""
+    hint = (
+        f"; joint values are given by --joints {extra}"
+        if joints
+        else f"; a path is --from {extra} --to ..."
+        if ends
+        else ""
+    )
     return InputError(f"{shown(extra)} stands alone: `{ctx.command_path}` takes {taken}{hint}")

@@ -17,7 +17,10 @@ NamesOption = Annotated[
     str | None,
     typer.Option(
         metavar="all|joints|links|loops|none",
-        help="Names in the picture of --plot: of joints and links, of one of them, of the joints that close loops of a graph, of none.",
+        help=(
+            "Names in the picture of --plot: of joints and links, of one of them, of the "
+            "joints that close loops of a graph, of none."
+        ),
         rich_help_panel=OUTPUT,
     ),
 ]
@@ -25,7 +28,10 @@ ViewsOption = Annotated[
     str | None,
     typer.Option(
         metavar="VIEW,...",
-        help="Sides in the picture of --plot, of main, top, front, side: a panel each. Default: main.",
+        help=(
+            "Sides in the picture of --plot, of main, top, front, side: a panel each. Default: "
+            "main."
+        ),
         rich_help_panel=OUTPUT,
     ),
 ]
@@ -39,12 +45,20 @@ def picture_options(
     views: str | None = None,
     modes: str | None = None,
 ) -> dict[str, Any]:
-    """What `result.plot` takes of a command's options, checked with the picture's path. Raises InputError, too where there is no
-    picture that they are about."""
-    chosen = {name: value for name, value in (("names", names), ("views", views), ("modes", modes)) if value is not None}
+    """What `result.plot` takes of a command's options, checked with the picture's path. Raises
+    InputError, too where there is no picture that they are about.
+    """
+    chosen = {
+        name: value
+        for name, value in (("names", names), ("views", views), ("modes", modes))
+        if value is not None
+    }
     if plot is None:
         for name in chosen:
-            raise InputError(f"--{name} is given without --plot; it says what the picture shows: give --plot FILE.png too")
+            raise InputError(
+                f"--{name} is given without --plot; it says what the picture shows: give --plot "
+                f"FILE.png too"
+            )
         return {}
     from symkin.plots.picture_file import check_picture_path
     from symkin.plots.picture_options import check_numbers, names_from, views_from

@@ -22,7 +22,10 @@ RpyOption = Annotated[
     typer.Option(
         "--rpy",
         metavar="R,P,Y",
-        help="Roll, pitch, yaw of a pose that is given as X,Y,Z: turns about the fixed axes x, then y, then z.",
+        help=(
+            "Roll, pitch, yaw of a pose that is given as X,Y,Z: turns about the fixed axes x, "
+            "then y, then z."
+        ),
         rich_help_panel=GIVEN,
     ),
 ]
@@ -31,7 +34,10 @@ EulerOption = Annotated[
     typer.Option(
         "--euler",
         metavar="SEQUENCE",
-        help="Poses are X,Y,Z,A,B,C with three angles: capitals (ZYX) turn about moving axes, small letters (xyz, or rpy) about fixed ones.",
+        help=(
+            "Poses are X,Y,Z,A,B,C with three angles: capitals (ZYX) turn about moving axes, "
+            "small letters (xyz, or rpy) about fixed ones."
+        ),
         rich_help_panel=GIVEN,
     ),
 ]
@@ -43,7 +49,9 @@ _QUATERNION, _ANGLES, _POSITION = 7, 6, 3
 
 @dataclass(frozen=True)
 class PoseReader:
-    """How the poses of a command are written: `rpy` and `euler` are the options' texts; `has_rpy`: the command takes --rpy."""
+    """How the poses of a command are written: `rpy` and `euler` are the options' texts; `has_rpy`:
+    the command takes --rpy.
+    """
 
     mechanism: Mechanism
     rpy: str | None = None
@@ -51,7 +59,9 @@ class PoseReader:
     has_rpy: bool = True
 
     def pose(self, text: str | None, option: str) -> list[float] | None:
-        """x, y, z, qw, qx, qy, qz of an option. Raises InputError for a number of values that does not fit the other options."""
+        """x, y, z, qw, qx, qy, qz of an option. Raises InputError for a number of values that does
+        not fit the other options.
+        """
         if self.rpy is not None and self.euler is not None:
             raise InputError("both --rpy and --euler are given; give one of them")
         if self.rpy is not None and text is None:
@@ -74,38 +84,55 @@ class PoseReader:
             return values
         return values | {"pose": self._complete(whole, "--given pose")}
 
-    def start(self, text: str | None, *, is_pose: bool) -> list[float] | dict[str, float | list[float]] | None:
+    def start(
+        self, text: str | None, *, is_pose: bool
+    ) -> list[float] | dict[str, float | list[float]] | None:
         """A start: a pose where `is_pose`, else joints, or values by name."""
         begun = start_from(text, self.mechanism.angle_unit)
-        return self._complete(begun, "--start") if is_pose and isinstance(begun, list) and self.euler is not None else begun
+        return (
+            self._complete(begun, "--start")
+            if is_pose and isinstance(begun, list) and self.euler is not None
+            else begun
+        )
 
     def check_used(self, *texts: str | None) -> None:
         """Refuse --euler where nothing that it could tell of is given."""
         if self.euler is not None and all(text is None for text in texts):
-            raise InputError("--euler tells how the angles of a pose are meant, and no pose is given; leave it out")
+            raise InputError(
+                "--euler tells how the angles of a pose are meant, and no pose is given; leave it "
+                "out"
+            )
 
     def _complete(self, numbers: list[float], what: str) -> list[float]:
-        """A pose from a position with angles, or for a platform that keeps its orientation from a position alone."""
+        """A pose from a position with angles, or for a platform that keeps its orientation from a
+        position alone.
+        """
         if self.euler is not None:
-            _check_count(numbers, _ANGLES, what, f"X,Y,Z,A,B,C with the angles of --euler {self.euler}")
+            _check_count(
+                numbers, _ANGLES, what, f"X,Y,Z,A,B,C with the angles of --euler {self.euler}"
+            )
             return self._with_angles(numbers[:3], numbers[3:], self.euler)
         if len(numbers) == _POSITION and self.mechanism.motion == "translation":
             return [*numbers, *map(float, self.mechanism.reference_pose.quaternion)]
         if len(numbers) != _QUATERNION:
             rpy = "X,Y,Z --rpy R,P,Y, or " if self.has_rpy else ""
             raise InputError(
-                f"{what}: {counted(len(numbers))} given, 7 are needed: x, y, z, qw, qx, qy, qz; for angles write {rpy}"
+                f"{what}: {counted(len(numbers))} given, 7 are needed: x, y, z, qw, qx, qy, qz; "
+                f"for angles write {rpy}"
                 "X,Y,Z,A,B,C --euler ZYX"
             )
         return numbers
 
-    def _with_angles(self, position: list[float], angles: list[float], sequence: str) -> list[float]:
+    def _with_angles(
+        self, position: list[float], angles: list[float], sequence: str
+    ) -> list[float]:
         from symkin.spatial.pose import Pose
 
         if self.mechanism.angle_unit == "rad" and max(map(abs, angles)) > FULL_TURN:
             largest = max(angles, key=abs)
             say(
-                f"note: {largest:g} rad: more than a turn; angles of {self.mechanism.name} are radians, as in pi/2. Are degrees meant?"
+                f"note: {largest:g} rad: more than a turn; angles of {self.mechanism.name} are "
+                f"radians, as in pi/2. Are degrees meant?"
             )
         letters = _FIXED if sequence == ROLL_PITCH_YAW else sequence
         pose = Pose.from_euler(position, angles, letters, angle_unit=self.mechanism.angle_unit)

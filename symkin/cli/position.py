@@ -59,7 +59,8 @@ def modes(
         choice(
             Method,
             "--method",
-            "Track all complex solutions, or keep what random starts reach. Default: formulas of arms that have some, else "
+            "Track all complex solutions, or keep what random starts reach. Default: formulas of "
+            "arms that have some, else "
             "continuation.",
             HOW,
         ),
@@ -85,7 +86,10 @@ def modes(
     everything: AllOption = False,
     as_json: JsonOption = False,
     plot: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.", rich_help_panel=OUTPUT)
+        Path | None,
+        typer.Option(
+            metavar="FILE.png", help="Draw the modes into a file.", rich_help_panel=OUTPUT
+        ),
     ] = None,
     shown: Annotated[
         str | None,
@@ -119,7 +123,9 @@ def modes(
             progress=progress,
         )
     drawn = _drawn(found, plot, options)
-    print_result(as_json, found.to_dict, lambda: found.summary(everything=everything).text() + drawn)
+    print_result(
+        as_json, found.to_dict, lambda: found.summary(everything=everything).text() + drawn
+    )
     raise typer.Exit(0 if found.modes or found.positive_dimensional else 3)
 
 
@@ -145,12 +151,18 @@ def solve(
     given: GivenOption = None,
     start: StartOption = None,
     solver: Annotated[
-        SolverName, choice(SolverName, "--solver", "CasADi's rootfinder, or IPOPT on the squared closure.", HOW)
+        SolverName,
+        choice(
+            SolverName, "--solver", "CasADi's rootfinder, or IPOPT on the squared closure.", HOW
+        ),
     ] = SolverName.newton,
     everything: AllOption = False,
     as_json: JsonOption = False,
     plot: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Draw the solution into a file.", rich_help_panel=OUTPUT)
+        Path | None,
+        typer.Option(
+            metavar="FILE.png", help="Draw the solution into a file.", rich_help_panel=OUTPUT
+        ),
     ] = None,
     names: NamesOption = None,
     views: ViewsOption = None,
@@ -163,12 +175,19 @@ def solve(
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(pose, given, start)
     result = solve_one(
-        mechanism, joints=joints_from(joints, "joints", mechanism.angle_unit), pose=reader.pose(pose, "pose"),
-        given=reader.given(given), start=reader.start(start, is_pose=pose is None), solver=solver.value, check=False,
-    )  # fmt: skip
+        mechanism,
+        joints=joints_from(joints, "joints", mechanism.angle_unit),
+        pose=reader.pose(pose, "pose"),
+        given=reader.given(given),
+        start=reader.start(start, is_pose=pose is None),
+        solver=solver.value,
+        check=False,
+    )
     picture = ""
     if plot is not None and result.solution is not None:
         result.plot(plot, **options)
         picture = f"\npicture: {plot}"
-    print_result(as_json, result.to_dict, lambda: result.summary(everything=everything).text() + picture)
+    print_result(
+        as_json, result.to_dict, lambda: result.summary(everything=everything).text() + picture
+    )
     raise typer.Exit(0 if result.solution is not None else 3)

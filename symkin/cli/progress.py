@@ -16,7 +16,9 @@ Show = Callable[[int, int], None]
 
 @contextmanager
 def progress_bar(what: str) -> Iterator[Show | None]:
-    """A progress bar on stderr where that is a terminal, else lines; `symkin`'s log says what is being done."""
+    """A progress bar on stderr where that is a terminal, else lines; `symkin`'s log says what is
+    being done.
+    """
     if sys.stderr is None:
         yield None
     elif sys.stderr.isatty():
@@ -65,13 +67,19 @@ class _State:
         self.share = f", {done} of {total}"
 
     def write_lines(self, ended: threading.Event) -> None:
-        """A line after a few seconds, then one for each new work and one now and then, until the work ends."""
+        """A line after a few seconds, then one for each new work and one now and then, until the
+        work ends.
+        """
         said, last, wait = "", 0.0, _FIRST
         while not ended.wait(wait):
             wait, now = 1.0, time.monotonic()
             if self.what != said or now - last >= _EVERY:
                 with suppress(OSError, ValueError):
-                    print(f"symkin: {self.what}{self.share} ({now - self.begin:.0f} s)", file=sys.stderr, flush=True)
+                    print(
+                        f"symkin: {self.what}{self.share} ({now - self.begin:.0f} s)",
+                        file=sys.stderr,
+                        flush=True,
+                    )
                 said, last = self.what, now
 
 

@@ -1,4 +1,6 @@
-"""The options that tell, beside a robot's file, how it is read: the same for every command that takes MECH."""
+"""The options that tell, beside a robot's file, how it is read: the same for every command that
+takes MECH.
+"""
 
 from __future__ import annotations
 
@@ -22,14 +24,19 @@ LoopOption = Annotated[
     list[str] | None,
     typer.Option(
         metavar="NAME=KIND,...",
-        help="The kind of a closure, R, S, C, P, U or weld, about the z axis of its frames; R:x names another axis.",
+        help=(
+            "The kind of a closure, R, S, C, P, U or weld, about the z axis of its frames; R:x "
+            "names another axis."
+        ),
         rich_help_panel=ROBOT_FILES,
     ),
 ]
 ActuatedOption = Annotated[
     list[str] | None,
     typer.Option(
-        metavar="NAME,...", help="The joints that motors drive, in place of what the file tells.", rich_help_panel=ROBOT_FILES
+        metavar="NAME,...",
+        help="The joints that motors drive, in place of what the file tells.",
+        rich_help_panel=ROBOT_FILES,
     ),
 ]
 PlatformOption = Annotated[
@@ -41,15 +48,23 @@ PlatformOption = Annotated[
     ),
 ]
 ArgumentsOption = Annotated[
-    list[str] | None, typer.Option(metavar="NAME=VALUE,...", help="Arguments of a file in xacro.", rich_help_panel=ROBOT_FILES)
+    list[str] | None,
+    typer.Option(
+        metavar="NAME=VALUE,...", help="Arguments of a file in xacro.", rich_help_panel=ROBOT_FILES
+    ),
 ]
 PackagesOption = Annotated[
     list[Path] | None,
     typer.Option(
-        metavar="FOLDER", help="A package, or a folder of packages; may be given several times.", rich_help_panel=ROBOT_FILES
+        metavar="FOLDER",
+        help="A package, or a folder of packages; may be given several times.",
+        rich_help_panel=ROBOT_FILES,
     ),
 ]
-ModelOption = Annotated[str | None, typer.Option(metavar="NAME", help="Which model of an SDF file.", rich_help_panel=ROBOT_FILES)]
+ModelOption = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="Which model of an SDF file.", rich_help_panel=ROBOT_FILES),
+]
 _OPTIONS: dict[str, Any] = {
     "loop": LoopOption,
     "actuated": ActuatedOption,
@@ -61,7 +76,9 @@ _OPTIONS: dict[str, Any] = {
 
 
 def reads_robots(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command the options of how a robot's file is read; they reach it as `read`, a `ReadOptions`."""
+    """Give a command the options of how a robot's file is read; they reach it as `read`, a
+    `ReadOptions`.
+    """
 
     def with_options(*values: Any, **named: Any) -> Any:
         told = {key: named.pop(key) for key in _OPTIONS}
@@ -73,7 +90,8 @@ def reads_robots(command: Callable[..., Any]) -> Callable[..., Any]:
     hints = get_type_hints(command, include_extras=True)
     kept = [p.replace(annotation=hints[p.name]) for p in own.values() if p.name != "read"]
     added = [
-        inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind) for key, kind in _OPTIONS.items()
+        inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
+        for key, kind in _OPTIONS.items()
     ]
     with_options.__name__, with_options.__doc__ = command.__name__, command.__doc__
     with_options.__annotations__ = {p.name: p.annotation for p in (*kept, *added)}
@@ -82,7 +100,9 @@ def reads_robots(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def loaded(mech: str, read: ReadOptions) -> Mechanism:
-    """The mechanism of a command; what is odd about a mechanism file's numbers is said on stderr, of a robot's file its limits."""
+    """The mechanism of a command; what is odd about a mechanism file's numbers is said on stderr,
+    of a robot's file its limits.
+    """
     from symkin.formats.load import is_robot, load
     from symkin.model.oddities import degrees_question, oddities
 
@@ -100,7 +120,10 @@ def say_left_out(mechanism: Mechanism) -> None:
 
     names = joints_left_out(mechanism)
     if names:
-        say(f"note: left out, as they do not move the platform link {mechanism.platform_link!r}: {first_of(names)}")
+        say(
+            f"note: left out, as they do not move the platform link {mechanism.platform_link!r}: "
+            f"{first_of(names)}"
+        )
 
 
 def _read_options(
@@ -129,7 +152,10 @@ def _words(texts: list[str] | None, option: str) -> list[str]:
     """The names of a list, which may be given several times."""
     words = [word.strip() for text in texts or () for word in text.split(",")]
     if "" in words:
-        raise InputError(f"--{option} {shown(','.join(texts or ()))}: a name is empty; names separated by commas are needed")
+        raise InputError(
+            f"--{option} {shown(','.join(texts or ()))}: a name is empty; names separated by "
+            f"commas are needed"
+        )
     return words
 
 

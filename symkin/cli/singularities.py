@@ -48,33 +48,48 @@ def singularities(
         str | None,
         typer.Option(
             metavar="U,V",
-            help="Loci over two pose coordinates (x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the "
-            "configuration's orientation), two actuated joints, or two coordinates of --given (one: points), others held.",
+            help="Loci over two pose coordinates (x, y, z, gamma from the reference, or the "
+            "rotation vector rx, ry, rz before the "
+            "configuration's orientation), two actuated joints, or two coordinates of --given "
+            "(one: points), others held.",
             rich_help_panel=ASKED,
         ),
     ] = None,
     window: Annotated[
         str | None,
-        typer.Option("--range", metavar="U0:U1,V0:V1", help="The window of --plane, in the file's units.", rich_help_panel=ASKED),
+        typer.Option(
+            "--range",
+            metavar="U0:U1,V0:V1",
+            help="The window of --plane, in the file's units.",
+            rich_help_panel=ASKED,
+        ),
     ] = None,
     plot: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE.png", help="Draw the configuration, or the loci of --plane, into a file.", rich_help_panel=OUTPUT
+            metavar="FILE.png",
+            help="Draw the configuration, or the loci of --plane, into a file.",
+            rich_help_panel=OUTPUT,
         ),
     ] = None,
     names: NamesOption = None,
     views: ViewsOption = None,
     starts: Annotated[
         int | None,
-        typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane. Default: 200.", rich_help_panel=HOW),
+        typer.Option(
+            metavar="N",
+            parser=whole_number,
+            help="Random starts for --plane. Default: 200.",
+            rich_help_panel=HOW,
+        ),
     ] = None,
     seed: SearchSeedOption = None,
     output: Annotated[
         str | None,
         typer.Option(
             metavar="NAME,...",
-            help="What type 1 and 2 are about, of x, y, z, rx, ry, rz (velocities, base frame) or joints, in place of position and "
+            help="What type 1 and 2 are about, of x, y, z, rx, ry, rz (velocities, base frame) or "
+            "joints, in place of position and "
             "orientation together.",
             rich_help_panel=ASKED,
         ),
@@ -89,18 +104,28 @@ def singularities(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Name the singularity of one configuration, driven by its actuated joints or what --given names, or draw the loci over a plane through it."""
+    """Name the singularity of one configuration, driven by its actuated joints or what --given
+    names, or draw the loci over a plane through it.
+    """
     from symkin.singularities.configuration import configuration
 
     if plane is None:
         loci_only = {"--range": window, "--starts": starts, "--seed": seed}
-        refuse_ignored(loci_only, "such options belong to --plane U,V, which names the two coordinates of loci", "give --plane")
+        refuse_ignored(
+            loci_only,
+            "such options belong to --plane U,V, which names the two coordinates of loci",
+            "give --plane",
+        )
     if plane is not None and (output is not None or point is not None):
-        raise InputError("--output and --point belong to one configuration, not to --plane, whose loci are those of the platform")
+        raise InputError(
+            "--output and --point belong to one configuration, not to --plane, whose loci are "
+            "those of the platform"
+        )
     mechanism = loaded(mech, read)
     if plane is not None and (names is not None or views is not None):
         raise InputError(
-            "--names and --views belong to the picture of one configuration, not to that of --plane, which shows curves"
+            "--names and --views belong to the picture of one configuration, not to that of "
+            "--plane, which shows curves"
         )
     options = picture_options(plot, mechanism, names=names, views=views)
     unit = mechanism.angle_unit
@@ -111,9 +136,12 @@ def singularities(
     outputs = None if output is None else [name.strip() for name in output.split(",")]
     try:
         solution = configuration(
-            mechanism, joints=joints_from(joints, "joints", unit), pose=reader.pose(pose, "pose"), given=values,
+            mechanism,
+            joints=joints_from(joints, "joints", unit),
+            pose=reader.pose(pose, "pose"),
+            given=values,
             start=reader.start(start, is_pose=pose is None),
-        )  # fmt: skip
+        )
     except SolveError as error:
         if as_json and error.result is not None:
             print(json.dumps(error.result.to_dict(), allow_nan=False))
@@ -123,10 +151,16 @@ def singularities(
         from symkin.singularities.classification import singularity
 
         driven = None if values is None else list(values)
-        found = singularity(solution, given=driven, output=outputs, point=numbers_from(point, "point", unit))
+        found = singularity(
+            solution, given=driven, output=outputs, point=numbers_from(point, "point", unit)
+        )
         if plot is not None:
             found.plot(plot, **options)
-        print_result(as_json, found.to_dict, lambda: str(found) + (f"\npicture: {plot}" if plot is not None else ""))
+        print_result(
+            as_json,
+            found.to_dict,
+            lambda: str(found) + (f"\npicture: {plot}" if plot is not None else ""),
+        )
         return
     from symkin.singularities.singular_loci import DEFAULT_STARTS, singular_loci
 
@@ -143,7 +177,11 @@ def singularities(
         )
     if plot is not None:
         loci.plot(plot)
-    print_result(as_json, loci.to_dict, lambda: str(loci) + (f"\npicture: {plot}" if plot is not None else ""))
+    print_result(
+        as_json,
+        loci.to_dict,
+        lambda: str(loci) + (f"\npicture: {plot}" if plot is not None else ""),
+    )
 
 
 def _window(text: str | None, angle_unit: str) -> list[tuple[float, float]] | None:
@@ -156,5 +194,8 @@ def _window(text: str | None, angle_unit: str) -> list[tuple[float, float]] | No
             low, high = part.split(":")
             pairs.append((written_number(low, angle_unit), written_number(high, angle_unit)))
         except (ValueError, InputError):
-            raise InputError(f"--range: {part.strip()!r} is no range; U0:U1,V0:V1 is needed, such as -100:100,-50:50") from None
+            raise InputError(
+                f"--range: {part.strip()!r} is no range; U0:U1,V0:V1 is needed, such as "
+                f"-100:100,-50:50"
+            ) from None
     return pairs

@@ -1,4 +1,6 @@
-"""Standard streams as commands find them: closed, broken, or of an encoding that cannot hold a character."""
+"""Standard streams as commands find them: closed, broken, or of an encoding that cannot hold a
+character.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +17,9 @@ _NARROWEST = 40
 
 
 def prepare_streams() -> None:
-    """Open what the caller has closed onto nothing, so that no file of the command takes its number, and write characters that an
-    encoding cannot hold as escapes."""
+    """Open what the caller has closed onto nothing, so that no file of the command takes its
+    number, and write characters that an encoding cannot hold as escapes.
+    """
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         _open_if_closed(number)
         if getattr(sys, name) is None:
@@ -42,21 +45,35 @@ def _open_if_closed(number: int) -> None:
 def say(message: object) -> None:
     """One line on stderr, where there is one to read it; control characters as escapes."""
     try:
-        print("symkin: " + printable(shortened(" ".join(str(message).split()))), file=sys.stderr, flush=True)
+        print(
+            "symkin: " + printable(shortened(" ".join(str(message).split()))),
+            file=sys.stderr,
+            flush=True,
+        )
     except OSError:
         silence(sys.stderr)
 
 
 def print_text(text: str) -> None:
-    """Text for people: on a terminal, sentences that are longer than its lines go on, indented, on the next; a table keeps its lines."""
+    """Text for people: on a terminal, sentences that are longer than its lines go on, indented, on
+    the next; a table keeps its lines.
+    """
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else 0
-    print("\n".join(_folded(line, width) for line in text.split("\n")) if width >= _NARROWEST else text)
+    print(
+        "\n".join(_folded(line, width) for line in text.split("\n"))
+        if width >= _NARROWEST
+        else text
+    )
 
 
 def _folded(line: str, width: int) -> str:
     if len(line) <= width or "  " in line.strip():
         return line
-    return "\n".join(textwrap.wrap(line, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False))
+    return "\n".join(
+        textwrap.wrap(
+            line, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+        )
+    )
 
 
 def silence(stream: TextIO) -> None:

@@ -48,14 +48,21 @@ def sweep(
     output: Annotated[
         Path,
         typer.Option(
-            "-o", "--output", metavar="DIR", help="Folder of the arrays (Zarr); a begun sweep goes on.", rich_help_panel=OUTPUT
+            "-o",
+            "--output",
+            metavar="DIR",
+            help="Folder of the arrays (Zarr); a begun sweep goes on.",
+            rich_help_panel=OUTPUT,
         ),
     ],
     grid: Annotated[
         str | None,
         typer.Option(
             metavar="NAME=LOW:HIGH:COUNT,...",
-            help="What is swept of the actuated joints, or of poses; NAME=LOW:HIGH with --random, NAME=VALUE for one value.",
+            help=(
+                "What is swept of the actuated joints, or of poses; NAME=LOW:HIGH with "
+                "--random, NAME=VALUE for one value."
+            ),
             rich_help_panel=GIVEN,
         ),
     ] = None,
@@ -63,7 +70,10 @@ def sweep(
         str | None,
         typer.Option(
             metavar="NAME=LOW:HIGH:COUNT,NAME=VALUE,...",
-            help="In place of --grid: any coordinates, as many as the mobility, swept or held; as --given of modes.",
+            help=(
+                "In place of --grid: any coordinates, as many as the mobility, swept or held; "
+                "as --given of modes."
+            ),
             rich_help_panel=GIVEN,
         ),
     ] = None,
@@ -71,34 +81,59 @@ def sweep(
         bool,
         typer.Option(
             "--poses",
-            help="Sweep x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the orientation of --at; those of the motion.",
+            help=(
+                "Sweep x, y, z, gamma from the reference, or the rotation vector rx, ry, rz "
+                "before the orientation of --at; those of the motion."
+            ),
             rich_help_panel=GIVEN,
         ),
     ] = False,
     at: Annotated[
         str | None,
         typer.Option(
-            metavar="V1,V2,...", help="What is not swept: all actuated joints, or a pose with --poses.", rich_help_panel=GIVEN
+            metavar="V1,V2,...",
+            help="What is not swept: all actuated joints, or a pose with --poses.",
+            rich_help_panel=GIVEN,
         ),
     ] = None,
     rpy: RpyOption = None,
     euler: EulerOption = None,
-    random: Annotated[int | None, _count("--random", "Random points in place of a grid.", GIVEN)] = None,
+    random: Annotated[
+        int | None, _count("--random", "Random points in place of a grid.", GIVEN)
+    ] = None,
     seed: SearchSeedOption = None,
-    quantity: Annotated[Quantity, choice(Quantity, "--quantity", "What is stored.", OUTPUT)] = Quantity.modes,
+    quantity: Annotated[
+        Quantity, choice(Quantity, "--quantity", "What is stored.", OUTPUT)
+    ] = Quantity.modes,
     certify: Annotated[
-        bool, typer.Option("--certify", help="Prove every mode; takes many times as long.", rich_help_panel=HOW)
+        bool,
+        typer.Option(
+            "--certify", help="Prove every mode; takes many times as long.", rich_help_panel=HOW
+        ),
     ] = False,
-    starts: Annotated[int | None, _count("--starts", "Random starts where paths do not decide. Default: 2000.")] = None,
-    workers: Annotated[int | None, _count("--workers", "Local processes; 0: this one. Default: one a processor.")] = None,
+    starts: Annotated[
+        int | None, _count("--starts", "Random starts where paths do not decide. Default: 2000.")
+    ] = None,
+    workers: Annotated[
+        int | None, _count("--workers", "Local processes; 0: this one. Default: one a processor.")
+    ] = None,
     dask: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="Dask scheduler that computes in place of local processes.", rich_help_panel=HOW),
+        typer.Option(
+            metavar="ADDRESS",
+            help="Dask scheduler that computes in place of local processes.",
+            rich_help_panel=HOW,
+        ),
     ] = None,
-    chunk: Annotated[int | None, _count("--chunk", "Points that are computed and written at a time.")] = None,
+    chunk: Annotated[
+        int | None, _count("--chunk", "Points that are computed and written at a time.")
+    ] = None,
     as_json: JsonOption = False,
     plot: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Draw a map of the result into a file.", rich_help_panel=OUTPUT)
+        Path | None,
+        typer.Option(
+            metavar="FILE.png", help="Draw a map of the result into a file.", rich_help_panel=OUTPUT
+        ),
     ] = None,
     of: Annotated[
         str | None,
@@ -110,11 +145,20 @@ def sweep(
     ] = None,
     loci: Annotated[
         bool,
-        typer.Option("--loci", help="Lay the curves of singular configurations over the map of --plot.", rich_help_panel=OUTPUT),
+        typer.Option(
+            "--loci",
+            help="Lay the curves of singular configurations over the map of --plot.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = False,
     table: Annotated[
         Path | None,
-        typer.Option("--csv", metavar="FILE.csv", help="Write the result as a table too, a row a mode.", rich_help_panel=OUTPUT),
+        typer.Option(
+            "--csv",
+            metavar="FILE.csv",
+            help="Write the result as a table too, a row a mode.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = None,
     slices: Annotated[
         str | None,
@@ -126,12 +170,20 @@ def sweep(
         ),
     ] = None,
 ) -> None:
-    """Find every solution over a grid or a random sample of inputs or poses, into labelled arrays that xarray reads.
+    """Find every solution over a grid or a random sample of inputs or poses, into labelled arrays
+    that xarray reads.
 
     Needs xarray, zarr and dask: pip install 'symkin[sweep]'
     """
     from symkin.sweeps.drawable import check_drawable
-    from symkin.sweeps.ranges import check_map_is_left, check_slices, ranged, read_given, read_ranges, read_values
+    from symkin.sweeps.ranges import (
+        check_map_is_left,
+        check_slices,
+        ranged,
+        read_given,
+        read_ranges,
+        read_values,
+    )
     from symkin.sweeps.run import sweep as run
     from symkin.sweeps.store import require_zarr
 
@@ -159,9 +211,22 @@ def sweep(
     held = reader.pose(at, "at") if poses else joints_from(at, "at", unit)
     with _kept_when_interrupted(output), _progress() as progress:
         swept = run(
-            mechanism, ranges, output, given=told, poses=poses, at=held, random=random, seed=seed,
-            quantity=quantity.value, certify=certify, starts=starts, chunk=chunk, workers=workers, dask=dask, progress=progress,
-        )  # fmt: skip
+            mechanism,
+            ranges,
+            output,
+            given=told,
+            poses=poses,
+            at=held,
+            random=random,
+            seed=seed,
+            quantity=quantity.value,
+            certify=certify,
+            starts=starts,
+            chunk=chunk,
+            workers=workers,
+            dask=dask,
+            progress=progress,
+        )
     lines = [str(swept)]
     if table is not None:
         lines.append(f"written: {table}, {swept.write_csv(table)} rows")
@@ -175,13 +240,23 @@ def sweep(
 def _drawn(of: str | None, slices: str | None, plot: Path | None, *, loci: bool) -> list[str]:
     """The names of --of. Raises InputError where there is no picture for it."""
     if slices is not None and plot is None:
-        raise InputError("--slice says where the map of --plot is cut; give --plot FILE.png, or leave --slice out")
+        raise InputError(
+            "--slice says where the map of --plot is cut; give --plot FILE.png, or leave --slice "
+            "out"
+        )
     if of is not None and plot is None:
-        raise InputError("--of says what the picture of --plot shows; give --plot FILE.png, or leave --of out")
+        raise InputError(
+            "--of says what the picture of --plot shows; give --plot FILE.png, or leave --of out"
+        )
     if loci and plot is None:
-        raise InputError("--loci lays curves over the map of --plot; give --plot FILE.png, or leave --loci out")
+        raise InputError(
+            "--loci lays curves over the map of --plot; give --plot FILE.png, or leave --loci out"
+        )
     if loci and of is not None:
-        raise InputError("both --loci and --of are given; --loci belongs to the map, in whose place --of draws points or joints")
+        raise InputError(
+            "both --loci and --of are given; --loci belongs to the map, in whose place --of draws "
+            "points or joints"
+        )
     names = [] if of is None else [name.strip() for name in of.split(",")]
     if of is not None and not all(names):
         raise InputError(f"--of {of!r}: names separated by commas are needed")
@@ -189,12 +264,15 @@ def _drawn(of: str | None, slices: str | None, plot: Path | None, *, loci: bool)
 
 
 def _check_pose_loci(mechanism: Mechanism) -> None:
-    """Raise InputError where no loci are traced over poses; known before the sweep, which may take long."""
+    """Raise InputError where no loci are traced over poses; known before the sweep, which may take
+    long.
+    """
     from symkin.singularities.locus_system import has_pose_planes
 
     if not has_pose_planes(mechanism):
         raise InputError(
-            f"--loci with --poses: {mechanism.name} is a graph of links, whose loci are traced over joints; sweep joints with --grid or "
+            f"--loci with --poses: {mechanism.name} is a graph of links, whose loci are traced "
+            f"over joints; sweep joints with --grid or "
             "--given, or leave --loci out"
         )
 
@@ -206,20 +284,36 @@ def _kept_when_interrupted(folder: Path) -> Iterator[None]:
         yield
     except KeyboardInterrupt:
         kept = f"finished chunks are kept in {folder}, and the same command goes on from there"
-        raise Interrupted(kept if (folder / "zarr.json").exists() else "nothing was begun") from None
+        raise Interrupted(
+            kept if (folder / "zarr.json").exists() else "nothing was begun"
+        ) from None
 
 
 @contextmanager
 def _progress() -> Iterator[Callable[[int, int], None] | None]:
-    """A bar with rate and remaining time on stderr when it is a terminal, else a line now and then."""
+    """A bar with rate and remaining time on stderr when it is a terminal, else a line now and
+    then.
+    """
     if sys.stderr is None or not sys.stderr.isatty():
         with progress_bar("points") as lines:
             yield lines
         return
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
-    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("points"), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
+    columns = (
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("points"),
+        TextColumn("{task.fields[rate]}"),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("points", total=None, rate="")
 

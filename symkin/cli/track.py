@@ -44,21 +44,35 @@ def track(
         ),
     ] = None,
     end: Annotated[
-        str | None, typer.Option("--to", metavar="V1,V2,...", help="The same at the end.", rich_help_panel=GIVEN)
+        str | None,
+        typer.Option(
+            "--to", metavar="V1,V2,...", help="The same at the end.", rich_help_panel=GIVEN
+        ),
     ] = None,
     poses: Annotated[
-        bool, typer.Option("--poses", help="--from, --to or the CSV file are poses: the inverse problem.", rich_help_panel=GIVEN)
+        bool,
+        typer.Option(
+            "--poses",
+            help="--from, --to or the CSV file are poses: the inverse problem.",
+            rich_help_panel=GIVEN,
+        ),
     ] = False,
     euler: EulerOption = None,
     csv: Annotated[
         Path | None,
-        typer.Option("--csv", metavar="FILE.csv", help="A trajectory, in place of --from and --to.", rich_help_panel=GIVEN),
+        typer.Option(
+            "--csv",
+            metavar="FILE.csv",
+            help="A trajectory, in place of --from and --to.",
+            rich_help_panel=GIVEN,
+        ),
     ] = None,
     given: Annotated[
         str | None,
         typer.Option(
             metavar="NAME=FROM:TO,...",
-            help="A path of any coordinates, as many as the mobility, in place of --from and --to; NAME=VALUE stands, NAME alone is a "
+            help="A path of any coordinates, as many as the mobility, in place of --from and --to; "
+            "NAME=VALUE stands, NAME alone is a "
             "column of --csv.",
             rich_help_panel=GIVEN,
         ),
@@ -67,24 +81,39 @@ def track(
     samples: Annotated[
         int | None,
         typer.Option(
-            metavar="N", parser=whole_number, help="Samples on the path; default 101, or those of the file.", rich_help_panel=HOW
+            metavar="N",
+            parser=whole_number,
+            help="Samples on the path; default 101, or those of the file.",
+            rich_help_panel=HOW,
         ),
     ] = None,
     ignore_limits: Annotated[
-        bool, typer.Option("--ignore-limits", help="Go on beyond joint limits.", rich_help_panel=HOW)
+        bool,
+        typer.Option("--ignore-limits", help="Go on beyond joint limits.", rich_help_panel=HOW),
     ] = False,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="FILE.csv", help="Write the configurations into a file.", rich_help_panel=OUTPUT),
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE.csv",
+            help="Write the configurations into a file.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Draw the track into a file.", rich_help_panel=OUTPUT)
+        Path | None,
+        typer.Option(
+            metavar="FILE.png", help="Draw the track into a file.", rich_help_panel=OUTPUT
+        ),
     ] = None,
     names: NamesOption = None,
     views: ViewsOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Follow one mode along a path of joints, poses or any coordinates, with a proof, up to the first singularity or limit."""
+    """Follow one mode along a path of joints, poses or any coordinates, with a proof, up to the
+    first singularity or limit.
+    """
     from symkin.following.track import track as follow_mode
     from symkin.following.track_csv import read_trajectory, write_track
 
@@ -93,35 +122,64 @@ def track(
     options = picture_options(plot, mechanism, names=names, views=views)
     reader = PoseReader(mechanism, euler=euler, has_rpy=False)
     if euler is not None and csv is not None and start is None:
-        raise InputError("--euler is for --from and --to; a file's header names its angles, as in euler_ZYX_1[deg] or roll[deg]")
+        raise InputError(
+            "--euler is for --from and --to; a file's header names its angles, as in "
+            "euler_ZYX_1[deg] or roll[deg]"
+        )
     reader.check_used(start, *((begin, end) if poses else ()))
     if given is not None and poses:
-        raise InputError("both --given and --poses are given; --given names the coordinates of the path")
+        raise InputError(
+            "both --given and --poses are given; --given names the coordinates of the path"
+        )
     if csv is not None:
         if begin is not None or end is not None:
             raise InputError("both --csv and --from or --to are given; give one of them")
-        path = read_trajectory(mechanism, csv, poses=poses, given=_columns(given, mechanism.angle_unit))
+        path = read_trajectory(
+            mechanism, csv, poses=poses, given=_columns(given, mechanism.angle_unit)
+        )
     else:
-        path = _straight(begin, end, poses, reader) if given is None else _named(given, begin, end, mechanism.angle_unit)
+        path = (
+            _straight(begin, end, poses, reader)
+            if given is None
+            else _named(given, begin, end, mechanism.angle_unit)
+        )
         samples = 101 if samples is None else samples
     begun = reader.start(start, is_pose=not poses)
     with progress_bar("samples") as progress:
-        found = follow_mode(mechanism, **path, start=begun, samples=samples, limits=not ignore_limits, progress=progress)
+        found = follow_mode(
+            mechanism,
+            **path,
+            start=begun,
+            samples=samples,
+            limits=not ignore_limits,
+            progress=progress,
+        )
     if output is not None:
         write_track(found, output)
     drawn = plot if found.samples else None
     if drawn is not None:
         found.plot(drawn, **options)
-    files = "".join(f"\n{what}: {name}" for what, name in (("configurations", output), ("picture", drawn)) if name is not None)
+    files = "".join(
+        f"\n{what}: {name}"
+        for what, name in (("configurations", output), ("picture", drawn))
+        if name is not None
+    )
     print_result(as_json, found.to_dict, lambda: str(found) + files)
     raise typer.Exit(0 if found.reached else 3)
 
 
-def _straight(begin: str | None, end: str | None, poses: bool, reader: PoseReader) -> dict[str, Any]:
-    """The path of --from and --to: joints, poses, or values by name that are not those of all actuated joints."""
+def _straight(
+    begin: str | None, end: str | None, poses: bool, reader: PoseReader
+) -> dict[str, Any]:
+    """The path of --from and --to: joints, poses, or values by name that are not those of all
+    actuated joints.
+    """
     if begin is None or end is None:
         missing = "--from" if begin is None else "--to"
-        raise InputError(f"{missing} is missing; a path is --from and --to, --given NAME=FROM:TO,..., or --csv FILE")
+        raise InputError(
+            f"{missing} is missing; a path is --from and --to, --given NAME=FROM:TO,..., or --csv "
+            f"FILE"
+        )
     if poses:
         return {"poses": [reader.pose(begin, "from"), reader.pose(end, "to")]}
     mechanism, unit = reader.mechanism, reader.mechanism.angle_unit
@@ -130,7 +188,10 @@ def _straight(begin: str | None, end: str | None, poses: bool, reader: PoseReade
     if len(named) == 2 and {*named[0], *named[1]} != {c.name for c in mechanism.actuated}:
         lone = sorted(set(named[0]) ^ set(named[1]))
         if lone:
-            raise InputError(f"--from and --to: {lone[0]} stands in one of them only; both name the same coordinates")
+            raise InputError(
+                f"--from and --to: {lone[0]} stands in one of them only; both name the same "
+                f"coordinates"
+            )
         return {"given": {name: [named[0][name], named[1][name]] for name in named[0]}}
     return {"joints": ends}
 
@@ -143,12 +204,16 @@ def _named(given: str, begin: str | None, end: str | None, unit: str) -> dict[st
     for name, values in _parts(given):
         if not values:
             raise InputError(
-                f"--given: {name} has no values; NAME=FROM:TO,... is needed without --csv, NAME=VALUE for one that stands"
+                f"--given: {name} has no values; NAME=FROM:TO,... is needed without --csv, "
+                f"NAME=VALUE for one that stands"
             )
         numbers = [numbers_from(value, f"given {name}", unit) or [] for value in values]
         columns[name] = [row[0] for row in numbers] if len(numbers) == 2 else numbers[0][0]
     if not any(isinstance(column, list) for column in columns.values()):
-        raise InputError(f"--given {shown(given)}: nothing moves; a path has NAME=FROM:TO for at least one coordinate")
+        raise InputError(
+            f"--given {shown(given)}: nothing moves; a path has NAME=FROM:TO for at least one "
+            f"coordinate"
+        )
     return {"given": columns}
 
 
@@ -160,9 +225,12 @@ def _columns(given: str | None, unit: str) -> dict[str, float | None] | None:
     for name, values in _parts(given):
         if len(values) > 1:
             raise InputError(
-                f"--given: {name}={':'.join(values)} is a path of its own; with --csv a name is a column, NAME=VALUE stands"
+                f"--given: {name}={':'.join(values)} is a path of its own; with --csv a name is a "
+                f"column, NAME=VALUE stands"
             )
-        found[name] = (numbers_from(values[0], f"given {name}", unit) or [0.0])[0] if values else None
+        found[name] = (
+            (numbers_from(values[0], f"given {name}", unit) or [0.0])[0] if values else None
+        )
     return found
 
 
@@ -173,7 +241,10 @@ def _parts(given: str) -> list[tuple[str, list[str]]]:
         name, equals, text = (piece.strip() for piece in part.partition("="))
         values = [value.strip() for value in text.split(":")] if equals else []
         if not name or len(values) > 2 or not all(values):
-            raise InputError(f"--given: {shown(part.strip())} is no path; NAME=FROM:TO,... is needed, such as crank=0:360")
+            raise InputError(
+                f"--given: {shown(part.strip())} is no path; NAME=FROM:TO,... is needed, such as "
+                f"crank=0:360"
+            )
         if name in dict(found):
             raise InputError(f"--given: {shown(name)} is given twice")
         found.append((name, values))

@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from symkin.cli.help import GIVEN, OUTPUT
-from symkin.cli.options import GivenOption, JointsOption, MechArgument, PoseOption, joints_from, named_from
+from symkin.cli.options import (
+    GivenOption,
+    JointsOption,
+    MechArgument,
+    PoseOption,
+    joints_from,
+    named_from,
+)
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import loaded, reads_robots
@@ -44,7 +51,10 @@ def view(
         typer.Option(
             "--map",
             metavar="FOLDER",
-            help="A folder of `symkin sweep`: its map is shown, and the mechanism goes where one points.",
+            help=(
+                "A folder of `symkin sweep`: its map is shown, and the mechanism goes where "
+                "one points."
+            ),
             rich_help_panel=GIVEN,
         ),
     ] = None,
@@ -58,14 +68,25 @@ def view(
         ),
     ] = None,
     loci: Annotated[
-        bool, typer.Option("--loci", help="Lay the curves of singular configurations over --map.", rich_help_panel=GIVEN)
+        bool,
+        typer.Option(
+            "--loci",
+            help="Lay the curves of singular configurations over --map.",
+            rich_help_panel=GIVEN,
+        ),
     ] = False,
     html: Annotated[
         Path | None,
-        typer.Option("--html", metavar="FILE.html", help="Write the page, and open no browser.", rich_help_panel=OUTPUT),
+        typer.Option(
+            "--html",
+            metavar="FILE.html",
+            help="Write the page, and open no browser.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = None,
 ) -> None:
-    """Show the mechanism in the browser, where it moves; `symkin view MECH --html FILE.html` writes the page into one file.
+    """Show the mechanism in the browser, where it moves; `symkin view MECH --html FILE.html` writes
+    the page into one file.
 
     Meshes in COLLADA (.dae) take pycollada: pip install 'symkin[meshes]'
     """
@@ -73,24 +94,43 @@ def view(
 
     mechanism = loaded(mech, read)
     if swept is not None:
-        told = {"--joints": joints, "--pose": pose, "--rpy": rpy, "--euler": euler, "--given": given, "--path": path}
+        told = {
+            "--joints": joints,
+            "--pose": pose,
+            "--rpy": rpy,
+            "--euler": euler,
+            "--given": given,
+            "--path": path,
+        }
         for name, value in told.items():
             if value is not None:
-                raise InputError(f"both --map and {name} are given; a map brings its values: give one of them")
+                raise InputError(
+                    f"both --map and {name} are given; a map brings its values: give one of them"
+                )
         print(_shown(_of_map(mechanism, swept, slices, loci=loci), html))
         return
     if slices is not None or loci:
         raise InputError(
-            f"{'--slice' if slices is not None else '--loci'} belongs to the map of a sweep; give --map FOLDER, or leave it out"
+            f"{'--slice' if slices is not None else '--loci'} belongs to the map of a sweep; give "
+            f"--map FOLDER, or leave it out"
         )
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(pose)
     if pose is not None:
         for name, value in (("--joints", joints), ("--given", given), ("--path", path)):
             if value is not None:
-                raise InputError(f"both --pose and {name} are given; each tells where the page begins: give one of them")
+                raise InputError(
+                    f"both --pose and {name} are given; each tells where the page begins: give one "
+                    f"of them"
+                )
     values = _plain(named_from(given, "given", mechanism.angle_unit))
-    page = view_mechanism(mechanism, joints_from(joints, "joints", mechanism.angle_unit), values, path, reader.pose(pose, "pose"))
+    page = view_mechanism(
+        mechanism,
+        joints_from(joints, "joints", mechanism.angle_unit),
+        values,
+        path,
+        reader.pose(pose, "pose"),
+    )
     print(_shown(page, html))
 
 
@@ -104,7 +144,8 @@ def _of_map(mechanism: Mechanism, folder: Path, slices: str | None, *, loci: boo
         page = view_of_sweep(folder, cuts, loci=loci)
     if page.mechanism.to_toml() != mechanism.to_toml():
         raise InputError(
-            f"--map {folder}: the sweep is of {page.mechanism.name}, or its geometry is another than that of {mechanism.name}"
+            f"--map {folder}: the sweep is of {page.mechanism.name}, or its geometry is another "
+            f"than that of {mechanism.name}"
         )
     return page
 
@@ -115,7 +156,9 @@ def _shown(page: View, html: Path | None) -> str:
         return f"page: {page.save(html)}"
     place = page.open()
     return (
-        f"page: {place}\nopened in the browser; if none appears, open this file in one, or write your own with --html FILE.html"
+        f"page: {place}\n"
+        f"opened in the browser; if none appears, open this file in one, or write your own with "
+        f"--html FILE.html"
     )
 
 
@@ -125,7 +168,8 @@ def _plain(values: dict[str, float | list[float]] | None) -> dict[str, float] | 
         return None
     if any(isinstance(value, list) for value in values.values()):
         raise InputError(
-            "--given: pose=... is a whole pose, and sliders have single coordinates: write --pose X,Y,Z,QW,QX,QY,QZ, or x, y, z, azimuth, tilt, "
+            "--given: pose=... is a whole pose, and sliders have single coordinates: write --pose "
+            "X,Y,Z,QW,QX,QY,QZ, or x, y, z, azimuth, tilt, "
             "torsion one by one"
         )
     return {name: value for name, value in values.items() if isinstance(value, (int, float))}

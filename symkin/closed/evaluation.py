@@ -1,4 +1,6 @@
-"""The steps of a plan as CasADi expressions: motions of joints with their cosines and sines, branch signs, discriminants."""
+"""The steps of a plan as CasADi expressions: motions of joints with their cosines and sines, branch
+signs, discriminants.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ from symkin.spatial.rotation import matrix_from_quaternion
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A joint's motion: cosine and sine of its angle, or its slide; `value` is the angle or the slide."""
+    """A joint's motion: cosine and sine of its angle, or its slide; `value` is the angle or the
+    slide.
+    """
 
     value: ca.SX
     cosine: ca.SX = field(default_factory=lambda: ca.SX(1))
@@ -35,8 +39,9 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Decision:
-    """Motions that a step decides; how far its equation is from a double root and from leaving the joint undecided (squares over
-    the size's, negative `discriminant`: no real solution)."""
+    """Motions that a step decides; how far its equation is from a double root and from leaving the
+    joint undecided (squares over the size's, negative `discriminant`: no real solution).
+    """
 
     motions: tuple[Motion, ...]
     discriminant: ca.SX
@@ -45,7 +50,9 @@ class Decision:
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """An arm at one tool pose (`position` (3), `quaternion` (4) of unit length) with the motions that are decided so far."""
+    """An arm at one tool pose (`position` (3), `quaternion` (4) of unit length) with the motions
+    that are decided so far.
+    """
 
     arm: ArmScrews
     position: ca.SX
@@ -55,10 +62,12 @@ class Evaluation:
     def decided(self, joints: tuple[int, ...], motions: tuple[Motion, ...]) -> Evaluation:
         return replace(self, motions=self.motions | dict(zip(joints, motions, strict=True)))
 
-    # --- vectors that motions carry ----------------------------------------------------------------------------------
+    # --- vectors that motions carry ---------------------------------------------------------------
 
     def value(self, operand: Operand) -> ca.SX:
-        return self.carry(operand.word, ca.SX(ca.DM(list(operand.vector))), is_point=operand.is_point)
+        return self.carry(
+            operand.word, ca.SX(ca.DM(list(operand.vector))), is_point=operand.is_point
+        )
 
     def carry(self, word: Word, v: ca.SX, *, is_point: bool) -> ca.SX:
         for factor in reversed(word):
@@ -67,28 +76,38 @@ class Evaluation:
 
     def _moved(self, factor: Factor, v: ca.SX, *, is_point: bool) -> ca.SX:
         if factor.joint == TOOL:
-            return self._with_tool(v, is_point=is_point) if factor.sign > 0 else self._from_tool(v, is_point=is_point)
+            return (
+                self._with_tool(v, is_point=is_point)
+                if factor.sign > 0
+                else self._from_tool(v, is_point=is_point)
+            )
         screw, motion = self.arm.screws[factor.joint], self.motions[factor.joint]
         if screw.slides:
             return v + factor.sign * motion.value * _column(screw.axis) if is_point else v
         circle = Circle.of(screw, v, is_point=is_point)
-        return circle.centre + motion.cosine * circle.cosine + factor.sign * motion.sine * circle.sine
+        return (
+            circle.centre + motion.cosine * circle.cosine + factor.sign * motion.sine * circle.sine
+        )
 
     def _with_tool(self, v: ca.SX, *, is_point: bool) -> ca.SX:
         """M v = R (T0^-1 v) + p."""
         tool = self.arm.tool
         local = v - _column(tool.position) if is_point else v
-        turned = ca.mtimes(matrix_from_quaternion(self.quaternion), ca.mtimes(_matrix(tool.quaternion).T, local))
+        turned = ca.mtimes(
+            matrix_from_quaternion(self.quaternion), ca.mtimes(_matrix(tool.quaternion).T, local)
+        )
         return turned + self.position if is_point else turned
 
     def _from_tool(self, v: ca.SX, *, is_point: bool) -> ca.SX:
         """M^-1 v = T0 (R^T (v - p))."""
         tool = self.arm.tool
-        local = ca.mtimes(matrix_from_quaternion(self.quaternion).T, v - self.position if is_point else v)
+        local = ca.mtimes(
+            matrix_from_quaternion(self.quaternion).T, v - self.position if is_point else v
+        )
         turned = ca.mtimes(_matrix(tool.quaternion), local)
         return turned + _column(tool.position) if is_point else turned
 
-    # --- steps ---------------------------------------------------------------------------------------------------------
+    # --- steps ------------------------------------------------------------------------------------
 
     def decide(self, step: Step, sign: ca.SX | float) -> Decision:
         """The step's solution of the branch `sign` (1 or -1)."""
@@ -106,10 +125,14 @@ class Evaluation:
         assert isinstance(step, Level | Distance)  # noqa: S101 - no other step has branches
         (joint,) = step.joints
         motion = self.motions[joint]
-        return self.lean(step, motion.value if self.arm.screws[joint].slides else motion.cosine, motion.sine)
+        return self.lean(
+            step, motion.value if self.arm.screws[joint].slides else motion.cosine, motion.sine
+        )
 
     def lean(self, step: Step, cosine: ca.SX, sine: ca.SX) -> ca.SX:
-        """What has the sign of the branch nearest to an angle, by its cosine and sine, or to a slide (in place of the cosine)."""
+        """What has the sign of the branch nearest to an angle, by its cosine and sine, or to a
+        slide (in place of the cosine).
+        """
         assert isinstance(step, Level | Distance)  # noqa: S101 - no other step has branches
         (joint,) = step.joints
         a, b, _ = self._equation(step)
@@ -123,8 +146,10 @@ class Evaluation:
         return (self._scale(step.x) if isinstance(step, Level) else self.arm.size**2) ** 2
 
     def limit_test(self, step: Step, joint: int, value: float) -> tuple[ca.SX, ca.SX]:
-        """What is zero at poses, and motions of the joints before, where a solution of the step has this value of the joint (an angle
-        or slide from its zero); and what then tells which one: it has the branch's sign there, without branches it is positive."""
+        """What is zero at poses, and motions of the joints before, where a solution of the step has
+        this value of the joint (an angle or slide from its zero); and what then tells which one: it
+        has the branch's sign there, without branches it is positive.
+        """
         cosine, sine = float(np.cos(value)), float(np.sin(value))
         screw = self.arm.screws[joint]
         match step:
@@ -137,7 +162,9 @@ class Evaluation:
                 if screw.slides and isinstance(step, Level):
                     return (a * value - c) / self.arm.size, ca.SX(1)
                 if screw.slides:
-                    return (value * value + 2 * a * value - c) / self.arm.size**2, (value + a) / self.arm.size
+                    return (value * value + 2 * a * value - c) / self.arm.size**2, (
+                        value + a
+                    ) / self.arm.size
                 scale = float(np.sqrt(self.discriminant_scale(step)))
                 return (a * cosine + b * sine - c) / scale, (a * sine - b * cosine) / scale
         # slides without branches: how far off, times what keeps it free of divisions
@@ -159,7 +186,9 @@ class Evaluation:
         return Decision((Motion.towards(cosine, sine),), ca.SX(1), strength)
 
     def _directions(self, step: Carry) -> tuple[ca.SX, ca.SX]:
-        """Cosine and sine of a turn that carries x to y, times the lengths of both across the axis."""
+        """Cosine and sine of a turn that carries x to y, times the lengths of both across the
+        axis.
+        """
         screw, x, y = self.arm.screws[step.joints[0]], self.value(step.x), self.value(step.y)
         k = _column(screw.axis)
         if step.x.is_point:
@@ -170,7 +199,10 @@ class Evaluation:
         """Squares of the parts of x and y across the axis (over the size's)."""
         screw = self.arm.screws[step.joints[0]]
         point = _column(screw.point) if step.x.is_point else ca.SX.zeros(3)
-        parts = [ca.cross(_column(screw.axis), self.value(operand) - point) for operand in (step.x, step.y)]
+        parts = [
+            ca.cross(_column(screw.axis), self.value(operand) - point)
+            for operand in (step.x, step.y)
+        ]
         scale = self._scale(step.x) ** 2
         return ca.dot(parts[0], parts[0]) / scale, ca.dot(parts[1], parts[1]) / scale
 
@@ -201,11 +233,21 @@ class Evaluation:
         level = ca.dot(self.value(step.level_normal), self.value(step.y))
         if screw.slides:
             along = ca.dot(normal, self.carry(step.before, _column(screw.axis), is_point=False))
-            return step.sign * along, ca.SX(0), level - ca.dot(normal, self.carry(step.before, x, is_point=step.x.is_point))
+            return (
+                step.sign * along,
+                ca.SX(0),
+                level - ca.dot(normal, self.carry(step.before, x, is_point=step.x.is_point)),
+            )
         circle = Circle.of(screw, x, is_point=step.x.is_point)
         centre = self.carry(step.before, circle.centre, is_point=step.x.is_point)
-        cosine, sine = (self.carry(step.before, v, is_point=False) for v in (circle.cosine, circle.sine))
-        return ca.dot(normal, cosine), step.sign * ca.dot(normal, sine), level - ca.dot(normal, centre)
+        cosine, sine = (
+            self.carry(step.before, v, is_point=False) for v in (circle.cosine, circle.sine)
+        )
+        return (
+            ca.dot(normal, cosine),
+            step.sign * ca.dot(normal, sine),
+            level - ca.dot(normal, centre),
+        )
 
     def _distance(self, step: Distance, screw: Screw) -> tuple[ca.SX, ca.SX, ca.SX]:
         x, centre = self.value(step.x), self.value(step.centre)
@@ -220,10 +262,14 @@ class Evaluation:
         return ca.dot(circle.cosine, gap), step.sign * ca.dot(circle.sine, gap), level
 
     def _slid(self, step: Slides) -> Decision:
-        """sum of s_i w_i = M x - (F_1 ... F_n x without slides), w_i the slides' directions carried by what stands before them."""
+        """sum of s_i w_i = M x - (F_1 ... F_n x without slides), w_i the slides' directions carried
+        by what stands before them.
+        """
         still = self.decided(step.joints, tuple(Motion(ca.SX(0)) for _ in step.joints))
         away = still.value(step.x.carried(step.target)) - still.value(step.x.carried(step.chain))
-        places = [next(i for i, f in enumerate(step.chain) if f.joint == joint) for joint in step.joints]
+        places = [
+            next(i for i, f in enumerate(step.chain) if f.joint == joint) for joint in step.joints
+        ]
         w = []
         for place in places:
             factor = step.chain[place]
@@ -250,7 +296,9 @@ class Circle:
 
 
 def _solved(w: list[ca.SX], r: ca.SX) -> tuple[list[ca.SX], ca.SX]:
-    """s of sum s_i w_i = r, one to three unit vectors w, by least squares where there are fewer; how far they are from dependent."""
+    """s of sum s_i w_i = r, one to three unit vectors w, by least squares where there are fewer;
+    how far they are from dependent.
+    """
     if len(w) == 1:
         return [ca.dot(w[0], r)], ca.SX(1)
     if len(w) == 2:
@@ -272,6 +320,8 @@ def _column(v: object) -> ca.SX:
 
 
 def _matrix(quaternion: object) -> ca.SX:
-    rotation = snapped_constants(ca.SX(ca.DM(np.asarray(matrix_from_quaternion(np.asarray(quaternion))))))
+    rotation = snapped_constants(
+        ca.SX(ca.DM(np.asarray(matrix_from_quaternion(np.asarray(quaternion)))))
+    )
     assert rotation is not None  # noqa: S101 - numbers stay numbers
     return rotation

@@ -1,7 +1,8 @@
-"""Closed forms of serial arms: an ordered list of steps, found by structure and tried on random configurations.
+"""Closed forms of serial arms: an ordered list of steps, found by structure and tried on random
+configurations.
 
-`plan_of` looks for one. A plan is data: `derivation` puts it into words, `expressions` writes it for one branch, as CasADi
-expressions that are evaluated in batches or emitted as C.
+`plan_of` looks for one. A plan is data: `derivation` puts it into words, `expressions` writes it
+for one branch, as CasADi expressions that are evaluated in batches or emitted as C.
 """
 
 from __future__ import annotations
@@ -27,16 +28,22 @@ _MOST_JOINTS = 6
 _TRIALS = 3
 """Random configurations at which each step is tried."""
 _FIRM = 1e-6
-"""Least strength of a step at random configurations (squares over the size's): below it the step decides nothing."""
+"""Least strength of a step at random configurations (squares over the size's): below it the step
+decides nothing.
+"""
 _MISFIT = 1e3
-"""A step is true of an arm whose axes are off by a tolerance where it misses a joint's value by less than so many tolerances."""
+"""A step is true of an arm whose axes are off by a tolerance where it misses a joint's value by
+less than so many tolerances.
+"""
 _LEAST_MISFIT = 1e-7
 _BRANCHES = {1: ("elbow",), 2: ("shoulder", "elbow"), 3: ("shoulder", "elbow", "forearm")}
 
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """Joint values (n,) of one branch, as expressions, and of each step the discriminant and the strength (see `Decision`)."""
+    """Joint values (n,) of one branch, as expressions, and of each step the discriminant and the
+    strength (see `Decision`).
+    """
 
     joints: ca.SX
     discriminants: ca.SX
@@ -45,8 +52,10 @@ class Branch:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Steps that decide all joints of an arm from its tool pose, one after the other; each named branch doubles the solutions.
-    `determined`: the arm has six joints, so that each real branch is a solution."""
+    """Steps that decide all joints of an arm from its tool pose, one after the other; each named
+    branch doubles the solutions. `determined`: the arm has six joints, so that each real branch is
+    a solution.
+    """
 
     arm: ArmScrews
     steps: tuple[Step, ...]
@@ -64,7 +73,9 @@ class Plan:
     @property
     def signs(self) -> np.ndarray:
         """Signs (count, choices) of all branches, all 1 first."""
-        return np.array(list(product((1.0, -1.0), repeat=len(self.branches)))).reshape(self.count, len(self.branches))
+        return np.array(list(product((1.0, -1.0), repeat=len(self.branches)))).reshape(
+            self.count, len(self.branches)
+        )
 
     def derivation(self) -> list[str]:
         """The steps in words."""
@@ -101,8 +112,9 @@ def _motions(arm: ArmScrews, joints: ca.SX) -> dict[int, Motion]:
 
 @lru_cache(maxsize=128)
 def plan_of(mechanism: Mechanism, tolerance: float = EXACT) -> Plan | None:
-    """The plan of a mechanism's inverse problem, where it is an arm whose axes allow one to within `tolerance` (rad, or of the
-    size); None elsewhere."""
+    """The plan of a mechanism's inverse problem, where it is an arm whose axes allow one to within
+    `tolerance` (rad, or of the size); None elsewhere.
+    """
     arm = arm_screws(mechanism)
     if arm is None or not 1 <= len(arm) <= _MOST_JOINTS:
         return None
@@ -137,20 +149,30 @@ class _Trial:
     @staticmethod
     def of(arm: ArmScrews, seed: int) -> _Trial:
         rng = np.random.default_rng(seed)
-        values = [arm.size * rng.uniform(-0.5, 0.5) if s.slides else rng.uniform(-3.0, 3.0) for s in arm.screws]
+        values = [
+            arm.size * rng.uniform(-0.5, 0.5) if s.slides else rng.uniform(-3.0, 3.0)
+            for s in arm.screws
+        ]
         pose = forward(arm, np.array(values))
         evaluation = Evaluation(arm, _constants(pose.position), _constants(pose.quaternion))
         zeros = np.array([screw.zero for screw in arm.screws])
-        return _Trial(replace(evaluation, motions=_motions(arm, _constants(np.array(values) + zeros))))
+        return _Trial(
+            replace(evaluation, motions=_motions(arm, _constants(np.array(values) + zeros)))
+        )
 
     def holds(self, step: Step, misfit: float) -> bool:
-        """Whether the step decides its joints, and as they are, to within `misfit` (rad, or of the size)."""
+        """Whether the step decides its joints, and as they are, to within `misfit` (rad, or of the
+        size).
+        """
         sign = 1.0 if step.branch is None else float(np.sign(float(self.at.slope(step))) or 1.0)
         decision = self.at.decide(step, sign)
         numbers = [decision.strength, decision.discriminant, *(m.value for m in decision.motions)]
         if not all(np.isfinite(float(n)) for n in numbers) or float(decision.strength) < _FIRM:
             return False
-        return all(self._is_near(joint, m, misfit) for joint, m in zip(step.joints, decision.motions, strict=True))
+        return all(
+            self._is_near(joint, m, misfit)
+            for joint, m in zip(step.joints, decision.motions, strict=True)
+        )
 
     def _is_near(self, joint: int, found: Motion, misfit: float) -> bool:
         gap = float(found.value - self.at.motions[joint].value)
@@ -177,12 +199,17 @@ def _constants(numbers: np.ndarray) -> ca.SX:
 
 
 def _with_names(steps: tuple[Step, ...]) -> tuple[Step, ...]:
-    """The steps with names of their own for their choices: the wrist's, and shoulder, elbow in the order of the joints."""
+    """The steps with names of their own for their choices: the wrist's, and shoulder, elbow in the
+    order of the joints.
+    """
     arm = sorted((s for s in steps if s.branch == "arm"), key=lambda s: s.joints)
     wrists = [s for s in steps if s.branch == "wrist"]
     names = {id(s): name for s, name in zip(arm, _BRANCHES.get(len(arm), ()), strict=False)}
     names |= {id(s): "wrist" if len(wrists) == 1 else f"wrist{i + 1}" for i, s in enumerate(wrists)}
-    return tuple(s if s.branch is None else replace(s, branch=names.get(id(s), f"joint{s.joints[0] + 1}")) for s in steps)
+    return tuple(
+        s if s.branch is None else replace(s, branch=names.get(id(s), f"joint{s.joints[0] + 1}"))
+        for s in steps
+    )
 
 
 __all__ = ["Branch", "Decision", "Plan", "forward", "plan_of"]

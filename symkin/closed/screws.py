@@ -1,4 +1,6 @@
-"""A serial arm as a product of exponentials: its one-freedom joints as screws at the reference configuration."""
+"""A serial arm as a product of exponentials: its one-freedom joints as screws at the reference
+configuration.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Screw:
-    """One freedom of an arm: it turns about, or slides along, the unit `axis` through `point`, by its coordinate less `zero`."""
+    """One freedom of an arm: it turns about, or slides along, the unit `axis` through `point`, by
+    its coordinate less `zero`.
+    """
 
     name: str
     slides: bool
@@ -26,7 +30,9 @@ class Screw:
 
 @dataclass(frozen=True, eq=False)
 class ArmScrews:
-    """Screws from the base to the tool, the tool's pose at the reference, and the arm's size (length unit)."""
+    """Screws from the base to the tool, the tool's pose at the reference, and the arm's size
+    (length unit).
+    """
 
     screws: tuple[Screw, ...]
     tool: Pose
@@ -37,7 +43,9 @@ class ArmScrews:
 
 
 def arm_screws(mechanism: Mechanism) -> ArmScrews | None:
-    """The screws of a serial arm of R and P joints, numbers free of rounding; None for other mechanisms."""
+    """The screws of a serial arm of R and P joints, numbers free of rounding; None for other
+    mechanisms.
+    """
     joints = [joint for _, joint in mechanism.joints]
     if not mechanism.serial or any(joint.type not in ("R", "P") for joint in joints):
         return None
@@ -48,8 +56,13 @@ def arm_screws(mechanism: Mechanism) -> ArmScrews | None:
         away = np.array(mechanism.places[joint.name]) - origin
         # the point next to the first joint: its numbers are small, and some of them zero
         point = snapped_vector(origin + away - k * (k @ away), size)
-        found.append(Screw(joint.name, joint.type == "P", point, snapped_vector(k, 1.0), joint.zero))
-    tool = Pose(np.array(snapped_vector(np.array(mechanism.platform_position), size)), np.array(mechanism.platform_quaternion))
+        found.append(
+            Screw(joint.name, joint.type == "P", point, snapped_vector(k, 1.0), joint.zero)
+        )
+    tool = Pose(
+        np.array(snapped_vector(np.array(mechanism.platform_position), size)),
+        np.array(mechanism.platform_quaternion),
+    )
     return ArmScrews(tuple(found), tool, size)
 
 

@@ -1,8 +1,9 @@
 """What a plan is made of: vectors that known motions carry, and steps that decide one joint each.
 
-F is a joint's motion, or its inverse. The canonical subproblems (Paden 1986, Kahan; Murray, Li, Sastry 1994, section 3.3; Elias and
-Wen, IK-Geo, 2022) come down to four steps: a joint that carries a point to another, one that brings a point to a level, one that
-brings it to a distance, and slides that make up a displacement.
+F is a joint's motion, or its inverse. The canonical subproblems (Paden 1986, Kahan; Murray, Li,
+Sastry 1994, section 3.3; Elias and Wen, IK-Geo, 2022) come down to four steps: a joint that carries
+a point to another, one that brings a point to a level, one that brings it to a distance, and slides
+that make up a displacement.
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ from dataclasses import dataclass
 from symkin.closed.screws import Vector
 
 TOOL = -1
-"""Number of the factor M: the tool's motion from the reference, the product of all joints' motions."""
+"""Number of the factor M: the tool's motion from the reference, the product of all joints'
+motions.
+"""
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,9 @@ class Operand:
 
 @dataclass(frozen=True)
 class Step:
-    """What all steps have: the joints that they decide, why their equation holds, and the name of their choice of two, if any."""
+    """What all steps have: the joints that they decide, why their equation holds, and the name of
+    their choice of two, if any.
+    """
 
     joints: tuple[int, ...]
     reason: str
@@ -68,7 +73,9 @@ class Carry(Step):
 
 @dataclass(frozen=True)
 class Level(Step):
-    """normal . W F x = level_normal . y: A cos + B sin = C, two solutions (a circle and a plane); one for a slide."""
+    """normal . W F x = level_normal . y: A cos + B sin = C, two solutions (a circle and a plane);
+    one for a slide.
+    """
 
     sign: int
     normal: Operand
@@ -80,7 +87,9 @@ class Level(Step):
 
 @dataclass(frozen=True)
 class Distance(Step):
-    """|F x - centre| = |y - other|: A cos + B sin = C, two solutions (a circle and a sphere); for a slide a quadratic."""
+    """|F x - centre| = |y - other|: A cos + B sin = C, two solutions (a circle and a sphere); for a
+    slide a quadratic.
+    """
 
     sign: int
     x: Operand
@@ -91,8 +100,9 @@ class Distance(Step):
 
 @dataclass(frozen=True)
 class Slides(Step):
-    """F_1 ... F_n x = M x of slides at known rotations: a linear system. `chain` are the motions of the part that holds them,
-    `target` is what they make together."""
+    """F_1 ... F_n x = M x of slides at known rotations: a linear system. `chain` are the motions of
+    the part that holds them, `target` is what they make together.
+    """
 
     chain: Word
     x: Operand

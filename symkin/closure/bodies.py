@@ -25,15 +25,22 @@ PoseForm = Literal["study", "homogeneous"]
 
 
 class BodyBuilder:
-    """Declares coordinates, parameters, and where bodies and links are: joints from a body outward, and the poses of those that float.
+    """Declares coordinates, parameters, and where bodies and links are: joints from a body outward,
+    and the poses of those that float.
 
-    `kept` names joint coordinates that the closure must hold, whichever joint a loop is best cut at.
+    `kept` names joint coordinates that the closure must hold, whichever joint a loop is best cut
+    at.
     """
 
     def __init__(
-        self, mechanism: Mechanism, form: PoseForm | None = None, *, bound: bool | None = None, partition: Partition = ALL_JOINTS,
+        self,
+        mechanism: Mechanism,
+        form: PoseForm | None = None,
+        *,
+        bound: bool | None = None,
+        partition: Partition = ALL_JOINTS,
         body_forms: Mapping[str, PoseForm] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.mechanism = mechanism
         self.form = form if mechanism.motion in ("spatial", "spherical") else None
         self.body_forms = dict(body_forms or {})
@@ -51,15 +58,22 @@ class BodyBuilder:
         """Declare the geometry of all joints, and the poses of the bodies that float."""
         m = self.mechanism
         joints, tool = self._geometry()
-        joints = {name: symbols.moved(self._shift(symbols.joint)) for name, symbols in joints.items()}
+        joints = {
+            name: symbols.moved(self._shift(symbols.joint)) for name, symbols in joints.items()
+        }
         if self.table.bound:
-            joints = {name: symbols.snapped(m.characteristic_length) for name, symbols in joints.items()}
-            tool = Pose(snapped_constants(tool.position, m.characteristic_length), snapped_constants(tool.quaternion))
+            joints = {
+                name: symbols.snapped(m.characteristic_length) for name, symbols in joints.items()
+            }
+            tool = Pose(
+                snapped_constants(tool.position, m.characteristic_length),
+                snapped_constants(tool.quaternion),
+            )
         self.joints = joints
         self.reference = tool
         self._declare_bodies()
 
-    # --- geometry and poses --------------------------------------------------------------------------------------
+    # --- geometry and poses -----------------------------------------------------------------------
 
     def _geometry(self) -> tuple[dict[str, JointSymbols], Pose]:
         """Joints by name and the platform's reference pose as expressions of the parameters."""
@@ -67,21 +81,36 @@ class BodyBuilder:
         if m.dh is not None:
             rows = []
             for k, row in enumerate(m.dh.rows, start=1):
-                rows.append([table.scalar(f"dh.{k}.{key}", getattr(row, key)) for key in ("theta", "d", "a", "alpha")])
+                rows.append(
+                    [
+                        table.scalar(f"dh.{k}.{key}", getattr(row, key))
+                        for key in ("theta", "d", "a", "alpha")
+                    ]
+                )
             frames, tool = reference_frames(m.dh.convention, rows)
             symbols = {
                 joint.name: JointSymbols(joint, ca.SX(point), ca.SX(axis), None, None, ca.SX(0))
                 for joint, (point, axis) in zip(m.all_joints, frames, strict=True)
             }
             return symbols, Pose(ca.SX(tool.position), ca.SX(tool.quaternion))
-        paths = {element.name: element.path for branch in self.layout.branches for element in branch.elements}
-        joints = {j.name: JointSymbols.declare(j, paths[j.name], table) for j in m.all_joints if j.type != "weld"}
+        paths = {
+            element.name: element.path
+            for branch in self.layout.branches
+            for element in branch.elements
+        }
+        joints = {
+            j.name: JointSymbols.declare(j, paths[j.name], table)
+            for j in m.all_joints
+            if j.type != "weld"
+        }
         position = table.vector(f"{m.frame_name}.position", m.platform_position)
         quaternion = table.vector(f"{m.frame_name}.quaternion", m.platform_quaternion, "wxyz")
         return joints, Pose(position, quaternion / ca.sqrt(ca.dot(quaternion, quaternion)))
 
     def _shift(self, joint: Joint) -> float:
-        """How far along its axis a joint's point is moved from where it is described; the joint is the same for any geometry."""
+        """How far along its axis a joint's point is moved from where it is described; the joint is
+        the same for any geometry.
+        """
         away = self.mechanism.places[joint.name] - np.array(joint.point)
         return float(away @ np.array(joint.axis)) if away.any() else 0.0
 
@@ -97,11 +126,14 @@ class BodyBuilder:
                 self.bodies[body] = self._declare_body(body)
 
     def _declare_algebraic_body(self, body: str) -> PlatformSide:
-        """A floating body in Study coordinates (e; g), or by position and a quaternion of any length; a platform whose motion is
-        spherical by its quaternion alone."""
+        """A floating body in Study coordinates (e; g), or by position and a quaternion of any
+        length; a platform whose motion is spherical by its quaternion alone.
+        """
         e = ca.SX.sym(f"{body}.e", 4)
         is_platform = body == self.mechanism.platform_link
-        reference = self.reference if is_platform else Pose(ca.SX(self._middle(body)), ca.SX([1, 0, 0, 0]))
+        reference = (
+            self.reference if is_platform else Pose(ca.SX(self._middle(body)), ca.SX([1, 0, 0, 0]))
+        )
         if is_platform and self.mechanism.motion == "spherical":
             self.body_symbols[body] = e
             return PlatformSide(HomogeneousPose(reference.position, e), reference)
@@ -116,10 +148,14 @@ class BodyBuilder:
     def _middle(self, body: str) -> np.ndarray:
         """The middle of a body's joint points at the reference."""
         ends = [_end_of(branch, body) for branch in self.layout.branches if body in branch.ends]
-        return np.asarray(np.mean([self._place(element, first=first) for element, first in ends], axis=0))
+        return np.asarray(
+            np.mean([self._place(element, first=first) for element, first in ends], axis=0)
+        )
 
     def _declare_body(self, body: str) -> PlatformSide:
-        """A floating body by the position of the middle of its joints' points and its turn from the reference."""
+        """A floating body by the position of the middle of its joints' points and its turn from the
+        reference.
+        """
         middle = self._middle(body)
         values = {
             f"{body}.{key}": Coordinate(f"{body}.{key}", "length", "body", (float(value),))
@@ -127,10 +163,14 @@ class BodyBuilder:
         }
         turn = Coordinate(f"{body}.quaternion", "quaternion", "body", (1.0, 0.0, 0.0, 0.0))
         position = ca.vertcat(*(self._symbol(c) for c in values.values()))
-        return PlatformSide(UnitPose(position, self._symbol(turn)), Pose(ca.SX(middle), ca.SX([1, 0, 0, 0])))
+        return PlatformSide(
+            UnitPose(position, self._symbol(turn)), Pose(ca.SX(middle), ca.SX([1, 0, 0, 0]))
+        )
 
     def _place(self, element: Element, *, first: bool) -> np.ndarray:
-        """Where a joint or the end of a rod is at the reference, the end that is nearer to the branch's first body or not."""
+        """Where a joint or the end of a rod is at the reference, the end that is nearer to the
+        branch's first body or not.
+        """
         if isinstance(element.part, Joint):
             return self.mechanism.places[element.name]
         end = element.part.start if first == element.along else element.part.end
@@ -150,13 +190,17 @@ class BodyBuilder:
                 start = (m.platform_position[nominal[name]],) if name in nominal else (0.0,)
             coordinate = Coordinate(f"pose.{name}", kind, "pose", tuple(start))  # type: ignore[arg-type]
             values[name] = self._symbol(coordinate)
-        position = ca.vertcat(*(values.get(name, reference.position[i]) for name, i in nominal.items()))
+        position = ca.vertcat(
+            *(values.get(name, reference.position[i]) for name, i in nominal.items())
+        )
         if "quaternion" in values:
             quaternion = values["quaternion"]
         else:
             # a turn about the base frame's z axis, after the reference orientation
             half = 0.5 * values.get("gamma", ca.SX(0))
-            quaternion = multiply(ca.vertcat(ca.cos(half), 0, 0, ca.sin(half)), reference.quaternion)
+            quaternion = multiply(
+                ca.vertcat(ca.cos(half), 0, 0, ca.sin(half)), reference.quaternion
+            )
         self.pose = Pose(position, quaternion)
         self.platform_pose: PlatformPose = UnitPose(position, quaternion)
 
@@ -172,7 +216,9 @@ class BodyBuilder:
             self.pose_symbols, self.platform_pose = ca.vertcat(t, e), HomogeneousPose(t, e)
 
     def _place_platform(self) -> None:
-        """The pose of a platform that the joints carry, as an expression of theirs; the base's frame where there is none."""
+        """The pose of a platform that the joints carry, as an expression of theirs; the base's
+        frame where there is none.
+        """
         platform = self.mechanism.platform_link
         if platform in self.layout.floating:
             if platform in self.body_forms:
@@ -182,7 +228,9 @@ class BodyBuilder:
             self.pose = Pose(ca.SX(3, 1), ca.SX([1, 0, 0, 0]))
             return
         side = self._link(platform)
-        self.pose = Pose(side.move(self.reference.position), multiply(side.quaternion, self.reference.quaternion))
+        self.pose = Pose(
+            side.move(self.reference.position), multiply(side.quaternion, self.reference.quaternion)
+        )
         self.platform_pose = UnitPose(ca.SX(self.pose.position), ca.SX(self.pose.quaternion))
 
     def _link(self, link: str) -> Side:
@@ -213,8 +261,9 @@ class BodyBuilder:
         return Chain(self._steps(elements))
 
     def _from_first(self, branch: Branch, count: int) -> Side:
-        """Where the link behind the first `count` elements of a branch is, from the branch's first body; all links before it
-        are noted."""
+        """Where the link behind the first `count` elements of a branch is, from the branch's first
+        body; all links before it are noted.
+        """
         side = self.bodies[branch.ends[0]]
         for k in range(count):
             side = side.extended(self._steps(branch.elements[k : k + 1]))
@@ -223,12 +272,16 @@ class BodyBuilder:
         return side
 
     def _from_last(self, branch: Branch, first: int) -> Side:
-        """Where the link before the element `first` is, from the branch's last body; all links behind it are noted."""
+        """Where the link before the element `first` is, from the branch's last body; all links
+        behind it are noted.
+        """
         side, elements = self.bodies[branch.ends[1]], branch.elements
         # coordinates are declared from the base outward
         self._steps(elements[first:])
         for k in reversed(range(first, len(elements))):
-            side = side.extended(tuple(step.inverse() for step in reversed(self._steps(elements[k : k + 1]))))
+            side = side.extended(
+                tuple(step.inverse() for step in reversed(self._steps(elements[k : k + 1])))
+            )
             self.links[branch.links[k - 1]] = side
         return side
 

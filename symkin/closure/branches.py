@@ -1,10 +1,13 @@
-"""Split a mechanism into bodies and the branches between them, and choose which bodies keep coordinates of their own.
+"""Split a mechanism into bodies and the branches between them, and choose which bodies keep
+coordinates of their own.
 
-Bodies are the base, the links at which three or more joints and rods meet, those at the end of an open chain, and the platform
-where its pose is a coordinate. A branch is a chain of joints between two bodies, through links of two joints each: a limb. Each
-body but the base is carried by one branch (its pose follows from the joints of that branch), or it floats (it has a pose of its
-own); every other branch closes loops, and writes rows. That choice keeps unknown coordinates few: a minimum spanning tree of the
-bodies, where a branch weighs as many unknown freedoms as its joints have, and a pose of its own six.
+Bodies are the base, the links at which three or more joints and rods meet, those at the end of an
+open chain, and the platform where its pose is a coordinate. A branch is a chain of joints between
+two bodies, through links of two joints each: a limb. Each body but the base is carried by one
+branch (its pose follows from the joints of that branch), or it floats (it has a pose of its own);
+every other branch closes loops, and writes rows. That choice keeps unknown coordinates few: a
+minimum spanning tree of the bodies, where a branch weighs as many unknown freedoms as its joints
+have, and a pose of its own six.
 """
 
 from __future__ import annotations
@@ -24,7 +27,9 @@ _POSE_FREEDOM = 6
 
 @dataclass(frozen=True)
 class Element:
-    """A joint or a rod on the way from the first body of a branch to the second; not `along`: it was described the other way."""
+    """A joint or a rod on the way from the first body of a branch to the second; not `along`: it
+    was described the other way.
+    """
 
     part: Joint | Bar
     path: str
@@ -47,8 +52,9 @@ class Element:
 
 @dataclass(frozen=True)
 class Branch:
-    """A chain of elements between two bodies; `links` are those between its elements. `carries` says that the second body's pose
-    follows from it."""
+    """A chain of elements between two bodies; `links` are those between its elements. `carries`
+    says that the second body's pose follows from it.
+    """
 
     name: str
     ends: tuple[str, str]
@@ -60,7 +66,9 @@ class Branch:
     def reversed(self) -> Branch:
         """The same branch from its second body."""
         elements = tuple(replace(e, along=not e.along) for e in reversed(self.elements))
-        return Branch(self.name, (self.ends[1], self.ends[0]), elements, tuple(reversed(self.links)))
+        return Branch(
+            self.name, (self.ends[1], self.ends[0]), elements, tuple(reversed(self.links))
+        )
 
 
 @dataclass(frozen=True)
@@ -72,32 +80,39 @@ class Layout:
 
 
 def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layout:
-    """The layout for some coordinates that the closure must hold (`kept`: given or coupled ones), and, with `pose`, the
-    platform's pose."""
+    """The layout for some coordinates that the closure must hold (`kept`: given or coupled ones),
+    and, with `pose`, the platform's pose.
+    """
     if not mechanism.is_graph:
         return Layout(tuple(_limb_branches(mechanism)), (PLATFORM,))
     edges, platform = list(edges_of(mechanism)), mechanism.platform_link
     wanted = {platform} if pose and platform is not None else set()
     chains = _chains(edges, wanted)
     # a distance does not say how the link between two balls is turned
-    told = {point.link for point in mechanism.link_points} | ({platform} if platform is not None else set())
+    told = {point.link for point in mechanism.link_points} | (
+        {platform} if platform is not None else set()
+    )
     bridged = told & {link for chain in chains for link in _bridged(chain)}
     if bridged:
         chains = _chains(edges, wanted | bridged)
     return _spanned(chains, mechanism, kept, pose)
 
 
-# --- limbs ---------------------------------------------------------------------------------------------------------
+# --- limbs ----------------------------------------------------------------------------------------
 
 
 def _limb_branches(mechanism: Mechanism) -> Iterator[Branch]:
-    """Limbs from the base to the platform; one that ends in rods carries its last link, from which the rods go on."""
+    """Limbs from the base to the platform; one that ends in rods carries its last link, from which
+    the rods go on.
+    """
     for limb in mechanism.limbs:
         joints = tuple(Element(joint, mechanism.key_path(limb, joint)) for joint in limb.joints)
         bars, last = limb.bars(mechanism.reference_pose), _last_link(limb)
         if joints:
             links = tuple(f"{limb.name}.{k}" for k in range(1, len(joints)))
-            yield Branch(limb.name, (BASE, last if bars else PLATFORM), joints, links, carries=bool(bars))
+            yield Branch(
+                limb.name, (BASE, last if bars else PLATFORM), joints, links, carries=bool(bars)
+            )
         for bar in bars:
             yield Branch(limb.name, (last, PLATFORM), (Element(bar, bar.path),), ())
 
@@ -107,7 +122,7 @@ def _last_link(limb: Limb | RodLimb) -> str:
     return f"{limb.name}.{len(limb.joints)}" if limb.joints else limb.links[0]
 
 
-# --- graphs --------------------------------------------------------------------------------------------------------
+# --- graphs ---------------------------------------------------------------------------------------
 
 
 def edges_of(mechanism: Mechanism) -> Iterator[Branch]:
@@ -122,7 +137,12 @@ def edges_of(mechanism: Mechanism) -> Iterator[Branch]:
         for bar in bars:
             yield Branch(limb.name, (links[-1], last), (Element(bar, bar.path),), ())
     for entry in mechanism.link_joints:
-        yield Branch(entry.joint.name, (entry.links[0], entry.links[1]), (Element(entry.joint, entry.joint.name),), ())
+        yield Branch(
+            entry.joint.name,
+            (entry.links[0], entry.links[1]),
+            (Element(entry.joint, entry.joint.name),),
+            (),
+        )
     for rod in mechanism.link_rods:
         yield Branch(rod.name, (rod.links[0], rod.links[1]), (Element(rod.bar, rod.name),), ())
 
@@ -132,7 +152,8 @@ def _chains(edges: Sequence[Branch], wanted: set[str]) -> list[Branch]:
     bodies = {BASE} | wanted
     while True:
         chains = _joined(edges, bodies)
-        # a link between the second and the third ball of a chain keeps nothing at a distance: it is a body
+        # a link between the second and the third ball of a chain keeps nothing at a distance: it is
+        # a body
         more = {link for chain in chains for link in _between_balls(chain)}
         if not more:
             return chains
@@ -156,7 +177,9 @@ def _joined(edges: Sequence[Branch], bodies: set[str]) -> list[Branch]:
     return chains
 
 
-def _extended(number: int, edges: Sequence[Branch], at: dict[str, list[int]], inner: set[str]) -> tuple[Branch, set[int]]:
+def _extended(
+    number: int, edges: Sequence[Branch], at: dict[str, list[int]], inner: set[str]
+) -> tuple[Branch, set[int]]:
     """The chain to which an edge belongs, and the numbers of its edges."""
     own = {number}
     chain = edges[number]
@@ -193,9 +216,12 @@ def _bridged(chain: Branch) -> tuple[str, ...]:
     return chain.links[balls[0] : balls[-1]] if balls else ()
 
 
-def _spanned(chains: Sequence[Branch], mechanism: Mechanism, kept: frozenset[str], pose: bool) -> Layout:
-    """Which branches carry bodies: from the base outward, the one of fewest unknown freedoms first; a body that only balls and
-    rods reach floats, as the platform does whose pose is a coordinate."""
+def _spanned(
+    chains: Sequence[Branch], mechanism: Mechanism, kept: frozenset[str], pose: bool
+) -> Layout:
+    """Which branches carry bodies: from the base outward, the one of fewest unknown freedoms first;
+    a body that only balls and rods reach floats, as the platform does whose pose is a coordinate.
+    """
     floating = [mechanism.platform_link] if pose and mechanism.platform_link else []
     bodies = dict.fromkeys(link for chain in chains for link in chain.ends)
     placed = {BASE, *floating}
@@ -224,7 +250,10 @@ def _spanned(chains: Sequence[Branch], mechanism: Mechanism, kept: frozenset[str
         if not left:
             break
         # the body that most branches hold to what is placed comes first
-        held = {body: sum(body in c.ends and bool(placed & set(c.ends)) for c in chains) for body in left}
+        held = {
+            body: sum(body in c.ends and bool(placed & set(c.ends)) for c in chains)
+            for body in left
+        }
         body = max(left, key=lambda link: held[link])
         floating.append(body)
         placed.add(body)
@@ -235,12 +264,18 @@ def _spanned(chains: Sequence[Branch], mechanism: Mechanism, kept: frozenset[str
 
 
 def _unknown_freedom(chain: Branch, kept: frozenset[str]) -> int | None:
-    """Freedoms of a branch whose values are not given, None where a ball or a rod keeps it from carrying a body."""
+    """Freedoms of a branch whose values are not given, None where a ball or a rod keeps it from
+    carrying a body.
+    """
     total = 0
     for element in chain.elements:
         if element.balls or not isinstance(element.part, Joint):
             return None
-        total += sum(c.freedom for c in element.part.coordinates if c.name not in kept and c.role != "actuated")
+        total += sum(
+            c.freedom
+            for c in element.part.coordinates
+            if c.name not in kept and c.role != "actuated"
+        )
     return total
 
 
@@ -256,7 +291,11 @@ def _outward(branches: Sequence[Branch], roots: set[str]) -> list[Branch]:
 
 
 def _from_base(chain: Branch, floating: Sequence[str]) -> Branch:
-    """A closing branch that ends on a floating body, if one of its ends is one, and begins at the base, if one is."""
+    """A closing branch that ends on a floating body, if one of its ends is one, and begins at the
+    base, if one is.
+    """
     first, last = chain.ends
-    turned = (first in floating and last not in floating) or (last == BASE and first != BASE and last not in floating)
+    turned = (first in floating and last not in floating) or (
+        last == BASE and first != BASE and last not in floating
+    )
     return chain.reversed if turned else chain

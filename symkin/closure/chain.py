@@ -1,6 +1,8 @@
-"""Displace points, directions and quaternions symbolically by chains of joints (product of exponentials).
+"""Displace points, directions and quaternions symbolically by chains of joints (product of
+exponentials).
 
-Matrix products are never formed: a point is carried through the joints one by one, which keeps expressions short.
+Matrix products are never formed: a point is carried through the joints one by one, which keeps
+expressions short.
 """
 
 from __future__ import annotations
@@ -114,8 +116,9 @@ class Chain:
 
 @dataclass(frozen=True)
 class PlatformSide:
-    """What hangs on a body that floats, the platform or another: its pose, then joints from it outward. Values are weighted by the
-    pose's weight N."""
+    """What hangs on a body that floats, the platform or another: its pose, then joints from it
+    outward. Values are weighted by the pose's weight N.
+    """
 
     pose: PlatformPose
     reference: Pose
@@ -130,7 +133,10 @@ class PlatformSide:
 
     def local(self, p: ca.SX) -> ca.SX:
         """A point of the reference configuration, moved by the joints, in the platform frame."""
-        return rotate(conjugate(self.reference.quaternion), Chain(self.steps).move(p) - self.reference.position)
+        return rotate(
+            conjugate(self.reference.quaternion),
+            Chain(self.steps).move(p) - self.reference.position,
+        )
 
     def move(self, p: ca.SX) -> ca.SX:
         """N times the moved point."""
@@ -138,11 +144,16 @@ class PlatformSide:
 
     def direction(self, v: ca.SX) -> ca.SX:
         """N times the turned direction."""
-        return self.pose.direction(rotate(conjugate(self.reference.quaternion), Chain(self.steps).direction(v)))
+        return self.pose.direction(
+            rotate(conjugate(self.reference.quaternion), Chain(self.steps).direction(v))
+        )
 
     @property
     def quaternion(self) -> ca.SX:
-        return multiply(multiply(self.pose.quaternion, conjugate(self.reference.quaternion)), Chain(self.steps).quaternion)
+        return multiply(
+            multiply(self.pose.quaternion, conjugate(self.reference.quaternion)),
+            Chain(self.steps).quaternion,
+        )
 
 
 Side = Chain | PlatformSide
@@ -150,8 +161,9 @@ Side = Chain | PlatformSide
 
 
 def relative_sides(first: Side, last: Side) -> tuple[Side, Side]:
-    """Both sides as seen from the last link that they have in common: what moves that link moves both, and no row between them.
-    Sides that do not both begin at the base stay as they are."""
+    """Both sides as seen from the last link that they have in common: what moves that link moves
+    both, and no row between them. Sides that do not both begin at the base stay as they are.
+    """
     if not (isinstance(first, Chain) and isinstance(last, Chain)):
         return first, last
     shared = 0
@@ -184,7 +196,11 @@ class JointSymbols:
 
     def moved(self, shift: float) -> JointSymbols:
         """The same joint by another point of its axis."""
-        return self if shift == 0.0 or self.axis is None else replace(self, point=self.point + shift * self.axis)
+        return (
+            self
+            if shift == 0.0 or self.axis is None
+            else replace(self, point=self.point + shift * self.axis)
+        )
 
     def snapped(self, size: float) -> JointSymbols:
         """The same joint with constants free of rounding noise."""

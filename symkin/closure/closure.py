@@ -1,4 +1,6 @@
-"""Build the loop closure F(q, x, X, p) = 0 of a mechanism, once and symbolically (its rows: see `closure.rows`)."""
+"""Build the loop closure F(q, x, X, p) = 0 of a mechanism, once and symbolically (its rows: see
+`closure.rows`).
+"""
 
 from __future__ import annotations
 
@@ -24,13 +26,15 @@ _ZERO_ROW = 1e-11
 class Closure:
     """Rows F and their full check over the variables (q, x, X) and the geometry p.
 
-    `variables` stacks the coordinates in the order actuated, passive, pose; a quaternion takes four numbers, and its
-    norm is not among the rows. `errors` restates every constraint without squares and with whole rotation matrices:
-    distances for the distance rows, axis and frame vectors times the size for the others (length unit). `pose` is the
-    platform's pose as an expression of the pose coordinates (or of the joints that carry it); `row_numbers` are the places of the
-    rows among all that the branches write; `forward` that of the joints, where a limb has no passive
-    joint (a serial arm); `idle` names the freedoms that the closure does not hold; `vanishing` counts the rows that are left out since
-    they vanish at every configuration, as those of a planar loop out of its plane.
+    `variables` stacks the coordinates in the order actuated, passive, pose; a quaternion takes four
+    numbers, and its norm is not among the rows. `errors` restates every constraint without squares
+    and with whole rotation matrices: distances for the distance rows, axis and frame vectors times
+    the size for the others (length unit). `pose` is the platform's pose as an expression of the
+    pose coordinates (or of the joints that carry it); `row_numbers` are the places of the rows
+    among all that the branches write; `forward` that of the joints, where a limb has no passive
+    joint (a serial arm); `idle` names the freedoms that the closure does not hold; `vanishing`
+    counts the rows that are left out since they vanish at every configuration, as those of a planar
+    loop out of its plane.
     """
 
     mechanism: Mechanism
@@ -76,7 +80,9 @@ class Closure:
         return tuple(c for c in self.coordinates if c.role in roles)
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-        """Pickle as the mechanism: symbols and functions stay in their process and are built anew from it."""
+        """Pickle as the mechanism: symbols and functions stay in their process and are built anew
+        from it.
+        """
         return build_closure, (self.mechanism, self.partition)
 
 
@@ -84,11 +90,13 @@ class Closure:
 class AlgebraicClosure:
     """The closure's rows, geometry bound, over joints and a pose whose quaternion has any length.
 
-    `pose` is (e, g) in Study coordinates or (position, quaternion); for motions without a quaternion it is the closure's
-    own pose coordinates. Rows are homogeneous in (e, g), and in the quaternion. Where every row is a distance between a
-    point of the platform and one that the actuated joints place, `distances` holds length, base point and platform
-    point of each row (7 numbers a row) as expressions of the joints. `coordinates` are those of `joints`; `eliminated` gives the
-    values of actuated joints that were cut by the others, `replaced_universal_joints` are those that distances replace.
+    `pose` is (e, g) in Study coordinates or (position, quaternion); for motions without a
+    quaternion it is the closure's own pose coordinates. Rows are homogeneous in (e, g), and in the
+    quaternion. Where every row is a distance between a point of the platform and one that the
+    actuated joints place, `distances` holds length, base point and platform point of each row (7
+    numbers a row) as expressions of the joints. `coordinates` are those of `joints`; `eliminated`
+    gives the values of actuated joints that were cut by the others, `replaced_universal_joints` are
+    those that distances replace.
     """
 
     closure: Closure
@@ -103,7 +111,9 @@ class AlgebraicClosure:
 
 
 def build_closure(mechanism: Mechanism, partition: Partition = ALL_JOINTS) -> Closure:
-    """The closure of a mechanism, for what is given; mechanisms are frozen, so that it is built once for each."""
+    """The closure of a mechanism, for what is given; mechanisms are frozen, so that it is built
+    once for each.
+    """
     return _closure(mechanism, partition)
 
 
@@ -117,8 +127,10 @@ def _closure(mechanism: Mechanism, partition: Partition) -> Closure:
 
 
 def numbered_rows(closure: Closure) -> ca.SX:
-    """The rows of a closure over its own variables, its geometry as numbers: joints that the geometry places to rounding (a point
-    at 1e-14, an axis off by 1e-17) are where they are meant to be."""
+    """The rows of a closure over its own variables, its geometry as numbers: joints that the
+    geometry places to rounding (a point at 1e-14, an axis off by 1e-17) are where they are meant to
+    be.
+    """
     builder = RowBuilder(closure.mechanism, bound=True, partition=closure.partition)
     builder.build_rows()
     variables = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.coordinates))
@@ -126,13 +138,19 @@ def numbered_rows(closure: Closure) -> ca.SX:
     return ca.substitute(ca.vertcat(*(builder.rows[k] for k in kept)), variables, closure.variables)
 
 
-def algebraic_rows(closure: Closure, forms: Mapping[str, PoseForm]) -> tuple[ca.SX, dict[str, ca.SX]]:
-    """The rows of a closure with some floating bodies in an algebraic form, geometry bound, over the closure's variables and the
-    symbols of these bodies' poses: Study coordinates (e; g), or position and a quaternion of any length. Bodies are named as their
-    coordinates are: "pose" is the platform."""
+def algebraic_rows(
+    closure: Closure, forms: Mapping[str, PoseForm]
+) -> tuple[ca.SX, dict[str, ca.SX]]:
+    """The rows of a closure with some floating bodies in an algebraic form, geometry bound, over
+    the closure's variables and the symbols of these bodies' poses: Study coordinates (e; g), or
+    position and a quaternion of any length. Bodies are named as their coordinates are: "pose" is
+    the platform.
+    """
     bound, platform = not closure.partition.geometry, closure.mechanism.platform_link or ""
     by_link = {platform if name == "pose" else name: form for name, form in forms.items()}
-    builder = RowBuilder(closure.mechanism, bound=bound, partition=closure.partition, body_forms=by_link)
+    builder = RowBuilder(
+        closure.mechanism, bound=bound, partition=closure.partition, body_forms=by_link
+    )
     builder.build_rows()
     symbols = {name: builder.body_symbols[platform if name == "pose" else name] for name in forms}
     names = [c.name for c in closure.coordinates if c.name in builder.coordinates]
@@ -141,24 +159,34 @@ def algebraic_rows(closure: Closure, forms: Mapping[str, PoseForm]) -> tuple[ca.
     rows = ca.vertcat(*(builder.rows[k] for k in closure.row_numbers))
     if not bound:
         numbers = dict(zip(closure.parameter_names, closure.parameter_values, strict=True))
-        for name, symbol, value in zip(builder.table.names, builder.table.symbols, builder.table.values, strict=True):
+        for name, symbol, value in zip(
+            builder.table.names, builder.table.symbols, builder.table.values, strict=True
+        ):
             known = name in closure.slices
             ours.append(symbol)
-            theirs.append(closure.variables[closure.slices[name]] if known else ca.SX(float(numbers.get(name, value))))
+            theirs.append(
+                closure.variables[closure.slices[name]]
+                if known
+                else ca.SX(float(numbers.get(name, value)))
+            )
     return ca.substitute(rows, ca.vertcat(*ours), ca.vertcat(*theirs)), symbols
 
 
 def build_algebraic_closure(
     mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False, replace_universal: bool = True
 ) -> AlgebraicClosure:
-    """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`. With `eliminate`, limbs
-    without a passive joint to cut are cut at an actuated one, which must then be unknown; with `replace_universal`, universal
-    joints before spherical ones are left out where the pose is unknown."""
+    """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`.
+    With `eliminate`, limbs without a passive joint to cut are cut at an actuated one, which must
+    then be unknown; with `replace_universal`, universal joints before spherical ones are left out
+    where the pose is unknown.
+    """
     return _algebraic_closure(mechanism, form, eliminate, replace_universal)
 
 
 @lru_cache(maxsize=128)
-def _algebraic_closure(mechanism: Mechanism, form: PoseForm, eliminate: bool, replace_universal: bool) -> AlgebraicClosure:
+def _algebraic_closure(
+    mechanism: Mechanism, form: PoseForm, eliminate: bool, replace_universal: bool
+) -> AlgebraicClosure:
     builder = RowBuilder(mechanism, form, eliminate=eliminate, replace_universal=replace_universal)
     builder.build_rows()
     return _assemble_algebraic(builder, build_closure(mechanism))
@@ -168,7 +196,9 @@ def _assemble(builder: RowBuilder) -> Closure:
     order = {"actuated": 0, "passive": 1, "body": 2, "pose": 3, "given": 4, "geometry": 5}
     pairs = sorted(builder.coordinates.values(), key=lambda pair: order[pair[0].role])
     actuated = {c.name: k for k, c in enumerate(builder.mechanism.actuated)}
-    in_file_order = sorted((p for p in pairs if p[0].role == "actuated"), key=lambda p: actuated[p[0].name])
+    in_file_order = sorted(
+        (p for p in pairs if p[0].role == "actuated"), key=lambda p: actuated[p[0].name]
+    )
     pairs = in_file_order + [p for p in pairs if p[0].role != "actuated"]
     coordinates = tuple(pair[0] for pair in pairs)
     variables = ca.vertcat(*(pair[1] for pair in pairs))
@@ -198,29 +228,48 @@ def _used_parameters(builder: RowBuilder) -> tuple[ca.SX, tuple[str, ...], np.nd
     table = builder.table
     everything = ca.vertcat(*table.symbols)
     # axes that cancel in the rows are no parameters: nothing could be said of them by measuring
-    depends = ca.which_depends(ca.vertcat(*builder.rows, builder.pose.position, builder.pose.quaternion), everything, 1, False)
-    used = [k for k, flag in enumerate(depends) if flag and table.names[k] not in builder.coordinates]
+    depends = ca.which_depends(
+        ca.vertcat(*builder.rows, builder.pose.position, builder.pose.quaternion),
+        everything,
+        1,
+        False,
+    )
+    used = [
+        k for k, flag in enumerate(depends) if flag and table.names[k] not in builder.coordinates
+    ]
     symbols = ca.vertcat(*(table.symbols[k] for k in used)) if used else ca.SX(0, 1)
     return symbols, tuple(table.names[k] for k in used), np.array([table.values[k] for k in used])
 
 
 def _without_unused(builder: RowBuilder, names: Sequence[str]) -> ca.SX:
-    """The checks with the nominal values of parameters that the rows do not depend on: axes that cancel in them, say."""
+    """The checks with the nominal values of parameters that the rows do not depend on: axes that
+    cancel in them, say.
+    """
     table, kept = builder.table, set(names)
-    unused = [k for k, name in enumerate(table.names) if name not in kept and name not in builder.coordinates]
+    unused = [
+        k
+        for k, name in enumerate(table.names)
+        if name not in kept and name not in builder.coordinates
+    ]
     errors = ca.vertcat(*builder.errors)
     symbols, values = [table.symbols[k] for k in unused], [table.values[k] for k in unused]
     return ca.substitute(errors, ca.vertcat(*symbols), ca.SX(ca.DM(values))) if unused else errors
 
 
 def _nonzero_rows(
-    builder: RowBuilder, coordinates: Sequence[Coordinate], variables: ca.SX, symbols: ca.SX, values: np.ndarray
+    builder: RowBuilder,
+    coordinates: Sequence[Coordinate],
+    variables: ca.SX,
+    symbols: ca.SX,
+    values: np.ndarray,
 ) -> tuple[int, ...]:
-    """Numbers of the rows that a restricted motion leaves, or a loop that is planar or spherical: those that vanish identically at
-    the nominal geometry are dropped."""
+    """Numbers of the rows that a restricted motion leaves, or a loop that is planar or spherical:
+    those that vanish identically at the nominal geometry are dropped.
+    """
     rows = ca.vertcat(*builder.rows)
     if builder.mechanism.motion == "spatial" and all(
-        branch.carries or set(branch.ends) & set(builder.layout.floating) for branch in builder.layout.branches
+        branch.carries or set(branch.ends) & set(builder.layout.floating)
+        for branch in builder.layout.branches
     ):
         # rows that hold a body of six freedoms depend on its pose
         return tuple(range(rows.shape[0]))
@@ -231,11 +280,16 @@ def _nonzero_rows(
     for _ in range(3):
         sample = random_values(coordinates, builder.mechanism.characteristic_length, rng)
         largest = np.maximum(largest, np.abs(np.asarray(evaluate(sample, values))).ravel())
-    return tuple(int(k) for k in np.flatnonzero(largest > _ZERO_ROW * builder.mechanism.characteristic_length))
+    return tuple(
+        int(k)
+        for k in np.flatnonzero(largest > _ZERO_ROW * builder.mechanism.characteristic_length)
+    )
 
 
 def _assemble_algebraic(builder: RowBuilder, closure: Closure) -> AlgebraicClosure:
-    coordinates = tuple(c for c in closure.role("actuated", "passive") if c.name in builder.coordinates)
+    coordinates = tuple(
+        c for c in closure.role("actuated", "passive") if c.name in builder.coordinates
+    )
     joints = ca.vertcat(*(builder.coordinates[c.name][1] for c in coordinates))
     if builder.form is None:
         pose = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.role("pose")))
@@ -243,10 +297,14 @@ def _assemble_algebraic(builder: RowBuilder, closure: Closure) -> AlgebraicClosu
         pose = builder.pose_symbols
     nothing = ca.SX(0, 1)
     variables = ca.vertcat(joints, pose)
-    kept = _nonzero_rows(builder, (*coordinates, *closure.role("pose")), variables, nothing, np.zeros(0))
+    kept = _nonzero_rows(
+        builder, (*coordinates, *closure.role("pose")), variables, nothing, np.zeros(0)
+    )
     rows = ca.vertcat(*(builder.rows[k] for k in kept))
     # six distances have a start system of their own, which needs points and lengths alone
-    all_distances = len(builder.distances) == len(builder.rows) and not any(c.role == "passive" for c in coordinates)
+    all_distances = len(builder.distances) == len(builder.rows) and not any(
+        c.role == "passive" for c in coordinates
+    )
     distances = ca.vertcat(*builder.distances) if all_distances else None
     return AlgebraicClosure(
         closure=closure,
@@ -261,8 +319,12 @@ def _assemble_algebraic(builder: RowBuilder, closure: Closure) -> AlgebraicClosu
     )
 
 
-def random_values(coordinates: Sequence[Coordinate], size: float, rng: np.random.Generator) -> np.ndarray:
-    """Random coordinate values about the reference: lengths by the size, angles and rotations anywhere."""
+def random_values(
+    coordinates: Sequence[Coordinate], size: float, rng: np.random.Generator
+) -> np.ndarray:
+    """Random coordinate values about the reference: lengths by the size, angles and rotations
+    anywhere.
+    """
     parts = []
     for c in coordinates:
         match c.kind:

@@ -14,21 +14,32 @@ def replaceable_universal_joint(elements: Sequence[Element], cut: int | None) ->
     if cut is None or joints[cut].type != "S":  # type: ignore[union-attr]
         return None
     passive = [i for i, joint in enumerate(joints) if not joint.actuated and i != cut]  # type: ignore[union-attr]
-    return passive[0] if len(passive) == 1 and passive[0] < cut and joints[passive[0]].type == "U" else None  # type: ignore[union-attr]
+    return (
+        passive[0]
+        if len(passive) == 1 and passive[0] < cut and joints[passive[0]].type == "U"  # type: ignore[union-attr]
+        else None
+    )
 
 
 def middle_turn(elements: Sequence[Element]) -> int | None:
-    """The revolute joint nearest the middle of a limb: cut there, an unknown joint leaves the rows, and both sides are
-    short. None where it is the only joint: then nothing would be left to solve for."""
+    """The revolute joint nearest the middle of a limb: cut there, an unknown joint leaves the rows,
+    and both sides are short. None where it is the only joint: then nothing would be left to solve
+    for.
+    """
     if len(elements) == 1:
         return None
-    turns = [i for i, element in enumerate(elements) if isinstance(element.part, Joint) and element.part.type == "R"]
+    turns = [
+        i
+        for i, element in enumerate(elements)
+        if isinstance(element.part, Joint) and element.part.type == "R"
+    ]
     return min(turns, key=lambda i: abs(2 * i - len(elements) + 1), default=None)
 
 
 def cut_index(elements: Sequence[Element], kept: frozenset[str]) -> int | None:
-    """The passive joint of most freedom, the last of equals; helical joints are never cut (their angle stays), nor those that
-    are kept."""
+    """The passive joint of most freedom, the last of equals; helical joints are never cut (their
+    angle stays), nor those that are kept.
+    """
     best: int | None = None
     most = 0
     for i, element in enumerate(elements):

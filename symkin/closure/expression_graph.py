@@ -1,7 +1,8 @@
 """Walk the instruction graph of a CasADi SX function: one loop for everything that reads it.
 
-CasADi stores an SX function as instructions that read and write numbered slots. `walk` follows them and hands each operation
-with its operands to an evaluator, which makes of them what it wants: expressions, C text, LaTeX, complex arithmetic.
+CasADi stores an SX function as instructions that read and write numbered slots. `walk` follows them
+and hands each operation with its operands to an evaluator, which makes of them what it wants:
+expressions, C text, LaTeX, complex arithmetic.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ Value = TypeVar("Value")
 
 
 class Instruction(NamedTuple):
-    """One step of an SX function: the operation, the slots that it reads and writes (for inputs and outputs: their number
-    and the entry), and the number of a constant (0 for all others)."""
+    """One step of an SX function: the operation, the slots that it reads and writes (for inputs and
+    outputs: their number and the entry), and the number of a constant (0 for all others).
+    """
 
     op: int
     inputs: list[int]
@@ -26,7 +28,9 @@ class Instruction(NamedTuple):
 
 
 class Evaluator(Protocol[Value]):
-    """What `walk` asks for: the value of an input's nonzero, of a constant and of an operation; and where results go."""
+    """What `walk` asks for: the value of an input's nonzero, of a constant and of an operation; and
+    where results go.
+    """
 
     def input(self, number: int, nonzero: int) -> Value: ...
     def constant(self, number: float) -> Value: ...
@@ -35,11 +39,15 @@ class Evaluator(Protocol[Value]):
 
 
 def instructions(function: ca.Function) -> Iterator[Instruction]:
-    """Yield the instructions of an SX function in the order of their evaluation; slots are used again once they are free."""
+    """Yield the instructions of an SX function in the order of their evaluation; slots are used
+    again once they are free.
+    """
     for k in range(function.n_instructions()):
         op = function.instruction_id(k)
         constant = function.instruction_constant(k) if op == ca.OP_CONST else 0.0
-        yield Instruction(op, function.instruction_input(k), function.instruction_output(k), constant)
+        yield Instruction(
+            op, function.instruction_input(k), function.instruction_output(k), constant
+        )
 
 
 def walk(function: ca.Function, evaluator: Evaluator[Value]) -> None:
@@ -82,10 +90,14 @@ class _Rebuilt:
 
 
 def rebuilt(
-    function: ca.Function, symbols: Sequence[ca.SX], constant: Callable[[float], ca.SX], value: Callable[[ca.SX], ca.SX]
+    function: ca.Function,
+    symbols: Sequence[ca.SX],
+    constant: Callable[[float], ca.SX],
+    value: Callable[[ca.SX], ca.SX],
 ) -> ca.SX:
-    """Write the first output of a function as an expression of `symbols`, with other constants and with `value` of each result;
-    what that makes constant folds."""
+    """Write the first output of a function as an expression of `symbols`, with other constants and
+    with `value` of each result; what that makes constant folds.
+    """
     pattern = function.sparsity_out(0)
     places = list(zip(*pattern.get_triplet(), strict=True))
     evaluator = _Rebuilt(ca.SX(*pattern.shape), places, symbols, constant, value)

@@ -1,7 +1,8 @@
 """Where every link is, as expressions of a closure's variables and of the whole geometry.
 
-The frame of a link is the base frame at the reference configuration, so that its pose is its displacement from there. Links between
-two spherical joints (a bridge) may spin about the line of their centres, which nothing holds: no expression places them.
+The frame of a link is the base frame at the reference configuration, so that its pose is its
+displacement from there. Links between two spherical joints (a bridge) may spin about the line of
+their centres, which nothing holds: no expression places them.
 """
 
 from __future__ import annotations
@@ -23,7 +24,9 @@ from symkin.spatial.rotation import multiply, rotate
 
 @dataclass(frozen=True, eq=False)
 class Bridge:
-    """`links` between two spherical joints: the links on which these are, and their centres at the reference."""
+    """`links` between two spherical joints: the links on which these are, and their centres at the
+    reference.
+    """
 
     links: tuple[str, ...]
     ends: tuple[str, str]
@@ -32,9 +35,11 @@ class Bridge:
 
 @dataclass(frozen=True, eq=False)
 class LinkFrames:
-    """Position and quaternion (7) of each link by name, over the closure's variables and `geometry`: every number of the
-    description by key path, as symbol and nominal value (the closure's own symbol where its rows depend on it). Frames of links of a
-    bridge are as seen from its first link; `joints` are the links that each joint is between, the one that it moves last."""
+    """Position and quaternion (7) of each link by name, over the closure's variables and
+    `geometry`: every number of the description by key path, as symbol and nominal value (the
+    closure's own symbol where its rows depend on it). Frames of links of a bridge are as seen from
+    its first link; `joints` are the links that each joint is between, the one that it moves last.
+    """
 
     frames: dict[str, ca.SX]
     bridges: tuple[Bridge, ...]
@@ -56,38 +61,70 @@ def link_frames(closure: Closure) -> LinkFrames:
     if closure.partition.geometry:
         builder.declare_geometry()
     sides: dict[str, Side] = {**builder.bodies, **builder.links}
-    chains = [(branch, (branch.ends[0], *branch.links, branch.ends[1])) for branch in builder.layout.branches]
+    chains = [
+        (branch, (branch.ends[0], *branch.links, branch.ends[1]))
+        for branch in builder.layout.branches
+    ]
     bridges = []
     for branch, links in chains:
         free = [k for k, link in enumerate(links) if link not in sides]
         if free:
             first, last = free[0], free[-1]
-            centres = [np.array(builder.mechanism.places[branch.elements[k].name]) for k in (first - 1, last)]
-            bridges.append(Bridge(links[first : last + 1], (links[first - 1], links[last + 1]), (centres[0], centres[1])))
-            sides |= {links[k]: builder.chain_of(branch.elements[first:k]) for k in range(first, last + 1)}
+            centres = [
+                np.array(builder.mechanism.places[branch.elements[k].name])
+                for k in (first - 1, last)
+            ]
+            bridges.append(
+                Bridge(
+                    links[first : last + 1],
+                    (links[first - 1], links[last + 1]),
+                    (centres[0], centres[1]),
+                )
+            )
+            sides |= {
+                links[k]: builder.chain_of(branch.elements[first:k]) for k in range(first, last + 1)
+            }
     geometry, theirs, ours = _geometry(builder, closure)
     theirs += [builder.coordinates[c.name][1] for c in closure.coordinates]
     ours += [closure.variables[closure.slices[c.name]] for c in closure.coordinates]
     nothing = ca.SX(0, 1)
-    frames = ca.substitute(_frames(list(sides.values())), [ca.vertcat(nothing, *theirs)], [ca.vertcat(nothing, *ours)])
-    return LinkFrames(dict(zip(sides, frames, strict=True)), tuple(bridges), _joints_between(chains), geometry)
+    frames = ca.substitute(
+        _frames(list(sides.values())), [ca.vertcat(nothing, *theirs)], [ca.vertcat(nothing, *ours)]
+    )
+    return LinkFrames(
+        dict(zip(sides, frames, strict=True)), tuple(bridges), _joints_between(chains), geometry
+    )
 
 
-def _geometry(builder: RowBuilder, closure: Closure) -> tuple[dict[str, tuple[ca.SX, float]], list[ca.SX], list[ca.SX]]:
-    """The numbers of the description; and the builder's symbols of those for which the closure has its own, with these."""
-    own = dict(zip(closure.parameter_names, ca.vertsplit(closure.parameters), strict=True)) if closure.parameter_names else {}
+def _geometry(
+    builder: RowBuilder, closure: Closure
+) -> tuple[dict[str, tuple[ca.SX, float]], list[ca.SX], list[ca.SX]]:
+    """The numbers of the description; and the builder's symbols of those for which the closure has
+    its own, with these.
+    """
+    own = (
+        dict(zip(closure.parameter_names, ca.vertsplit(closure.parameters), strict=True))
+        if closure.parameter_names
+        else {}
+    )
     table = builder.table
     geometry = {
         name: (own.get(name, symbol), float(value))
         for name, symbol, value in zip(table.names, table.symbols, table.values, strict=True)
         if name not in builder.coordinates
     }
-    shared = [(symbol, own[name]) for name, symbol in zip(table.names, table.symbols, strict=True) if name in own]
+    shared = [
+        (symbol, own[name])
+        for name, symbol in zip(table.names, table.symbols, strict=True)
+        if name in own
+    ]
     return geometry, [theirs for theirs, _ in shared], [ours for _, ours in shared]
 
 
 def _frames(sides: Sequence[Side]) -> list[ca.SX]:
-    """Position and quaternion of each side; those that begin alike are built on each other, so that a long chain costs its length."""
+    """Position and quaternion of each side; those that begin alike are built on each other, so that
+    a long chain costs its length.
+    """
     known: dict[tuple[int, ...], tuple[ca.SX, ca.SX]] = {}
 
     def key(side: Side) -> tuple[int, ...]:
@@ -111,11 +148,15 @@ def _frames(sides: Sequence[Side]) -> list[ca.SX]:
     return [ca.vertcat(*frame(side)) for side in sides]
 
 
-def _joints_between(chains: Sequence[tuple[Branch, tuple[str, ...]]]) -> dict[Joint, tuple[str, str]]:
+def _joints_between(
+    chains: Sequence[tuple[Branch, tuple[str, ...]]],
+) -> dict[Joint, tuple[str, str]]:
     """The links that each joint is between, the one that it moves last."""
     found: dict[Joint, tuple[str, str]] = {}
     for branch, links in chains:
         for k, element in enumerate(branch.elements):
             if isinstance(element.part, Joint) and element.part.type != "weld":
-                found[element.part] = (links[k], links[k + 1]) if element.along else (links[k + 1], links[k])
+                found[element.part] = (
+                    (links[k], links[k + 1]) if element.along else (links[k + 1], links[k])
+                )
     return found

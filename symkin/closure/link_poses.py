@@ -1,8 +1,9 @@
-"""Where every link is, and what every joint reads, at configurations of a closure: links and joints that it leaves out included.
+"""Where every link is, and what every joint reads, at configurations of a closure: links and joints
+that it leaves out included.
 
-The frame of a link is the base frame at the reference configuration, so that its pose is its displacement from there. A link between
-two spherical joints may spin about the line of their centres, which nothing holds: it is turned there from its reference by the
-shortest way.
+The frame of a link is the base frame at the reference configuration, so that its pose is its
+displacement from there. A link between two spherical joints may spin about the line of their
+centres, which nothing holds: it is turned there from its reference by the shortest way.
 """
 
 from __future__ import annotations
@@ -22,12 +23,16 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, normalized, rotate
 
 _OPPOSITE = 1e-12
-"""1 + cosine of two directions that are opposite to rounding: any half turn across them is the shortest way."""
+"""1 + cosine of two directions that are opposite to rounding: any half turn across them is the
+shortest way.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class LinkPoses:
-    """Displacements of all links by name at m configurations: stacks of positions (3, m) and unit quaternions (4, m)."""
+    """Displacements of all links by name at m configurations: stacks of positions (3, m) and unit
+    quaternions (4, m).
+    """
 
     poses: dict[str, Pose]
 
@@ -36,17 +41,22 @@ class LinkPoses:
 
     def at(self, index: int) -> dict[str, Pose]:
         """The poses of all links at one of the configurations."""
-        return {link: Pose(pose.position[:, index], pose.quaternion[:, index]) for link, pose in self.poses.items()}
+        return {
+            link: Pose(pose.position[:, index], pose.quaternion[:, index])
+            for link, pose in self.poses.items()
+        }
 
 
 def link_poses(closure: Closure, values: np.ndarray) -> LinkPoses:
-    """The displacements of all links, the base and those within limbs ("leg1.1", from the base on) included, at full vectors of
-    variables (m, variables)."""
+    """The displacements of all links, the base and those within limbs ("leg1.1", from the base on)
+    included, at full vectors of variables (m, variables).
+    """
     placed = _placed_links(closure)
     # of no configuration CasADi makes one
     numbers = np.asarray(placed.evaluate(np.asarray(values, dtype=float).T))[:, : len(values)]
     poses = {
-        link: Pose(numbers[7 * k : 7 * k + 3], normalized(numbers[7 * k + 3 : 7 * k + 7])) for k, link in enumerate(placed.links)
+        link: Pose(numbers[7 * k : 7 * k + 3], normalized(numbers[7 * k + 3 : 7 * k + 7]))
+        for k, link in enumerate(placed.links)
     }
     for bridge in placed.bridges:
         poses |= _hung(bridge, poses)
@@ -54,18 +64,23 @@ def link_poses(closure: Closure, values: np.ndarray) -> LinkPoses:
 
 
 def joint_readings(closure: Closure, poses: LinkPoses) -> dict[str, np.ndarray]:
-    """Every joint coordinate by name (m,), those of cut joints included, from the poses of the links on both sides: radians, lengths
-    and quaternions (4, m)."""
+    """Every joint coordinate by name (m,), those of cut joints included, from the poses of the
+    links on both sides: radians, lengths and quaternions (4, m).
+    """
     found: dict[str, np.ndarray] = {}
     for joint, (before, after) in _placed_links(closure).joints.items():
         between = poses[before].inverse() @ poses[after]
-        found |= dict(zip((c.name for c in joint.coordinates), _readings(joint, between), strict=True))
+        found |= dict(
+            zip((c.name for c in joint.coordinates), _readings(joint, between), strict=True)
+        )
     return found
 
 
 def reading_expressions(closure: Closure) -> dict[str, tuple[ca.SX, ...]]:
-    """What single coordinates read, over the closure's variables at the geometry of the description: a length (of a screw its angle) as one
-    expression, an angle as its cosine and sine. Joints at links that may spin, which no expression places, are left out."""
+    """What single coordinates read, over the closure's variables at the geometry of the
+    description: a length (of a screw its angle) as one expression, an angle as its cosine and sine.
+    Joints at links that may spin, which no expression places, are left out.
+    """
     found = link_frames(closure)
     hung = [set(bridge.links) for bridge in found.bridges]
     symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in found.geometry.values()))
@@ -74,19 +89,23 @@ def reading_expressions(closure: Closure) -> dict[str, tuple[ca.SX, ...]]:
     for joint, (before, after) in found.joints.items():
         if joint.type == "S" or any((before in links) != (after in links) for links in hung):
             continue
-        first, last = (Pose(found.frames[link][:3], found.frames[link][3:]) for link in (before, after))
+        first, last = (
+            Pose(found.frames[link][:3], found.frames[link][3:]) for link in (before, after)
+        )
         parts = _reading_parts(joint, first.inverse() @ last)
         for c, values in zip(joint.coordinates, parts, strict=True):
             read[c.name] = tuple(ca.substitute(value, symbols, numbers) for value in values)
     return read
 
 
-# --- links that the closure places ---------------------------------------------------------------------------------
+# --- links that the closure places ----------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class _PlacedLinks:
-    """`evaluate` gives position and quaternion of each of the `links`; those of a bridge as seen from its first one."""
+    """`evaluate` gives position and quaternion of each of the `links`; those of a bridge as seen
+    from its first one.
+    """
 
     evaluate: Callable[[np.ndarray], ca.DM]
     links: tuple[str, ...]
@@ -100,12 +119,16 @@ def _placed_links(closure: Closure) -> _PlacedLinks:
     symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in found.geometry.values()))
     numbers = ca.SX(ca.DM([value for _, value in found.geometry.values()]))
     packed = ca.densify(ca.substitute(ca.vertcat(*found.frames.values()), symbols, numbers))
-    evaluate = ca.Function("links", [ca.vertcat(ca.SX(0, 1), closure.variables)], [packed], {"cse": True})
+    evaluate = ca.Function(
+        "links", [ca.vertcat(ca.SX(0, 1), closure.variables)], [packed], {"cse": True}
+    )
     return _PlacedLinks(evaluate, tuple(found.frames), found.bridges, found.joints)
 
 
 def _hung(bridge: Bridge, poses: dict[str, Pose]) -> dict[str, Pose]:
-    """The links of a bridge, turned about its first centre by the shortest way, so that both ends meet."""
+    """The links of a bridge, turned about its first centre by the shortest way, so that both ends
+    meet.
+    """
     first, last = (poses[link] for link in bridge.ends)
     near, far = (centre[:, None] for centre in bridge.centres)
     arm = poses[bridge.links[-1]].apply(far) - near
@@ -125,11 +148,13 @@ def _shortest_turn(start: np.ndarray, end: np.ndarray) -> np.ndarray:
     return np.asarray(normalized(np.where(quaternion[0] > _OPPOSITE, quaternion, half_turn)))
 
 
-# --- what a joint reads --------------------------------------------------------------------------------------------
+# --- what a joint reads ---------------------------------------------------------------------------
 
 
 def _readings(joint: Joint, between: Pose) -> list[np.ndarray]:
-    """The coordinates of a joint from the displacement of its second link in the frame of its first."""
+    """The coordinates of a joint from the displacement of its second link in the frame of its
+    first.
+    """
     if joint.type == "S":
         return [between.quaternion]
     axis, point = np.array(joint.axis)[:, None], np.array(joint.point)[:, None]
@@ -145,7 +170,8 @@ def _readings(joint: Joint, between: Pose) -> list[np.ndarray]:
         case "C":
             return [_angle(dot(axis, q[1:]), q[0]), slide]
         case _:
-            # Turn(axis, first) carries axis2 to where it is; Turn(axis2, -second) carries axis to where it is from the second link
+            # Turn(axis, first) carries axis2 to where it is; Turn(axis2, -second) carries axis to
+            # where it is from the second link
             axis2 = np.array(joint.axis2)[:, None]
             first = _turn_about(axis, axis2, rotate(q, axis2))
             second = -_turn_about(axis2, axis, rotate(conjugate(q), axis))
@@ -175,7 +201,10 @@ def _reading_parts(joint: Joint, between: Pose) -> list[tuple[ca.SX, ...]]:
         turn = _unit_parts(w * w - s * s, 2.0 * w * s, joint.zero)
         return [turn] if joint.type == "R" else [turn, (slide,)]
     axis2 = ca.SX(ca.DM(joint.axis2))
-    (c1, s1), (c2, s2) = _turn_parts(axis, axis2, rotate(q, axis2)), _turn_parts(axis2, axis, rotate(conjugate(q), axis))
+    (c1, s1), (c2, s2) = (
+        _turn_parts(axis, axis2, rotate(q, axis2)),
+        _turn_parts(axis2, axis, rotate(conjugate(q), axis)),
+    )
     return [_unit_parts(c1, s1), _unit_parts(c2, -s2)]
 
 
@@ -188,4 +217,8 @@ def _unit_parts(cosine: ca.SX, sine: ca.SX, zero: float = 0.0) -> tuple[ca.SX, c
     """Cosine and sine of an angle, from multiples of these, moved on by `zero`."""
     length = ca.sqrt(cosine * cosine + sine * sine)
     c, s = cosine / length, sine / length
-    return (c, s) if zero == 0.0 else (c * np.cos(zero) - s * np.sin(zero), s * np.cos(zero) + c * np.sin(zero))
+    return (
+        (c, s)
+        if zero == 0.0
+        else (c * np.cos(zero) - s * np.sin(zero), s * np.cos(zero) + c * np.sin(zero))
+    )

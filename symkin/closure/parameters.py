@@ -10,8 +10,9 @@ import casadi as ca
 
 @dataclass
 class ParameterTable:
-    """Collects parameters by key path (`leg1.base.x`, `dh.3.a`) while a closure is built. A `bound` table gives numbers
-    in place of symbols, so that what follows from them folds."""
+    """Collects parameters by key path (`leg1.base.x`, `dh.3.a`) while a closure is built. A `bound`
+    table gives numbers in place of symbols, so that what follows from them folds.
+    """
 
     names: list[str] = field(default_factory=list)
     symbols: list[ca.SX] = field(default_factory=list)
@@ -26,9 +27,13 @@ class ParameterTable:
         return symbol
 
     def vector(self, path: str, value: Sequence[float], letters: str = "xyz") -> ca.SX:
-        return ca.vertcat(*(self.scalar(f"{path}.{k}", v) for k, v in zip(letters, value, strict=True)))
+        return ca.vertcat(
+            *(self.scalar(f"{path}.{k}", v) for k, v in zip(letters, value, strict=True))
+        )
 
     def direction(self, path: str, value: Sequence[float]) -> ca.SX:
-        """Three parameters, normalised in the formula, so that calibration may move each of them."""
+        """Three parameters, normalised in the formula, so that calibration may move each of
+        them.
+        """
         raw = self.vector(path, value)
         return raw / ca.sqrt(ca.dot(raw, raw))

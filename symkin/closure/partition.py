@@ -15,9 +15,11 @@ POSE_COORDINATES: dict[str, tuple[tuple[str, str], ...]] = {
 
 @dataclass(frozen=True)
 class Partition:
-    """What a closure must hold, for what is given: joint coordinates by name (`kept`), and whether the platform of a graph has
-    pose coordinates; `pose_conditions` are coordinates of its pose that are given one by one, as variables
-    with rows of their own; with `geometry`, points and lengths are known coordinates too. Any closure holds the actuated joints and those that couplings name."""
+    """What a closure must hold, for what is given: joint coordinates by name (`kept`), and whether
+    the platform of a graph has pose coordinates; `pose_conditions` are coordinates of its pose that
+    are given one by one, as variables with rows of their own; with `geometry`, points and lengths
+    are known coordinates too. Any closure holds the actuated joints and those that couplings name.
+    """
 
     kept: frozenset[str] = frozenset()
     pose: bool = False

@@ -1,8 +1,9 @@
 """State the platform's pose in the forms in which closure rows take it.
 
-Each form gives points, directions and squared distances times a weight N, so that rows stay polynomial in the pose:
-N = 1 for a unit quaternion, N = q.q for quaternions of any length. Quaternions may then be complex and projective, which
-path tracking needs; where N = 0 there is no pose.
+Each form gives points, directions and squared distances times a weight N, so that rows stay
+polynomial in the pose: N = 1 for a unit quaternion, N = q.q for quaternions of any length.
+Quaternions may then be complex and projective, which path tracking needs; where N = 0 there is no
+pose.
 """
 
 from __future__ import annotations
@@ -68,7 +69,8 @@ class HomogeneousPose:
         return rotate_homogeneous(self.quaternion, v)
 
     def squared_distance(self, m: ca.SX, other: ca.SX) -> ca.SX:
-        # |p + R m - b|^2 = |p - b|^2 + |m|^2 + 2 (p - b).R m, where N R m is a quadratic form of the quaternion
+        # |p + R m - b|^2 = |p - b|^2 + |m|^2 + 2 (p - b).R m, where N R m is a quadratic form of
+        # the quaternion
         offset = self.position - other
         return self.weight * (dot(offset, offset) + dot(m, m)) + 2 * dot(offset, self.direction(m))
 
@@ -77,7 +79,8 @@ class HomogeneousPose:
 class StudyPose:
     """Study coordinates (e; g), e.g = 0: rotation e of any length, position 2 g e* / N, N = e.e.
 
-    N times the squared distance of p + R m to b is |2 g + e m - b e|^2, a quadratic form (Husty 1996).
+    N times the squared distance of p + R m to b is |2 g + e m - b e|^2, a quadratic form (Husty
+    1996).
     """
 
     quaternion: ca.SX
@@ -95,9 +98,12 @@ class StudyPose:
         return rotate_homogeneous(self.quaternion, v)
 
     def squared_distance(self, m: ca.SX, other: ca.SX) -> ca.SX:
-        # N |p + R m - b|^2 = |(p + R m - b) e|^2 with p e = 2 g and (R m) e = e m: linear in (e, g) inside the bars
+        # N |p + R m - b|^2 = |(p + R m - b) e|^2 with p e = 2 g and (R m) e = e m: linear in (e, g)
+        # inside the bars
         e = self.quaternion
-        difference = 2 * self.dual + multiply(e, ca.vertcat(0, m)) - multiply(ca.vertcat(0, other), e)
+        difference = (
+            2 * self.dual + multiply(e, ca.vertcat(0, m)) - multiply(ca.vertcat(0, other), e)
+        )
         return dot(difference, difference)
 
 

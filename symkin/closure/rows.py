@@ -1,12 +1,14 @@
 """Write the rows of a closure, branch by branch, by the rules of where a loop is cut.
 
-Each loop is cut at its passive joint of most freedom, and only what that joint constrains is written: two spherical
-ends give one distance equation, a spherical end three, a universal or cylindrical end four, a revolute or prismatic
-end five, none six. Every row has the dimension of a length: angular rows are multiplied by the mechanism's size.
+Each loop is cut at its passive joint of most freedom, and only what that joint constrains is
+written: two spherical ends give one distance equation, a spherical end three, a universal or
+cylindrical end four, a revolute or prismatic end five, none six. Every row has the dimension of a
+length: angular rows are multiplied by the mechanism's size.
 
-Orientation rows are components of the vector part of a relative unit quaternion e = q_B* q_P. Its vector part vanishes
-only where the two rotations are equal (that of R^T R' also vanishes for half turns), and its part normal to an axis a
-only where e is a turn about a, so that these rows have no spurious roots and stay linear in the platform's quaternion.
+Orientation rows are components of the vector part of a relative unit quaternion e = q_B* q_P. Its
+vector part vanishes only where the two rotations are equal (that of R^T R' also vanishes for half
+turns), and its part normal to an axis a only where e is a turn about a, so that these rows have no
+spurious roots and stay linear in the platform's quaternion.
 """
 
 from __future__ import annotations
@@ -35,10 +37,13 @@ from symkin.spatial.rotation import conjugate, multiply, rotate
 
 @dataclass(frozen=True, eq=False)
 class ReplacedUniversalJoint:
-    """A passive universal joint that one distance, from its centre to that of the spherical joint beyond it, replaces.
+    """A passive universal joint that one distance, from its centre to that of the spherical joint
+    beyond it, replaces.
 
-    Its angles follow from Turn(axis, first) Turn(axis2, second) arm = target, which has two solutions; `arm` and `target` are
-    expressions of the known joints and the pose, in the frame before the universal joint."""
+    Its angles follow from Turn(axis, first) Turn(axis2, second) arm = target, which has two
+    solutions; `arm` and `target` are expressions of the known joints and the pose, in the frame
+    before the universal joint.
+    """
 
     coordinates: tuple[Coordinate, Coordinate]
     axis: ca.SX
@@ -59,9 +64,16 @@ class RowBuilder(BodyBuilder):
     """Collects rows and their checks while it walks a mechanism's branches."""
 
     def __init__(
-        self, mechanism: Mechanism, form: PoseForm | None = None, *, eliminate: bool = False, replace_universal: bool = True,
-        bound: bool | None = None, partition: Partition = ALL_JOINTS, body_forms: Mapping[str, PoseForm] | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        mechanism: Mechanism,
+        form: PoseForm | None = None,
+        *,
+        eliminate: bool = False,
+        replace_universal: bool = True,
+        bound: bool | None = None,
+        partition: Partition = ALL_JOINTS,
+        body_forms: Mapping[str, PoseForm] | None = None,
+    ) -> None:
         super().__init__(mechanism, form, bound=bound, partition=partition, body_forms=body_forms)
         self.eliminate = eliminate
         self.replace_universal = replace_universal
@@ -93,78 +105,127 @@ class RowBuilder(BodyBuilder):
             return
         reference, size = self.mechanism.reference_pose, self.mechanism.characteristic_length
         angles = tilt_and_torsion(np.asarray(reference.quaternion))
-        nominal = dict(zip(POSE_CONDITIONS, (*np.asarray(reference.position).tolist(), *angles), strict=True))
-        values = {n: self._symbol(Coordinate(n, "length" if n in "xyz" else "angle", "given", (nominal[n],))) for n in names}
+        nominal = dict(
+            zip(POSE_CONDITIONS, (*np.asarray(reference.position).tolist(), *angles), strict=True)
+        )
+        values = {
+            n: self._symbol(
+                Coordinate(n, "length" if n in "xyz" else "angle", "given", (nominal[n],))
+            )
+            for n in names
+        }
         pose = self.platform_pose
         place = pose.point(ca.SX(3, 1))
         rows = [pose.weight * values[n] - place["xyz".index(n)] for n in names if n in "xyz"]
         turns, checks = rotation_conditions(pose.quaternion, values)
-        rows, checks = [*rows, *(size * row for row in turns)], [*rows, *(size * check for check in checks)]
+        rows, checks = (
+            [*rows, *(size * row for row in turns)],
+            [*rows, *(size * check for check in checks)],
+        )
         self._add("platform", "given", rows, checks)
 
     def declare_geometry(self) -> None:
         """Make coordinates of the lengths and the components of points on which the rows depend."""
         rows, table = ca.vertcat(*self.rows), self.table
         for name, symbol, value in zip(table.names, table.symbols, table.values, strict=True):
-            if name.rsplit(".", 2)[-2:-1] in (["axis"], ["axis2"]) or name.endswith((".zero", ".pitch", ".w")):
+            if name.rsplit(".", 2)[-2:-1] in (["axis"], ["axis2"]) or name.endswith(
+                (".zero", ".pitch", ".w")
+            ):
                 continue
             if "quaternion" not in name and any(ca.which_depends(rows, symbol, 1, True)):
                 self.coordinates[name] = (Coordinate(name, "length", "geometry", (value,)), symbol)
 
-    # --- branches ------------------------------------------------------------------------------------------------
+    # --- branches ---------------------------------------------------------------------------------
 
     def _carry(self, branch: Branch) -> None:
         self.bodies[branch.ends[1]] = self._from_first(branch, len(branch.elements))
 
     def _couple(self) -> None:
-        """A row for each coupling: angles times the size. Where whole turns leave it as it is, the row vanishes at all of them."""
-        size, angles = self.mechanism.characteristic_length, {c.name for c in self.kinds.values() if c.kind == "angle"}
+        """A row for each coupling: angles times the size. Where whole turns leave it as it is, the
+        row vanishes at all of them.
+        """
+        size, angles = (
+            self.mechanism.characteristic_length,
+            {c.name for c in self.kinds.values() if c.kind == "angle"},
+        )
         for coupling in self.mechanism.couplings:
             coordinate, value = self.coordinates[coupling.joint]
             if coupling.polynomial is not None:
                 (name,) = coupling.names
-                wanted = sum((c * self.coordinates[name][1] ** k for k, c in enumerate(coupling.polynomial)), ca.SX(0))
+                wanted = sum(
+                    (c * self.coordinates[name][1] ** k for k, c in enumerate(coupling.polynomial)),
+                    ca.SX(0),
+                )
             else:
-                wanted = sum((factor * self.coordinates[name][1] for name, factor in coupling.terms), ca.SX(coupling.offset))
-            gap = self._periodic_gap(coupling) if {coupling.joint, *coupling.names} <= angles else value - wanted
+                wanted = sum(
+                    (factor * self.coordinates[name][1] for name, factor in coupling.terms),
+                    ca.SX(coupling.offset),
+                )
+            gap = (
+                self._periodic_gap(coupling)
+                if {coupling.joint, *coupling.names} <= angles
+                else value - wanted
+            )
             gap = gap * (size if coordinate.is_angular else 1.0)
             self._add(f"coupling of {coupling.joint}", "coupling", [gap], [gap])
 
     def _periodic_gap(self, coupling: Coupling) -> ca.SX:
-        """What vanishes where n joint = n1 first + n2 second + ... + n offset but for whole turns; the gap itself to first order."""
+        """What vanishes where n joint = n1 first + n2 second + ... + n offset but for whole turns;
+        the gap itself to first order.
+        """
         own, numbers = coupling.whole_numbers or (1, ())
         wanted = sum(
-            (n * self.coordinates[name][1] for n, name in zip(numbers, coupling.names, strict=True)),
+            (
+                n * self.coordinates[name][1]
+                for n, name in zip(numbers, coupling.names, strict=True)
+            ),
             ca.SX(own * coupling.constant),
         )
         return 2 / own * ca.sin(0.5 * (own * self.coordinates[coupling.joint][1] - wanted))
 
-    def _add(self, limb: str, relation: str, rows: Sequence[ca.SX], errors: Sequence[ca.SX]) -> None:
+    def _add(
+        self, limb: str, relation: str, rows: Sequence[ca.SX], errors: Sequence[ca.SX]
+    ) -> None:
         self.rows.extend(rows)
         self.sources.extend(Row(limb, relation) for _ in rows)
         self.errors.extend(errors)
 
     def _distance(
-        self, name: str, pose: PlatformPose, ends: tuple[ca.SX, ca.SX], length: ca.SX, length_squared: ca.SX | None = None
+        self,
+        name: str,
+        pose: PlatformPose,
+        ends: tuple[ca.SX, ca.SX],
+        length: ca.SX,
+        length_squared: ca.SX | None = None,
     ) -> None:
-        """N (d.d - length^2) / (2 size) = 0 for a point of a pose and one of the base frame, checked as |d| - length."""
+        """N (d.d - length^2) / (2 size) = 0 for a point of a pose and one of the base frame,
+        checked as |d| - length.
+        """
         squared = pose.squared_distance(*ends)
         self.distances.append(ca.vertcat(length, ends[1], ends[0]))
         target = length * length if length_squared is None else length_squared
-        # over 2 size the row is a length, and its derivative by the distance is distance / size, of the order of 1
+        # over 2 size the row is a length, and its derivative by the distance is distance / size, of
+        # the order of 1
         row = (squared - pose.weight * target) / (2 * self.mechanism.characteristic_length)
         self._add(name, "distance", [row], [ca.sqrt(squared) - length])
 
     def _distance_between(
-        self, name: str, ends: tuple[_Point, _Point], length: ca.SX, length_squared: ca.SX | None = None
+        self,
+        name: str,
+        ends: tuple[_Point, _Point],
+        length: ca.SX,
+        length_squared: ca.SX | None = None,
     ) -> None:
-        """The distance of two points of links, each in the form that its side takes; seen from a body in Study coordinates, if one
-        of them is, where it is a quadratic form."""
+        """The distance of two points of links, each in the form that its side takes; seen from a
+        body in Study coordinates, if one of them is, where it is a quadratic form.
+        """
         first, last = ends
         if isinstance(first.side, PlatformSide) and not _is_study(last.side):
             first, last = last, first
         if isinstance(last.side, PlatformSide):
-            self._distance(name, last.side.pose, (last.local, first.unweighted), length, length_squared)
+            self._distance(
+                name, last.side.pose, (last.local, first.unweighted), length, length_squared
+            )
         else:
             still = UnitPose(ca.SX(3, 1), ca.SX([1, 0, 0, 0]))
             self._distance(name, still, (last.moved, first.moved), length, length_squared)
@@ -180,7 +241,11 @@ class RowBuilder(BodyBuilder):
             self._two_balls(branch, balls[0], balls[-1])
             return
         cut = cut_index(elements, self.kept)
-        hinge = replaceable_universal_joint(elements, cut) if self.form == "study" and self.replace_universal else None
+        hinge = (
+            replaceable_universal_joint(elements, cut)
+            if self.form == "study" and self.replace_universal
+            else None
+        )
         if hinge is not None and cut is not None:
             self._universal_as_distance(branch, hinge, cut)
             return
@@ -190,12 +255,17 @@ class RowBuilder(BodyBuilder):
         if cut is None:
             self._none_cut(branch)
             return
-        base, platform = relative_sides(self._from_first(branch, cut), self._from_last(branch, cut + 1))
+        base, platform = relative_sides(
+            self._from_first(branch, cut), self._from_last(branch, cut + 1)
+        )
         self._cut(branch.name, elements[cut], base, platform)
         if eliminated:
             self.eliminated.append(_angle_of_cut(self.joints[elements[cut].name], base, platform))
             return
-        self.idle.extend(f"{branch.name}: {c.name} (cut)" for c in self.joints[elements[cut].name].joint.coordinates)
+        self.idle.extend(
+            f"{branch.name}: {c.name} (cut)"
+            for c in self.joints[elements[cut].name].joint.coordinates
+        )
 
     def _rod(self, branch: Branch, k: int) -> None:
         element = branch.elements[k]
@@ -204,7 +274,9 @@ class RowBuilder(BodyBuilder):
         first, last = (bar.start, bar.end) if element.along else (bar.end, bar.start)
         sides = relative_sides(self._from_first(branch, k), self._from_last(branch, k + 1))
         points = tuple(
-            _Point(side, self.table.vector(end.path, end.point), end.in_platform_frame, self.reference)
+            _Point(
+                side, self.table.vector(end.path, end.point), end.in_platform_frame, self.reference
+            )
             for side, end in zip(sides, (first, last), strict=True)
         )
         self._distance_between(branch.name, (points[0], points[1]), self._rod_length(bar))
@@ -222,7 +294,10 @@ class RowBuilder(BodyBuilder):
     def _two_balls(self, branch: Branch, first: int, last: int) -> None:
         symbols = [self.joints[branch.elements[k].name] for k in (first, last)]
         base = self._from_first(branch, first)
-        between = Chain(self._steps(branch.elements[first + 1 : last])).move(symbols[1].point) - symbols[0].point
+        between = (
+            Chain(self._steps(branch.elements[first + 1 : last])).move(symbols[1].point)
+            - symbols[0].point
+        )
         base, platform = relative_sides(base, self._from_last(branch, last + 1))
         squared = dot(between, between)
         ends = _Point(base, symbols[0].point), _Point(platform, symbols[1].point)
@@ -240,32 +315,48 @@ class RowBuilder(BodyBuilder):
         base = before.move(symbols.point)
         arm = Chain(self._steps(elements[hinge + 1 : ball])).move(end.point) - symbols.point
         platform = self._from_last(branch, ball + 1)
-        # the universal joint turns the arm about its centre: only the distance between the centres does not depend on its angles
+        # the universal joint turns the arm about its centre: only the distance between the centres
+        # does not depend on its angles
         squared = dot(arm, arm)
         self._distance_between(
-            branch.name, (_Point(before, symbols.point), _Point(platform, end.point)), ca.sqrt(squared), squared
+            branch.name,
+            (_Point(before, symbols.point), _Point(platform, end.point)),
+            ca.sqrt(squared),
+            squared,
         )
         reach = platform.move(end.point) / platform.weight - base
         assert symbols.axis is not None and symbols.axis2 is not None  # noqa: S101, PT018 - a universal joint has both
         first, second = symbols.joint.coordinates
         target = rotate(conjugate(before.quaternion), reach)
-        self.replaced_universal_joints.append(ReplacedUniversalJoint((first, second), symbols.axis, symbols.axis2, arm, target))
+        self.replaced_universal_joints.append(
+            ReplacedUniversalJoint((first, second), symbols.axis, symbols.axis2, arm, target)
+        )
 
     def _none_cut(self, branch: Branch) -> None:
-        """A branch that would carry its last body, which is placed already: both say the same frame."""
-        base, platform = relative_sides(self._from_first(branch, len(branch.elements)), self.bodies[branch.ends[1]])
+        """A branch that would carry its last body, which is placed already: both say the same
+        frame.
+        """
+        base, platform = relative_sides(
+            self._from_first(branch, len(branch.elements)), self.bodies[branch.ends[1]]
+        )
         size, origin = self.mechanism.characteristic_length, self.reference.position
         gap = base.weight * platform.move(origin) - platform.weight * base.move(origin)
         e = multiply(conjugate(base.quaternion), platform.quaternion)
         # the check compares whole rotation matrices, which no spurious root of the rows passes
         full = ca.vertcat(*(platform.direction(u) - base.direction(u) for u in _unit_vectors()))
-        if branch.ends == (BASE, self.mechanism.platform_link) and all(_is_actuated(element) for element in branch.elements):
-            self.forward = Pose(base.move(origin), multiply(base.quaternion, self.reference.quaternion))
+        if branch.ends == (BASE, self.mechanism.platform_link) and all(
+            _is_actuated(element) for element in branch.elements
+        ):
+            self.forward = Pose(
+                base.move(origin), multiply(base.quaternion, self.reference.quaternion)
+            )
             self.arm = base
         self._add(
-            branch.name, "frame", [*ca.vertsplit(gap), *(2 * size * e[i] for i in (1, 2, 3))],
+            branch.name,
+            "frame",
+            [*ca.vertsplit(gap), *(2 * size * e[i] for i in (1, 2, 3))],
             [*ca.vertsplit(gap), *ca.vertsplit(size * full)],
-        )  # fmt: skip
+        )
 
     def _cut(self, name: str, element: Element, base: Side, platform: Side) -> None:
         symbols = self.joints[element.name]
@@ -278,10 +369,13 @@ class RowBuilder(BodyBuilder):
             return
         assert axis is not None  # noqa: S101 - every cut joint but S has an axis
         if kind == "U":
-            # a universal joint keeps the angle between its two axes; the first is fixed to the link before it
+            # a universal joint keeps the angle between its two axes; the first is fixed to the link
+            # before it
             before, after = (base, platform) if element.along else (platform, base)
             weights = base.weight * platform.weight
-            angle = dot(before.direction(axis), after.direction(symbols.axis2)) - weights * dot(axis, symbols.axis2)
+            angle = dot(before.direction(axis), after.direction(symbols.axis2)) - weights * dot(
+                axis, symbols.axis2
+            )
             self._add(name, "axes' angle", [size * angle], [size * angle])
             return
         # e is parallel to the joint's axis: both components normal to it vanish
@@ -303,7 +397,9 @@ class RowBuilder(BodyBuilder):
 
 @dataclass(frozen=True)
 class _Point:
-    """A point of the link to which a side leads: at the reference in the base frame, or in the platform frame."""
+    """A point of the link to which a side leads: at the reference in the base frame, or in the
+    platform frame.
+    """
 
     side: Side
     point: ca.SX
@@ -347,7 +443,9 @@ def _unit_vectors() -> list[ca.SX]:
 
 
 def _normals(axis: ca.SX, nominal: Sequence[float] | None) -> tuple[ca.SX, ca.SX]:
-    """Two unit vectors that make a right-handed frame with the axis, chosen at its nominal direction."""
+    """Two unit vectors that make a right-handed frame with the axis, chosen at its nominal
+    direction.
+    """
     helper = [ca.SX(0)] * 3
     helper[int(np.argmin(np.abs(np.array(nominal))))] = ca.SX(1)
     u = cross(ca.vertcat(*helper), axis)
@@ -356,6 +454,8 @@ def _normals(axis: ca.SX, nominal: Sequence[float] | None) -> tuple[ca.SX, ca.SX
 
 
 def _angle_of_cut(symbols: JointSymbols, base: Side, platform: Side) -> tuple[Coordinate, ca.SX]:
-    """Coordinate of a revolute joint that was cut: e = q_B* q_P is a turn about its axis, tan(angle / 2) = a.e / e_0."""
+    """Coordinate of a revolute joint that was cut: e = q_B* q_P is a turn about its axis,
+    tan(angle / 2) = a.e / e_0.
+    """
     e = multiply(conjugate(base.quaternion), platform.quaternion)
     return symbols.joint.coordinates[0], 2 * ca.atan2(dot(symbols.axis, e[1:]), e[0]) + symbols.zero

@@ -1,8 +1,10 @@
-"""Tilt and torsion: R = Rz(azimuth) Ry(tilt) Rz(torsion - azimuth), and what each of them says of a quaternion.
+"""Tilt and torsion: R = Rz(azimuth) Ry(tilt) Rz(torsion - azimuth), and what each of them says of a
+quaternion.
 
-The unit quaternion is (cos t/2 cos s/2, -sin t/2 sin(a - s/2), sin t/2 cos(a - s/2), cos t/2 sin s/2) with azimuth a, tilt t and
-torsion s. Source: I. A. Bonev, D. Zlatanov, C. M. Gosselin, Advantages of the modified Euler angles in the design and control of
-PKMs, Parallel Kinematic Machines International Conference 2002.
+The unit quaternion is (cos t/2 cos s/2, -sin t/2 sin(a - s/2), sin t/2 cos(a - s/2), cos t/2 sin
+s/2) with azimuth a, tilt t and torsion s. Source: I. A. Bonev, D. Zlatanov, C. M. Gosselin,
+Advantages of the modified Euler angles in the design and control of PKMs, Parallel Kinematic
+Machines International Conference 2002.
 """
 
 from __future__ import annotations
@@ -19,15 +21,20 @@ def tilt_and_torsion(quaternion: np.ndarray) -> tuple[float, float, float]:
     tilt = 2.0 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
     torsion = 2.0 * np.arctan2(z, w)
     azimuth = np.arctan2(-x, y) + 0.5 * torsion if np.hypot(x, y) > 0.0 else 0.0
-    return tuple(float(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi))) for angle in (azimuth, tilt, torsion))  # type: ignore[return-value]
+    return tuple(
+        float(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi)))
+        for angle in (azimuth, tilt, torsion)
+    )  # type: ignore[return-value]
 
 
-def rotation_conditions(quaternion: ca.SX, given: Mapping[str, ca.SX]) -> tuple[list[ca.SX], list[ca.SX]]:
-    """Rows that vanish where a quaternion has the azimuth, tilt and torsion that are `given`, and their checks, which vanish
-    nowhere else; numbers of order one.
+def rotation_conditions(
+    quaternion: ca.SX, given: Mapping[str, ca.SX]
+) -> tuple[list[ca.SX], list[ca.SX]]:
+    """Rows that vanish where a quaternion has the azimuth, tilt and torsion that are `given`, and
+    their checks, which vanish nowhere else; numbers of order one.
 
-    With z' the platform's third axis: tilt is the angle of z' with z; azimuth, where it is given alone, the half plane of z';
-    both together say z' itself; torsion is 2 atan2(q3, q0).
+    With z' the platform's third axis: tilt is the angle of z' with z; azimuth, where it is given
+    alone, the half plane of z'; both together say z' itself; torsion is 2 atan2(q3, q0).
     """
     w, x, y, z = (quaternion[i] for i in range(4))
     axis = ca.vertcat(2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z)

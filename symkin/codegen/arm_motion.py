@@ -1,7 +1,8 @@
-"""Tool pose and Jacobian of an arm from cosine and sine of half its joints' angles, and the C that both share.
+"""Tool pose and Jacobian of an arm from cosine and sine of half its joints' angles, and the C that
+both share.
 
-Each joint's axis and a point on it are carried by the joints before: the Jacobian's columns are (a x (tool - p); a) of a turn, (a; 0)
-of a slide, so that nothing is differentiated.
+Each joint's axis and a point on it are carried by the joints before: the Jacobian's columns are (a
+x (tool - p); a) of a turn, (a; 0) of a slide, so that nothing is differentiated.
 """
 
 from __future__ import annotations
@@ -26,13 +27,15 @@ from symkin.spatial.rotation import multiply
 
 @dataclass(frozen=True, eq=False)
 class ArmMotion:
-    """How the joints of one arm move its tool; `values` are those of the names that every template knows."""
+    """How the joints of one arm move its tool; `values` are those of the names that every template
+    knows.
+    """
 
     arm: ArmScrews
     real: Real
     values: Mapping[str, object]
 
-    # --- expressions -----------------------------------------------------------------------------------------------------
+    # --- expressions ------------------------------------------------------------------------------
 
     @cached_property
     def halves(self) -> ca.SX:
@@ -50,7 +53,11 @@ class ArmMotion:
     @property
     def turns(self) -> list[tuple[ca.SX, ca.SX]]:
         """The symbols that are cosine and sine of one angle."""
-        return [(self.halves[2 * i], self.halves[2 * i + 1]) for i, s in enumerate(self.arm.screws) if not s.slides]
+        return [
+            (self.halves[2 * i], self.halves[2 * i + 1])
+            for i, s in enumerate(self.arm.screws)
+            if not s.slides
+        ]
 
     def _carried(self, vector: tuple[float, float, float], before: int, *, is_point: bool) -> ca.SX:
         """A point or direction of the reference, carried by the first joints."""
@@ -65,7 +72,9 @@ class ArmMotion:
         for i in reversed(range(len(self.arm))):
             screw = self.arm.screws[i]
             if not screw.slides:
-                turn = ca.vertcat(self.halves[2 * i], *(self.halves[2 * i + 1] * k for k in screw.axis))
+                turn = ca.vertcat(
+                    self.halves[2 * i], *(self.halves[2 * i + 1] * k for k in screw.axis)
+                )
                 quaternion = multiply(turn, quaternion)
         return ca.vertcat(self._tool, quaternion)
 
@@ -88,15 +97,21 @@ class ArmMotion:
                 columns.append(ca.vertcat(ca.cross(axis, arm), axis))
         return ca.densify(ca.horzcat(*columns))
 
-    # --- text ------------------------------------------------------------------------------------------------------------
+    # --- text -------------------------------------------------------------------------------------
 
     def emitter(self, expression: ca.SX, pose: ca.SX | None = None) -> Emitter:
-        """Emitter of a function of the halves, whose C name is `u`, and of the symbols of their pose, `x`, if there are some."""
+        """Emitter of a function of the halves, whose C name is `u`, and of the symbols of their
+        pose, `x`, if there are some.
+        """
         symbols = [self.halves, ca.SX(0, 1) if pose is None else pose]
         (short,) = gathered([expression], symbols, self.turns)
         snapped = snapped_expression(short, symbols)
         function = ca.Function("f", symbols, [ca.densify(snapped)], {"cse": True})
-        return Emitter(function, [indexed("u", 2 * len(self.arm)), indexed("x", int(symbols[1].shape[0]))], self.real)
+        return Emitter(
+            function,
+            [indexed("u", 2 * len(self.arm)), indexed("x", int(symbols[1].shape[0]))],
+            self.real,
+        )
 
     @property
     def _turned_lines(self) -> list[str]:
@@ -107,9 +122,14 @@ class ArmMotion:
             if screw.slides:
                 lines += [f"u[{2 * i}] = {value};", f"u[{2 * i + 1}] = {literal(0.0)};"]
             elif self.real.name == "float":
-                lines.append(f"{self.values['p']}_cosine_and_sine({literal(0.5)} * {value}, &u[{2 * i}]);")
+                lines.append(
+                    f"{self.values['p']}_cosine_and_sine({literal(0.5)} * {value}, &u[{2 * i}]);"
+                )
             else:
-                lines += [f"u[{2 * i}] = cos(0.5 * {value});", f"u[{2 * i + 1}] = sin(0.5 * {value});"]
+                lines += [
+                    f"u[{2 * i}] = cos(0.5 * {value});",
+                    f"u[{2 * i + 1}] = sin(0.5 * {value});",
+                ]
         return lines
 
     @property
@@ -117,7 +137,11 @@ class ArmMotion:
         """Statements of the Jacobian of `joints`, row by row."""
         count = len(self.arm)
         emitter = self.emitter(ca.vec(self.jacobian))
-        stores = [f"jacobian[{count * i + j}] = {emitter.value(0, 6 * j + i)};" for i in range(6) for j in range(count)]
+        stores = [
+            f"jacobian[{count * i + j}] = {emitter.value(0, 6 * j + i)};"
+            for i in range(6)
+            for j in range(count)
+        ]
         begin = [f"{self.real.type} u[{2 * count}];", f"{self.values['p']}_half_turns(joints, u);"]
         return [*begin, *emitter.lines, *stores]
 
@@ -126,7 +150,12 @@ class ArmMotion:
         """The functions that set half turns from joints, and the pose from half turns."""
         emitter = self.emitter(self.pose)
         stores = [f"x[{i}] = {emitter.value(0, i)};" for i in range(7)]
-        shown = {**self.values, "turns": 2 * len(self.arm), "nn": len(self.arm), "turned": indent(self._turned_lines),
-                 "pose_lines": indent([*emitter.lines, *stores])}  # fmt: skip
+        shown = {
+            **self.values,
+            "turns": 2 * len(self.arm),
+            "nn": len(self.arm),
+            "turned": indent(self._turned_lines),
+            "pose_lines": indent([*emitter.lines, *stores]),
+        }
         turn = cosine_and_sine(self.real, shown) if self.real.name == "float" and self.turns else ""
         return turn + fill("arm_motion.c", shown)

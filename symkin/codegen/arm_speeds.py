@@ -1,4 +1,6 @@
-"""Write the C of an arm's speeds and of its control loop: joint rates of a twist, the twist of joint rates, feed, and one damped step."""
+"""Write the C of an arm's speeds and of its control loop: joint rates of a twist, the twist of
+joint rates, feed, and one damped step.
+"""
 
 from __future__ import annotations
 
@@ -10,49 +12,86 @@ from symkin.codegen.platform_rates import fastest
 from symkin.model.joint import Coordinate
 
 _DAMPED_BELOW = 0.02
-"""Root of the smallest pivot of the normal equations over their mean diagonal entry below which rates are damped: a 50th of the
-usual speed for a joint's rate."""
+"""Root of the smallest pivot of the normal equations over their mean diagonal entry below which
+rates are damped: a 50th of the usual speed for a joint's rate.
+"""
 _MOST_TURN = 0.2
 """Longest step of a joint in one call of NAME_track (rad, or of the size)."""
 _SHORTER, _ROUNDS = 0.25, 4
 """By which a step that does not come nearer is shortened, and how often it is tried."""
 
 
-def arm_error(coordinates: Sequence[Coordinate], real: Real, size: float, values: Mapping[str, object]) -> str:
-    """NAME_pose_error, how far the tool is from a pose, and NAME_damped, joint rates of least error: what solves and speeds share."""
+def arm_error(
+    coordinates: Sequence[Coordinate], real: Real, size: float, values: Mapping[str, object]
+) -> str:
+    """NAME_pose_error, how far the tool is from a pose, and NAME_damped, joint rates of least
+    error: what solves and speeds share.
+    """
     count, literal = len(coordinates), real.literal
     wide = count >= 6
     own = {
-        "nm": min(count, 6), "last": min(count, 6) - 1, "per_count": literal(1.0 / min(count, 6)),
+        "nm": min(count, 6),
+        "last": min(count, 6) - 1,
+        "per_count": literal(1.0 / min(count, 6)),
         "row_scales": ", ".join([str(values["per_size"])] * 3 + [literal(1.0)] * 3),
         "column_scales": ", ".join(literal(1.0 if c.is_angular else size) for c in coordinates),
-        "damped_pivot": literal(_DAMPED_BELOW**2), "least_pivot": literal(16.0 * real.epsilon),
+        "damped_pivot": literal(_DAMPED_BELOW**2),
+        "least_pivot": literal(16.0 * real.epsilon),
         # of six joints or more J J^T z = e and y = J^T z, of fewer J^T J y = J^T e
-        "right_start": "e[i]" if wide else literal(0.0), "right_count": 0 if wide else 6, "right_term": "a[j][i] * e[j]",
-        "inner": count if wide else 6, "product": "a[i][k] * a[j][k]" if wide else "a[k][i] * a[k][j]",
-        "back": indent([f"for (int j = 0; j < {count}; ++j) {{", "    y[j] += a[order[i]][j] * r[i];", "}"] if wide else ["y[order[i]] = r[i];"], 3),
-    }  # fmt: skip
+        "right_start": "e[i]" if wide else literal(0.0),
+        "right_count": 0 if wide else 6,
+        "right_term": "a[j][i] * e[j]",
+        "inner": count if wide else 6,
+        "product": "a[i][k] * a[j][k]" if wide else "a[k][i] * a[k][j]",
+        "back": indent(
+            [f"for (int j = 0; j < {count}; ++j) {{", "    y[j] += a[order[i]][j] * r[i];", "}"]
+            if wide
+            else ["y[order[i]] = r[i];"],
+            3,
+        ),
+    }
     text = fill("arm_error.c", {**values, **own})
     if wide:
         text = text.replace(
-            "            for (int j = 0; j < 0; ++j) {\n                r[i] += a[j][i] * e[j];\n            }\n", ""
+            "            for (int j = 0; j < 0; ++j) {\n                r[i] += a[j][i] * e[j];\n"
+            "            }\n",
+            "",
         )
     return text
 
 
-def arm_speeds(coordinates: Sequence[Coordinate], real: Real, size: float, rounding: float, values: Mapping[str, object]) -> str:
-    """NAME_rates, NAME_twist, NAME_feed and NAME_track of an arm; `rounding`: error of a pose that rounding makes, as a length."""
+def arm_speeds(
+    coordinates: Sequence[Coordinate],
+    real: Real,
+    size: float,
+    rounding: float,
+    values: Mapping[str, object],
+) -> str:
+    """NAME_rates, NAME_twist, NAME_feed and NAME_track of an arm; `rounding`: error of a pose that
+    rounding makes, as a length.
+    """
     literal = real.literal
     own = {
-        "per_turns": ", ".join(literal(1.0) if c.is_angular else str(values["per_size"]) for c in coordinates),
-        "most_turn_literal": literal(_MOST_TURN), "quarter_part": literal(_SHORTER), "rounds": _ROUNDS, "rounding": literal(rounding),
+        "per_turns": ", ".join(
+            literal(1.0) if c.is_angular else str(values["per_size"]) for c in coordinates
+        ),
+        "most_turn_literal": literal(_MOST_TURN),
+        "quarter_part": literal(_SHORTER),
+        "rounds": _ROUNDS,
+        "rounding": literal(rounding),
         "fastest": literal(fastest(size)),
-    }  # fmt: skip
+    }
     return fill("check_speeds.c", {**values, **own}) + fill("arm_rates.c", {**values, **own})
 
 
 def arm_speeds_header(size: float, values: Mapping[str, object]) -> str:
     """The declarations."""
     return fill(
-        "arm_rates.h", {**values, "fastest": f"{fastest(size):g}", "damped_below": _DAMPED_BELOW, "most_turn": _MOST_TURN}
+        "arm_rates.h",
+        {
+            **values,
+            "fastest": f"{fastest(size):g}",
+            "damped_below": _DAMPED_BELOW,
+            "most_turn": _MOST_TURN,
+        },
     )

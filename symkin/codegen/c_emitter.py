@@ -1,8 +1,8 @@
 """Write CasADi functions as straight-line, single-assignment C.
 
-Constants are snapped and printed with the suffix of their type, divisions by constants and repeated divisions by one value
-become multiplications by a reciprocal, and text is made only for what is asked for, in the order in which it is asked for, so
-that few values live at a time.
+Constants are snapped and printed with the suffix of their type, divisions by constants and repeated
+divisions by one value become multiplications by a reciprocal, and text is made only for what is
+asked for, in the order in which it is asked for, so that few values live at a time.
 """
 
 from __future__ import annotations
@@ -21,7 +21,13 @@ from symkin.computed_once import cached_property
 from symkin.text import c_comment
 
 _INFIX = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
-_CALLS = {ca.OP_SQRT: "sqrt", ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_ATAN2: "atan2", ca.OP_FABS: "fabs"}
+_CALLS = {
+    ca.OP_SQRT: "sqrt",
+    ca.OP_SIN: "sin",
+    ca.OP_COS: "cos",
+    ca.OP_ATAN2: "atan2",
+    ca.OP_FABS: "fabs",
+}
 
 
 @dataclass(frozen=True)
@@ -44,7 +50,9 @@ class Real:
         return function + self.suffix
 
     def literal(self, value: float) -> str:
-        """The shortest decimal that reads back as the same number of this type; NAN and INFINITY for what is none."""
+        """The shortest decimal that reads back as the same number of this type; NAN and INFINITY
+        for what is none.
+        """
         if not math.isfinite(value):
             return self.hexadecimal(value)
         text = str(np.float32(value)) if self.name == "float" else repr(float(value))
@@ -74,13 +82,18 @@ class _Node:
 
 _SUMS = (ca.OP_ADD, ca.OP_SUB)
 _SINGLE: dict[int, Callable[[float], float]] = {
-    ca.OP_NEG: lambda a: -a, ca.OP_TWICE: lambda a: 2.0 * a, ca.OP_SQ: lambda a: a * a, ca.OP_INV: lambda a: 1.0 / a,
-}  # fmt: skip
+    ca.OP_NEG: lambda a: -a,
+    ca.OP_TWICE: lambda a: 2.0 * a,
+    ca.OP_SQ: lambda a: a * a,
+    ca.OP_INV: lambda a: 1.0 / a,
+}
 
 
 @dataclass
 class _Graph:
-    """Evaluator that lists the values of a function, constants folded; `divisors` counts how often each is divided by."""
+    """Evaluator that lists the values of a function, constants folded; `divisors` counts how often
+    each is divided by.
+    """
 
     nodes: list[_Node] = field(default_factory=list)
     outputs: dict[tuple[int, int], int] = field(default_factory=dict)
@@ -101,19 +114,25 @@ class _Graph:
         return self._add(_Node(op, tuple(operands)))
 
     def _folded(self, op: int, operands: list[int]) -> int | None:
-        """A value that needs no operation of its own, or a simpler one: what is constant, x + a - b as x + (a - b), x - (-a) as x + a."""
+        """A value that needs no operation of its own, or a simpler one: what is constant, x + a - b
+        as x + (a - b), x - (-a) as x + a.
+        """
         numbers = [self._number(k) for k in operands]
         if op in _INFIX and None not in numbers:
             a, b = (float(number) for number in numbers if number is not None)
             with np.errstate(divide="ignore", invalid="ignore"):
                 quotient = float(np.divide(a, b))
-            return self.constant({ca.OP_ADD: a + b, ca.OP_SUB: a - b, ca.OP_MUL: a * b, ca.OP_DIV: quotient}[op])
+            return self.constant(
+                {ca.OP_ADD: a + b, ca.OP_SUB: a - b, ca.OP_MUL: a * b, ca.OP_DIV: quotient}[op]
+            )
         if op in _SINGLE and numbers[0] is not None and (op != ca.OP_INV or numbers[0]):
             return self.constant(_SINGLE[op](numbers[0]))
         if op == ca.OP_MUL and 1.0 in numbers:
             return operands[0] if numbers[1] == 1.0 else operands[1]
         if op == ca.OP_MUL and -1.0 in numbers:
-            return self._add(_Node(ca.OP_NEG, (operands[0] if numbers[1] == -1.0 else operands[1],)))
+            return self._add(
+                _Node(ca.OP_NEG, (operands[0] if numbers[1] == -1.0 else operands[1],))
+            )
         if op in _SUMS and numbers[1] is not None:
             return self._with_constant(operands[0], numbers[1] if op == ca.OP_ADD else -numbers[1])
         if op == ca.OP_ADD and numbers[0] is not None:
@@ -134,7 +153,9 @@ class _Graph:
         number = snap(number, scale)
         if number == 0.0:
             return k
-        return self._add(_Node(ca.OP_SUB if number < 0.0 else ca.OP_ADD, (k, self.constant(abs(number)))))
+        return self._add(
+            _Node(ca.OP_SUB if number < 0.0 else ca.OP_ADD, (k, self.constant(abs(number))))
+        )
 
     def output(self, number: int, nonzero: int, value: int) -> None:
         self.outputs[number, nonzero] = value
@@ -146,10 +167,12 @@ class _Graph:
 
 @dataclass
 class Emitter:
-    """C text of a CasADi SX function: `value(o, k)` makes the statements for one output nonzero and names it.
+    """C text of a CasADi SX function: `value(o, k)` makes the statements for one output nonzero and
+    names it.
 
-    `inputs[i][k]` is the C text of nonzero k of input i; `prefix` begins the names of temporaries. `operations` counts what a
-    controller will spend, `divisions` has the line of each and what it divides by.
+    `inputs[i][k]` is the C text of nonzero k of input i; `prefix` begins the names of temporaries.
+    `operations` counts what a controller will spend, `divisions` has the line of each and what it
+    divides by.
     """
 
     function: ca.Function
@@ -171,7 +194,9 @@ class Emitter:
         return graph
 
     def value(self, output: int, nonzero: int) -> str:
-        """Make the statements up to one output nonzero; its C text, 0 where the function has no such nonzero."""
+        """Make the statements up to one output nonzero; its C text, 0 where the function has no
+        such nonzero.
+        """
         nodes, outputs = self._graph.nodes, self._graph.outputs
         if (output, nonzero) not in outputs:
             return self.real.literal(0.0)

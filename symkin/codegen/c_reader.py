@@ -1,4 +1,6 @@
-"""Read the C that was generated as a tree of statements, as far as a count of its operations needs it."""
+"""Read the C that was generated as a tree of statements, as far as a count of its operations needs
+it.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,9 @@ Tokens = tuple[str, ...]
 
 @dataclass(frozen=True, eq=False)
 class Statement:
-    """`kind` is "plain", "if", "for" or "while"; `head` its expression or declaration, of a `for` begin and condition; `body` and
-    `other` what it leads to."""
+    """`kind` is "plain", "if", "for" or "while"; `head` its expression or declaration, of a `for`
+    begin and condition; `body` and `other` what it leads to.
+    """
 
     kind: str
     head: tuple[Tokens, ...]
@@ -82,8 +85,13 @@ def parts(tokens: Tokens, mark: str) -> list[Tokens]:
 
 def _function(head: Tokens, body: Tokens) -> CFunction:
     opening = head.index("(")
-    names = [[t for t in _without_indices(part) if re.match(r"[A-Za-z_]", t)] for part in parts(head[opening + 1 : -1], ",")]
-    return CFunction(head[opening - 1], tuple(n[-1] for n in names), "static" not in head, _Reader(body).all())
+    names = [
+        [t for t in _without_indices(part) if re.match(r"[A-Za-z_]", t)]
+        for part in parts(head[opening + 1 : -1], ",")
+    ]
+    return CFunction(
+        head[opening - 1], tuple(n[-1] for n in names), "static" not in head, _Reader(body).all()
+    )
 
 
 def _without_indices(tokens: Tokens) -> Tokens:

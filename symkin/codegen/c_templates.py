@@ -11,7 +11,9 @@ import numpy as np
 from symkin.codegen.c_emitter import Real
 
 FARTHEST = 1e3
-"""Positions and joint values beyond this many times the size are refused: their squares stay far below the largest float."""
+"""Positions and joint values beyond this many times the size are refused: their squares stay far
+below the largest float.
+"""
 
 
 class _C(Template):
@@ -27,7 +29,11 @@ def fill(template: str, values: Mapping[str, object]) -> str:
 
 def template_text(template: str) -> str:
     """Read a file of `templates/`."""
-    return resources.files("symkin.codegen").joinpath("templates", template).read_text(encoding="utf-8")
+    return (
+        resources.files("symkin.codegen")
+        .joinpath("templates", template)
+        .read_text(encoding="utf-8")
+    )
 
 
 def substitute(text: str, values: Mapping[str, object]) -> str:
@@ -37,29 +43,46 @@ def substitute(text: str, values: Mapping[str, object]) -> str:
 
 
 def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
-    """Values of the names that every template knows; `struct`: the geometry is given with each call."""
+    """Values of the names that every template knows; `struct`: the geometry is given with each
+    call.
+    """
     return {
-        "p": name, "P": name.upper(), "real": real.type,
-        "COLD": f"{name.upper()}_COLD", "SHARED": f"{name.upper()}_SHARED",
-        "gp": f"const {name}_geometry *geometry, " if struct else "", "ga": "geometry, " if struct else "",
+        "p": name,
+        "P": name.upper(),
+        "real": real.type,
+        "COLD": f"{name.upper()}_COLD",
+        "SHARED": f"{name.upper()}_SHARED",
+        "gp": f"const {name}_geometry *geometry, " if struct else "",
+        "ga": "geometry, " if struct else "",
         "use": "    (void)geometry;" if struct else "",
         "checked": f"{name}_check_geometry(geometry, status)" if struct else "status",
-        "fabs": real.call("fabs"), "sqrt": real.call("sqrt"),
-        "zero": real.literal(0.0), "one": real.literal(1.0), "two": real.literal(2.0), "four": real.literal(4.0), "half": real.literal(0.5),
-        "before": "", "huge": "HUGE_VALF" if real.name == "float" else "HUGE_VAL",
-        "least_norm": real.literal(0.98), "most_norm": real.literal(1.0201),
-    }  # fmt: skip
+        "fabs": real.call("fabs"),
+        "sqrt": real.call("sqrt"),
+        "zero": real.literal(0.0),
+        "one": real.literal(1.0),
+        "two": real.literal(2.0),
+        "four": real.literal(4.0),
+        "half": real.literal(0.5),
+        "before": "",
+        "huge": "HUGE_VALF" if real.name == "float" else "HUGE_VAL",
+        "least_norm": real.literal(0.98),
+        "most_norm": real.literal(1.0201),
+    }
 
 
 def normalise_pose(values: Mapping[str, object]) -> str:
-    """NAME_normalise_pose: no square overflows on the way to a refusal (for processors that trap)."""
+    """NAME_normalise_pose: no square overflows on the way to a refusal (for processors that
+    trap).
+    """
     near = [f"({values['fabs']}(q[{i}]) <= {values['two']})" for i in range(4)]
     near += [f"({values['fabs']}(pose->position[{i}]) <= {values['farthest']})" for i in range(3)]
     return fill("pose.c", {**values, "bounded": "\n        && ".join(near)})
 
 
 def farthest(size: float, reference: Sequence[float] | np.ndarray) -> float:
-    """How far each coordinate of a position may be from the base's origin, for a platform or tool at `reference`."""
+    """How far each coordinate of a position may be from the base's origin, for a platform or tool
+    at `reference`.
+    """
     return float(f"{FARTHEST * size + float(np.sum(np.abs(reference))):.3g}")
 
 

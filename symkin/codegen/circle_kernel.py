@@ -1,7 +1,8 @@
 """State Newton's iteration with angles as cosines and sines: no trigonometry is left in its loop.
 
-Where rows are short as polynomials in these numbers, they are written so, with what depends on the known values alone collected in a
-few `coefficients`, which are computed once for a point of the line.
+Where rows are short as polynomials in these numbers, they are written so, with what depends on the
+known values alone collected in a few `coefficients`, which are computed once for a point of the
+line.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ _PARALLEL = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class CircleKernel:
-    """A kernel, and its known values as expressions `coefficients` of the known coordinates' `numbers`."""
+    """A kernel, and its known values as expressions `coefficients` of the known coordinates'
+    `numbers`.
+    """
 
     kernel: Kernel
     numbers: ca.SX
@@ -55,19 +58,28 @@ class CircleKernel:
         return ca.substitute(self.kernel.rows, self.kernel.known, self.coefficients)
 
 
-def circle_kernel(name: str, system: System, known: Sequence[Coordinate], *, collected: bool) -> CircleKernel:
-    """The iteration that solves a system; `collected`: known values may be coefficients of the rows in place of numbers."""
+def circle_kernel(
+    name: str, system: System, known: Sequence[Coordinate], *, collected: bool
+) -> CircleKernel:
+    """The iteration that solves a system; `collected`: known values may be coefficients of the rows
+    in place of numbers.
+    """
     size = system.characteristic_length
     state = ca.SX.sym("x", sum(number_counts(system.unknowns)))
     numbers = ca.SX.sym("k", sum(number_counts(known)))
     step = ca.SX.sym("s", system.freedom)
     tangent, moved = _moves(system.unknowns, state, step, size)
-    symbols = [(system.unknown, numbers_of(system.unknowns, state)), (system.known, numbers_of(known, numbers))]
+    symbols = [
+        (system.unknown, numbers_of(system.unknowns, state)),
+        (system.known, numbers_of(known, numbers)),
+    ]
     rows = snapped_expression(-by_numbers(system.rows, symbols), [state, numbers])
     jacobian = snapped_expression(-ca.mtimes(ca.jacobian(rows, state), tangent), [state, numbers])
     symbol, coefficients = numbers, numbers
     short = _polynomials(system, known, state, numbers, collected=collected)
-    if short is not None and _length(short[:2], [state, short[2]]) < _length((rows, jacobian), [state, numbers]):
+    if short is not None and _length(short[:2], [state, short[2]]) < _length(
+        (rows, jacobian), [state, numbers]
+    ):
         rows, jacobian, symbol, coefficients = short
     kernel = Kernel(
         name=name,
@@ -98,11 +110,19 @@ def circle_kernel(name: str, system: System, known: Sequence[Coordinate], *, col
 
 def _length(expressions: Sequence[ca.SX], symbols: Sequence[ca.SX]) -> int:
     """Operations of expressions."""
-    return int(ca.Function("f", list(symbols), [ca.densify(e) for e in expressions], {"cse": True}).n_instructions())
+    return int(
+        ca.Function(
+            "f", list(symbols), [ca.densify(e) for e in expressions], {"cse": True}
+        ).n_instructions()
+    )
 
 
-def _moves(coordinates: Sequence[Coordinate], state: ca.SX, step: ca.SX, size: float) -> tuple[ca.SX, ca.SX]:
-    """dstate/dstep (numbers, freedom), and the state after a step; angles and turns are moved by the arc whose tangent is the step."""
+def _moves(
+    coordinates: Sequence[Coordinate], state: ca.SX, step: ca.SX, size: float
+) -> tuple[ca.SX, ca.SX]:
+    """dstate/dstep (numbers, freedom), and the state after a step; angles and turns are moved by
+    the arc whose tangent is the step.
+    """
     tangent, moved, place, column = ca.SX(int(state.shape[0]), int(step.shape[0])), [], 0, 0
     for c in coordinates:
         if c.kind == "angle":
@@ -128,12 +148,18 @@ def _moves(coordinates: Sequence[Coordinate], state: ca.SX, step: ca.SX, size: f
     return tangent, ca.vertcat(*moved)
 
 
-# --- rows as polynomials -------------------------------------------------------------------------------------------
+# --- rows as polynomials --------------------------------------------------------------------------
 
 
-def polynomials_of(rows: ca.SX, system: System, coordinates: tuple[Coordinate, ...]) -> tuple[Ring, list[Polynomial]] | None:
-    """Rows of a system as polynomials in the numbers of all its coordinates, the unknown ones first; None where they are none."""
-    if len(coordinates) > _MOST_ANGLES or any(c.kind not in ("angle", "length") for c in coordinates):
+def polynomials_of(
+    rows: ca.SX, system: System, coordinates: tuple[Coordinate, ...]
+) -> tuple[Ring, list[Polynomial]] | None:
+    """Rows of a system as polynomials in the numbers of all its coordinates, the unknown ones
+    first; None where they are none.
+    """
+    if len(coordinates) > _MOST_ANGLES or any(
+        c.kind not in ("angle", "length") for c in coordinates
+    ):
         return None
     ring, symbols = Ring(coordinates), ca.vertcat(system.unknown, system.known)
     whole = System(coordinates, symbols, ca.SX(0, 1), rows, rows, system.characteristic_length)
@@ -162,13 +188,17 @@ def _tidied(row: Polynomial) -> Polynomial:
     """The row without coefficients that are rounding."""
     numbers = {m: float(c) for m, c in row.terms.items()}
     largest = max((abs(v) for v in numbers.values()), default=0.0)
-    return Polynomial({m: ca.SX(snap(v)) for m, v in numbers.items() if abs(v) > _NOTHING * largest})
+    return Polynomial(
+        {m: ca.SX(snap(v)) for m, v in numbers.items() if abs(v) > _NOTHING * largest}
+    )
 
 
 def _polynomials(
     system: System, known: Sequence[Coordinate], state: ca.SX, numbers: ca.SX, *, collected: bool
 ) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX] | None:
-    """Rows, Jacobian, symbols of the known values and what they are; None where rows are no short polynomials."""
+    """Rows, Jacobian, symbols of the known values and what they are; None where rows are no short
+    polynomials.
+    """
     found = polynomials_of(-system.rows, system, (*system.unknowns, *known))
     if found is None:
         return None
@@ -181,7 +211,11 @@ def _polynomials(
         parts, values = _collected(row, count) if collected else _plain(row, count)
         symbols = [ca.SX.sym(f"b{i}_{k}") for k in range(len(values))]
         factors = [ca.SX(1), *(symbols if collected else (_value(p, generators) for p in values))]
-        coefficients += [(s, _value(p, generators)) for s, p in zip(symbols, values, strict=True)] if collected else []
+        coefficients += (
+            [(s, _value(p, generators)) for s, p in zip(symbols, values, strict=True)]
+            if collected
+            else []
+        )
         written.append(_sum(factors, [_value(part, generators) for part in parts]))
         for j, c in enumerate(system.unknowns):
             scale = -1.0 / size if c.is_angular else -1.0
@@ -202,13 +236,17 @@ def _sum(factors: Sequence[ca.SX], values: Sequence[ca.SX]) -> ca.SX:
 
 
 def _value(polynomial: Polynomial, generators: ca.SX) -> ca.SX:
-    """A polynomial as an expression; products of generators are formed in one order, so that they are shared."""
+    """A polynomial as an expression; products of generators are formed in one order, so that they
+    are shared.
+    """
     total = ca.SX(0)
     for monomial, coefficient in sorted(polynomial.terms.items()):
         product = ca.SX(1)
         for place, exponent in enumerate(monomial):
             for _ in range(exponent):
-                product = generators[place] if product.is_constant() else product * generators[place]
+                product = (
+                    generators[place] if product.is_constant() else product * generators[place]
+                )
         total = total + (coefficient if product.is_constant() else coefficient * product)
     return total
 
@@ -224,7 +262,11 @@ def _derivative(ring: Ring, polynomial: Polynomial, unknown: int) -> Polynomial:
             lower = tuple(e - (k == place) for k, e in enumerate(monomial))
             inner = ring.constant(1.0)
             if len(places) == 2:
-                inner = ring.generator(places[1]).times(-1.0) if place == places[0] else ring.generator(places[0])
+                inner = (
+                    ring.generator(places[1]).times(-1.0)
+                    if place == places[0]
+                    else ring.generator(places[0])
+                )
             found = found.plus(ring.product(Polynomial({lower: exponent * coefficient}), inner))
     return _tidied(found)
 
@@ -240,7 +282,9 @@ def _split(row: Polynomial, count: int) -> Mapping[Monomial, dict[Monomial, floa
 
 
 def _plain(row: Polynomial, count: int) -> tuple[list[Polynomial], list[Polynomial]]:
-    """The row as what is free of known numbers and, for each monomial of these, a polynomial of the state."""
+    """The row as what is free of known numbers and, for each monomial of these, a polynomial of the
+    state.
+    """
     found: dict[Monomial, dict[Monomial, ca.SX]] = {}
     for inner, outers in _split(row, count).items():
         for outer, value in outers.items():
@@ -248,15 +292,21 @@ def _plain(row: Polynomial, count: int) -> tuple[list[Polynomial], list[Polynomi
     one = next((outer for outer in found if not any(outer)), None)
     others = [outer for outer in found if outer != one]
     free = Polynomial(found[one]) if one is not None else Polynomial({})
-    return [free, *(Polynomial(found[outer]) for outer in others)], [Polynomial({outer: ca.SX(1)}) for outer in others]
+    return [free, *(Polynomial(found[outer]) for outer in others)], [
+        Polynomial({outer: ca.SX(1)}) for outer in others
+    ]
 
 
 def _collected(row: Polynomial, count: int) -> tuple[list[Polynomial], list[Polynomial]]:
-    """The row as what is free of known numbers and, for each of few combinations of these, a polynomial of the state: coefficients
-    of the state's monomials that are multiples of each other are one combination."""
+    """The row as what is free of known numbers and, for each of few combinations of these, a
+    polynomial of the state: coefficients of the state's monomials that are multiples of each other
+    are one combination.
+    """
     split = _split(row, count)
     outers = sorted({outer for part in split.values() for outer in part})
-    vectors = {inner: np.array([part.get(outer, 0.0) for outer in outers]) for inner, part in split.items()}
+    vectors = {
+        inner: np.array([part.get(outer, 0.0) for outer in outers]) for inner, part in split.items()
+    }
     constant = np.array([0.0 if any(outer) else 1.0 for outer in outers])
     basis = _basis([v for v in vectors.values() if np.any(v * (1.0 - constant))], constant)
     matrix = np.array([constant, *basis]).T
@@ -267,12 +317,19 @@ def _collected(row: Polynomial, count: int) -> tuple[list[Polynomial], list[Poly
         for part, share in zip(parts, shares, strict=True):
             if abs(share) > _NOTHING * largest:
                 part[inner] = ca.SX(snap(float(share)))
-    values = [Polynomial({outer: ca.SX(snap(float(v))) for outer, v in zip(outers, b, strict=True) if v != 0.0}) for b in basis]
+    values = [
+        Polynomial(
+            {outer: ca.SX(snap(float(v))) for outer, v in zip(outers, b, strict=True) if v != 0.0}
+        )
+        for b in basis
+    ]
     return [Polynomial(part) for part in parts], values
 
 
 def _basis(vectors: Sequence[np.ndarray], constant: np.ndarray) -> list[np.ndarray]:
-    """Vectors that span all of them, together with the constant: those first to which most others are parallel, largest part 1."""
+    """Vectors that span all of them, together with the constant: those first to which most others
+    are parallel, largest part 1.
+    """
     classes: list[list[np.ndarray]] = []
     for v in vectors:
         same = next((c for c in classes if abs(_sine(c[0], v)) < _PARALLEL), None)

@@ -1,7 +1,8 @@
-"""Write expressions of angles as expressions of their cosines and sines, so that no trigonometry is left in a loop.
+"""Write expressions of angles as expressions of their cosines and sines, so that no trigonometry is
+left in a loop.
 
-A coordinate is known by its numbers: an angle by cosine and sine, a length by itself, a quaternion by its four entries. Sines and
-cosines of sums of angles follow from the addition theorems.
+A coordinate is known by its numbers: an angle by cosine and sine, a length by itself, a quaternion
+by its four entries. Sines and cosines of sums of angles follow from the addition theorems.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ _MOST_MULTIPLE = 4
 
 @dataclass(frozen=True, eq=False)
 class Numbers:
-    """The numbers by which one entry of a coordinate is known: its value, and of an angle cosine and sine too."""
+    """The numbers by which one entry of a coordinate is known: its value, and of an angle cosine
+    and sine too.
+    """
 
     value: ca.SX
     cosine: ca.SX | None = None
@@ -39,7 +42,9 @@ def number_counts(coordinates: Sequence[Coordinate]) -> list[int]:
 
 
 def numbers_of(coordinates: Sequence[Coordinate], symbols: ca.SX) -> list[Numbers]:
-    """The numbers of each entry of some coordinates, from a vector that holds them one after the other."""
+    """The numbers of each entry of some coordinates, from a vector that holds them one after the
+    other.
+    """
     found, place = [], 0
     for c in coordinates:
         if c.kind == "angle":
@@ -65,7 +70,9 @@ def numbers_at(coordinates: Sequence[Coordinate], values: np.ndarray) -> np.ndar
 
 
 def by_numbers(expression: ca.SX, symbols: Sequence[tuple[ca.SX, Sequence[Numbers]]]) -> ca.SX:
-    """An expression (n,) of symbols, each entry of which has numbers, as an expression of these numbers."""
+    """An expression (n,) of symbols, each entry of which has numbers, as an expression of these
+    numbers.
+    """
     function = ca.Function("f", [s for s, _ in symbols], [ca.densify(expression)], {"cse": True})
     reader = _Reader([numbers for _, numbers in symbols])
     walk(function, reader)
@@ -80,13 +87,19 @@ class AngleSum:
     offset: ca.SX
 
 
-def sum_of_angles(expression: ca.SX, symbols: Sequence[ca.SX], angular: Sequence[Sequence[bool]]) -> AngleSum | None:
-    """The sum of angles whose sine a row is up to a constant factor, as the row of a coupling is; None for any other row."""
+def sum_of_angles(
+    expression: ca.SX, symbols: Sequence[ca.SX], angular: Sequence[Sequence[bool]]
+) -> AngleSum | None:
+    """The sum of angles whose sine a row is up to a constant factor, as the row of a coupling is;
+    None for any other row.
+    """
     function = ca.Function("f", list(symbols), [ca.densify(expression)])
     reader = _SineReader(angular)
     walk(function, reader)
     found = reader.found
-    return found.inner if isinstance(found, _Sine) else found if isinstance(found, AngleSum) else None
+    return (
+        found.inner if isinstance(found, _Sine) else found if isinstance(found, AngleSum) else None
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,18 +111,24 @@ class _Sine:
 
 @dataclass
 class _SineReader:
-    """Evaluator that recognises a constant times the sine of a sum of angles; None stands for everything else."""
+    """Evaluator that recognises a constant times the sine of a sum of angles; None stands for
+    everything else.
+    """
 
     angular: Sequence[Sequence[bool]]
     found: AngleSum | _Sine | float | None = None
 
     def input(self, number: int, nonzero: int) -> AngleSum | _Sine | float | None:
-        return AngleSum({(number, nonzero): 1.0}, ca.SX(0)) if self.angular[number][nonzero] else None
+        return (
+            AngleSum({(number, nonzero): 1.0}, ca.SX(0)) if self.angular[number][nonzero] else None
+        )
 
     def constant(self, number: float) -> AngleSum | _Sine | float | None:
         return number
 
-    def operation(self, op: int, operands: list[AngleSum | _Sine | float | None]) -> AngleSum | _Sine | float | None:
+    def operation(
+        self, op: int, operands: list[AngleSum | _Sine | float | None]
+    ) -> AngleSum | _Sine | float | None:
         if any(v is None for v in operands):
             return None
         if op == ca.OP_SIN and isinstance(operands[0], AngleSum):
@@ -151,7 +170,9 @@ class _Reader:
             if op in (ca.OP_SIN, ca.OP_COS) and isinstance(operands[0], AngleSum):
                 cosine, sine = self._circle(operands[0])
                 return sine if op == ca.OP_SIN else cosine
-            found = _combined(op, [v if isinstance(v, AngleSum) else _constant(v) for v in operands])
+            found = _combined(
+                op, [v if isinstance(v, AngleSum) else _constant(v) for v in operands]
+            )
             if found is not None:
                 return found
         plain = [self._plain(v) for v in operands]
@@ -164,14 +185,23 @@ class _Reader:
         return sum(parts, value.offset)
 
     def _circle(self, angle: AngleSum) -> tuple[ca.SX, ca.SX]:
-        """Cosine and sine by the addition theorems, of the sum's value where a factor is no small whole number."""
-        if any(f != round(f) or abs(f) > _MOST_MULTIPLE for f in angle.factors.values()) or not angle.offset.is_constant():
+        """Cosine and sine by the addition theorems, of the sum's value where a factor is no small
+        whole number.
+        """
+        if (
+            any(f != round(f) or abs(f) > _MOST_MULTIPLE for f in angle.factors.values())
+            or not angle.offset.is_constant()
+        ):
             value = self._plain(angle)
             return ca.cos(value), ca.sin(value)
         cosine, sine = ca.cos(angle.offset), ca.sin(angle.offset)
         for (i, k), factor in angle.factors.items():
             own = self.numbers[i][k]
-            c, s = (ca.cos(own.value), ca.sin(own.value)) if own.cosine is None or own.sine is None else (own.cosine, own.sine)
+            c, s = (
+                (ca.cos(own.value), ca.sin(own.value))
+                if own.cosine is None or own.sine is None
+                else (own.cosine, own.sine)
+            )
             s = s if factor > 0 else -s
             for _ in range(abs(round(factor))):
                 cosine, sine = cosine * c - sine * s, sine * c + cosine * s
@@ -191,7 +221,11 @@ def _combined(op: int, operands: Sequence[AngleSum | float | ca.SX]) -> AngleSum
     (second,) = others
     if op == ca.OP_MUL:
         angle, factor = (first, second) if isinstance(first, AngleSum) else (second, first)
-        return _scaled(angle, factor) if isinstance(angle, AngleSum) and isinstance(factor, float) else None
+        return (
+            _scaled(angle, factor)
+            if isinstance(angle, AngleSum) and isinstance(factor, float)
+            else None
+        )
     if op == ca.OP_DIV and isinstance(first, AngleSum) and isinstance(second, float):
         return _scaled(first, 1.0 / second)
     if op not in (ca.OP_ADD, ca.OP_SUB):
@@ -201,8 +235,12 @@ def _combined(op: int, operands: Sequence[AngleSum | float | ca.SX]) -> AngleSum
     factors = dict(a.factors)
     for place, factor in b.factors.items():
         factors[place] = factors.get(place, 0.0) + sign * factor
-    return AngleSum({place: factor for place, factor in factors.items() if factor}, a.offset + sign * b.offset)
+    return AngleSum(
+        {place: factor for place, factor in factors.items() if factor}, a.offset + sign * b.offset
+    )
 
 
 def _scaled(angle: AngleSum, factor: float) -> AngleSum:
-    return AngleSum({place: factor * f for place, f in angle.factors.items()}, factor * angle.offset)
+    return AngleSum(
+        {place: factor * f for place, f in angle.factors.items()}, factor * angle.offset
+    )

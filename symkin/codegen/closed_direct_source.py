@@ -1,7 +1,8 @@
-"""Write the C of a direct problem that formulas solve: guess, formulas, the check of the line, answer.
+"""Write the C of a direct problem that formulas solve: guess, formulas, the check of the line,
+answer.
 
-No angle is formed where cosine and sine are known: the guess's joints, its turn and the answer's. Angles of the line between two
-configurations are needed where it has to be cut alone.
+No angle is formed where cosine and sine are known: the guess's joints, its turn and the answer's.
+Angles of the line between two configurations are needed where it has to be cut alone.
 """
 
 from __future__ import annotations
@@ -30,13 +31,16 @@ from symkin.text import c_comment
 _LEAST_PART = 2.0**-12
 """Shortest part of a line."""
 _WIDE = 1.5 * np.pi
-"""Range of a limited angle (rad) from which the way between two of its values may be longer than half a turn and ends within a right
-angle all the same."""
+"""Range of a limited angle (rad) from which the way between two of its values may be longer than
+half a turn and ends within a right angle all the same.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class ClosedDirectSource:
-    """The direct problem of one platform; `common` are the values of the names that templates of limbs need."""
+    """The direct problem of one platform; `common` are the values of the names that templates of
+    limbs need.
+    """
 
     made: LimbPlatform
     found: DirectFormulas
@@ -63,19 +67,43 @@ class ClosedDirectSource:
         polynomial = real.name == "float" and angular
         angle = angle_of_direction(real, self.common) if polynomial else ""
         turn = cosine_and_sine(self.real, self.common) if polynomial else ""
-        wide = [c.limits is not None and c.is_angular and c.limits[1] - c.limits[0] > _WIDE for c in made.actuated]
+        wide = [
+            c.limits is not None and c.is_angular and c.limits[1] - c.limits[0] > _WIDE
+            for c in made.actuated
+        ]
         values = dict(self.common) | {
-            "nu": self.values.count, "nk": max(1, len(self.found.formulas.names)), "ng": len(self.found.guards), "ny": int(self.values.y.shape[0]),
-            "guess_lines": indent(GuessText(self.values).lines, 2), "formula_lines": indent(self._formula_lines), "set_lines": indent(self._set_lines),
-            "keep_lines": indent(line.keep_lines), "reach_member": line.reach_member, "no_reach": "    w->reach = 0U;" if line.reach_member else "",
-            "p_angle": angle, "near_one": literal(0.9999), "hundred": literal(80.0), "nine_tenths": literal(0.9), "tenth": literal(0.1), "least_part": literal(_LEAST_PART), "first_part": literal(0.5 if not any(wide) else 1.0), "at_lines": indent(line.at_lines),
-            "span_lines": indent(line.span_lines), "change_lines": indent(line.change_lines, 3), "same_signs": indent(self._same_signs), "near": "false" if any(wide) else "true",
-            # limits of more than half a turn: the line within them need not be the nearer way round, and is walked
-            "evaluations": "two evaluations, since limits say which way round the line goes" if any(wide) else "one evaluation",
+            "nu": self.values.count,
+            "nk": max(1, len(self.found.formulas.names)),
+            "ng": len(self.found.guards),
+            "ny": int(self.values.y.shape[0]),
+            "guess_lines": indent(GuessText(self.values).lines, 2),
+            "formula_lines": indent(self._formula_lines),
+            "set_lines": indent(self._set_lines),
+            "keep_lines": indent(line.keep_lines),
+            "reach_member": line.reach_member,
+            "no_reach": "    w->reach = 0U;" if line.reach_member else "",
+            "p_angle": angle,
+            "near_one": literal(0.9999),
+            "hundred": literal(80.0),
+            "nine_tenths": literal(0.9),
+            "tenth": literal(0.1),
+            "least_part": literal(_LEAST_PART),
+            "first_part": literal(0.5 if not any(wide) else 1.0),
+            "at_lines": indent(line.at_lines),
+            "span_lines": indent(line.span_lines),
+            "change_lines": indent(line.change_lines, 3),
+            "same_signs": indent(self._same_signs),
+            "near": "false" if any(wide) else "true",
+            # limits of more than half a turn: the line within them need not be the nearer way
+            # round, and is walked
+            "evaluations": "two evaluations, since limits say which way round the line goes"
+            if any(wide)
+            else "one evaluation",
             "evaluation_count": 2 if any(wide) else 1,
-            "half_lines": indent(self._answer.half_lines), "rounding": literal(rounded(64 * real.epsilon * made.closure.characteristic_length)),
+            "half_lines": indent(self._answer.half_lines),
+            "rounding": literal(rounded(64 * real.epsilon * made.closure.characteristic_length)),
             **self._answer.lines,
-        }  # fmt: skip
+        }
         whole = fill("closed_direct.c", values)
         answer = fill("closed_direct_answer.c", values)
         begin = whole.index("/* The answer at joint values")
@@ -85,38 +113,59 @@ class ClosedDirectSource:
     def _same_signs(self) -> list[str]:
         """Statements that compare the signs of a guess read again."""
         count, p = int(self.found.formulas.roots.shape[0]), self.made.name.upper()
-        return [
-            f"for (int k = 0; (k < {count}) && (status == {p}_OK); ++k) {{",
-            f"    status = (again.sign[k] * w->sign[k] > {self.real.literal(0.0)}) ? {p}_OK : {p}_WRONG_BRANCH;", "}",
-        ] if count else ["(void)w;"]  # fmt: skip
+        return (
+            [
+                f"for (int k = 0; (k < {count}) && (status == {p}_OK); ++k) {{",
+                f"    status = (again.sign[k] * w->sign[k] > {self.real.literal(0.0)}) ? {p}_OK : "
+                f"{p}_WRONG_BRANCH;",
+                "}",
+            ]
+            if count
+            else ["(void)w;"]
+        )
 
     @property
     def _formula_lines(self) -> list[str]:
         """Statements of roots, unknowns and guards."""
         formulas, real = self.found.formulas, self.real
         places = self.values.places(formulas.system)
-        parts = [self.values.signed(e) for e in (formulas.discriminants, formulas.first, formulas.second, formulas.divisors)]
-        discriminants, first, second, divisors = (lifted(e, places, self.values.generators, formulas.roots) for e in parts)
-        unknowns = [
-            part for k, c in enumerate(self.values.unknowns) for part in ((first[k], second[k]) if c.is_angular else (first[k],))
+        parts = [
+            self.values.signed(e)
+            for e in (formulas.discriminants, formulas.first, formulas.second, formulas.divisors)
         ]
-        reaches = ca.vertcat(ca.SX(0, 1), *(self.values.signed(reach.of_known) for reach in self.found.whole.reaches))
+        discriminants, first, second, divisors = (
+            lifted(e, places, self.values.generators, formulas.roots) for e in parts
+        )
+        unknowns = [
+            part
+            for k, c in enumerate(self.values.unknowns)
+            for part in ((first[k], second[k]) if c.is_angular else (first[k],))
+        ]
+        reaches = ca.vertcat(
+            ca.SX(0, 1), *(self.values.signed(reach.of_known) for reach in self.found.whole.reaches)
+        )
         reaches = lifted(reaches, places, self.values.generators, formulas.roots)
         guards = [guard.of(discriminants, reaches, divisors) for guard in self.found.guards]
         outputs = [discriminants, ca.vertcat(*unknowns), ca.vertcat(*guards)]
         outputs = gathered(outputs, [self.values.u, formulas.roots], self.values.turns)
         function = ca.Function("formulas", [self.values.u, formulas.roots], outputs, {"cse": True})
         count = int(formulas.roots.shape[0])
-        emitter = Emitter(function, [indexed("w->u", self.values.count), [f"r{k + 1}" for k in range(count)]], real)
+        emitter = Emitter(
+            function,
+            [indexed("w->u", self.values.count), [f"r{k + 1}" for k in range(count)]],
+            real,
+        )
         self.values.store_guards(emitter, 2, "guard", of_divisors=True)
         lines, zero, begun = emitter.lines, real.literal(0.0), len(emitter.lines)
         for k in range(count):
             text = emitter.value(0, k)
             lines.append(
-                f"const {real.type} d{k + 1} = {text}; /* above 0 where {c_comment(formulas.names[k])} has two values */"
+                f"const {real.type} d{k + 1} = {text}; /* above 0 where "
+                f"{c_comment(formulas.names[k])} has two values */"
             )
             lines.append(
-                f"const {real.type} r{k + 1} = w->sign[{k}] * {real.call('sqrt')}((d{k + 1} > {zero}) ? d{k + 1} : {zero});"
+                f"const {real.type} r{k + 1} = w->sign[{k}] * {real.call('sqrt')}((d{k + 1} > "
+                f"{zero}) ? d{k + 1} : {zero});"
             )
         self.values.store_guards(emitter, 2, "guard", of_divisors=False)
         for i in range(len(unknowns)):
@@ -124,19 +173,31 @@ class ClosedDirectSource:
                 lines.append(f"w->y[{i}] = {emitter.value(1, i)};")
         one = real.literal(1.0)
         shares = [
-            f"{real.call('fabs')}(r{k + 1}) * {real.literal(1.0 / float(root))}" for k, root in enumerate(self.found.usual_roots)
+            f"{real.call('fabs')}(r{k + 1}) * {real.literal(1.0 / float(root))}"
+            for k, root in enumerate(self.found.usual_roots)
         ]
         lines.append(f"w->share = {shares[0] if shares else one};")
         for k, share in enumerate(shares[1:], start=2):
             lines.append(f"const {real.type} share{k} = {share};")
             lines.append(f"w->share = (share{k} < w->share) ? share{k} : w->share;")
-        none = [f"w->guard[{j}] = {zero};" for j, guard in enumerate(self.found.guards) if not guard.is_divisor]
+        none = [
+            f"w->guard[{j}] = {zero};"
+            for j, guard in enumerate(self.found.guards)
+            if not guard.is_divisor
+        ]
         condition = self.values.above("guard", of_divisors=True)
         if not condition:
             return lines
-        return [*lines[:begun], f"if ({condition}) {{", *("    " + line for line in lines[begun:]), "} else {",
-                "    /* what formulas divide by vanishes: no guard is above zero */", *("    " + line for line in none),
-                f"    w->share = {zero};", "}"]  # fmt: skip
+        return [
+            *lines[:begun],
+            f"if ({condition}) {{",
+            *("    " + line for line in lines[begun:]),
+            "} else {",
+            "    /* what formulas divide by vanishes: no guard is above zero */",
+            *("    " + line for line in none),
+            f"    w->share = {zero};",
+            "}",
+        ]
 
     @property
     def _set_lines(self) -> list[str]:
@@ -148,5 +209,8 @@ class ClosedDirectSource:
             elif self.real.name == "float":
                 lines.append(f"{call}(joints[{i}], &w->u[{place}]);")
             else:
-                lines += [f"w->u[{place}] = cos(joints[{i}]);", f"w->u[{place + 1}] = sin(joints[{i}]);"]
+                lines += [
+                    f"w->u[{place}] = cos(joints[{i}]);",
+                    f"w->u[{place + 1}] = sin(joints[{i}]);",
+                ]
         return lines

@@ -1,7 +1,8 @@
-"""Write the C of a direction of a joint map that formulas solve: formulas, signs of a configuration, and the check of a line.
+"""Write the C of a direction of a joint map that formulas solve: formulas, signs of a
+configuration, and the check of a line.
 
-Everything is composed of the structure groups' closed forms, in the order of their solution: a group's formulas read the numbers of
-those before it.
+Everything is composed of the structure groups' closed forms, in the order of their solution: a
+group's formulas read the numbers of those before it.
 """
 
 from __future__ import annotations
@@ -15,7 +16,14 @@ import numpy as np
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
-from symkin.codegen.circles import AngleSum, Numbers, by_numbers, number_counts, numbers_of, of_circle
+from symkin.codegen.circles import (
+    AngleSum,
+    Numbers,
+    by_numbers,
+    number_counts,
+    numbers_of,
+    of_circle,
+)
 from symkin.codegen.condition_bends import ConditionBend, condition_bend, share_of
 from symkin.codegen.formula_guards import free_divisors
 from symkin.codegen.joint_map import Direction, JointMap, Part
@@ -35,8 +43,9 @@ _FAR = 1.0
 
 @dataclass(frozen=True, eq=False)
 class _Condition:
-    """What must stay above 0: a discriminant with its root, or a divisor; `name` says of which coordinate, `part` of which of the
-    direction's parts."""
+    """What must stay above 0: a discriminant with its root, or a divisor; `name` says of which
+    coordinate, `part` of which of the direction's parts.
+    """
 
     name: str
     value: ca.SX
@@ -93,31 +102,47 @@ class ClosedDirection:
             place += c.width
         return found
 
-    def _solve(self, part: Part, numbers: dict[str, list[Numbers]], conditions: list[_Condition]) -> None:
+    def _solve(
+        self, part: Part, numbers: dict[str, list[Numbers]], conditions: list[_Condition]
+    ) -> None:
         """Add the numbers of a group's unknowns and its conditions."""
-        system, read = part.problem.system, [n for c in part.problem.known_coordinates for n in numbers[c.name]]
+        system, read = (
+            part.problem.system,
+            [n for c in part.problem.known_coordinates for n in numbers[c.name]],
+        )
         if part.form is not None:
             form, symbols = part.form, [(system.known, read)]
             first, second, discriminants, divisors = (
-                self._written(e, form, symbols) for e in (form.first, form.second, form.discriminants, form.divisors)
+                self._written(e, form, symbols)
+                for e in (form.first, form.second, form.discriminants, form.divisors)
             )
             for k in range(int(discriminants.shape[0])):
                 conditions.append(_Condition(form.names[k], discriminants[k], form.roots[k], part))
             for k in free_divisors(form):
-                conditions.append(_Condition(", ".join(c.name for c in system.unknowns), divisors[k], None, part))
+                conditions.append(
+                    _Condition(", ".join(c.name for c in system.unknowns), divisors[k], None, part)
+                )
             for k, c in enumerate(system.unknowns):
-                numbers[c.name] = [of_circle(first[k], second[k]) if c.kind == "angle" else Numbers(first[k])]
+                numbers[c.name] = [
+                    of_circle(first[k], second[k]) if c.kind == "angle" else Numbers(first[k])
+                ]
         elif part.total is not None:
             numbers[system.unknowns[0].name] = [_coupled(part.total, read)]
         else:
             slope = ca.jacobian(system.rows, system.unknown)
-            value = by_numbers(ca.solve(slope, -ca.substitute(system.rows, system.unknown, 0)), [(system.known, read)])
+            value = by_numbers(
+                ca.solve(slope, -ca.substitute(system.rows, system.unknown, 0)),
+                [(system.known, read)],
+            )
             # at its zeros the unknowns are infinite
             determinant = snapped_expression(
-                by_numbers(ca.det(slope), [(system.known, read)]), [self.known, self.signs, self.roots]
+                by_numbers(ca.det(slope), [(system.known, read)]),
+                [self.known, self.signs, self.roots],
             )
             if not determinant.is_constant():
-                conditions.append(_Condition(", ".join(c.name for c in system.unknowns), determinant, None, part))
+                conditions.append(
+                    _Condition(", ".join(c.name for c in system.unknowns), determinant, None, part)
+                )
             for k, c in enumerate(system.unknowns):
                 circle = (ca.cos(value[k]), ca.sin(value[k])) if c.kind == "angle" else ()
                 numbers[c.name] = [Numbers(value[k], *circle)]
@@ -125,7 +150,9 @@ class ClosedDirection:
     @staticmethod
     def _written(expression: ca.SX, form: ClosedForm, symbols: list) -> ca.SX:  # type: ignore[type-arg]
         """An expression of a form over numbers; its signs and roots stay."""
-        rest = [(s, [Numbers(s[i]) for i in range(int(s.shape[0]))]) for s in (form.signs, form.roots)]
+        rest = [
+            (s, [Numbers(s[i]) for i in range(int(s.shape[0]))]) for s in (form.signs, form.roots)
+        ]
         return by_numbers(expression, [*symbols, *rest])
 
     @cached_property
@@ -135,7 +162,11 @@ class ClosedDirection:
         found: list[ca.SX] = []
         for c in self.direction.unknown:
             for n in numbers[c.name]:
-                found += _unit(n.cosine, n.sine) if c.kind == "angle" and n.cosine is not None else [n.value]
+                found += (
+                    _unit(n.cosine, n.sine)
+                    if c.kind == "angle" and n.cosine is not None
+                    else [n.value]
+                )
         return snapped_expression(ca.vertcat(*found), [self.known, self.signs, self.roots])
 
     @property
@@ -145,7 +176,9 @@ class ClosedDirection:
 
     @cached_property
     def divisors(self) -> list[int]:
-        """Numbers of the conditions that are divided by: they may be of either sign, which they keep."""
+        """Numbers of the conditions that are divided by: they may be of either sign, which they
+        keep.
+        """
         return [j for j, one in enumerate(self.conditions) if one.root is None]
 
     def sizes_of_divisors(self, array: str) -> list[str]:
@@ -154,7 +187,9 @@ class ClosedDirection:
 
     @property
     def _begin_sides(self) -> list[str]:
-        """Statements of the divisors' signs where a line begins, on which side they have to stay."""
+        """Statements of the divisors' signs where a line begins, on which side they have to
+        stay.
+        """
         zero, one = self.real.literal(0.0), self.real.literal(1.0)
         return [
             line
@@ -187,7 +222,9 @@ class ClosedDirection:
         for one in reversed(roots):
             expression = ca.substitute(expression, one.root, ca.sqrt(ca.fmax(one.value, 0)))
         signs = self._signs_known
-        expression = ca.substitute(expression, self.signs, ca.SX(ca.DM(signs))) if len(signs) else expression
+        expression = (
+            ca.substitute(expression, self.signs, ca.SX(ca.DM(signs))) if len(signs) else expression
+        )
         numbers = []
         for k, c in enumerate(self.direction.known):
             numbers += [ca.cos(values[k]), ca.sin(values[k])] if c.kind == "angle" else [values[k]]
@@ -211,20 +248,33 @@ class ClosedDirection:
         """The usual size of each condition, with the sign that it has at the reference."""
         function = self._bound(ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions)))
         places = self.direction.problem.known_places
-        values = np.array([np.asarray(function(s.values[places])).ravel() for s in self.made.samples])
+        values = np.array(
+            [np.asarray(function(s.values[places])).ravel() for s in self.made.samples]
+        )
         return np.array([rounded(float(v)) for v in np.median(values, axis=0)])
 
     @property
     def bends(self) -> np.ndarray:
-        """An eighth of the largest second derivative of each condition over its usual size, lengths over the machine's."""
+        """An eighth of the largest second derivative of each condition over its usual size, lengths
+        over the machine's.
+        """
         return np.array([bend.eighth for bend in self._bends])
 
     @cached_property
     def _bends(self) -> list[ConditionBend]:
         """The bend of each condition, and how it is known."""
-        values, (known, size) = ca.SX.sym("v", len(self.direction.known)), (self.direction.known, self.made.size)
-        plain = [self._put_in(one.value, values) / usual for one, usual in zip(self.conditions, self.usual, strict=True)]
-        shares = [share_of(v, divides=one.root is None) for v, one in zip(plain, self.conditions, strict=True)]
+        values, (known, size) = (
+            ca.SX.sym("v", len(self.direction.known)),
+            (self.direction.known, self.made.size),
+        )
+        plain = [
+            self._put_in(one.value, values) / usual
+            for one, usual in zip(self.conditions, self.usual, strict=True)
+        ]
+        shares = [
+            share_of(v, divides=one.root is None)
+            for v, one in zip(plain, self.conditions, strict=True)
+        ]
         found = []
         for j, one in enumerate(plain):
             read = self._read_by(j)
@@ -235,11 +285,17 @@ class ClosedDirection:
         return found
 
     def _read_by(self, j: int) -> tuple[int, ...]:
-        """Numbers of the conditions whose roots or quotients a condition is made of, those of these included."""
+        """Numbers of the conditions whose roots or quotients a condition is made of, those of these
+        included.
+        """
         one, parts = self.conditions[j], self._parts_before(self.conditions[j].part)
         found = set[int]()
         for i, other in enumerate(self.conditions[:j]):
-            if (other.part in parts) if other.root is None else bool(ca.depends_on(one.value, other.root)):
+            if (
+                (other.part in parts)
+                if other.root is None
+                else bool(ca.depends_on(one.value, other.root))
+            ):
                 found |= {i, *self._read_by(i)}
         return tuple(sorted(found))
 
@@ -252,7 +308,7 @@ class ClosedDirection:
                 names |= {c.name for c in other.problem.known_coordinates}
         return found
 
-    # --- text ------------------------------------------------------------------------------------------------------
+    # --- text -------------------------------------------------------------------------------------
 
     @cached_property
     def values(self) -> dict[str, object]:
@@ -287,30 +343,42 @@ class ClosedDirection:
             return [
                 f"for (int i = 0; i < {count}; ++i) {{",
                 f"    const {self.real.type} smaller = (begin[i] < end[i]) ? begin[i] : end[i];",
-                f"    held = held && (smaller > {bent.format('i')} + {literal(_RESOLVED * self.real.epsilon)});",
+                f"    held = held && (smaller > {bent.format('i')} + "
+                f"{literal(_RESOLVED * self.real.epsilon)});",
                 "    least = (smaller < least) ? smaller : least;",
                 "}",
             ]
-        lines = ["/* bends of conditions that read others are over the shares that these keep in the part (README.md) */"]
+        lines = [
+            "/* bends of conditions that read others are over the shares that these keep in the "
+            "part (README.md) */"
+        ]
         for j, bend in enumerate(self._bends):
             share = " * ".join(f"share{i}" for i in bend.read)
             lines += [
-                f"const {self.real.type} smaller{j} = (begin[{j}] < end[{j}]) ? begin[{j}] : end[{j}];",
-                f"const {self.real.type} bent{j} = {bent.format(j)}{f' / ({share})' if share else ''};",
-                f"held = held && (smaller{j} > bent{j} + {literal(_RESOLVED * self.real.epsilon)});",
+                f"const {self.real.type} smaller{j} = (begin[{j}] < end[{j}]) ? begin[{j}] : "
+                f"end[{j}];",
+                f"const {self.real.type} bent{j} = "
+                f"{bent.format(j)}{f' / ({share})' if share else ''};",
+                f"held = held && (smaller{j} > bent{j} + "
+                f"{literal(_RESOLVED * self.real.epsilon)});",
                 f"least = (smaller{j} < least) ? smaller{j} : least;",
                 *(self._share_lines(j) if j in read else []),
             ]
         return lines
 
     def _share_lines(self, j: int) -> list[str]:
-        """Statements of the share that a condition keeps at least in a part of a line: one that does not hold keeps any."""
+        """Statements of the share that a condition keeps at least in a part of a line: one that
+        does not hold keeps any.
+        """
         one = self.real.literal(1.0)
         power = (
-            f"(kept{j} * kept{j}) * (kept{j} * kept{j})" if j in self.divisors else f"kept{j} * {self.real.call('sqrt')}(kept{j})"
+            f"(kept{j} * kept{j}) * (kept{j} * kept{j})"
+            if j in self.divisors
+            else f"kept{j} * {self.real.call('sqrt')}(kept{j})"
         )
         return [
-            f"const {self.real.type} kept{j} = (held && (smaller{j} - bent{j} < {one})) ? (smaller{j} - bent{j}) : {one};",
+            f"const {self.real.type} kept{j} = (held && (smaller{j} - bent{j} < {one})) ? "
+            f"(smaller{j} - bent{j}) : {one};",
             f"const {self.real.type} share{j} = {power};",
         ]
 
@@ -319,42 +387,69 @@ class ClosedDirection:
         told = fill("map_told.c", self.values | {"lines": indent(self._told_lines)})
         way = [
             f"for (int i = 0; i < {len(self.direction.known)}; ++i) {{",
-            f"    static const {self.real.type} weight[{len(self.direction.known)}] = {{ {self._weights} }};",
+            f"    static const {self.real.type} weight[{len(self.direction.known)}] = {{ "
+            f"{self._weights} }};",
             f"    const {self.real.type} way = weight[i] * (to[i] - w->at[i]);",
             "    way2 += way * way;",
             "}",
         ]
-        return fill("map_closed.c", self.values | {
-            "formulas": indent(self._formula_lines), "told": told, "way": indent(way),
-        })  # fmt: skip
+        return fill(
+            "map_closed.c",
+            self.values
+            | {
+                "formulas": indent(self._formula_lines),
+                "told": told,
+                "way": indent(way),
+            },
+        )
 
     @property
     def _weights(self) -> str:
-        return ", ".join(self.real.literal(1.0 if c.is_angular else 1.0 / self.made.size) for c in self.direction.known)
+        return ", ".join(
+            self.real.literal(1.0 if c.is_angular else 1.0 / self.made.size)
+            for c in self.direction.known
+        )
 
     @property
     def _formula_lines(self) -> list[str]:
         """Statements of the conditions, the roots and the state."""
         literal, kind = self.real.literal, self.real.type
         symbols = [self.known, self.signs, self.roots]
-        conditions = snapped_expression(ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions)), symbols)
-        function = ca.Function("f", symbols, [ca.densify(conditions), ca.densify(self._outputs)], {"cse": True})
+        conditions = snapped_expression(
+            ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions)), symbols
+        )
+        function = ca.Function(
+            "f", symbols, [ca.densify(conditions), ca.densify(self._outputs)], {"cse": True}
+        )
         roots = [f"r{k + 1}" for k in range(int(self.roots.shape[0]))]
         emitter = Emitter(
-            function, [indexed("k", int(self.known.shape[0])), indexed("sign", int(self.signs.shape[0])), roots], self.real
+            function,
+            [
+                indexed("k", int(self.known.shape[0])),
+                indexed("sign", int(self.signs.shape[0])),
+                roots,
+            ],
+            self.real,
         )
         number = 0
         for j, one in enumerate(self.conditions):
             text = emitter.value(0, j)
             if one.root is None:
-                emitter.lines.append(f"d[{j}] = {text} * {self._per_usual(j)}; /* {c_comment(one.name)}: what is divided by */")
+                emitter.lines.append(
+                    f"d[{j}] = {text} * {self._per_usual(j)}; /* {c_comment(one.name)}: what is "
+                    f"divided by */"
+                )
                 continue
             number += 1
-            emitter.lines.append(f"const {kind} d{number} = {text}; /* above 0 where {c_comment(one.name)} has two values */")
+            emitter.lines.append(
+                f"const {kind} d{number} = {text}; /* above 0 where {c_comment(one.name)} has two "
+                f"values */"
+            )
             emitter.lines.append(f"d[{j}] = d{number} * {self._per_usual(j)};")
             least = literal(rounded(_ROOT * float(self.usual[j])))
             emitter.lines.append(
-                f"const {kind} r{number} = (d{number} > {least}) ? {self.real.call('sqrt')}(d{number}) : {literal(0.0)};"
+                f"const {kind} r{number} = (d{number} > {least}) ? "
+                f"{self.real.call('sqrt')}(d{number}) : {literal(0.0)};"
             )
         stores = [f"x[{i}] = {emitter.value(1, i)};" for i in range(int(self._outputs.shape[0]))]
         if not self.conditions:
@@ -364,31 +459,52 @@ class ClosedDirection:
     @property
     def _told_lines(self) -> list[str]:
         """Statements of the signs of a configuration, and of its conditions."""
-        numbers = self._by_name(self.direction.known, self.known) | self._by_name(self.direction.unknown, self.state)
+        numbers = self._by_name(self.direction.known, self.known) | self._by_name(
+            self.direction.unknown, self.state
+        )
         told: list[ca.SX] = []
         for part in self.direction.parts:
             if part.form is None:
                 continue
             system = part.problem.system
-            symbols = [(s, [n for c in group for n in numbers[c.name]]) for s, group in
-                       ((system.known, part.problem.known_coordinates), (system.unknown, system.unknowns))]  # fmt: skip
+            symbols = [
+                (s, [n for c in group for n in numbers[c.name]])
+                for s, group in (
+                    (system.known, part.problem.known_coordinates),
+                    (system.unknown, system.unknowns),
+                )
+            ]
             written = self._written(part.form.told, part.form, symbols)
             told += [written[k] for k in range(int(written.shape[0]))]
         inputs = [self.known, self.state, self.signs, self.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
-        expressions = [snapped_expression(ca.vertcat(ca.SX(0, 1), *part), inputs) for part in (told, divisors)]
+        expressions = [
+            snapped_expression(ca.vertcat(ca.SX(0, 1), *part), inputs) for part in (told, divisors)
+        ]
         function = ca.Function("f", inputs, [ca.densify(e) for e in expressions], {"cse": True})
         literal, count = self.real.literal, len(told)
-        names = [indexed("k", int(self.known.shape[0])), indexed("x", int(self.state.shape[0])), indexed("sign", count)]
+        names = [
+            indexed("k", int(self.known.shape[0])),
+            indexed("x", int(self.state.shape[0])),
+            indexed("sign", count),
+        ]
         emitter = Emitter(function, [*names, [f"r{k + 1}" for k in range(count)]], self.real)
         place = 0
         for k in range(count):
             text = emitter.value(0, k)
-            emitter.lines.append(f"sign[{k}] = ({text} < {literal(0.0)}) ? -{literal(1.0)} : {literal(1.0)};")
+            emitter.lines.append(
+                f"sign[{k}] = ({text} < {literal(0.0)}) ? -{literal(1.0)} : {literal(1.0)};"
+            )
             if self._read_later(k, [*told[k + 1 :], *divisors]):
-                emitter.lines.append(f"const {self.real.type} r{k + 1} = {self.real.call('fabs')}({text});")
+                emitter.lines.append(
+                    f"const {self.real.type} r{k + 1} = {self.real.call('fabs')}({text});"
+                )
             j = next(
-                (i for i, one in enumerate(self.conditions) if one.root is not None and ca.is_equal(one.root, self.roots[k])),
+                (
+                    i
+                    for i, one in enumerate(self.conditions)
+                    if one.root is not None and ca.is_equal(one.root, self.roots[k])
+                ),
                 None,
             )
             if j is not None:
@@ -406,14 +522,18 @@ class ClosedDirection:
 
     def _read_later(self, k: int, expressions: list[ca.SX]) -> bool:
         """Whether expressions hold the root of a choice."""
-        return bool(expressions) and bool(ca.which_depends(ca.vertcat(*expressions), self.roots[k], 1, True).count(True))
+        return bool(expressions) and bool(
+            ca.which_depends(ca.vertcat(*expressions), self.roots[k], 1, True).count(True)
+        )
 
     def _per_usual(self, j: int) -> str:
         return self.real.literal(rounded(1.0 / float(self.usual[j])))
 
 
 def _unit(cosine: ca.SX, sine: ca.SX | None) -> list[ca.SX]:
-    """Cosine and sine of length 1: rounding takes formulas off the circle, where Newton's method could not bring them back."""
+    """Cosine and sine of length 1: rounding takes formulas off the circle, where Newton's method
+    could not bring them back.
+    """
     assert sine is not None  # noqa: S101 - an angle has both
     inverse = 1 / ca.sqrt(cosine * cosine + sine * sine)
     return [cosine * inverse, sine * inverse]

@@ -1,7 +1,9 @@
-"""Write the C of a limb that has a closed form: its joints and their rates by the pose, and which branch a configuration is on.
+"""Write the C of a limb that has a closed form: its joints and their rates by the pose, and which
+branch a configuration is on.
 
-Of each choice between two values the reference's is taken. A discriminant below zero means that no configuration has the pose, as do
-rows that the formulas leave over and that do not close; where a divisor vanishes the limb is singular.
+Of each choice between two values the reference's is taken. A discriminant below zero means that no
+configuration has the pose, as do rows that the formulas leave over and that do not close; where a
+divisor vanishes the limb is singular.
 """
 
 from __future__ import annotations
@@ -22,20 +24,36 @@ from symkin.elimination.closed_form import ClosedForm
 from symkin.text import c_comment
 
 RESOLVED = 32.0
-"""Roundings of a root's usual size below which it is nothing: no configuration has the pose, or the joint is not decided there."""
+"""Roundings of a root's usual size below which it is nothing: no configuration has the pose, or the
+joint is not decided there.
+"""
 BESIDE = 4.0
-"""Square roots of an answer's error, as shares of a root's usual size, within which the pose does not tell a limb's side."""
+"""Square roots of an answer's error, as shares of a root's usual size, within which the pose does
+not tell a limb's side.
+"""
 READ_AGAIN = 8.0
-"""Multiple of BESIDE within which an answer is read again, for poses whose error is larger than usual."""
+"""Multiple of BESIDE within which an answer is read again, for poses whose error is larger than
+usual.
+"""
 _SINGULAR = 1e-3
-"""Share of a root's usual size below which the limb is near a dead centre, where rates are without bound."""
+"""Share of a root's usual size below which the limb is near a dead centre, where rates are without
+bound.
+"""
 
 
 def closed_limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, object]) -> str:
     """The functions that give a limb's joints, and their rates where no matrix does."""
     assert block.formulas is not None  # noqa: S101 - the caller has looked
-    written, count = LimbFormulas(made, block, block.formulas), len(actuated_places(block)) * int(block.sides.shape[1])
-    values = {**common, "k": f"{made.name}_{block.name}", "count": block.system.width, "rates": count}
+    written, count = (
+        LimbFormulas(made, block, block.formulas),
+        len(actuated_places(block)) * int(block.sides.shape[1]),
+    )
+    values = {
+        **common,
+        "k": f"{made.name}_{block.name}",
+        "count": block.system.width,
+        "rates": count,
+    }
     within = f", {made.real.type} within" if block.is_checked else ""
     words = "; its rows may be off by `within`" if block.is_checked else ""
     own = {"joints_lines": indent(written.joints), "within": within, "within_words": words}
@@ -47,7 +65,11 @@ def closed_limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, 
 
 def actuated_places(block: LimbBlock) -> list[int]:
     """Places of the actuated joints among a limb's unknowns."""
-    return [place.start for c, place in zip(block.system.unknowns, block.system.slices, strict=True) if c.role == "actuated"]
+    return [
+        place.start
+        for c, place in zip(block.system.unknowns, block.system.slices, strict=True)
+        if c.role == "actuated"
+    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,13 +119,17 @@ class LimbFormulas:
 
     @property
     def rates(self) -> list[str]:
-        """Statements of the actuated joints' derivatives by the platform's twist, joint by joint. Of a root r of D: dr = dD / (2 r)."""
+        """Statements of the actuated joints' derivatives by the platform's twist, joint by joint.
+        Of a root r of D: dr = dD / (2 r).
+        """
         values, roots = self._values[actuated_places(self.block), 0], self.formulas.roots
         found, of_roots = self._by_twist(values), ca.SX(0, int(self.block.sides.shape[1]))
         for k in range(int(roots.shape[0])):
             change = self._by_twist(self._discriminants[k])
             if k:
-                change = change + ca.mtimes(ca.jacobian(self._discriminants[k], roots[:k]), of_roots)
+                change = change + ca.mtimes(
+                    ca.jacobian(self._discriminants[k], roots[:k]), of_roots
+                )
             of_roots = ca.vertcat(of_roots, change / (2 * roots[k]))
         if int(roots.shape[0]):
             found = found + ca.mtimes(ca.jacobian(values, roots), of_roots)
@@ -113,49 +139,92 @@ class LimbFormulas:
         return self.made.by_twist(self.block.system, expression)
 
     def _lines(self, results: ca.SX, least: float, array: str, refused: str) -> list[str]:
-        """Statements of discriminants, their roots, the results and the status: refused where a root is below the `least` share of its
-        usual size, SINGULAR where a divisor is."""
+        """Statements of discriminants, their roots, the results and the status: refused where a
+        root is below the `least` share of its usual size, SINGULAR where a divisor is.
+        """
         limits = [self.real.literal(rounded((least * root) ** 2)) for root in self.usual_roots]
-        known, roots, free = self.formulas.system.known, self.formulas.roots, self.block.free_divisors
+        known, roots, free = (
+            self.formulas.system.known,
+            self.formulas.roots,
+            self.block.free_divisors,
+        )
         divisors = self.signed(ca.vertcat(ca.SX(0, 1), *(self.formulas.divisors[j] for j in free)))
-        outputs = [snapped_expression(ca.densify(part), [known, roots]) for part in (self._discriminants, results, divisors)]
+        outputs = [
+            snapped_expression(ca.densify(part), [known, roots])
+            for part in (self._discriminants, results, divisors)
+        ]
         function = ca.Function("limb", [known, roots], outputs, {"cse": True})
         count = int(roots.shape[0])
-        emitter = Emitter(function, [indexed("c", int(known.shape[0])), [f"r{k + 1}" for k in range(count)]], self.real)
-        name, zeros = self.made.name.upper(), [f"{array}[{i}] = {self.real.literal(0.0)};" for i in range(int(results.shape[0]))]
+        emitter = Emitter(
+            function,
+            [indexed("c", int(known.shape[0])), [f"r{k + 1}" for k in range(count)]],
+            self.real,
+        )
+        name, zeros = (
+            self.made.name.upper(),
+            [f"{array}[{i}] = {self.real.literal(0.0)};" for i in range(int(results.shape[0]))],
+        )
         status = [f"{self.made.name}_status status = {name}_{refused};"]
         written, closings, tests = list(status if free else []), list[list[str]](), []
         for k in range(count + 1):
             # a divisor is asked before anything is divided by it
             own = [j for j in range(len(free)) if self._last_root(divisors[j]) == k]
             if own:
-                conditions = [self._above(emitter.value(2, j), least * float(self._usual_divisors[j])) for j in own]
+                conditions = [
+                    self._above(emitter.value(2, j), least * float(self._usual_divisors[j]))
+                    for j in own
+                ]
                 written += [*emitter.take(), f"if ({' && '.join(conditions)}) {{"]
-                closings.append(["} else {", "/* what is divided by vanishes */", f"status = {name}_SINGULAR;", *zeros, "}"])
+                closings.append(
+                    [
+                        "} else {",
+                        "/* what is divided by vanishes */",
+                        f"status = {name}_SINGULAR;",
+                        *zeros,
+                        "}",
+                    ]
+                )
             if k == count:
                 break
             text, real, sqrt = emitter.value(0, k), self.real.type, self.real.call("sqrt")
             emitter.lines.append(
-                f"const {real} d{k + 1} = {text}; /* above 0 where {c_comment(self.formulas.names[k])} has two values */"
+                f"const {real} d{k + 1} = {text}; /* above 0 where "
+                f"{c_comment(self.formulas.names[k])} has two values */"
             )
             emitter.lines.append(
-                f"const {real} r{k + 1} = (d{k + 1} > {limits[k]}) ? {sqrt}(d{k + 1}) : {self.real.literal(1.0)};"
+                f"const {real} r{k + 1} = (d{k + 1} > {limits[k]}) ? {sqrt}(d{k + 1}) : "
+                f"{self.real.literal(1.0)};"
             )
             tests.append(f"(d{k + 1} > {limits[k]})")
         written += emitter.take()
         if tests:
             # only where the roots are there: then nothing that is divided by vanishes with them
-            written += [*([] if free else status), f"if {tests[0] if len(tests) == 1 else '(' + ' && '.join(tests) + ')'} {{"]
+            written += [
+                *([] if free else status),
+                f"if {tests[0] if len(tests) == 1 else '(' + ' && '.join(tests) + ')'} {{",
+            ]
             closings.append(["} else {", *zeros, "}"])
         stores = [f"{array}[{i}] = {emitter.value(1, i)};" for i in range(int(results.shape[0]))]
         written += [*emitter.take(), *stores]
-        checks, result = self._row_checks if array == "x" and self.block.is_checked else ([], f"{name}_OK")
-        ending = [f"status = {result};", *(line for lines in reversed(closings) for line in lines), "return status;"]
-        return indented_by_braces([*written, *checks, *(ending if closings else [f"return {result};"])])
+        checks, result = (
+            self._row_checks if array == "x" and self.block.is_checked else ([], f"{name}_OK")
+        )
+        ending = [
+            f"status = {result};",
+            *(line for lines in reversed(closings) for line in lines),
+            "return status;",
+        ]
+        return indented_by_braces(
+            [*written, *checks, *(ending if closings else [f"return {result};"])]
+        )
 
     def _last_root(self, expression: ca.SX) -> int:
         """Number, from 1, of the last root that an expression reads; 0 for none."""
-        reads = ca.which_depends(expression, self.formulas.roots, 1, False) if int(self.formulas.roots.shape[0]) else []
+        reads = (
+            ca.which_depends(expression, self.formulas.roots, 1, False)
+            if int(self.formulas.roots.shape[0])
+            else []
+        )
         return max((k + 1 for k, is_read in enumerate(reads) if is_read), default=0)
 
     def _above(self, text: str, least: float) -> str:
@@ -163,11 +232,18 @@ class LimbFormulas:
 
     @property
     def _row_checks(self) -> tuple[list[str], str]:
-        """Statements of the limb's rows at the joints, and the status that they leave: a pose off what the mechanism can take has no answer."""
+        """Statements of the limb's rows at the joints, and the status that they leave: a pose off
+        what the mechanism can take has no answer.
+        """
         system, capital = self.block.system, self.made.name.upper()
         errors = snapped_expression(ca.densify(system.errors), [system.unknown, system.known])
         function = ca.Function("rows", [system.unknown, system.known], [errors], {"cse": True})
-        emitter = Emitter(function, [indexed("x", system.width), indexed("c", int(system.known.shape[0]))], self.real, prefix="e")
+        emitter = Emitter(
+            function,
+            [indexed("x", system.width), indexed("c", int(system.known.shape[0]))],
+            self.real,
+            prefix="e",
+        )
         texts = [emitter.value(0, i) for i in range(int(errors.shape[0]))]
         closes = " && ".join(f"({self.real.call('fabs')}({text}) <= within)" for text in texts)
         return [
@@ -176,17 +252,28 @@ class LimbFormulas:
         ], f"({closes}) ? {capital}_OK : {capital}_OUT_OF_RANGE"
 
 
-def side_lines(side: str, what: str, bounds: tuple[float, float], real: Real, name: str) -> list[str]:
-    """Statements on a limb's side of a dead centre, sign times root: below the first bound it is the other one, below the second it is not
-    firm."""
-    wrong, beside = (real.literal(float(np.copysign(rounded(abs(bound)), bound))) for bound in bounds)
-    return [f"if (!({side} >= {wrong})) {{ /* {c_comment(what)} */", f"    status = {name}_WRONG_BRANCH;", "}",
-            f"firm = firm && ({side} > {beside});"]  # fmt: skip
+def side_lines(
+    side: str, what: str, bounds: tuple[float, float], real: Real, name: str
+) -> list[str]:
+    """Statements on a limb's side of a dead centre, sign times root: below the first bound it is
+    the other one, below the second it is not firm.
+    """
+    wrong, beside = (
+        real.literal(float(np.copysign(rounded(abs(bound)), bound))) for bound in bounds
+    )
+    return [
+        f"if (!({side} >= {wrong})) {{ /* {c_comment(what)} */",
+        f"    status = {name}_WRONG_BRANCH;",
+        "}",
+        f"firm = firm && ({side} > {beside});",
+    ]
 
 
 def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: float) -> str:
-    """NAME_check_branch: whether each limb of an answer is on the reference's branch, by what tells its signs. An error t of the pose
-    is sqrt(t) near a dead centre, where two branches meet. `common` has NAME_check_given's bounds `near`."""
+    """NAME_check_branch: whether each limb of an answer is on the reference's branch, by what tells
+    its signs. An error t of the pose is sqrt(t) near a dead centre, where two branches meet.
+    `common` has NAME_check_given's bounds `near`.
+    """
     lines, known = [], made.inverse.known_coordinates
     state = [*(c for c in made.passive), *known]
     names: dict[str, list[str]] = {}
@@ -200,16 +287,26 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
             continue
         system, formulas = block.system, block.formulas
         written = LimbFormulas(made, block, formulas)
-        sides = snapped_expression(ca.densify(formulas.sides(written.signs)), [system.unknown, system.known])
+        sides = snapped_expression(
+            ca.densify(formulas.sides(written.signs)), [system.unknown, system.known]
+        )
         function = ca.Function("sides", [system.unknown, system.known], [sides], {"cse": True})
-        inputs = [[text for c in part for text in names[c.name]] for part in (system.unknowns, known)]
+        inputs = [
+            [text for c in part for text in names[c.name]] for part in (system.unknowns, known)
+        ]
         emitter = Emitter(function, inputs, made.real, prefix=f"{block.name}_t")
         tests = []
         for k, name in enumerate(formulas.names):
             text = emitter.value(0, k)
-            near = float(BESIDE * np.sqrt(tolerance / system.characteristic_length) * written.usual_roots[k])
-            tests += side_lines(text, name, (-near, READ_AGAIN * near), made.real, made.name.upper())
+            near = float(
+                BESIDE * np.sqrt(tolerance / system.characteristic_length) * written.usual_roots[k]
+            )
+            tests += side_lines(
+                text, name, (-near, READ_AGAIN * near), made.real, made.name.upper()
+            )
             tests += [f"told = told && ({text} > {made.real.literal(rounded(near))});"]
         lines += [*emitter.lines, *tests]
     answer = f"&x[{place - sum(c.width for c in known)}]"
-    return fill("told_branch.c", {**common, "count": place, "told": indent(lines), "answer": answer})
+    return fill(
+        "told_branch.c", {**common, "count": place, "told": indent(lines), "answer": answer}
+    )

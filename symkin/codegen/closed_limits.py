@@ -1,9 +1,11 @@
 """Write the C that asks whether an arm's joints keep their limits between two points of a line.
 
-A joint reaches its limit l where the equation of its step, E(q) = 0, holds for q = l. E(l) is a function of the tool's pose and the joints
-before, like the squares of `ClosedLine`, so that bounds of its second derivative tell whether it has a zero between two points. It is zero
-where the step's other solution is at l, too: the function M(l), which has the sign of the branch there, tells these apart (of A cos q +
-B sin q = C: E = A cos l + B sin l - C, M = A sin l - B cos l). A part is kept where E has no zero, or M has the other sign throughout.
+A joint reaches its limit l where the equation of its step, E(q) = 0, holds for q = l. E(l) is a
+function of the tool's pose and the joints before, like the squares of `ClosedLine`, so that bounds
+of its second derivative tell whether it has a zero between two points. It is zero where the step's
+other solution is at l, too: the function M(l), which has the sign of the branch there, tells these
+apart (of A cos q + B sin q = C: E = A cos l + B sin l - C, M = A sin l - B cos l). A part is kept
+where E has no zero, or M has the other sign throughout.
 """
 
 from __future__ import annotations
@@ -42,26 +44,52 @@ def limit_check(line: ClosedLine) -> LimitCheck:
         return LimitCheck({**_WITHOUT, "kept": accepted, "refused": f"{p['P']}_WRONG_BRANCH"}, "")
     prefix, capital, count = p["p"], p["P"], f"{len(line.plan.arm)}U"
     names = {
-        "blamed": indent([f"uint8_t blamed = {prefix}_first_beyond(joints); /* the joint that leaves its limits */"]),
-        "guess_beyond": indent([f"if (blamed < {count}) {{", f"    status = {capital}_OUT_OF_RANGE;", "}"]),
-        "limits_kept": indent([
-            f"const bool follows = {accepted};", "if (follows) {",
-            f"    blamed = {prefix}_first_leaving(joints, found[0], part * part * place2, part * part * turn2, moved, way2);",
-            f"    if ((blamed < {count}) && ({prefix}_first_beyond(found[0]) < {count})) {{", f"        status = {capital}_OUT_OF_RANGE;", "    }", "}",
-        ], 3),
+        "blamed": indent(
+            [
+                f"uint8_t blamed = {prefix}_first_beyond(joints); /* the joint that leaves its "
+                f"limits */"
+            ]
+        ),
+        "guess_beyond": indent(
+            [f"if (blamed < {count}) {{", f"    status = {capital}_OUT_OF_RANGE;", "}"]
+        ),
+        "limits_kept": indent(
+            [
+                f"const bool follows = {accepted};",
+                "if (follows) {",
+                f"    blamed = {prefix}_first_leaving(joints, found[0], part * part * place2, "
+                f"part * part * turn2, moved, way2);",
+                f"    if ((blamed < {count}) && ({prefix}_first_beyond(found[0]) < {count})) {{",
+                f"        status = {capital}_OUT_OF_RANGE;",
+                "    }",
+                "}",
+            ],
+            3,
+        ),
         "kept": f"follows && (blamed == {count})",
         "refused": f"(blamed < {count}) ? {capital}_OUT_OF_RANGE : {capital}_WRONG_BRANCH",
-        "blame": indent([
-            f"if ((info != NULL) && (status == {capital}_OUT_OF_RANGE)) {{", "    info->joint = blamed;", "}",
-        ]),
-    }  # fmt: skip
+        "blame": indent(
+            [
+                f"if ((info != NULL) && (status == {capital}_OUT_OF_RANGE)) {{",
+                "    info->joint = blamed;",
+                "}",
+            ]
+        ),
+    }
     own = {
         "last": len(line.plan.arm) - 1,
-        "limited": ", ".join("true" if c.limits is not None else "false" for c in line.code.coordinates),
-        "values": 2 * len(limits.ends), "read": indent(limits.read_lines),
-        "lows": ", ".join(real.literal(low) for low, _ in limits.ranges), "highs": ", ".join(real.literal(high) for _, high in limits.ranges),
-        "per_lengths": line.per_lengths, "nn": len(line.plan.arm), "turns": 2 * len(line.plan.arm), "tests": indent(limits.test_lines, 2),
-    }  # fmt: skip
+        "limited": ", ".join(
+            "true" if c.limits is not None else "false" for c in line.code.coordinates
+        ),
+        "values": 2 * len(limits.ends),
+        "read": indent(limits.read_lines),
+        "lows": ", ".join(real.literal(low) for low, _ in limits.ranges),
+        "highs": ", ".join(real.literal(high) for _, high in limits.ranges),
+        "per_lengths": line.per_lengths,
+        "nn": len(line.plan.arm),
+        "turns": 2 * len(line.plan.arm),
+        "tests": indent(limits.test_lines, 2),
+    }
     return LimitCheck(names, fill("closed_limits.c", {**p, **own}))
 
 
@@ -73,7 +101,9 @@ class _Limits:
 
     @property
     def ranges(self) -> list[tuple[float, float]]:
-        return [range_of(c, self.line.real, self.line.plan.arm.size) for c in self.line.code.coordinates]
+        return [
+            range_of(c, self.line.real, self.line.plan.arm.size) for c in self.line.code.coordinates
+        ]
 
     @cached_property
     def ends(self) -> list[_End]:
@@ -98,10 +128,16 @@ class _Limits:
 
     @property
     def read_lines(self) -> list[str]:
-        """Statements that set the functions' values at joint values; M is negative where the branch is the other one."""
+        """Statements that set the functions' values at joint values; M is negative where the branch
+        is the other one.
+        """
         at, steps, zero = self.line.evaluated(), self.line.plan.steps, self.line.real.literal(0.0)
         limited = {end.joint for end in self.ends}
-        choices = [i for i, step in enumerate(steps) if step.branch is not None and limited & set(step.joints)]
+        choices = [
+            i
+            for i, step in enumerate(steps)
+            if step.branch is not None and limited & set(step.joints)
+        ]
         slopes = [at.slope(steps[i]) for i in choices]
         emitter = self.line.emitter(ca.vertcat(*self._expressions, *slopes))
         texts = [emitter.value(0, k) for k in range(2 * len(self.ends))]
@@ -111,7 +147,10 @@ class _Limits:
             first, other = texts[2 * k : 2 * k + 2]
             emitter.lines.append(f"at[{2 * k}] = {first};")
             if i in sides:
-                other = f"(({sides[i]} < {zero}) ? -{self.line.real.literal(1.0)} : {self.line.real.literal(1.0)}) * {other}"
+                other = (
+                    f"(({sides[i]} < {zero}) ? -{self.line.real.literal(1.0)} : "
+                    f"{self.line.real.literal(1.0)}) * {other}"
+                )
             emitter.lines.append(f"at[{2 * k + 1}] = {other};")
         return emitter.lines
 
@@ -119,17 +158,28 @@ class _Limits:
     def test_lines(self) -> list[str]:
         """Statements that blame the first joint whose limit is not proved to be kept."""
         rows = WAY * self.line.bounds(self._functions)
-        p, count, zero = self.line.code.values["p"], f"{len(self.line.plan.arm)}U", self.line.real.literal(0.0)
+        p, count, zero = (
+            self.line.code.values["p"],
+            f"{len(self.line.plan.arm)}U",
+            self.line.real.literal(0.0),
+        )
         lines = []
         for k, end in enumerate(self.ends):
             e, m = 2 * k, 2 * k + 1
             side, reads = ("above", "upper") if end.is_upper else ("below", "lower")
-            conditions = [f"(joint == {count})", f"{p}_may_reach({side}[{end.joint}], way2)",
-                          f"!{p}_keeps_sign(at_a[{e}], at_b[{e}], {self.line.sum_of(rows[e])})"]  # fmt: skip
+            conditions = [
+                f"(joint == {count})",
+                f"{p}_may_reach({side}[{end.joint}], way2)",
+                f"!{p}_keeps_sign(at_a[{e}], at_b[{e}], {self.line.sum_of(rows[e])})",
+            ]
             # where it is positive always there is no other solution
             if not (self._expressions[m].is_constant() and float(self._expressions[m]) == 1.0):
                 other = f"{p}_keeps_sign(at_a[{m}], at_b[{m}], {self.line.sum_of(rows[m])})"
                 conditions.append(f"!((at_a[{m}] < {zero}) && {other})")
-            lines += [f"/* {c_comment(self.line.plan.arm.screws[end.joint].name)}, {reads} limit */",
-                      "if (" + "\n    && ".join(conditions) + ") {", f"    joint = {end.joint}U;", "}"]  # fmt: skip
+            lines += [
+                f"/* {c_comment(self.line.plan.arm.screws[end.joint].name)}, {reads} limit */",
+                "if (" + "\n    && ".join(conditions) + ") {",
+                f"    joint = {end.joint}U;",
+                "}",
+            ]
         return lines

@@ -1,10 +1,13 @@
-"""Write the C that follows an arm's closed form along the line of tool poses from a guess's to the given one.
+"""Write the C that follows an arm's closed form along the line of tool poses from a guess's to the
+given one.
 
-Each step of the closed form decides its joints while a square D stays above zero: the step's discriminant, or the square of the length
-that is carried, as a function of the tool's pose and the joints before. Between two points a, b of the line D stays above zero where its
-second derivative is below 2 (D_a + D_b) + 4 min(D_a, D_b). That derivative is bounded by weights times the squares of the changes of place,
-turn and joints between the two points: sampled at random configurations, raised, and doubled for speeds that change on the way. Parts
-of the line for which this holds are kept, others are cut. Limits of joints are functions of the same kind (`closed_limits`).
+Each step of the closed form decides its joints while a square D stays above zero: the step's
+discriminant, or the square of the length that is carried, as a function of the tool's pose and the
+joints before. Between two points a, b of the line D stays above zero where its second derivative is
+below 2 (D_a + D_b) + 4 min(D_a, D_b). That derivative is bounded by weights times the squares of
+the changes of place, turn and joints between the two points: sampled at random configurations,
+raised, and doubled for speeds that change on the way. Parts of the line for which this holds are
+kept, others are cut. Limits of joints are functions of the same kind (`closed_limits`).
 """
 
 from __future__ import annotations
@@ -28,11 +31,15 @@ from symkin.spatial.rotation import multiply
 from symkin.text import c_comment
 
 WAY = 2.0
-"""By how much the second derivative of a square may be larger than at constant speed of the joints that the step reads."""
+"""By how much the second derivative of a square may be larger than at constant speed of the joints
+that the step reads.
+"""
 _NOTHING = 1e-9
 """Bounds below this are rounding."""
 _LONGEST = 1.5
-"""Longest way of the joints in one part (root of the sum of squares; rad, or of the size): it tells whole turns."""
+"""Longest way of the joints in one part (root of the sum of squares; rad, or of the size): it tells
+whole turns.
+"""
 _LEAST_PART = 2.0**-12
 """Shortest part of a line."""
 _SAMPLES = 400
@@ -47,7 +54,9 @@ _LEAST = 256.0
 
 @dataclass(frozen=True)
 class LimitCheck:
-    """How the line asks whether joints keep their limits: values of names in its template, and the functions that these call."""
+    """How the line asks whether joints keep their limits: values of names in its template, and the
+    functions that these call.
+    """
 
     names: dict[str, str]
     text: str
@@ -68,7 +77,7 @@ class ClosedLine:
     def real(self) -> Real:
         return self.code.real
 
-    # --- expressions of joint values --------------------------------------------------------------------------------------
+    # --- expressions of joint values --------------------------------------------------------------
 
     @cached_property
     def _x(self) -> ca.SX:
@@ -76,7 +85,9 @@ class ClosedLine:
 
     @cached_property
     def _guards(self) -> ca.SX:
-        """Of the guarded steps g, where they have two solutions, else g^2; by the half turns and the pose that they lead to."""
+        """Of the guarded steps g, where they have two solutions, else g^2; by the half turns and
+        the pose that they lead to.
+        """
         at, found = self.evaluated(), []
         for i in self.code.guarded:
             step = self.plan.steps[i]
@@ -87,8 +98,9 @@ class ClosedLine:
         return ca.vertcat(ca.SX(0, 1), *found)
 
     def _square(self, at: Evaluation, step: Step) -> ca.SX:
-        """g^2 of a step as a function of the tool's pose and the joints before: of F x = y the square of y's part across the axis, which
-        has the length of x's, or of x's where y is known."""
+        """g^2 of a step as a function of the tool's pose and the joints before: of F x = y the
+        square of y's part across the axis, which has the length of x's, or of x's where y is known.
+        """
         decision = at.decide(step, 1.0)
         if step.branch is not None:
             return decision.discriminant
@@ -104,36 +116,61 @@ class ClosedLine:
         return self.bounds(lambda at: [self._square(at, step) for step in steps])
 
     def bounds(self, functions: Callable[[Evaluation], Sequence[ca.SX]]) -> np.ndarray:
-        """Bounds (functions, 2 + joints) of functions D of the tool's pose and of joints: |d^2 D / ds^2| is at most the sum of these times the
-        squares of the rates of the tool's place (over the size) and turn, and of the joints that D reads (angles; slides over the
-        size). Sampled."""
+        """Bounds (functions, 2 + joints) of functions D of the tool's pose and of joints: |d^2 D /
+        ds^2| is at most the sum of these times the squares of the rates of the tool's place (over
+        the size) and turn, and of the joints that D reads (angles; slides over the size). Sampled.
+        """
         screws, size = self.plan.arm.screws, self.plan.arm.size
         n = len(screws)
         q, moved = ca.SX.sym("q", n), ca.SX.sym("d", 6 + n)
         base = ca.vertcat(
-            *(v for i, s in enumerate(screws) for v in ((size * q[i], 0) if s.slides else (ca.cos(q[i] / 2), ca.sin(q[i] / 2))))
+            *(
+                v
+                for i, s in enumerate(screws)
+                for v in ((size * q[i], 0) if s.slides else (ca.cos(q[i] / 2), ca.sin(q[i] / 2)))
+            )
         )
         pose = ca.substitute(self.motion.pose, self.motion.halves, base)
-        turned = multiply(ca.vertcat(1 - ca.dot(moved[3:6], moved[3:6]) / 8, 0.5 * moved[3:6]), pose[3:])
-        values = [size * (q[i] + moved[6 + i]) if s.slides else q[i] + moved[6 + i] for i, s in enumerate(screws)]
-        motions = {i: Motion(v) if screws[i].slides else Motion(v, ca.cos(v), ca.sin(v)) for i, v in enumerate(values)}
-        at = replace(Evaluation(self.plan.arm, pose[:3] + size * moved[:3], turned), motions=motions)
+        turned = multiply(
+            ca.vertcat(1 - ca.dot(moved[3:6], moved[3:6]) / 8, 0.5 * moved[3:6]), pose[3:]
+        )
+        values = [
+            size * (q[i] + moved[6 + i]) if s.slides else q[i] + moved[6 + i]
+            for i, s in enumerate(screws)
+        ]
+        motions = {
+            i: Motion(v) if screws[i].slides else Motion(v, ca.cos(v), ca.sin(v))
+            for i, v in enumerate(values)
+        }
+        at = replace(
+            Evaluation(self.plan.arm, pose[:3] + size * moved[:3], turned), motions=motions
+        )
         found = []
         rng = np.random.default_rng(11)
-        samples = rng.uniform(-1, 1, (_SAMPLES, n)) * np.array([1.0 if s.slides else np.pi for s in screws])
+        samples = rng.uniform(-1, 1, (_SAMPLES, n)) * np.array(
+            [1.0 if s.slides else np.pi for s in screws]
+        )
         for function in functions(at):
             hessian = ca.substitute(ca.hessian(function, moved)[0], moved, ca.DM.zeros(6 + n))
-            values_there = ca.Function("hessian", [q], [ca.densify(hessian)]).map(_SAMPLES)(samples.T)
+            values_there = ca.Function("hessian", [q], [ca.densify(hessian)]).map(_SAMPLES)(
+                samples.T
+            )
             matrices = np.asarray(values_there).reshape(6 + n, _SAMPLES, 6 + n).transpose(1, 0, 2)
             found.append(_ROOM * _block_sums(matrices, self._ways(samples)))
         return np.array(found).reshape(-1, 2 + n)
 
     def _ways(self, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Orthonormal columns that span the tool's velocities, and its angular velocities: a SCARA's turn about one axis."""
+        """Orthonormal columns that span the tool's velocities, and its angular velocities: a
+        SCARA's turn about one axis.
+        """
         screws = self.plan.arm.screws
         jacobian = ca.Function("jacobian", [self.motion.halves], [self.motion.jacobian])
         halves = [
-            [v for q, s in zip(row, screws, strict=True) for v in ((q, 0.0) if s.slides else (np.cos(q / 2), np.sin(q / 2)))]
+            [
+                v
+                for q, s in zip(row, screws, strict=True)
+                for v in ((q, 0.0) if s.slides else (np.cos(q / 2), np.sin(q / 2)))
+            ]
             for row in samples[:_DIRECTIONS]
         ]
         columns = np.hstack([np.asarray(jacobian(u)) for u in halves])
@@ -141,13 +178,15 @@ class ClosedLine:
 
     def evaluated(self) -> Evaluation:
         """The arm at the half turns and the pose that they lead to."""
-        return replace(Evaluation(self.plan.arm, self._x[:3], self._x[3:]), motions=self.motion.motions)
+        return replace(
+            Evaluation(self.plan.arm, self._x[:3], self._x[3:]), motions=self.motion.motions
+        )
 
     def emitter(self, expressions: ca.SX) -> Emitter:
         """Emitter of functions of the half turns `u` and of the pose `x` that they lead to."""
         return self.motion.emitter(expressions, self._x)
 
-    # --- text ------------------------------------------------------------------------------------------------------------
+    # --- text -------------------------------------------------------------------------------------
 
     @property
     def _read_lines(self) -> list[str]:
@@ -157,22 +196,29 @@ class ClosedLine:
         for k, i in enumerate(self.code.guarded):
             emitter.comment(self.plan.steps[i].reason)
             text = emitter.value(0, k)
-            emitter.lines.append(f"margin[{k}] = {text} * {text};" if i in choices else f"margin[{k}] = {text};")
+            emitter.lines.append(
+                f"margin[{k}] = {text} * {text};" if i in choices else f"margin[{k}] = {text};"
+            )
             if i in choices:
                 number = choices.index(i)
-                emitter.lines.append(f"wanted |= ({text} < {zero}) ? {2 << (2 * number)}U : {1 << (2 * number)}U;")
+                emitter.lines.append(
+                    f"wanted |= ({text} < {zero}) ? {2 << (2 * number)}U : {1 << (2 * number)}U;"
+                )
         return emitter.lines
 
     @property
     def _bend_lines(self) -> list[str]:
-        """Statements that say whether each square stays above zero: `place` and `turn` are squares of the tool's way."""
+        """Statements that say whether each square stays above zero: `place` and `turn` are squares
+        of the tool's way.
+        """
         lines = []
         for k, (row, i) in enumerate(zip(WAY * self.bends, self.code.guarded, strict=True)):
             lines += [
                 f"/* {c_comment(self.plan.steps[i].reason)} */",
                 f"const {self.real.type} bend{k} = {self.sum_of(row)};",
                 f"const {self.real.type} lesser{k} = (a[{k}] < b[{k}]) ? a[{k}] : b[{k}];",
-                f"const {self.real.type} share{k} = bend{k} / ({self.real.literal(2.0)} * (a[{k}] + b[{k}]) + {self.real.literal(4.0)} * lesser{k});",
+                f"const {self.real.type} share{k} = bend{k} / ({self.real.literal(2.0)} * (a[{k}] "
+                f"+ b[{k}]) + {self.real.literal(4.0)} * lesser{k});",
                 f"largest = (share{k} > largest) ? share{k} : largest;",
             ]
         return lines
@@ -180,7 +226,10 @@ class ClosedLine:
     @property
     def per_lengths(self) -> str:
         """What makes joint values numbers of the order of one, joint by joint."""
-        return ", ".join(self.real.literal(1.0 / self.plan.arm.size if s.slides else 1.0) for s in self.plan.arm.screws)
+        return ", ".join(
+            self.real.literal(1.0 / self.plan.arm.size if s.slides else 1.0)
+            for s in self.plan.arm.screws
+        )
 
     @property
     def longest2(self) -> str:
@@ -190,18 +239,35 @@ class ClosedLine:
     def sum_of(self, row: np.ndarray) -> str:
         """C text of weights times the squares of the ways."""
         squares = ["place", "turn", *(f"moved[{j}]" for j in range(len(self.plan.arm)))]
-        terms = [f"{self.real.literal(rounded_up(w))} * {square}" for w, square in zip(row, squares, strict=True) if w > _NOTHING]
+        terms = [
+            f"{self.real.literal(rounded_up(w))} * {square}"
+            for w, square in zip(row, squares, strict=True)
+            if w > _NOTHING
+        ]
         return " + ".join(terms) or self.real.literal(0.0)
 
     def text(self, limits: LimitCheck) -> str:
         """The functions, which need those of the closed form."""
         literal, size = self.real.literal, self.plan.arm.size
         names = self.code.names | {
-            "turns": 2 * len(self.plan.arm), "read": indent(self._read_lines),
-            "bends": indent(self._bend_lines), "longest2": self.longest2, "per_lengths": self.per_lengths,
-            "per_size2": literal(size**-2), "size2": literal(size**2), "least": literal(_LEAST * self.real.epsilon),
-            "eight": literal(8.0), "quick": literal(0.2), "usual": literal(0.6), "shorter": literal(0.75), "far_shorter": literal(0.25), "near_one": literal(0.999), "turn_noise": literal(4.0 * self.real.epsilon), "least_part": literal(_LEAST_PART), "huge": self.code.values["huge"],
-        }  # fmt: skip
+            "turns": 2 * len(self.plan.arm),
+            "read": indent(self._read_lines),
+            "bends": indent(self._bend_lines),
+            "longest2": self.longest2,
+            "per_lengths": self.per_lengths,
+            "per_size2": literal(size**-2),
+            "size2": literal(size**2),
+            "least": literal(_LEAST * self.real.epsilon),
+            "eight": literal(8.0),
+            "quick": literal(0.2),
+            "usual": literal(0.6),
+            "shorter": literal(0.75),
+            "far_shorter": literal(0.25),
+            "near_one": literal(0.999),
+            "turn_noise": literal(4.0 * self.real.epsilon),
+            "least_part": literal(_LEAST_PART),
+            "huge": self.code.values["huge"],
+        }
         return limits.text + fill("closed_line.c", names | limits.names)
 
 
@@ -212,8 +278,10 @@ def _span(columns: np.ndarray) -> np.ndarray:
 
 
 def _block_sums(matrices: np.ndarray, ways: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """Weights w of d' H d <= w_1 |d_1|^2 + ..., for matrices H (count, n, n) whose blocks are the first three and the next three
-    variables, which go only in the directions of `ways`, and each other one."""
+    """Weights w of d' H d <= w_1 |d_1|^2 + ..., for matrices H (count, n, n) whose blocks are the
+    first three and the next three variables, which go only in the directions of `ways`, and each
+    other one.
+    """
     count = matrices.shape[1] - 6
     parts = [np.zeros((matrices.shape[1], way.shape[1])) for way in ways] + [
         np.eye(matrices.shape[1])[:, 6 + i : 7 + i] for i in range(count)

@@ -1,8 +1,10 @@
-"""Write the C of an arm's closed form: all branches of the inverse problem in one function of nested loops, one loop a choice.
+"""Write the C of an arm's closed form: all branches of the inverse problem in one function of
+nested loops, one loop a choice.
 
-The statements of a step stand in the loops of the choices before it, so that what branches share is computed once. `near` holds
-cosine and sine of a guess's angle (or its slide) for each choice; a choice whose bits in `wanted` are zero takes the solution that is
-nearest to it: of A cos q + B sin q = C the one on the side of the guess g that A sin g - B cos g tells.
+The statements of a step stand in the loops of the choices before it, so that what branches share is
+computed once. `near` holds cosine and sine of a guess's angle (or its slide) for each choice; a
+choice whose bits in `wanted` are zero takes the solution that is nearest to it: of A cos q + B sin
+q = C the one on the side of the guess g that A sin g - B cos g tells.
 """
 
 from __future__ import annotations
@@ -30,7 +32,8 @@ _LEAST = 256.0
 _FINISH_STEPS, _FINISH_REACH = 6, 0.5
 """Newton steps from a nearly equal arm's branch, and the longest one (of the size)."""
 _NEARLY_CLOSED = """ The axes are only nearly as the
- * formulas ask, and Newton's method goes on from these: solutions may be MISSING, all of them too, near where two of them meet."""
+ * formulas ask, and Newton's method goes on from these: solutions may be MISSING, all of them too,
+   near where two of them meet."""
 _MOST_TURNS = 1e4
 """Whole turns beyond which an angle is not moved: a float of them tells no angle."""
 
@@ -46,8 +49,10 @@ class _Written:
 
 @dataclass(frozen=True, eq=False)
 class ClosedCode:
-    """The closed form of one arm; `misfit`: the largest error of an answer's pose, as a length; `newton`: where the plan is that of an arm whose axes are nearly these, the method that has to
-    finish."""
+    """The closed form of one arm; `misfit`: the largest error of an answer's pose, as a length;
+    `newton`: where the plan is that of an arm whose axes are nearly these, the method that has to
+    finish.
+    """
 
     plan: Plan
     coordinates: tuple[Coordinate, ...]
@@ -56,7 +61,7 @@ class ClosedCode:
     misfit: float
     newton: NewtonCode | None
 
-    # --- expressions -----------------------------------------------------------------------------------------------------
+    # --- expressions ------------------------------------------------------------------------------
 
     @cached_property
     def _pose(self) -> ca.SX:
@@ -76,7 +81,10 @@ class ClosedCode:
         for step in self.plan.steps:
             sign, lean = ca.SX(1), ca.SX(0)
             if step.branch is not None:
-                sign, lean = self._signs[number], at.lean(step, self._near[2 * number], self._near[2 * number + 1])
+                sign, lean = (
+                    self._signs[number],
+                    at.lean(step, self._near[2 * number], self._near[2 * number + 1]),
+                )
                 number += 1
             decision = at.decide(step, sign)
             found.append(_Written(step, decision, lean))
@@ -84,26 +92,37 @@ class ClosedCode:
         return found, at
 
     def _gap(self, at: Evaluation) -> ca.SX:
-        """Square of how far the joints' tool pose is from the given one: origin, and two directions times the size, one of which is
-        an axis, since fewer joints turn it."""
+        """Square of how far the joints' tool pose is from the given one: origin, and two directions
+        times the size, one of which is an axis, since fewer joints turn it.
+        """
         chain: Word = tuple(Factor(i) for i in range(len(self.plan.arm)))
         total = ca.SX(0)
         x, y, z = (float(v) for v in np.asarray(self.plan.arm.tool.position))
-        axis = next((s.axis for s in reversed(self.plan.arm.screws) if not s.slides), (0.0, 0.0, 1.0))
-        for operand in (Operand((x, y, z), True), Operand(axis, False), Operand(across(axis)[0], False)):
+        axis = next(
+            (s.axis for s in reversed(self.plan.arm.screws) if not s.slides), (0.0, 0.0, 1.0)
+        )
+        for operand in (
+            Operand((x, y, z), True),
+            Operand(axis, False),
+            Operand(across(axis)[0], False),
+        ):
             gap = at.value(operand.carried(chain)) - at.value(operand.carried((Factor(TOOL),)))
             total += (1.0 if operand.is_point else self.plan.arm.size**2) * ca.dot(gap, gap)
         return total
 
     @cached_property
     def is_checked(self) -> bool:
-        """Whether branches are held against the pose: those of arms of fewer than six joints need not meet all of it."""
+        """Whether branches are held against the pose: those of arms of fewer than six joints need
+        not meet all of it.
+        """
         return len(self.plan.arm) < 6 and self.newton is None
 
     @cached_property
     def _outputs(self) -> ca.SX:
         written, at = self._steps
-        outputs = [e for w in written for e in (w.decision.strength, w.decision.discriminant, w.lean)]
+        outputs = [
+            e for w in written for e in (w.decision.strength, w.decision.discriminant, w.lean)
+        ]
         values = [at.motions[i].value + screw.zero for i, screw in enumerate(self.plan.arm.screws)]
         symbols = [self._pose, self._signs, self._near]
         gap = self._gap(at) if self.is_checked else ca.SX(0)
@@ -112,7 +131,10 @@ class ClosedCode:
     @cached_property
     def guarded(self) -> list[int]:
         """Numbers of the steps that could decide nothing, or of which two solutions could meet."""
-        entries = [self._outputs[3 * i + (step.branch is not None)] for i, step in enumerate(self.plan.steps)]
+        entries = [
+            self._outputs[3 * i + (step.branch is not None)]
+            for i, step in enumerate(self.plan.steps)
+        ]
         return [i for i, entry in enumerate(entries) if not entry.is_constant()]
 
     @cached_property
@@ -120,9 +142,11 @@ class ClosedCode:
         symbols = [self._pose, self._signs, self._near]
         function = ca.Function("f", symbols, [ca.densify(self._outputs)], {"cse": True})
         signs = [f"sign{i}" for i in range(len(self.plan.branches))]
-        return Emitter(function, [indexed("x", 7), signs, indexed("near", 2 * len(signs))], self.real)
+        return Emitter(
+            function, [indexed("x", 7), signs, indexed("near", 2 * len(signs))], self.real
+        )
 
-    # --- text ------------------------------------------------------------------------------------------------------------
+    # --- text -------------------------------------------------------------------------------------
 
     @cached_property
     def body(self) -> list[str]:
@@ -142,7 +166,10 @@ class ClosedCode:
             joints |= {k: emitter.value(0, 3 * len(steps) + k) for k in step.joints}
         n = len(self.plan.arm)
         if self.is_checked:
-            self._raw(f"if ({emitter.value(0, 3 * len(steps) + n)} < {self.real.literal(self.misfit**2)}) {{")
+            self._raw(
+                f"if ({emitter.value(0, 3 * len(steps) + n)} < "
+                f"{self.real.literal(self.misfit**2)}) {{"
+            )
             opened.append("}")
         for k in range(n):
             self._raw(f"found[count][{k}] = {joints[k]};")
@@ -155,8 +182,9 @@ class ClosedCode:
         return indented_by_braces(text.split("\n"))
 
     def _open_conditions(self, strength: str, discriminant: int, opened: list[str]) -> None:
-        """What must hold before a step's solutions are formed, and what is said where it does not: nothing decides the joint, two
-        solutions meet, or there is none."""
+        """What must hold before a step's solutions are formed, and what is said where it does not:
+        nothing decides the joint, two solutions meet, or there is none.
+        """
         least, undecided = self.real.literal(_LEAST * self.real.epsilon), "*undecided = true;"
         if not _is_number(strength):
             self._raw(f"if ({strength} > {least}) {{")
@@ -164,10 +192,15 @@ class ClosedCode:
         text = self._emitter.value(0, discriminant)
         if not _is_number(text):
             self._raw(f"if ({text} > {least}) {{")
-            opened.append(f"}} else if ({text} > -{least}) {{\n{undecided}\n}} else {{\n/* out of reach */\n}}")
+            opened.append(
+                f"}} else if ({text} > -{least}) {{\n{undecided}\n}} else {{\n/* out of reach */\n"
+                f"}}"
+            )
 
     def _margin(self, i: int) -> str:
-        """C text of a square that is zero where a step is not decided: what `ClosedLine` follows."""
+        """C text of a square that is zero where a step is not decided: what `ClosedLine`
+        follows.
+        """
         return self._emitter.value(0, 3 * i + (self.plan.steps[i].branch is not None))
 
     def _raw(self, text: str) -> None:
@@ -179,7 +212,9 @@ class ClosedCode:
         self._raw(f"const unsigned int bits{number} = (wanted >> {2 * number}U) & 3U;")
         self._raw(f"const unsigned int side{number} = ({lean} < {zero}) ? 2U : 1U;")
         self._raw(f"for (unsigned int k{number} = 1U; k{number} <= 2U; ++k{number}) {{")
-        self._raw(f"if ((((bits{number} != 0U) ? bits{number} : side{number}) & k{number}) != 0U) {{")
+        self._raw(
+            f"if ((((bits{number} != 0U) ? bits{number} : side{number}) & k{number}) != 0U) {{"
+        )
         self._raw(f"const {self.real.type} sign{number} = (k{number} == 1U) ? {one} : -{one};")
 
     @property
@@ -191,7 +226,9 @@ class ClosedCode:
                 continue
             (joint,) = step.joints
             screw = self.plan.arm.screws[joint]
-            value = f"guess[{joint}]" + (f" - {self.real.literal(screw.zero)}" if screw.zero else "")
+            value = f"guess[{joint}]" + (
+                f" - {self.real.literal(screw.zero)}" if screw.zero else ""
+            )
             p, quarter = self.values["p"], self.real.literal(0.5 * np.pi)
             cosine = value if screw.slides else f"{p}_sine({value} + {quarter})"
             lines += [f"near[{2 * number}] = {cosine};"]
@@ -207,32 +244,56 @@ class ClosedCode:
         spans = [c.limits for c in self.coordinates]
         middles = [0.5 * (s[0] + s[1]) if s else 0.0 for s in spans]
         named = [
-            f"wanted |= ((branch & {1 << (len(names) - 1 - i)}U) != 0U) ? {2 << (2 * i)}U : {1 << (2 * i)}U;"
+            f"wanted |= ((branch & {1 << (len(names) - 1 - i)}U) != 0U) ? {2 << (2 * i)}U : "
+            f"{1 << (2 * i)}U;"
             for i in range(len(names))
         ]
         both = sum(3 << (2 * i) for i in range(len(names)))
         return self.values | {
-            "branches": self.plan.count, "choices": max(len(names), 1), "nears": max(2 * len(names), 1), "both": f"{both}U", "margins": max(len(self.guarded), 1),
-            "body": indent(self.body), "near": indent(self._near_lines, 2), "nn": len(self.plan.arm),
+            "branches": self.plan.count,
+            "choices": max(len(names), 1),
+            "nears": max(2 * len(names), 1),
+            "both": f"{both}U",
+            "margins": max(len(self.guarded), 1),
+            "body": indent(self.body),
+            "near": indent(self._near_lines, 2),
+            "nn": len(self.plan.arm),
             "angular": ", ".join("true" if c.is_angular else "false" for c in self.coordinates),
-            "middles": ", ".join(literal(m) for m in middles), "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi),
-            "half": literal(0.5), "minus_half": literal(-0.5), "many": literal(_MOST_TURNS),
-            "sine": rough_sine(self.real), "quarter": literal(0.5 * np.pi), "half_turn": literal(np.pi),
-            "zero": literal(0.0), "fabs": self.real.call("fabs"),
+            "middles": ", ".join(literal(m) for m in middles),
+            "turn": literal(2 * np.pi),
+            "per_turn": literal(0.5 / np.pi),
+            "half": literal(0.5),
+            "minus_half": literal(-0.5),
+            "many": literal(_MOST_TURNS),
+            "sine": rough_sine(self.real),
+            "quarter": literal(0.5 * np.pi),
+            "half_turn": literal(np.pi),
+            "zero": literal(0.0),
+            "fabs": self.real.call("fabs"),
             "named": indent(named, 2),
-        }  # fmt: skip
+        }
 
     @property
     def text(self) -> str:
         """All functions of the closed form."""
-        sine = fill("closed_trigonometry.c", self.names) if any("_sine(" in line for line in self._near_lines) else ""
-        angle = angle_of_direction(self.real, self.names) if any("_angle(" in line for line in self.body) else ""
+        sine = (
+            fill("closed_trigonometry.c", self.names)
+            if any("_sine(" in line for line in self._near_lines)
+            else ""
+        )
+        angle = (
+            angle_of_direction(self.real, self.names)
+            if any("_angle(" in line for line in self.body)
+            else ""
+        )
         return angle + sine + fill("closed.c", self.names | {"finish": self._finish})
 
     @property
     def _finish(self) -> str:
         if self.newton is None:
-            return fill("closed_hold.c", self.names | {"answer_rounding": self.real.literal(self.misfit)})
+            return fill(
+                "closed_hold.c", self.names | {"answer_rounding": self.real.literal(self.misfit)}
+            )
         literal, size = self.real.literal, self.plan.arm.size
         own = {"most_steps": _FINISH_STEPS, "longest2": literal((_FINISH_REACH * size) ** 2)}
         return fill("closed_finish.c", self.newton.factoring | self.names | own)
@@ -242,7 +303,8 @@ class ClosedCode:
         """The declarations, with the names of the choices."""
         prefix, names = self.values["P"], self.plan.branches
         flags = [
-            f"#define {prefix}_{name.upper()} ({1 << (len(names) - 1 - i)}U) /* the other solution of joint {c_comment(self._joint_of(i))} */"
+            f"#define {prefix}_{name.upper()} ({1 << (len(names) - 1 - i)}U) /* the other solution "
+            f"of joint {c_comment(self._joint_of(i))} */"
             for i, name in enumerate(names)
         ]
         nearly = "" if self.newton is None else _NEARLY_CLOSED

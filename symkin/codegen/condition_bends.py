@@ -1,8 +1,10 @@
-"""Bound how far the conditions of formulas bend away from their chord along a straight line of known values.
+"""Bound how far the conditions of formulas bend away from their chord along a straight line of
+known values.
 
-A condition that reads the root of another one, or is divided by it, bends the more the nearer that one is to zero: sqrt(g)'' holds
--g'^2 / (4 g^(3/2)), and (n^2 / g^2)'' holds 6 n^2 g'^2 / g^4. Its bend is bounded after it has been multiplied by the shares of the
-conditions that it reads, g^(3/2) of a root and g^4 of a divisor, g over its usual size and at most 1: a number that stays as it is up
+A condition that reads the root of another one, or is divided by it, bends the more the nearer that
+one is to zero: sqrt(g)'' holds -g'^2 / (4 g^(3/2)), and (n^2 / g^2)'' holds 6 n^2 g'^2 / g^4. Its
+bend is bounded after it has been multiplied by the shares of the conditions that it reads, g^(3/2)
+of a root and g^4 of a divisor, g over its usual size and at most 1: a number that stays as it is up
 to the fold. Generated code divides by the shares that the conditions keep in each part of a line.
 """
 
@@ -30,8 +32,10 @@ _MOST_GIVEN = 3
 
 @dataclass(frozen=True)
 class ConditionBend:
-    """An eighth of a condition's largest second derivative over its usual size, lengths over the machine's, multiplied by the
-    shares of the conditions `read` (their numbers); `ground` says how it is known."""
+    """An eighth of a condition's largest second derivative over its usual size, lengths over the
+    machine's, multiplied by the shares of the conditions `read` (their numbers); `ground` says how
+    it is known.
+    """
 
     eighth: float
     ground: str
@@ -55,25 +59,36 @@ def condition_bend(
     points: np.ndarray,
     read: tuple[int, ...],
 ) -> ConditionBend:
-    """Bound the bend of a condition over its usual size, a function of `values`, the known coordinates'; `share` is that of the
-    conditions that it reads, `points` (n, known) are samples."""
+    """Bound the bend of a condition over its usual size, a function of `values`, the known
+    coordinates'; `share` is that of the conditions that it reads, `points` (n, known) are samples.
+    """
     scales = np.array([1.0 if c.is_angular else size for c in known])
     if not read:
         proved = _proved(ca.Function("g", [values], [condition]), known, scales)
         if proved is not None:
             return ConditionBend(rounded_up(proved / 8.0), "proved", read)
     hessian = ca.Function("h", [values], [ca.hessian(condition, values)[0], share])
-    return ConditionBend(rounded_up(_RAISED * _largest(hessian, points, scales) / 8.0), "sampled", read)
+    return ConditionBend(
+        rounded_up(_RAISED * _largest(hessian, points, scales) / 8.0), "sampled", read
+    )
 
 
-def _proved(condition: ca.Function, known: Sequence[Coordinate], scales: np.ndarray) -> float | None:
-    """The bound of a condition that is a sum of waves in bounded known values; None of another one."""
+def _proved(
+    condition: ca.Function, known: Sequence[Coordinate], scales: np.ndarray
+) -> float | None:
+    """The bound of a condition that is a sum of waves in bounded known values; None of another
+    one.
+    """
     spans = []
     for c, scale in zip(known, scales, strict=True):
         if not c.is_angular and c.limits is None:
             return None
         low, high = c.limits or (0.0, 0.0)
-        spans.append(Span(True) if c.is_angular else Span(False, 0.5 * (low + high), 0.5 * (high - low), float(scale)))
+        spans.append(
+            Span(True)
+            if c.is_angular
+            else Span(False, 0.5 * (low + high), 0.5 * (high - low), float(scale))
+        )
     if len(spans) > _MOST_GIVEN:
         return None
     bend = bend_of(lambda given: np.asarray(condition(given.T)).ravel(), spans)
@@ -81,8 +96,9 @@ def _proved(condition: ca.Function, known: Sequence[Coordinate], scales: np.ndar
 
 
 def _largest(hessian: ca.Function, points: np.ndarray, scales: np.ndarray) -> float:
-    """The largest norm of a matrix times its share over points (n, width), the eight largest followed uphill by random steps that
-    shrink; 1 where no point has a share."""
+    """The largest norm of a matrix times its share over points (n, width), the eight largest
+    followed uphill by random steps that shrink; 1 where no point has a share.
+    """
 
     def norms(at: np.ndarray) -> np.ndarray:
         found = []
@@ -90,7 +106,9 @@ def _largest(hessian: ca.Function, points: np.ndarray, scales: np.ndarray) -> fl
             matrix, share = (np.asarray(part) for part in hessian(point))
             kept = float(share[0, 0])
             size = (
-                np.linalg.norm(matrix * np.outer(scales, scales), 2) if kept > _LEAST_SHARE and np.isfinite(matrix).all() else 0.0
+                np.linalg.norm(matrix * np.outer(scales, scales), 2)
+                if kept > _LEAST_SHARE and np.isfinite(matrix).all()
+                else 0.0
             )
             found.append(float(size) * kept)
         return np.array(found)

@@ -1,4 +1,6 @@
-"""Write a header for C++17 and later over the C: a namespace, sizes known to the compiler, arrays or spans, results with their status."""
+"""Write a header for C++17 and later over the C: a namespace, sizes known to the compiler, arrays
+or spans, results with their status.
+"""
 
 from __future__ import annotations
 
@@ -109,7 +111,9 @@ _KEYWORDS = frozenset(
 
 @dataclass(frozen=True)
 class _Wrapped:
-    """A function of C: what it takes in C++, the result's type, and the arguments of the call, of which `found` is the result's."""
+    """A function of C: what it takes in C++, the result's type, and the arguments of the call, of
+    which `found` is the result's.
+    """
 
     name: str
     takes: str
@@ -121,43 +125,115 @@ class _Wrapped:
 _POSE = "found.value"
 _ARRAY = "found.value.data()"
 _PLATFORM = (
-    _Wrapped("direct", "view<joint_count> joints, const pose &guess, const config *settings = nullptr", "pose",
-             f"settings, joints.data(), &guess, &{_POSE}, &found.details", "The pose that the machine reaches from the guess."),
-    _Wrapped("track", "view<joint_count> joints, const pose &last", "pose", f"joints.data(), &{_POSE}, &found.details",
-             "One step from the last pose; details.residual is the predicted error, to be compared with track_limit."),
-    _Wrapped("inverse", "const pose &at", "joint_values", f"&at, {_ARRAY}", "Joint values of a pose."),
-    _Wrapped("jacobian", "const pose &at", "matrix", f"&at, {_ARRAY}", "Row-major: joint rates = jacobian * twist."),
-    _Wrapped("line", "const pose &from, const pose &to, const config *settings = nullptr", "bool", "settings, &from, &to, &found.details",
-             "Whether joints keep their limits along the straight line between two poses."),
-    _Wrapped("rates", "const pose &at, view<6> twist", "joint_values", f"&at, twist.data(), {_ARRAY}", "Joint rates of a twist."),
-    _Wrapped("twist", "const pose &at, view<joint_count> rates", "twist_values", f"&at, rates.data(), {_ARRAY}", "The twist of joint rates."),
-    _Wrapped("feed", "const pose &at, view<6> twist, view<joint_count> rate_limits", "real",
-             f"&at, twist.data(), rate_limits.data(), &{_POSE}", "The largest factor, up to 1, that keeps the limits of joint rates."),
-)  # fmt: skip
+    _Wrapped(
+        "direct",
+        "view<joint_count> joints, const pose &guess, const config *settings = nullptr",
+        "pose",
+        f"settings, joints.data(), &guess, &{_POSE}, &found.details",
+        "The pose that the machine reaches from the guess.",
+    ),
+    _Wrapped(
+        "track",
+        "view<joint_count> joints, const pose &last",
+        "pose",
+        f"joints.data(), &{_POSE}, &found.details",
+        "One step from the last pose; details.residual is the predicted error, to be compared "
+        "with track_limit.",
+    ),
+    _Wrapped(
+        "inverse", "const pose &at", "joint_values", f"&at, {_ARRAY}", "Joint values of a pose."
+    ),
+    _Wrapped(
+        "jacobian",
+        "const pose &at",
+        "matrix",
+        f"&at, {_ARRAY}",
+        "Row-major: joint rates = jacobian * twist.",
+    ),
+    _Wrapped(
+        "line",
+        "const pose &from, const pose &to, const config *settings = nullptr",
+        "bool",
+        "settings, &from, &to, &found.details",
+        "Whether joints keep their limits along the straight line between two poses.",
+    ),
+    _Wrapped(
+        "rates",
+        "const pose &at, view<6> twist",
+        "joint_values",
+        f"&at, twist.data(), {_ARRAY}",
+        "Joint rates of a twist.",
+    ),
+    _Wrapped(
+        "twist",
+        "const pose &at, view<joint_count> rates",
+        "twist_values",
+        f"&at, rates.data(), {_ARRAY}",
+        "The twist of joint rates.",
+    ),
+    _Wrapped(
+        "feed",
+        "const pose &at, view<6> twist, view<joint_count> rate_limits",
+        "real",
+        f"&at, twist.data(), rate_limits.data(), &{_POSE}",
+        "The largest factor, up to 1, that keeps the limits of joint rates.",
+    ),
+)
 _ARM = (
-    _Wrapped("direct", "view<joint_count> joints", "pose", f"joints.data(), &{_POSE}", "Tool pose of joint values."),
-    _Wrapped("inverse", "const pose &at, view<joint_count> guess, const config *settings = nullptr", "joint_values",
-             f"settings, &at, guess.data(), {_ARRAY}, &found.details", "The joint values that the arm reaches from the guess."),
-    _Wrapped("inverse_nearest", "const pose &at, view<joint_count> guess", "joint_values", f"&at, guess.data(), {_ARRAY}",
-             "The joint values nearest to the guess, by formulas."),
-    _Wrapped("inverse_branch", "const pose &at, unsigned int branch", "joint_values", f"&at, branch, {_ARRAY}",
-             "The joint values of one branch, by formulas."),
-    _Wrapped("jacobian", "view<joint_count> joints", "matrix", f"joints.data(), {_ARRAY}", "Row-major: twist = jacobian * joint rates."),
-)  # fmt: skip
+    _Wrapped(
+        "direct",
+        "view<joint_count> joints",
+        "pose",
+        f"joints.data(), &{_POSE}",
+        "Tool pose of joint values.",
+    ),
+    _Wrapped(
+        "inverse",
+        "const pose &at, view<joint_count> guess, const config *settings = nullptr",
+        "joint_values",
+        f"settings, &at, guess.data(), {_ARRAY}, &found.details",
+        "The joint values that the arm reaches from the guess.",
+    ),
+    _Wrapped(
+        "inverse_nearest",
+        "const pose &at, view<joint_count> guess",
+        "joint_values",
+        f"&at, guess.data(), {_ARRAY}",
+        "The joint values nearest to the guess, by formulas.",
+    ),
+    _Wrapped(
+        "inverse_branch",
+        "const pose &at, unsigned int branch",
+        "joint_values",
+        f"&at, branch, {_ARRAY}",
+        "The joint values of one branch, by formulas.",
+    ),
+    _Wrapped(
+        "jacobian",
+        "view<joint_count> joints",
+        "matrix",
+        f"joints.data(), {_ARRAY}",
+        "Row-major: twist = jacobian * joint rates.",
+    ),
+)
 
 
 def cpp_text(program: Program) -> str:
     """NAME.hpp."""
     name, serial = program.mechanism.name, program.mechanism.serial
     struct = program.options.geometry == "struct"
-    functions = [f for f in (_ARM if serial else _PLATFORM) if f"{name}_{f.name}(" in program.header]
+    functions = [
+        f for f in (_ARM if serial else _PLATFORM) if f"{name}_{f.name}(" in program.header
+    ]
     shown = program.values | {
         "namespace": f"{name}_kinematics" if name in _KEYWORDS else name,
         "functions": "\n".join(_function(name, f, struct=struct) for f in functions),
         "geometry_type": f"using geometry = ::{name}_geometry;" if struct else "",
-        "limit": f"inline constexpr real track_limit = {name.upper()}_TRACK_LIMIT;" if f"{name.upper()}_TRACK_LIMIT" in program.header else "",
+        "limit": f"inline constexpr real track_limit = {name.upper()}_TRACK_LIMIT;"
+        if f"{name.upper()}_TRACK_LIMIT" in program.header
+        else "",
         "all": fill("all.hpp", program.values) if f"{name}_inverse_all(" in program.header else "",
-    }  # fmt: skip
+    }
     return fill("header.hpp", shown)
 
 

@@ -1,4 +1,6 @@
-"""Write the C of the answer of a direct problem in closed form: residual, sides of the limbs, pose."""
+"""Write the C of the answer of a direct problem in closed form: residual, sides of the limbs,
+pose.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +18,13 @@ from symkin.codegen.newton_source import tuning_of
 from symkin.computed_once import cached_property
 
 _SMALL_SHARE = 1.0 / 64
-"""Share of its usual size below which a root multiplies rounding so much that an answer is read again before it is OK."""
+"""Share of its usual size below which a root multiplies rounding so much that an answer is read
+again before it is OK.
+"""
 _FIRM = 64.0
-"""How many times what rounding leaves of a guard it is at least where an answer need not be read again."""
+"""How many times what rounding leaves of a guard it is at least where an answer need not be read
+again.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,12 +35,16 @@ class AnswerText:
 
     @cached_property
     def _answer(self) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Rows, sides of the limbs' choices and numbers of the pose, over u, y and the half turn."""
+        """Rows, sides of the limbs' choices and numbers of the pose, over u, y and the half
+        turn.
+        """
         made, formulas = self.values.made, self.values.found.formulas
         generators = dict(self.values.generators)
         for c in made.closure.role("pose"):
             if c.is_angular:
-                generators[c.name] = Generators((self.values.half[0], self.values.half[1]), is_half=True)
+                generators[c.name] = Generators(
+                    (self.values.half[0], self.values.half[1]), is_half=True
+                )
         none = ca.SX(0, 1)
         places = self.values.places(formulas.system)
         try:
@@ -47,14 +57,32 @@ class AnswerText:
             if block.formulas is None:
                 continue
             limb = LimbFormulas(made, block, block.formulas)
-            sides.append(lifted(block.formulas.sides(limb.signs), self.values.places(block.system), generators, none))
-        pose_symbols = [(made.closure.variables[made.closure.slices[c.name]], c.name) for c in made.closure.role("pose")]
-        pose = made.geometry.of(ca.vertcat(made.closure.pose.position, made.closure.pose.quaternion))
-        return self._distinct(rows), ca.vertcat(*sides), lifted(pose, pose_symbols, generators, none)
+            sides.append(
+                lifted(
+                    block.formulas.sides(limb.signs),
+                    self.values.places(block.system),
+                    generators,
+                    none,
+                )
+            )
+        pose_symbols = [
+            (made.closure.variables[made.closure.slices[c.name]], c.name)
+            for c in made.closure.role("pose")
+        ]
+        pose = made.geometry.of(
+            ca.vertcat(made.closure.pose.position, made.closure.pose.quaternion)
+        )
+        return (
+            self._distinct(rows),
+            ca.vertcat(*sides),
+            lifted(pose, pose_symbols, generators, none),
+        )
 
     def _distinct(self, rows: ca.SX) -> ca.SX:
-        """Rows without those that equal another one, at values about 1 and about the size: beside the first the squares of a
-        tiny machine's lengths are nothing, beside the second its cosines are."""
+        """Rows without those that equal another one, at values about 1 and about the size: beside
+        the first the squares of a tiny machine's lengths are nothing, beside the second its cosines
+        are.
+        """
         symbols = ca.vertcat(self.values.u, self.values.y, self.values.half)
         function = ca.Function("rows", [symbols], [rows])
         rng = np.random.default_rng(2)
@@ -64,19 +92,35 @@ class AnswerText:
         values /= np.maximum(np.max(np.abs(values), axis=1, keepdims=True), np.finfo(float).tiny)
         kept: list[int] = []
         for k in range(values.shape[1]):
-            if not any(np.allclose(values[:, k], s * values[:, j], rtol=1e-9, atol=1e-15) for j in kept for s in (1, -1)):
+            if not any(
+                np.allclose(values[:, k], s * values[:, j], rtol=1e-9, atol=1e-15)
+                for j in kept
+                for s in (1, -1)
+            ):
                 kept.append(k)
         return ca.vertcat(ca.SX(0, 1), *(rows[k] for k in kept))
 
     @cached_property
     def needed(self) -> set[int]:
         """Places of `y` that the answer reads."""
-        function = ca.Function("answer", [self.values.y, self.values.u, self.values.half], [ca.vertcat(*self._answer)])
-        turns = {i for c in self.values.made.closure.role("pose") if c.is_angular for i in self.values.unknown_places[c.name]}
+        function = ca.Function(
+            "answer", [self.values.y, self.values.u, self.values.half], [ca.vertcat(*self._answer)]
+        )
+        turns = {
+            i
+            for c in self.values.made.closure.role("pose")
+            if c.is_angular
+            for i in self.values.unknown_places[c.name]
+        }
         return turns | {
             i
             for i, reads in enumerate(
-                ca.which_depends(function(self.values.y, self.values.u, self.values.half), self.values.y, 1, False)
+                ca.which_depends(
+                    function(self.values.y, self.values.u, self.values.half),
+                    self.values.y,
+                    1,
+                    False,
+                )
             )
             if reads
         }
@@ -88,7 +132,11 @@ class AnswerText:
         symbols = [self.values.u, self.values.y, self.values.half]
         outputs = gathered([rows, sides, pose], symbols, self.values.turns)
         function = ca.Function("answer", symbols, outputs, {"cse": True})
-        names = [indexed("w->u", self.values.count), indexed("w->y", int(self.values.y.shape[0])), indexed("h", 2)]
+        names = [
+            indexed("w->u", self.values.count),
+            indexed("w->y", int(self.values.y.shape[0])),
+            indexed("h", 2),
+        ]
         emitter = Emitter(function, names, real)
         texts = [emitter.value(0, k) for k in range(int(rows.shape[0]))]
         squares = " + ".join(f"{t} * {t}" for t in texts)
@@ -100,22 +148,37 @@ class AnswerText:
                 continue
             limb = LimbFormulas(self.values.made, block, block.formulas)
             for root, what in zip(limb.usual_roots, block.formulas.names, strict=True):
-                near = READ_AGAIN * BESIDE * np.sqrt(self._tolerance / block.system.characteristic_length)
-                tests += side_lines(emitter.value(1, k), what, (0.0, float(near * root)), real, name)
+                near = (
+                    READ_AGAIN
+                    * BESIDE
+                    * np.sqrt(self._tolerance / block.system.characteristic_length)
+                )
+                tests += side_lines(
+                    emitter.value(1, k), what, (0.0, float(near * root)), real, name
+                )
                 k += 1
         side = [*emitter.lines[len(residual) :], *tests]
         begin = len(emitter.lines)
         targets = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
         values = [emitter.value(2, i) for i in range(7)]
-        stores = [*emitter.lines[begin:], *(f"{target} = {text};" for target, text in zip(targets, values, strict=True))]
+        stores = [
+            *emitter.lines[begin:],
+            *(f"{target} = {text};" for target, text in zip(targets, values, strict=True)),
+        ]
         parts = {"residual": residual, "side": side, "firm": self._firm_lines}
-        return {f"{part}_lines": indent(lines) for part, lines in parts.items()} | {"pose_lines": indent(stores, 2)}
+        return {f"{part}_lines": indent(lines) for part, lines in parts.items()} | {
+            "pose_lines": indent(stores, 2)
+        }
 
     @property
     def _firm_lines(self) -> list[str]:
-        """Statements on what is near a fold: there the pose's error is large beside the distance."""
+        """Statements on what is near a fold: there the pose's error is large beside the
+        distance.
+        """
         real, values = self.values.real, self.values
-        tests = [f"(w->share > {real.literal(_SMALL_SHARE)})"] if values.found.usual_roots.size else []
+        tests = (
+            [f"(w->share > {real.literal(_SMALL_SHARE)})"] if values.found.usual_roots.size else []
+        )
         tests += [f"(w->guard[{j}] > {least})" for j, least in enumerate(values.least_by(_FIRM))]
         return [f"bool firm = {' && '.join(tests) or 'true'};"]
 
@@ -128,12 +191,19 @@ class AnswerText:
                 cosine, sine = (f"w->y[{i}]" for i in self.values.unknown_places[c.name])
                 half, zero, sqrt = real.literal(0.5), real.literal(0.0), real.call("sqrt")
                 return [
-                    f"{real.type} h[2];", "/* half the turn, by the larger of its cosine and sine */",
-                    f"const {real.type} larger = {sqrt}({half} + {half} * {real.call('fabs')}({cosine}));",
+                    f"{real.type} h[2];",
+                    "/* half the turn, by the larger of its cosine and sine */",
+                    f"const {real.type} larger = {sqrt}({half} + {half} * "
+                    f"{real.call('fabs')}({cosine}));",
                     f"const {real.type} lesser = {half} * {sine} / larger;",
-                    f"if ({cosine} >= {zero}) {{", "    h[0] = larger;", "    h[1] = lesser;", "} else {",
-                    f"    h[0] = {real.call('fabs')}(lesser);", f"    h[1] = (lesser < {zero}) ? -larger : larger;", "}",
-                ]  # fmt: skip
+                    f"if ({cosine} >= {zero}) {{",
+                    "    h[0] = larger;",
+                    "    h[1] = lesser;",
+                    "} else {",
+                    f"    h[0] = {real.call('fabs')}(lesser);",
+                    f"    h[1] = (lesser < {zero}) ? -larger : larger;",
+                    "}",
+                ]
         return []
 
     @property

@@ -1,8 +1,10 @@
-"""Find the formulas of a platform's direct problem, and what must stay above zero along a line for them to follow the machine.
+"""Find the formulas of a platform's direct problem, and what must stay above zero along a line for
+them to follow the machine.
 
-The closed form has a sign for each choice between two values, which a configuration tells. Discriminants and divisors of it, made free
-of divisions, are the guards: while none of them reaches zero, each point of the line has a real configuration with the same signs, which
-moves continuously and is regular.
+The closed form has a sign for each choice between two values, which a configuration tells.
+Discriminants and divisors of it, made free of divisions, are the guards: while none of them reaches
+zero, each point of the line has a real configuration with the same signs, which moves continuously
+and is regular.
 """
 
 from __future__ import annotations
@@ -32,7 +34,9 @@ _POWERS = 3
 _NOISE = 1e-9
 """Share of the largest weight below which another is rounding."""
 _PARTS = (1.0 / 16, 1.0 / 4, 1.0)
-"""Parts of a slide's range for which bounds are made: a line takes those of the first that holds it."""
+"""Parts of a slide's range for which bounds are made: a line takes those of the first that holds
+it.
+"""
 _ROOT_DEGREE = 4
 """Highest degree in a root that is looked for, less one."""
 _FREE_RANGE = 2.0
@@ -41,8 +45,10 @@ _FREE_RANGE = 2.0
 
 @dataclass(frozen=True)
 class Weights:
-    """Bounds K of half a guard's second derivative along a line by the squares of the given values' changes: `plain`, and, of a guard that
-    holds the root of another's value m, what is multiplied by m^(-1/2) and m^(-3/2)."""
+    """Bounds K of half a guard's second derivative along a line by the squares of the given values'
+    changes: `plain`, and, of a guard that holds the root of another's value m, what is multiplied
+    by m^(-1/2) and m^(-3/2).
+    """
 
     plain: np.ndarray
     by_root: np.ndarray
@@ -51,9 +57,11 @@ class Weights:
 
 @dataclass(frozen=True)
 class Guard:
-    """A function of the given values that has to stay above zero: discriminant `choice`, or `reach` of a limb (both None: a divisor),
-    times divisors to some `powers`, times `sign`. `size` bounds it; `weights` are one for each part of the slides' ranges; `root` is the
-    guard whose root it holds (None: it is a polynomial)."""
+    """A function of the given values that has to stay above zero: discriminant `choice`, or `reach`
+    of a limb (both None: a divisor), times divisors to some `powers`, times `sign`. `size` bounds
+    it; `weights` are one for each part of the slides' ranges; `root` is the guard whose root it
+    holds (None: it is a polynomial).
+    """
 
     name: str
     choice: int | None
@@ -83,8 +91,10 @@ def _times(divisors: ca.SX, powers: Sequence[int]) -> ca.SX:
 
 @dataclass(frozen=True, eq=False)
 class DirectFormulas:
-    """The closed form of a direct problem, the limbs' bounds among its conditions, its guards, and how large roots are at sampled
-    configurations. `parts` are the parts of the slides' ranges `spans` for which guards have weights."""
+    """The closed form of a direct problem, the limbs' bounds among its conditions, its guards, and
+    how large roots are at sampled configurations. `parts` are the parts of the slides' ranges
+    `spans` for which guards have weights.
+    """
 
     whole: LimbwiseForm
     spans: tuple[Span, ...]
@@ -98,21 +108,35 @@ class DirectFormulas:
 
 
 def direct_formulas(
-    problem: Problem, limbs: Sequence[System], samples: Sequence[Configuration], held: Held | None = None
+    problem: Problem,
+    limbs: Sequence[System],
+    samples: Sequence[Configuration],
+    held: Held | None = None,
 ) -> DirectFormulas | None:
-    """The formulas of the direct problem with all its rows, all rows together or else limb by limb, which it is where limbs are to be watched
-    holding the motion; None where none are found, or none that can be guarded."""
+    """The formulas of the direct problem with all its rows, all rows together or else limb by limb,
+    which it is where limbs are to be watched holding the motion; None where none are found, or none
+    that can be guarded.
+    """
     joints = problem.known_coordinates
     if len(samples) < _COMPARED or len(joints) > _MOST_GIVEN or any(c.width != 1 for c in joints):
         return None
     given = np.array([sample.known for sample in samples])
     form = closed_form(problem.system, given[:_COMPARED]) if held is None else None
-    whole = limbwise_form(problem, limbs, samples, held) if form is None else LimbwiseForm(form, int(form.signs.shape[0]), ())
+    whole = (
+        limbwise_form(problem, limbs, samples, held)
+        if form is None
+        else LimbwiseForm(form, int(form.signs.shape[0]), ())
+    )
     if whole is None:
         return None
     spans = tuple(_span(c, problem.closure.characteristic_length) for c in joints)
     parts = (1.0,) if all(span.angular for span in spans) else _PARTS
-    whole = replace(whole, reaches=tuple(_Guarding(whole, spans, parts, given).without_root(reach) for reach in whole.reaches))
+    whole = replace(
+        whole,
+        reaches=tuple(
+            _Guarding(whole, spans, parts, given).without_root(reach) for reach in whole.reaches
+        ),
+    )
     guards = _Guarding(whole, spans, parts, given).guards()
     if guards is None:
         return None
@@ -122,7 +146,9 @@ def direct_formulas(
 
 
 def _span(coordinate: Coordinate, size: float) -> Span:
-    """All angles; a slide's limits, or some sizes about the reference; its changes are told in sizes."""
+    """All angles; a slide's limits, or some sizes about the reference; its changes are told in
+    sizes.
+    """
     if coordinate.is_angular:
         return Span(True)
     if coordinate.limits is not None:
@@ -145,11 +171,14 @@ class _Guarding:
         return self.whole.form
 
     def guards(self) -> tuple[Guard, ...] | None:
-        """A guard for each discriminant of the pose, for each bound of a limb, and for each divisor that is no multiple of another; None
-        where one has no bounds."""
+        """A guard for each discriminant of the pose, for each bound of a limb, and for each divisor
+        that is no multiple of another; None where one has no bounds.
+        """
         found, roots = self.found, self.found.roots
         divisors = [found.divisors[j] for j in range(int(found.divisors.shape[0]))]
-        discriminants = ca.substitute(found.discriminants, found.signs, ca.SX.ones(*found.signs.shape))
+        discriminants = ca.substitute(
+            found.discriminants, found.signs, ca.SX.ones(*found.signs.shape)
+        )
         if ca.depends_on(found.divisors, roots):
             return None
         guards: list[Guard] = []
@@ -169,25 +198,48 @@ class _Guarding:
             kept.append(divisor)
             sign = float(np.sign(np.median(self._values(divisor)(self.given))))
             guards.append(
-                Guard(f"divisor {j + 1}", None, None, powers, sign, None, bends[-1].size, self._in_units(map(_plain, bends)))
+                Guard(
+                    f"divisor {j + 1}",
+                    None,
+                    None,
+                    powers,
+                    sign,
+                    None,
+                    bends[-1].size,
+                    self._in_units(map(_plain, bends)),
+                )
             )
         return tuple(guards)
 
-    def _values_above_zero(self, discriminants: ca.SX) -> list[tuple[str, tuple[int | None, int | None], ca.SX]]:
+    def _values_above_zero(
+        self, discriminants: ca.SX
+    ) -> list[tuple[str, tuple[int | None, int | None], ca.SX]]:
         """Name, (choice, reach) and value of the pose's discriminants and of the limbs' bounds."""
         found, count = self.found, self.whole.pose_choices
         values: list[tuple[str, tuple[int | None, int | None], ca.SX]] = []
         values += [(found.names[k], (k, None), discriminants[k]) for k in range(count)]
         for j, reach in enumerate(self.whole.reaches):
             value = ca.substitute(reach.of_known, found.signs, ca.SX.ones(*found.signs.shape))
-            values.append((f"reach of {reach.name}", (None, j), self._without_squares(value, discriminants[:count])))
+            values.append(
+                (
+                    f"reach of {reach.name}",
+                    (None, j),
+                    self._without_squares(value, discriminants[:count]),
+                )
+            )
         return values
 
     def _condition(
-        self, name: str, place: tuple[int | None, int | None], value: ca.SX, discriminants: ca.SX, before: Sequence[Guard]
+        self,
+        name: str,
+        place: tuple[int | None, int | None],
+        value: ca.SX,
+        discriminants: ca.SX,
+        before: Sequence[Guard],
     ) -> Guard | None:
-        """The guard of a discriminant or a limb's bound, (choice, reach), by the least powers of divisors that make its value a polynomial
-        P, or P + Q root."""
+        """The guard of a discriminant or a limb's bound, (choice, reach), by the least powers of
+        divisors that make its value a polynomial P, or P + Q root.
+        """
         roots, count = self.found.roots, int(self.found.divisors.shape[0])
         read = [j for j in range(int(roots.shape[0])) if ca.depends_on(value, roots[j])]
         if len(read) > 1 or any(any(before[j].powers) or before[j].root is not None for j in read):
@@ -201,11 +253,21 @@ class _Guarding:
                 continue
             plain = [bend for bend in bends if bend is not None]
             if root is None:
-                return Guard(name, *place, powers, 1.0, None, plain[0][-1].size, self._in_units(map(_plain, plain[0])))
+                return Guard(
+                    name,
+                    *place,
+                    powers,
+                    1.0,
+                    None,
+                    plain[0][-1].size,
+                    self._in_units(map(_plain, plain[0])),
+                )
             inner = self._bends(discriminants[root])
             if inner is None:
                 continue
-            weights = self._in_units(_with_root(p, q, d) for p, q, d in zip(plain[0], plain[1], inner, strict=True))
+            weights = self._in_units(
+                _with_root(p, q, d) for p, q, d in zip(plain[0], plain[1], inner, strict=True)
+            )
             size = plain[0][-1].size + plain[1][-1].size * float(np.sqrt(inner[-1].size))
             return Guard(name, *place, powers, 1.0, root, size, weights)
         return None
@@ -219,17 +281,27 @@ class _Guarding:
                 ones = ca.SX.ones(*self.found.roots.shape)
                 by_one = [ca.substitute(part, self.found.roots, ones) for part in (even, odd)]
                 sizes = [float(np.max(np.abs(self._values(part)(self.given)))) for part in by_one]
-                value = even if sizes[1] * float(np.sqrt(self._size(discriminants[j]))) <= _NOISE * sizes[0] else value
+                value = (
+                    even
+                    if sizes[1] * float(np.sqrt(self._size(discriminants[j]))) <= _NOISE * sizes[0]
+                    else value
+                )
         return value
 
     def without_root(self, reach: Reach) -> Reach:
-        """A condition Q r with the root r of the pose's first discriminant as Q alone, by the given values, with a sign that is above zero: r
-        has a guard of its own."""
+        """A condition Q r with the root r of the pose's first discriminant as Q alone, by the given
+        values, with a sign that is above zero: r has a guard of its own.
+        """
         ones, count = ca.SX.ones(*self.found.signs.shape), self.whole.pose_choices
-        value, discriminants = (ca.substitute(e, self.found.signs, ones) for e in (reach.of_known, self.found.discriminants))
+        value, discriminants = (
+            ca.substitute(e, self.found.signs, ones)
+            for e in (reach.of_known, self.found.discriminants)
+        )
         value = self._without_squares(value, discriminants[:count])
         roots = self.found.roots
-        if not ca.depends_on(value, roots[0]) or (count > 1 and ca.depends_on(value, roots[1:count])):
+        if not ca.depends_on(value, roots[0]) or (
+            count > 1 and ca.depends_on(value, roots[1:count])
+        ):
             return reach
         even, odd = _by_root(value, roots[0], discriminants[0])
         sizes = [np.max(np.abs(self._values(part)(self.given))) for part in (even, odd)]
@@ -241,18 +313,33 @@ class _Guarding:
     def _size(self, discriminant: ca.SX) -> float:
         """The largest value of a discriminant at the samples, roots of others as ones."""
         ones = ca.SX.ones(*self.found.roots.shape)
-        return float(np.max(np.abs(self._values(ca.substitute(discriminant, self.found.roots, ones))(self.given))))
+        return float(
+            np.max(
+                np.abs(
+                    self._values(ca.substitute(discriminant, self.found.roots, ones))(self.given)
+                )
+            )
+        )
 
     def _in_units(self, weights: Iterable[Weights]) -> tuple[Weights, ...]:
-        """Weights of changes as the given values are told, of those of changes in the spans' units."""
+        """Weights of changes as the given values are told, of those of changes in the spans'
+        units.
+        """
         squares = np.array([span.unit**2 for span in self.spans])
-        return tuple(Weights(w.plain / squares, w.by_root / squares, w.by_cube / squares) for w in weights)
+        return tuple(
+            Weights(w.plain / squares, w.by_root / squares, w.by_cube / squares) for w in weights
+        )
 
     def _bends(self, expression: ca.SX) -> list[Bend] | None:
-        """Bounds of an expression over each part of the slides' ranges; None where it is no polynomial."""
+        """Bounds of an expression over each part of the slides' ranges; None where it is no
+        polynomial.
+        """
         values, found = self._values(expression), list[Bend]()
         for part in reversed(self.parts):
-            spans = [span if span.angular else replace(span, half=part * span.half) for span in self.spans]
+            spans = [
+                span if span.angular else replace(span, half=part * span.half)
+                for span in self.spans
+            ]
             bend = bend_of(values, spans)
             if bend is None:
                 return None
@@ -273,7 +360,9 @@ class _Guarding:
 
 
 def _by_root(expression: ca.SX, root: ca.SX, discriminant: ca.SX) -> list[ca.SX]:
-    """P and Q of an expression P + Q root that is a polynomial in a discriminant's root. Raises ValueError where its degree is too high."""
+    """P and Q of an expression P + Q root that is a polynomial in a discriminant's root. Raises
+    ValueError where its degree is too high.
+    """
     parts, derivative, zero = [ca.SX(0), ca.SX(0)], expression, ca.SX(0)
     for k in range(_ROOT_DEGREE + 1):
         at_zero = ca.substitute(derivative, root, zero) / factorial(k)
@@ -292,7 +381,9 @@ def _plain(bend: Bend) -> Weights:
 
 
 def _with_root(p: Bend, q: Bend, d: Bend) -> Weights:
-    """Bounds of P + Q r, r^2 = D and D at least m: P'' + Q'' r + 2 Q' r' + Q r'' with r' = D' / (2 r), r'' = D'' / (2 r) - D'^2 / (4 r^3)."""
+    """Bounds of P + Q r, r^2 = D and D at least m: P'' + Q'' r + 2 Q' r' + Q r'' with r' = D' / (2
+    r), r'' = D'' / (2 r) - D'^2 / (4 r^3).
+    """
     both = 0.5 * (q.slopes * np.sum(d.slopes) + d.slopes * np.sum(q.slopes))
     return Weights(
         plain=0.5 * _cleaned(p.weights + np.sqrt(d.size) * q.weights),

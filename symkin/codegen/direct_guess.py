@@ -1,4 +1,6 @@
-"""Write the C that reads the guess of a direct problem in closed form: joints by the limbs, signs and guards."""
+"""Write the C that reads the guess of a direct problem in closed form: joints by the limbs, signs
+and guards.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ class GuessText:
 
     @cached_property
     def lines(self) -> list[str]:
-        """Statements that read a guess: joints by the limbs, signs and guards of the direct problem."""
+        """Statements that read a guess: joints by the limbs, signs and guards of the direct
+        problem.
+        """
         made, formulas, real = self.values.made, self.values.found.formulas, self.values.real
         x = ca.SX.sym("x", 7)
         taken = restricted(made.geometry, x)
@@ -37,33 +41,54 @@ class GuessText:
         for block in made.blocks:
             places = self.values.places(block.system)
             if block.rod is not None:
-                rod = lifted(block.rod, places, self._all(generators, block.system.unknowns), ca.SX(0, 1))
+                rod = lifted(
+                    block.rod, places, self._all(generators, block.system.unknowns), ca.SX(0, 1)
+                )
                 generators[block.system.unknowns[0].name] = Generators((rod[0],))
                 continue
             assert block.formulas is not None  # noqa: S101 - the caller has looked
             limb, own = LimbFormulas(made, block, block.formulas), block.formulas
             symbols = ca.SX.sym(f"{block.name}_r", int(own.roots.shape[0]))
-            with_roots = [ca.substitute(limb.signed(e), own.roots, symbols) for e in (own.discriminants, own.first, own.second)]
-            found = [lifted(e, places, self._all(generators, block.system.unknowns), symbols) for e in with_roots]
+            with_roots = [
+                ca.substitute(limb.signed(e), own.roots, symbols)
+                for e in (own.discriminants, own.first, own.second)
+            ]
+            found = [
+                lifted(e, places, self._all(generators, block.system.unknowns), symbols)
+                for e in with_roots
+            ]
             for k in range(int(symbols.shape[0])):
                 roots.append(symbols[k])
                 discriminants.append(found[0][k])
                 limits.append(float((RESOLVED * real.epsilon * limb.usual_roots[k]) ** 2))
             for k, c in enumerate(block.system.unknowns):
-                generators[c.name] = Generators((found[1][k], found[2][k]) if c.is_angular else (found[1][k],))
+                generators[c.name] = Generators(
+                    (found[1][k], found[2][k]) if c.is_angular else (found[1][k],)
+                )
         places = self.values.places(formulas.system)
-        told = self._told(lifted(self.values.signed(formulas.told), places, generators, formulas.roots))
+        told = self._told(
+            lifted(self.values.signed(formulas.told), places, generators, formulas.roots)
+        )
         divisors = lifted(formulas.divisors, places, generators, formulas.roots)
-        reaches = ca.vertcat(ca.SX(0, 1), *(reach.of_configuration for reach in self.values.found.whole.reaches))
+        reaches = ca.vertcat(
+            ca.SX(0, 1), *(reach.of_configuration for reach in self.values.found.whole.reaches)
+        )
         reaches = lifted(reaches, places, generators, formulas.roots)
-        guards = ca.vertcat(*(guard.of(told**2, reaches, divisors) for guard in self.values.found.guards))
+        guards = ca.vertcat(
+            *(guard.of(told**2, reaches, divisors) for guard in self.values.found.guards)
+        )
         at = ca.vertcat(*(part for c in made.actuated for part in generators[c.name].parts))
         off = ca.vertcat(ca.SX(0, 1), *taken.off)
         return self._read(
-            x, ca.vertcat(ca.SX(0, 1), *roots), [ca.vertcat(ca.SX(0, 1), *discriminants), at, told, guards, off], limits
+            x,
+            ca.vertcat(ca.SX(0, 1), *roots),
+            [ca.vertcat(ca.SX(0, 1), *discriminants), at, told, guards, off],
+            limits,
         )
 
-    def _read(self, x: ca.SX, roots: ca.SX, parts: Sequence[ca.SX], limits: Sequence[float]) -> list[str]:
+    def _read(
+        self, x: ca.SX, roots: ca.SX, parts: Sequence[ca.SX], limits: Sequence[float]
+    ) -> list[str]:
         real, name = self.values.real, self.values.made.name.upper()
         outputs = gathered(parts, [x, roots], [])
         function = ca.Function("guess", [x, roots], outputs, {"cse": True})
@@ -74,11 +99,15 @@ class GuessText:
             text, limit = emitter.value(0, k), real.literal(rounded(limits[k]))
             emitter.lines.append(f"const {real.type} d{k + 1} = {text};")
             emitter.lines.append(
-                f"const {real.type} r{k + 1} = (d{k + 1} > {limit}) ? {real.call('sqrt')}(d{k + 1}) : {real.literal(1.0)};"
+                f"const {real.type} r{k + 1} = (d{k + 1} > {limit}) ? "
+                f"{real.call('sqrt')}(d{k + 1}) : {real.literal(1.0)};"
             )
             tests.append(f"(d{k + 1} > {limit})")
         limit = real.literal(off_motion(self.values.made.geometry, real))
-        tests += [f"({real.call('fabs')}({emitter.value(4, i)}) <= {limit})" for i in range(int(parts[4].shape[0]))]
+        tests += [
+            f"({real.call('fabs')}({emitter.value(4, i)}) <= {limit})"
+            for i in range(int(parts[4].shape[0]))
+        ]
         begun, lines = len(emitter.lines), emitter.lines
         lines += [f"w->at[{i}] = {emitter.value(1, i)};" for i in range(int(parts[1].shape[0]))]
         self.values.store_guards(emitter, 3, "left", of_divisors=True)
@@ -87,11 +116,19 @@ class GuessText:
             lines.append(f"w->sign[{k}] = ({emitter.value(2, k)} < {zero}) ? -{one} : {one};")
         self.values.store_guards(emitter, 3, "left", of_divisors=False)
         near = self.values.above("left", of_divisors=False)
-        last = [*lines[middle:], *([f"if (!({near})) {{", f"    status = {name}_SINGULAR;", "}"] if near else [])]
-        rest = [*lines[begun:middle], *_refused(self.values.above("left", of_divisors=True), last, f"{name}_SINGULAR")]
+        last = [
+            *lines[middle:],
+            *([f"if (!({near})) {{", f"    status = {name}_SINGULAR;", "}"] if near else []),
+        ]
+        rest = [
+            *lines[begun:middle],
+            *_refused(self.values.above("left", of_divisors=True), last, f"{name}_SINGULAR"),
+        ]
         return [*lines[:begun], *_refused(" && ".join(tests), rest, f"{name}_OUT_OF_RANGE")]
 
-    def _pose_generators(self, lengths: Sequence[ca.SX], half: tuple[ca.SX, ca.SX] | None) -> dict[str, Generators]:
+    def _pose_generators(
+        self, lengths: Sequence[ca.SX], half: tuple[ca.SX, ca.SX] | None
+    ) -> dict[str, Generators]:
         pose, found, left = self.values.made.closure.role("pose"), {}, list(lengths)
         for c in pose:
             if c.is_angular:
@@ -102,9 +139,16 @@ class GuessText:
         return found
 
     @staticmethod
-    def _all(generators: Mapping[str, Generators], unknowns: Sequence[Coordinate]) -> dict[str, Generators]:
+    def _all(
+        generators: Mapping[str, Generators], unknowns: Sequence[Coordinate]
+    ) -> dict[str, Generators]:
         """Generators, with symbols for unknowns that no formula reads."""
-        own = {c.name: Generators((ca.SX.sym("c"), ca.SX.sym("s")) if c.is_angular else (ca.SX.sym("v"),)) for c in unknowns}
+        own = {
+            c.name: Generators(
+                (ca.SX.sym("c"), ca.SX.sym("s")) if c.is_angular else (ca.SX.sym("v"),)
+            )
+            for c in unknowns
+        }
         return own | dict(generators)
 
     def _told(self, told: ca.SX) -> ca.SX:
@@ -122,4 +166,10 @@ def _refused(condition: str, lines: Sequence[str], status: str) -> list[str]:
     """Statements under a condition, without which a status is set."""
     if not condition:
         return list(lines)
-    return [f"if (!({condition})) {{", f"    status = {status};", "} else {", *("    " + line for line in lines), "}"]
+    return [
+        f"if (!({condition})) {{",
+        f"    status = {status};",
+        "} else {",
+        *("    " + line for line in lines),
+        "}",
+    ]

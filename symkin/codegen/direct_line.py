@@ -1,4 +1,6 @@
-"""Write the C that checks the line of a direct problem in closed form: changes of the given values against guards."""
+"""Write the C that checks the line of a direct problem in closed form: changes of the given values
+against guards.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +14,17 @@ from symkin.codegen.newton_kernel import rounded_up
 from symkin.text import c_comment
 
 _ARC = 0.117
-"""An angle up to a right one squared is its chord squared, c, and less than this times c^2: (pi^2 / 8 - 1) / 2."""
+"""An angle up to a right one squared is its chord squared, c, and less than this times c^2: (pi^2 /
+8 - 1) / 2.
+"""
 _ALIKE = 0.01
 """Relative difference of weights that are taken as equal: as the largest of them."""
 
 
 _ROUNDED = 256.0
-"""Roundings by which a guess's slide, read from its pose, may be beyond its range: the given value is held against its limits apart."""
+"""Roundings by which a guess's slide, read from its pose, may be beyond its range: the given value
+is held against its limits apart.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,26 +42,42 @@ class LineText:
                 lines.append(f"const {real.type} move{n} = w->u[{n}] - w->at[{n}];")
             square = " + ".join(f"move{n} * move{n}" for n in places)
             if c.is_angular:
-                lines += [f"const {real.type} chord{i} = {square};", f"kept = kept && (chord{i} <= {real.literal(2.0)});",
-                          f"change[{i}] = chord{i} + {real.literal(_ARC)} * chord{i} * chord{i};"]  # fmt: skip
+                lines += [
+                    f"const {real.type} chord{i} = {square};",
+                    f"kept = kept && (chord{i} <= {real.literal(2.0)});",
+                    f"change[{i}] = chord{i} + {real.literal(_ARC)} * chord{i} * chord{i};",
+                ]
             else:
                 lines += [f"change[{i}] = {square};"]
         return lines
 
     @property
     def span_lines(self) -> list[str]:
-        """Statements that choose the part of the slides' ranges that holds the line, and refuse what is outside."""
+        """Statements that choose the part of the slides' ranges that holds the line, and refuse
+        what is outside.
+        """
         real, largest = self.values.real, []
-        for i, (c, span) in enumerate(zip(self.values.made.actuated, self.values.found.spans, strict=True)):
+        for i, (c, span) in enumerate(
+            zip(self.values.made.actuated, self.values.found.spans, strict=True)
+        ):
             if not span.angular:
                 place, beyond = self.values.joint_places[c.name][0], 1.0 + _ROUNDED * real.epsilon
-                for value, half in ((f"w->at[{place}]", span.half * beyond), (f"joints[{i}]", span.half)):
-                    largest.append(f"{real.literal(1.0 / half)} * {real.call('fabs')}({value} - {real.literal(span.middle)})")
+                for value, half in (
+                    (f"w->at[{place}]", span.half * beyond),
+                    (f"joints[{i}]", span.half),
+                ):
+                    largest.append(
+                        f"{real.literal(1.0 / half)} * {real.call('fabs')}({value} - "
+                        f"{real.literal(span.middle)})"
+                    )
         if not largest:
             return []
         p = self.values.made.name.upper()
-        lines = [f"if (status == {p}_OK) {{", "    /* which part of the slides' ranges holds both ends of the line */",
-                 f"    {real.type} excursion = {largest[0]};"]  # fmt: skip
+        lines = [
+            f"if (status == {p}_OK) {{",
+            "    /* which part of the slides' ranges holds both ends of the line */",
+            f"    {real.type} excursion = {largest[0]};",
+        ]
         for text in largest[1:]:
             lines += [
                 "    {",
@@ -65,7 +87,13 @@ class LineText:
             ]
         for reach in self.values.found.parts[:-1]:
             lines += [f"    w->reach += (excursion > {real.literal(reach)}) ? 1U : 0U;"]
-        return [*lines, f"    if (!(excursion <= {real.literal(1.0)})) {{", f"        status = {p}_WRONG_BRANCH;", "    }", "}"]
+        return [
+            *lines,
+            f"    if (!(excursion <= {real.literal(1.0)})) {{",
+            f"        status = {p}_WRONG_BRANCH;",
+            "    }",
+            "}",
+        ]
 
     @property
     def at_lines(self) -> list[str]:
@@ -97,35 +125,67 @@ class LineText:
         roots = {guard.root for guard in self.values.found.guards}
         lines, sums = ["bool kept = true;"], dict[str, str]()
         for j, guard in enumerate(self.values.found.guards):
-            lines += [f"/* {c_comment(guard.name)} */", f"const {real.type} a{j} = w->left[{j}] - {self.values.least[j]};",
-                      f"const {real.type} b{j} = w->guard[{j}] - {self.values.least[j]};",
-                      f"const {real.type} lesser{j} = (a{j} < b{j}) ? a{j} : b{j};"]  # fmt: skip
-            bend = self._weighted(f"plain{j}", [weights.plain for weights in guard.weights], lines, sums)
+            lines += [
+                f"/* {c_comment(guard.name)} */",
+                f"const {real.type} a{j} = w->left[{j}] - {self.values.least[j]};",
+                f"const {real.type} b{j} = w->guard[{j}] - {self.values.least[j]};",
+                f"const {real.type} lesser{j} = (a{j} < b{j}) ? a{j} : b{j};",
+            ]
+            bend = self._weighted(
+                f"plain{j}", [weights.plain for weights in guard.weights], lines, sums
+            )
             if guard.root is not None:
                 # the root that it holds is at least this on the way
-                lines.append(f"const {real.type} per{j} = {real.literal(1.0)} / {real.call('sqrt')}(under{guard.root});")
-                once = self._weighted(f"once{j}", [weights.by_root for weights in guard.weights], lines, sums)
-                cube = self._weighted(f"thrice{j}", [weights.by_cube for weights in guard.weights], lines, sums)
+                lines.append(
+                    f"const {real.type} per{j} = {real.literal(1.0)} / "
+                    f"{real.call('sqrt')}(under{guard.root});"
+                )
+                once = self._weighted(
+                    f"once{j}", [weights.by_root for weights in guard.weights], lines, sums
+                )
+                cube = self._weighted(
+                    f"thrice{j}", [weights.by_cube for weights in guard.weights], lines, sums
+                )
                 bend = f"{bend} + per{j} * ({once} + per{j} * per{j} * ({cube}))"
             lines.append(f"const {real.type} bend{j} = {bend};")
-            lines += [f"const {real.type} most{j} = a{j} + b{j} + lesser{j} + lesser{j};", f"if (!((lesser{j} > {zero}) && (bend{j} < most{j}))) {{",
-                      f"    w->over = (kept && (lesser{j} > {zero})) ? (bend{j} / most{j}) : w->over;", "    kept = false;", "}"]  # fmt: skip
+            lines += [
+                f"const {real.type} most{j} = a{j} + b{j} + lesser{j} + lesser{j};",
+                f"if (!((lesser{j} > {zero}) && (bend{j} < most{j}))) {{",
+                f"    w->over = (kept && (lesser{j} > {zero})) ? (bend{j} / most{j}) : w->over;",
+                "    kept = false;",
+                "}",
+            ]
             if j in roots:
-                lines.append(f"const {real.type} least{j} = lesser{j} - {real.literal(0.25)} * bend{j};")
+                lines.append(
+                    f"const {real.type} least{j} = lesser{j} - {real.literal(0.25)} * bend{j};"
+                )
                 lines.append(f"kept = kept && (least{j} > {zero});")
-                lines.append(f"const {real.type} under{j} = (least{j} > {zero}) ? least{j} : {real.literal(1.0)};")
+                lines.append(
+                    f"const {real.type} under{j} = (least{j} > {zero}) ? least{j} : "
+                    f"{real.literal(1.0)};"
+                )
         return lines
 
-    def _weighted(self, name: str, weights: Sequence[np.ndarray], lines: list[str], sums: dict[str, str]) -> str:
-        """C text of a sum of squared changes by weights of each reach; joints of about one weight are added first. `lines` get tables and
-        sums."""
+    def _weighted(
+        self, name: str, weights: Sequence[np.ndarray], lines: list[str], sums: dict[str, str]
+    ) -> str:
+        """C text of a sum of squared changes by weights of each reach; joints of about one weight
+        are added first. `lines` get tables and sums.
+        """
         real, parts = self.values.real, list[str]()
         table = np.array([[rounded_up(float(v)) for v in part] for part in weights])
         left = [i for i in range(table.shape[1]) if np.any(table[:, i] > 0.0)]
         while left:
-            alike = [i for i in left if np.all(np.abs(table[:, i] - table[:, left[0]]) <= _ALIKE * table[:, left[0]])]
+            alike = [
+                i
+                for i in left
+                if np.all(np.abs(table[:, i] - table[:, left[0]]) <= _ALIKE * table[:, left[0]])
+            ]
             left = [i for i in left if i not in alike]
-            column, added = np.max(table[:, alike], axis=1), " + ".join(f"change[{i}]" for i in alike)
+            column, added = (
+                np.max(table[:, alike], axis=1),
+                " + ".join(f"change[{i}]" for i in alike),
+            )
             if len(alike) > 1:
                 if added not in sums:
                     sums[added] = f"sum{len(sums)}"
@@ -134,7 +194,10 @@ class LineText:
             if np.all(column == column[0]):
                 parts.append(f"{real.literal(float(column[0]))} * {added}")
                 continue
-            texts, table_name = ", ".join(real.literal(float(v)) for v in column), f"{name}_{alike[0]}"
+            texts, table_name = (
+                ", ".join(real.literal(float(v)) for v in column),
+                f"{name}_{alike[0]}",
+            )
             lines.append(f"static const {real.type} {table_name}[{len(column)}] = {{ {texts} }};")
             parts.append(f"{table_name}[w->reach] * {added}")
         return " + ".join(parts) or real.literal(0.0)

@@ -22,8 +22,9 @@ _NOISE = 64.0
 
 @dataclass(frozen=True, eq=False)
 class DirectValues:
-    """The values of one platform's direct problem: `u` the given ones, `y` the unknowns, angles by cosine and sine, `half` those of half the
-    pose's turn."""
+    """The values of one platform's direct problem: `u` the given ones, `y` the unknowns, angles by
+    cosine and sine, `half` those of half the pose's turn.
+    """
 
     made: LimbPlatform
     found: DirectFormulas
@@ -67,11 +68,17 @@ class DirectValues:
         whole = system is self.found.formulas.system
         known = self.made.direct.known_coordinates if whole else self.made.inverse.known_coordinates
         parts = ((system.unknowns, system.unknown), (known, system.known))
-        return [(symbols[k], c.name) for coordinates, symbols in parts for k, c in enumerate(coordinates)]
+        return [
+            (symbols[k], c.name)
+            for coordinates, symbols in parts
+            for k, c in enumerate(coordinates)
+        ]
 
     def signed(self, expression: ca.SX) -> ca.SX:
         """An expression in which roots have their signs."""
-        return ca.substitute(expression, self.found.formulas.signs, ca.SX.ones(*self.found.formulas.signs.shape))
+        return ca.substitute(
+            expression, self.found.formulas.signs, ca.SX.ones(*self.found.formulas.signs.shape)
+        )
 
     @cached_property
     def generators(self) -> dict[str, Generators]:
@@ -88,14 +95,20 @@ class DirectValues:
         return [(self.u[p[0]], self.u[p[1]]) for p in self.joint_places.values() if len(p) == 2]
 
     def store_guards(self, emitter: Emitter, output: int, array: str, *, of_divisors: bool) -> None:
-        """Add statements of guards: those of divisors, by which formulas divide, or those of discriminants."""
+        """Add statements of guards: those of divisors, by which formulas divide, or those of
+        discriminants.
+        """
         for j, guard in enumerate(self.found.guards):
             if guard.is_divisor == of_divisors:
                 emitter.lines.append(f"w->{array}[{j}] = {emitter.value(output, j)};")
 
     def above(self, array: str, *, of_divisors: bool) -> str:
         """C condition: these guards are more than rounding."""
-        tests = [f"(w->{array}[{j}] > {self.least[j]})" for j, g in enumerate(self.found.guards) if g.is_divisor == of_divisors]
+        tests = [
+            f"(w->{array}[{j}] > {self.least[j]})"
+            for j, g in enumerate(self.found.guards)
+            if g.is_divisor == of_divisors
+        ]
         return " && ".join(tests)
 
     @cached_property
@@ -105,7 +118,10 @@ class DirectValues:
 
     def least_by(self, times: float) -> list[str]:
         """Multiples of what is nothing but rounding of each guard."""
-        return [self.real.literal(rounded(times * _NOISE * self.real.epsilon * guard.size)) for guard in self.found.guards]
+        return [
+            self.real.literal(rounded(times * _NOISE * self.real.epsilon * guard.size))
+            for guard in self.found.guards
+        ]
 
 
 def _places_of(coordinates: Sequence[Coordinate]) -> dict[str, list[int]]:

@@ -1,7 +1,8 @@
-"""Write expressions as text of another language: one walk over the graph, and what differs from language to language.
+"""Write expressions as text of another language: one walk over the graph, and what differs from
+language to language.
 
-What is used more than once gets a name, and so do parts of what grows longer than the language likes; the rest is written in
-place.
+What is used more than once gets a name, and so do parts of what grows longer than the language
+likes; the rest is written in place.
 """
 
 from __future__ import annotations
@@ -28,7 +29,9 @@ class Text:
 
 
 class Language(Protocol):
-    """The texts of operations and constants; `longest` is the `width` of a text beyond which parts of it get names."""
+    """The texts of operations and constants; `longest` is the `width` of a text beyond which parts
+    of it get names.
+    """
 
     @property
     def longest(self) -> int | None: ...
@@ -73,7 +76,9 @@ class _UseCounts:
 
 @dataclass
 class _Writer:
-    """Evaluator that writes values as text and names those that are read more than once or grow too long."""
+    """Evaluator that writes values as text and names those that are read more than once or grow too
+    long.
+    """
 
     names: Sequence[Sequence[str]]
     language: Language
@@ -93,7 +98,9 @@ class _Writer:
         text = language.operation(op, [part.text for part in operands])
         while language.longest is not None and language.width(text.text) > language.longest:
             widest = max(operands, key=lambda part: language.width(part.text.text))
-            if language.width(widest.text.text) <= language.width(language.temporary(len(self.definitions) + 1)):
+            if language.width(widest.text.text) <= language.width(
+                language.temporary(len(self.definitions) + 1)
+            ):
                 break
             widest.text = self._named(widest.text.text)
             text = language.operation(op, [part.text for part in operands])
@@ -115,14 +122,20 @@ class _Writer:
         return Text(self.definitions[-1][0], ATOM)
 
 
-def write(function: ca.Function, names: Sequence[str], language: Language) -> tuple[list[tuple[str, str]], list[str]]:
-    """Write a function: named intermediate values, in order, and the text of each entry of the dense first output (column by
-    column). `names` are the texts of all inputs' entries, input after input."""
+def write(
+    function: ca.Function, names: Sequence[str], language: Language
+) -> tuple[list[tuple[str, str]], list[str]]:
+    """Write a function: named intermediate values, in order, and the text of each entry of the
+    dense first output (column by column). `names` are the texts of all inputs' entries, input after
+    input.
+    """
     ends = [sum(function.numel_in(k) for k in range(i)) for i in range(function.n_in() + 1)]
     uses = _UseCounts()
     walk(function, uses)
     inputs = [names[begin:end] for begin, end in pairwise(ends)]
-    writer = _Writer(inputs, language, uses.counts, [language.constant(0.0).text] * int(function.numel_out(0)))
+    writer = _Writer(
+        inputs, language, uses.counts, [language.constant(0.0).text] * int(function.numel_out(0))
+    )
     walk(function, writer)
     return writer.definitions, writer.results
 
@@ -165,7 +178,12 @@ class Python:
         if op in _SIGNS and values[1].text.startswith("-") and values[1].level == PRODUCT:
             op, values = _SIGNS[op], [values[0], Text(values[1].text[1:], PRODUCT)]
         template, level, needed = _PYTHON[op]
-        return Text(template.format(*(bracketed(v, n, "(", ")") for v, n in zip(values, needed, strict=True))), level)
+        return Text(
+            template.format(
+                *(bracketed(v, n, "(", ")") for v, n in zip(values, needed, strict=True))
+            ),
+            level,
+        )
 
     def constant(self, value: float) -> Text:
         text = repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)
@@ -176,11 +194,22 @@ class Python:
 
 
 def module_functions(module: str, names: dict[str, str]) -> dict[int, str]:
-    """Functions of a module by operation; `names` are the module's own names for `asin`, `atan2` and others."""
+    """Functions of a module by operation; `names` are the module's own names for `asin`, `atan2`
+    and others.
+    """
     ops = {
-        "sqrt": ca.OP_SQRT, "sin": ca.OP_SIN, "cos": ca.OP_COS, "tan": ca.OP_TAN, "asin": ca.OP_ASIN, "acos": ca.OP_ACOS,
-        "atan": ca.OP_ATAN, "atan2": ca.OP_ATAN2, "exp": ca.OP_EXP, "log": ca.OP_LOG, "abs": ca.OP_FABS,
-    }  # fmt: skip
+        "sqrt": ca.OP_SQRT,
+        "sin": ca.OP_SIN,
+        "cos": ca.OP_COS,
+        "tan": ca.OP_TAN,
+        "asin": ca.OP_ASIN,
+        "acos": ca.OP_ACOS,
+        "atan": ca.OP_ATAN,
+        "atan2": ca.OP_ATAN2,
+        "exp": ca.OP_EXP,
+        "log": ca.OP_LOG,
+        "abs": ca.OP_FABS,
+    }
     return {op: f"{module}.{names.get(name, name)}" for name, op in ops.items()}
 
 

@@ -1,4 +1,6 @@
-"""Write the folder of one mechanism: sources, test, build files, README and manifest; the same model gives the same bytes."""
+"""Write the folder of one mechanism: sources, test, build files, README and manifest; the same
+model gives the same bytes.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,13 @@ from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.vectors import Vectors, build_vectors
 from symkin.errors import InputError
 from symkin.files.outputs import write_output
-from symkin.files.written_files import MANIFEST, digest, foreign_files, read_manifest, refuse_foreign
+from symkin.files.written_files import (
+    MANIFEST,
+    digest,
+    foreign_files,
+    read_manifest,
+    refuse_foreign,
+)
 from symkin.model.arm import with_limbs
 from symkin.model.mechanism import Mechanism, require_mechanism
 
@@ -49,16 +57,21 @@ def write_firmware(
     also: Collection[Literal["package", "linuxcnc", "cpp"]] = (),
     compact: bool = False,
 ) -> list[Path]:
-    """Write C99 for controllers into a folder and return its files: direct and inverse kinematics, Jacobian, test, build files.
+    """Write C99 for controllers into a folder and return its files: direct and inverse kinematics,
+    Jacobian, test, build files.
 
-    `real` is the C type of numbers, "double" by default, or "float"; `home_relative` makes joint values and positions changes from home; `geometry` "struct"
-    gives the numbers of the geometry with each call in place of the code; `home` is the pose x, y, z, qw, qx, qy, qz (length
-    unit) about which pivots are chosen. `home_relative` and `home` are for platforms on six rods. `given` and `find` name joint
-    coordinates, as many of each as the mobility: the code is then the map from one to the other and back, of any mechanism, graphs
-    and files of robots too, with Jacobian, rates and torques. `also` asks for more files: "package" (PlatformIO, Arduino, Zephyr),
-    "linuxcnc" (a kinematics component), "cpp" (a header for C++17). `compact` asks for the least code, at some cost of instructions. Where a C compiler is at hand
-    the code's own test is compiled and run first. Raises InputError for a mechanism that no code can be written for, options that do not fit it,
-    code that fails its own test, and a folder that holds files of somebody else.
+    `real` is the C type of numbers, "double" by default, or "float"; `home_relative` makes joint
+    values and positions changes from home; `geometry` "struct" gives the numbers of the geometry
+    with each call in place of the code; `home` is the pose x, y, z, qw, qx, qy, qz (length unit)
+    about which pivots are chosen. `home_relative` and `home` are for platforms on six rods. `given`
+    and `find` name joint coordinates, as many of each as the mobility: the code is then the map
+    from one to the other and back, of any mechanism, graphs and files of robots too, with Jacobian,
+    rates and torques. `also` asks for more files: "package" (PlatformIO, Arduino, Zephyr),
+    "linuxcnc" (a kinematics component), "cpp" (a header for C++17). `compact` asks for the least
+    code, at some cost of instructions. Where a C compiler is at hand the code's own test is
+    compiled and run first. Raises InputError for a mechanism that no code can be written for,
+    options that do not fit it, code that fails its own test, and a folder that holds files of
+    somebody else.
 
     >>> import symkin, tempfile
     >>> arm = symkin.load("gluon_6l3")
@@ -68,18 +81,27 @@ def write_firmware(
     """
     require_mechanism(mechanism)
     pose = None if home is None else tuple(float(v) for v in home)
-    chosen = Options(real, home_relative, geometry, pose, tuple(given), tuple(find), tuple(also), compact)
+    chosen = Options(
+        real, home_relative, geometry, pose, tuple(given), tuple(find), tuple(also), compact
+    )
     if not chosen.is_map:
-        remedy = "describe the machine by limbs, or map joints to joints by --given and --find (given and find in Python)"
+        remedy = (
+            "describe the machine by limbs, or map joints to joints by --given and --find (given "
+            "and find in Python)"
+        )
         mechanism = with_limbs(mechanism, "firmware", remedy)
     return write_folder(mechanism, Path(directory), chosen)
 
 
-def write_folder(mechanism: Mechanism, folder: Path, options: Options, measured: Mapping[str, Any] | None = None) -> list[Path]:
-    """Write the folder, a new one where it is missing, and return its files; `measured`: figures of codegen/measured.json.
+def write_folder(
+    mechanism: Mechanism, folder: Path, options: Options, measured: Mapping[str, Any] | None = None
+) -> list[Path]:
+    """Write the folder, a new one where it is missing, and return its files; `measured`: figures of
+    codegen/measured.json.
 
-    Raises InputError where that would replace a file that is not symkin's, is another mechanism's, or was edited, and where a
-    compiler finds that the code fails its own test."""
+    Raises InputError where that would replace a file that is not symkin's, is another mechanism's,
+    or was edited, and where a compiler finds that the code fails its own test.
+    """
     check_folder(mechanism, folder)
     files = folder_files(mechanism, options, measured)
     run_own_test(mechanism.name, files)
@@ -90,7 +112,9 @@ def write_folder(mechanism: Mechanism, folder: Path, options: Options, measured:
             (folder / name).parent.mkdir(exist_ok=True)
             write_output(folder / name, text)
     except OSError as error:
-        raise InputError(f"{folder}: cannot be written ({error.strerror}); give a folder with -o") from None
+        raise InputError(
+            f"{folder}: cannot be written ({error.strerror}); give a folder with -o"
+        ) from None
     return [folder / name for name in files]
 
 
@@ -98,20 +122,28 @@ def check_folder(mechanism: Mechanism, folder: Path) -> None:
     """Raise InputError where the folder has the code of another mechanism."""
     written = read_manifest(folder, _KEY)
     if written.get("mechanism", mechanism.name) != mechanism.name:
-        raise InputError(f"{folder}: holds the code of {written['mechanism']!r}; give another folder with -o")
+        raise InputError(
+            f"{folder}: holds the code of {written['mechanism']!r}; give another folder with -o"
+        )
 
 
 def _check_files(folder: Path, files: dict[str, str]) -> None:
-    """Raise InputError for files in the way that are neither as the folder's manifest says they were written nor as they are to
-    be, as after a run that was cut short."""
+    """Raise InputError for files in the way that are neither as the folder's manifest says they
+    were written nor as they are to be, as after a run that was cut short.
+    """
     written = read_manifest(folder, _KEY)
-    digests = {name: (written.get("files", {}).get(name), digest(text.encode())) for name, text in files.items()}
+    digests = {
+        name: (written.get("files", {}).get(name), digest(text.encode()))
+        for name, text in files.items()
+    }
     names = [name for name in files if name != MANIFEST or not written]
     remedy = "move them away, or give another folder with -o"
     refuse_foreign(folder, foreign_files(folder, names, digests), written.get("files", {}), remedy)
 
 
-def folder_files(mechanism: Mechanism, options: Options, measured: Mapping[str, Any] | None = None) -> dict[str, str]:
+def folder_files(
+    mechanism: Mechanism, options: Options, measured: Mapping[str, Any] | None = None
+) -> dict[str, str]:
     """Write the text of each file, by its name."""
     program = build_program(mechanism, options, measured)
     kind = program.kind
@@ -124,7 +156,9 @@ def folder_files(mechanism: Mechanism, options: Options, measured: Mapping[str, 
         f"{name}.h": program.header,
         f"{name}.c": program.source,
         f"{name}_test.c": fill(f"{templates}_test.c", values),
-        f"{name}_vectors.h": vectors.text() if isinstance(vectors, MapVectors) else vectors_text(program, vectors),
+        f"{name}_vectors.h": vectors.text()
+        if isinstance(vectors, MapVectors)
+        else vectors_text(program, vectors),
         "example_main.c": fill(f"{templates}_example.c", values),
         "CMakeLists.txt": fill("CMakeLists.txt", values),
         "Makefile": fill("Makefile", values),
@@ -134,7 +168,10 @@ def folder_files(mechanism: Mechanism, options: Options, measured: Mapping[str, 
     if options.linuxcnc and not isinstance(vectors, MapVectors):
         files[f"{name}_kins.c"] = linuxcnc_text(program, vectors.home)
     files |= {f"{name}.hpp": cpp_text(program)} if options.cpp else {}
-    files = {file: narrowed(text) if file.endswith((".c", ".h", ".hpp")) else text for file, text in files.items()}
+    files = {
+        file: narrowed(text) if file.endswith((".c", ".h", ".hpp")) else text
+        for file, text in files.items()
+    }
     files[MANIFEST] = manifest(program, files)
     return files
 
@@ -169,43 +206,60 @@ def _closed_manifest(program: Program) -> dict[str, object]:
     kind = program.kind
     if not isinstance(kind, SerialArm) or kind.plan is None:
         return {}
-    return {"closed_form": {"choices": list(kind.plan[0].branches), "steps": kind.plan[0].derivation(), "nearly": kind.plan[1]}}
+    return {
+        "closed_form": {
+            "choices": list(kind.plan[0].branches),
+            "steps": kind.plan[0].derivation(),
+            "nearly": kind.plan[1],
+        }
+    }
 
 
 def _test_values(program: Program) -> dict[str, object]:
     real, mechanism = program.real, program.mechanism
     struct = program.options.geometry == "struct"
-    name = mechanism.name
+    name, length = mechanism.name, mechanism.characteristic_length
     nominal = (
-        f"    const {name}_geometry nominal = {name.upper()}_NOMINAL;\n    const {name}_geometry *const geometry = &nominal;"
+        f"    const {name}_geometry nominal = {name.upper()}_NOMINAL;\n"
+        f"    const {name}_geometry *const geometry = &nominal;"
         if struct
         else ""
     )
-    return _redundant_values(program) | _map_values(program) | {
-        "far": real.literal(1e4 * max(mechanism.characteristic_length, 1.0)),
-        "angle_bound": _angle_bound(program),
-        "jacobian_unit": f"{max(mechanism.characteristic_length, 1.0, 1.0 / mechanism.characteristic_length)!r}",
-        "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
-        "nominal": nominal,
-        **_one_step_values(program),
-        "gpe": f"const {name}_geometry *geometry, " if struct else "",
-        "version": ".".join(re.findall(r"[0-9]+", __version__)[:3]),
-        "installed": f"{name}.h" + (f" {name}.hpp" if program.options.cpp else ""),
-        "speed_bound": "1e-3" if real.name == "float" else "1e-9",
-        "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
-        "closed_test": "", "closed_call": "",
-    }  # fmt: skip
+    return (
+        _redundant_values(program)
+        | _map_values(program)
+        | {
+            "far": real.literal(1e4 * max(length, 1.0)),
+            "angle_bound": _angle_bound(program),
+            "jacobian_unit": f"{max(1.0, length, 1.0 / length)!r}",
+            "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
+            "nominal": nominal,
+            **_one_step_values(program),
+            "gpe": f"const {name}_geometry *geometry, " if struct else "",
+            "version": ".".join(re.findall(r"[0-9]+", __version__)[:3]),
+            "installed": f"{name}.h" + (f" {name}.hpp" if program.options.cpp else ""),
+            "speed_bound": "1e-3" if real.name == "float" else "1e-9",
+            "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
+            "closed_test": "",
+            "closed_call": "",
+        }
+    )
 
 
 def _one_step_values(program: Program) -> dict[str, object]:
-    """Write the test that one step from home is not enough, for a direct problem that is iterated."""
+    """Write the test that one step from home is not enough, for a direct problem that is
+    iterated.
+    """
     if is_closed(program.kind):
         return {"one_step": "", "one_step_is_few": ""}
     prefix, few = program.mechanism.name, f"{program.mechanism.name.upper()}_MAX_ITERATIONS"
     sizes = f"{prefix.upper()}_TOLERANCE, 1U, {prefix.upper()}_MAX_STEP"
     return {
         "one_step": f"    const {prefix}_config one_step = {{ {sizes} }};",
-        "one_step_is_few": f'    expect(refused(&one_step, joints, &home, "one step is not enough") == {few}, "MAX_ITERATIONS", 0);',
+        "one_step_is_few": (
+            f'    expect(refused(&one_step, joints, &home, "one step is not enough") == {few}, '
+            f'"MAX_ITERATIONS", 0);'
+        ),
     }
 
 
@@ -231,7 +285,10 @@ def _map_values(program: Program) -> dict[str, object]:
     if not isinstance(kind, JointMap):
         return {}
     parts = {"joint_weights": kind.given, "found_weights": kind.found}
-    return {key: ", ".join(f"{kind.size if c.is_angular else 1.0!r}" for c in part) for key, part in parts.items()}
+    return {
+        key: ", ".join(f"{kind.size if c.is_angular else 1.0!r}" for c in part)
+        for key, part in parts.items()
+    }
 
 
 def _angle_bound(program: Program) -> str:
@@ -244,25 +301,35 @@ def _angle_bound(program: Program) -> str:
 
 def _slides(program: Program) -> str:
     """C condition: joint `i` is a length. Empty where none is."""
-    return " || ".join(f"(i == {i})" for i, c in enumerate(program.mechanism.actuated) if not c.is_angular)
+    return " || ".join(
+        f"(i == {i})" for i, c in enumerate(program.mechanism.actuated) if not c.is_angular
+    )
 
 
 def _redundant_values(program: Program) -> dict[str, object]:
-    """Say how answers of a serial arm are compared: joint by joint; where a pose leaves joints free, near the end of the
-    finely followed path, and exactly by the tool's pose."""
+    """Say how answers of a serial arm are compared: joint by joint; where a pose leaves joints
+    free, near the end of the finely followed path, and exactly by the tool's pose.
+    """
     kind, name = program.kind, program.mechanism.name
     if not kind.is_redundant:
         return {"joint_bound": "bound" + _angle_bound(program), "again": ""}
     slides = _slides(program)
-    bound = f"(({slides}) ? {0.01 * program.mechanism.characteristic_length!r} : 0.01)" if slides else "0.01"
+    bound = (
+        f"(({slides}) ? {0.01 * program.mechanism.characteristic_length!r} : 0.01)"
+        if slides
+        else "0.01"
+    )
     first = "geometry, " if program.options.geometry == "struct" else ""
     again = [
-        f'expect({name}_direct({first}joints, &pose) == {name.upper()}_OK, "direct of the answer", k);',
+        f'expect({name}_direct({first}joints, &pose) == {name.upper()}_OK, "direct of the '
+        f'answer", k);',
         "for (int i = 0; i < 3; ++i) {",
-        f'    expect(fabs((double)pose.position[i] - (double){name}_vector_poses[k][i]) <= bound, "the answer\'s position", k);',
+        f"    expect(fabs((double)pose.position[i] - (double){name}_vector_poses[k][i]) <= bound, "
+        f'"the answer\'s position", k);',
         "}",
         "for (int i = 0; i < 4; ++i) {",
-        f"    const double off = fabs((double)pose.quaternion[i] - (double){name}_vector_poses[k][3 + i]);",
+        f"    const double off = fabs((double)pose.quaternion[i] - "
+        f"(double){name}_vector_poses[k][3 + i]);",
         f'    expect((double){name.upper()}_SIZE * off <= bound, "the answer\'s quaternion", k);',
         "}",
     ]
@@ -284,14 +351,19 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
     lines = [
         f"/* Vectors for {name}_test.c, made by symkin's Python solvers; numbers are exact.",
         " * SPDX-License-Identifier: MIT */",
-        f"#ifndef {name.upper()}_VECTORS_H", f"#define {name.upper()}_VECTORS_H", "", f'#include "{name}.h"', "",
+        f"#ifndef {name.upper()}_VECTORS_H",
+        f"#define {name.upper()}_VECTORS_H",
+        "",
+        f'#include "{name}.h"',
+        "",
         f"#define {name.upper()}_VECTORS {len(vectors.joints)}",
         f"#define {name.upper()}_VECTOR_JACOBIANS {len(vectors.jacobians)}",
         f"#define {name.upper()}_VECTOR_SINGULAR {len(vectors.singular)}",
         f"#define {name.upper()}_VECTOR_INFEASIBLE {len(vectors.infeasible)}",
         f"#define {name.upper()}_VECTOR_PAST {len(vectors.past)}",
-        f"#define {name.upper()}_VECTOR_FAR {int(_is_too_far(program, far, vectors))}", "",
-    ]  # fmt: skip
+        f"#define {name.upper()}_VECTOR_FAR {int(_is_too_far(program, far, vectors))}",
+        "",
+    ]
     for label, table in tables:
         lines += _table(f"{kind} {name}_vector_{label}", table, real)
     if len(vectors.infeasible):
@@ -299,14 +371,16 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
     if len(vectors.past):
         lines += _table(f"{kind} {name}_vector_past", vectors.past, real)
         lines.append(
-            f"static const int {name}_vector_blamed[{len(vectors.blamed)}] = {{ {', '.join(map(str, vectors.blamed))} }};"
+            f"static const int {name}_vector_blamed[{len(vectors.blamed)}] = {{ "
+            f"{', '.join(map(str, vectors.blamed))} }};"
         )
     if len(vectors.singular):
         lines += _table(f"{kind} {name}_vector_singular", vectors.singular, real)
     if not isinstance(program.kind, SerialArm):
         for label, row in (("home", vectors.home), ("far", far)):
             lines.append(
-                f"static const {kind} {name}_vector_{label}[7] = {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }};"
+                f"static const {kind} {name}_vector_{label}[7] = {{ "
+                f"{', '.join(real.hexadecimal(float(v)) for v in row)} }};"
             )
     bounds = ", ".join(f"{float(v):.2g}" for v in vectors.bounds)
     lines += [
@@ -323,7 +397,9 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
 def _is_too_far(program: Program, far: np.ndarray, vectors: Vectors) -> bool:
     """Tell whether one step of tracking cannot bring the platform there: formulas can."""
     away = np.linalg.norm(far[:3] - vectors.poses[0][:3])
-    return not is_closed(program.kind) and bool(away > 0.06 * program.mechanism.characteristic_length)
+    return not is_closed(program.kind) and bool(
+        away > 0.06 * program.mechanism.characteristic_length
+    )
 
 
 def _table(head: str, table: np.ndarray, real: Real) -> list[str]:
@@ -333,4 +409,8 @@ def _table(head: str, table: np.ndarray, real: Real) -> list[str]:
 
 def _far(vectors: Vectors) -> np.ndarray:
     """Find the pose farthest from the first vector's: too long a step for tracking."""
-    return np.asarray(vectors.poses[int(np.argmax(np.linalg.norm(vectors.poses[:, :3] - vectors.poses[0][:3], axis=1)))])
+    return np.asarray(
+        vectors.poses[
+            int(np.argmax(np.linalg.norm(vectors.poses[:, :3] - vectors.poses[0][:3], axis=1)))
+        ]
+    )

@@ -1,7 +1,9 @@
-"""Gather expressions: sums of products of few values, where the constants of a machine leave such a sum of a longer calculation.
+"""Gather expressions: sums of products of few values, where the constants of a machine leave such a
+sum of a longer calculation.
 
-Each value of a graph is written as a polynomial in its atoms, which are symbols and the results of divisions and roots; squares of
-sines become those of cosines. What is shorter as a polynomial is written so, by Horner's rule; what is not keeps its operations.
+Each value of a graph is written as a polynomial in its atoms, which are symbols and the results of
+divisions and roots; squares of sines become those of cosines. What is shorter as a polynomial is
+written so, by Horner's rule; what is not keeps its operations.
 """
 
 from __future__ import annotations
@@ -26,7 +28,9 @@ _Monomial = tuple[int, ...]
 
 @dataclass(frozen=True, eq=False)
 class _Node:
-    """A value: its operation and operands, or an atom's expression; its polynomial (coefficient, what it was summed from), if it is short."""
+    """A value: its operation and operands, or an atom's expression; its polynomial (coefficient,
+    what it was summed from), if it is short.
+    """
 
     op: int
     reads: tuple[int, ...]
@@ -34,15 +38,22 @@ class _Node:
     terms: Mapping[_Monomial, tuple[float, float]] | None
 
 
-def gathered(expressions: Sequence[ca.SX], symbols: Sequence[ca.SX], turns: Sequence[tuple[ca.SX, ca.SX]]) -> list[ca.SX]:
-    """The same values, written shorter. `turns` are the symbols that are cosine and sine of one angle."""
+def gathered(
+    expressions: Sequence[ca.SX], symbols: Sequence[ca.SX], turns: Sequence[tuple[ca.SX, ca.SX]]
+) -> list[ca.SX]:
+    """The same values, written shorter. `turns` are the symbols that are cosine and sine of one
+    angle.
+    """
     sizes = [int(e.shape[0]) for e in expressions]
     whole = ca.densify(ca.vertcat(*expressions))
     reader = _Reader(ca.vertcat(*symbols), [(c.element_hash(), s.element_hash()) for c, s in turns])
     walk(ca.Function("f", [reader.symbols], [whole], {"cse": True}), reader)
     count = int(whole.shape[0])
     found = [whole, _Writer(reader, _by_cones(reader)).whole(count)]
-    best = min(found, key=lambda e: int(ca.Function("f", [reader.symbols], [e], {"cse": True}).n_instructions()))
+    best = min(
+        found,
+        key=lambda e: int(ca.Function("f", [reader.symbols], [e], {"cse": True}).n_instructions()),
+    )
     parts, begin = [], 0
     for size in sizes:
         parts.append(best[begin : begin + size])
@@ -106,7 +117,9 @@ class _Reader:
         return None
 
     def _product(
-        self, first: Mapping[_Monomial, tuple[float, float]], second: Mapping[_Monomial, tuple[float, float]]
+        self,
+        first: Mapping[_Monomial, tuple[float, float]],
+        second: Mapping[_Monomial, tuple[float, float]],
     ) -> Mapping[_Monomial, tuple[float, float]] | None:
         if len(first) * len(second) > 8 * _MOST_TERMS:
             return None
@@ -128,13 +141,17 @@ class _Reader:
         return [(monomial, 1.0)]
 
 
-def _put(terms: dict[_Monomial, tuple[float, float]], monomial: _Monomial, value: float, size: float) -> None:
+def _put(
+    terms: dict[_Monomial, tuple[float, float]], monomial: _Monomial, value: float, size: float
+) -> None:
     before, from_what = terms.get(monomial, (0.0, 0.0))
     terms[monomial] = (before + value, from_what + size)
 
 
 def _sum(
-    first: Mapping[_Monomial, tuple[float, float]], second: Mapping[_Monomial, tuple[float, float]], factor: float
+    first: Mapping[_Monomial, tuple[float, float]],
+    second: Mapping[_Monomial, tuple[float, float]],
+    factor: float,
 ) -> Mapping[_Monomial, tuple[float, float]]:
     found = dict(first)
     for monomial, (value, size) in second.items():
@@ -142,24 +159,31 @@ def _sum(
     return _cleaned(found)
 
 
-def _cleaned(terms: Mapping[_Monomial, tuple[float, float]]) -> Mapping[_Monomial, tuple[float, float]]:
+def _cleaned(
+    terms: Mapping[_Monomial, tuple[float, float]],
+) -> Mapping[_Monomial, tuple[float, float]]:
     return {m: (value, size) for m, (value, size) in terms.items() if abs(value) > _NOISE * size}
 
 
-def _short(terms: Mapping[_Monomial, tuple[float, float]]) -> Mapping[_Monomial, tuple[float, float]] | None:
+def _short(
+    terms: Mapping[_Monomial, tuple[float, float]],
+) -> Mapping[_Monomial, tuple[float, float]] | None:
     return terms if len(terms) <= _MOST_TERMS else None
 
 
 def _polynomial_cost(node: _Node) -> int:
     """Operations of a polynomial."""
     assert node.terms is not None  # noqa: S101 - the caller has looked
-    count = sum(max(len(m) - 1, 0) + (bool(m) and abs(v) != 1.0) for m, (v, _) in node.terms.items())
+    count = sum(
+        max(len(m) - 1, 0) + (bool(m) and abs(v) != 1.0) for m, (v, _) in node.terms.items()
+    )
     return count + max(len(node.terms) - 1, 0)
 
 
 def _by_cones(reader: _Reader) -> set[int]:
-    """The values to write as polynomials: those that take no more operations than the part of the graph that nothing else reads, the
-    last values first."""
+    """The values to write as polynomials: those that take no more operations than the part of the
+    graph that nothing else reads, the last values first.
+    """
     nodes, chosen = reader.nodes, set[int]()
     uses = Counter(k for node in nodes for k in node.reads)
     uses.update(reader.outputs.values())
@@ -202,7 +226,12 @@ class _Writer:
     written: dict[int, ca.SX] = field(default_factory=dict)
 
     def whole(self, count: int) -> ca.SX:
-        return ca.vertcat(*(self._value(self.reader.outputs[k]) if k in self.reader.outputs else ca.SX(0) for k in range(count)))
+        return ca.vertcat(
+            *(
+                self._value(self.reader.outputs[k]) if k in self.reader.outputs else ca.SX(0)
+                for k in range(count)
+            )
+        )
 
     def _value(self, place: int) -> ca.SX:
         if place not in self.written:
@@ -237,4 +266,8 @@ class _Writer:
         if not rest:
             return found
         others = self._horner(rest)
-        return others - self._value(atom) * -factor if factor.is_constant() and float(factor) < 0 else others + found
+        return (
+            others - self._value(atom) * -factor
+            if factor.is_constant() and float(factor) < 0
+            else others + found
+        )

@@ -1,4 +1,6 @@
-"""Give generated code its geometry: numbers folded into it, or the members of a struct given at run time."""
+"""Give generated code its geometry: numbers folded into it, or the members of a struct given at run
+time.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ from symkin.numeric.system import System
 from symkin.position.problem import Problem
 
 _LARGEST = 100.0
-"""Sizes of the machine, beyond which a float's rounding of a length is above a hundred times the rounding of the machine's own."""
+"""Sizes of the machine, beyond which a float's rounding of a length is above a hundred times the
+rounding of the machine's own.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,12 +67,16 @@ class Geometry:
         )
 
     def check(self, real: Real) -> None:
-        """Raises InputError where a struct in this type cannot hold numbers that cancel to the size of the machine."""
+        """Raises InputError where a struct in this type cannot hold numbers that cancel to the size
+        of the machine.
+        """
         largest, mechanism = float(np.max(np.abs(self.values), initial=0.0)), self.closure.mechanism
         if real.name == "float" and largest > _LARGEST * max(mechanism.characteristic_length, 1.0):
             raise InputError(
-                f"{mechanism.name}: a number of its geometry is {largest:g}, over {_LARGEST:g} times its size of "
-                f"{mechanism.characteristic_length:.3g} {mechanism.length_unit}: a float holds it too coarsely; "
+                f"{mechanism.name}: a number of its geometry is {largest:g}, over {_LARGEST:g} "
+                f"times its size of "
+                f"{mechanism.characteristic_length:.3g} {mechanism.length_unit}: a float holds it "
+                f"too coarsely; "
                 "use --real double, or leave --geometry struct out, which folds it into the code"
             )
 
@@ -81,23 +89,49 @@ class Geometry:
             f"        {real.literal(float(v))}{',' if k < last else ''} /* {member} */ \\"
             for k, (member, v) in enumerate(zip(self.members, self.values, strict=True))
         ]
-        return "\n".join([
-            "/* Geometry by the model's key paths: lengths, angles in radians, directions and quaternions of any length. Branches",
-            " * and pivots were chosen for the nominal values: give what a calibration finds, not another machine. Where constraints",
-            " * depend on one another, values that contradict them leave no pose, and no call is OK. */",
-            "typedef struct {", *members, f"}} {name}_geometry;", "",
-            "/* Nominal geometry, as an initialiser. */", f"#define {prefix}_NOMINAL \\", "    { \\", *numbers, "    }", "",
-        ])  # fmt: skip
+        return "\n".join(
+            [
+                "/* Geometry by the model's key paths: lengths, angles in radians, directions and "
+                "quaternions of any length. Branches",
+                " * and pivots were chosen for the nominal values: give what a calibration finds, "
+                "not another machine. Where constraints",
+                " * depend on one another, values that contradict them leave no pose, and no call "
+                "is OK. */",
+                "typedef struct {",
+                *members,
+                f"}} {name}_geometry;",
+                "",
+                "/* Nominal geometry, as an initialiser. */",
+                f"#define {prefix}_NOMINAL \\",
+                "    { \\",
+                *numbers,
+                "    }",
+                "",
+            ]
+        )
 
 
 def finite_check(name: str, numbers: Sequence[str], real: Real) -> str:
-    """Write NAME_check_geometry, which keeps a status where all numbers of the struct are finite; nothing without a struct."""
+    """Write NAME_check_geometry, which keeps a status where all numbers of the struct are finite;
+    nothing without a struct.
+    """
     if not numbers:
         return ""
-    members = [f"        {text}{',' if k + 1 < len(numbers) else ''}" for k, text in enumerate(numbers)]
-    return "\n".join([
-        "/* NONFINITE where a number of the geometry is NaN or infinite, else `otherwise`. */",
-        f"static {name}_status {name}_check_geometry(const {name}_geometry *geometry, {name}_status otherwise)", "{",
-        f"    const {real.type} values[{len(members)}] = {{", *members, "    };",
-        f"    return {name}_check_finite(values, {len(members)}, otherwise);", "}", "", "",
-    ])  # fmt: skip
+    members = [
+        f"        {text}{',' if k + 1 < len(numbers) else ''}" for k, text in enumerate(numbers)
+    ]
+    return "\n".join(
+        [
+            "/* NONFINITE where a number of the geometry is NaN or infinite, else `otherwise`. */",
+            f"static {name}_status {name}_check_geometry(const {name}_geometry *geometry, "
+            f"{name}_status otherwise)",
+            "{",
+            f"    const {real.type} values[{len(members)}] = {{",
+            *members,
+            "    };",
+            f"    return {name}_check_finite(values, {len(members)}, otherwise);",
+            "}",
+            "",
+            "",
+        ]
+    )

@@ -1,4 +1,6 @@
-"""Choose and judge the home of a platform on six rods: the pose about which code is tuned and tested."""
+"""Choose and judge the home of a platform on six rods: the pose about which code is tuned and
+tested.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +18,20 @@ from symkin.position.solve import solve
 from symkin.spatial.pose import Pose
 
 SINGULAR_HOME = 1e6
-"""Condition of the direct problem above which a pose is no home: cold starts from there fail, and tests prove nothing."""
+"""Condition of the direct problem above which a pose is no home: cold starts from there fail, and
+tests prove nothing.
+"""
 _REMEDY = (
-    "give a regular pose within the limits by --home X,Y,Z,QW,QX,QY,QZ, or by [platform] position or [example] pose in the file"
+    "give a regular pose within the limits by --home X,Y,Z,QW,QX,QY,QZ, or by [platform] position "
+    "or [example] pose in the file"
 )
 
 
 def home_pose(mechanism: Mechanism, home: Sequence[float] | None) -> Pose:
-    """The first of: the given home; the example's start (direct problems), its pose, the pose that its joints lead to; the
-    reference. Raises InputError where that pose is singular or its joint values are outside their limits."""
+    """The first of: the given home; the example's start (direct problems), its pose, the pose that
+    its joints lead to; the reference. Raises InputError where that pose is singular or its joint
+    values are outside their limits.
+    """
     source, pose = _first(mechanism, home)
     reason = _refusal(mechanism, pose)
     if reason is not None:
@@ -45,7 +52,9 @@ def _first(mechanism: Mechanism, home: Sequence[float] | None) -> tuple[str, Pos
     if example is not None and example.joints is not None:
         result = solve(mechanism, joints=example.joints, check=False)
         if result.status == "ok" and result.solution is not None:
-            return "the pose of [example] joints", _rounded(result.solution.pose, mechanism.characteristic_length)
+            return "the pose of [example] joints", _rounded(
+                result.solution.pose, mechanism.characteristic_length
+            )
     return "the reference pose", mechanism.reference_pose
 
 
@@ -60,7 +69,9 @@ def _refusal(mechanism: Mechanism, pose: Pose) -> str | None:
     """Why a pose is no home, or None."""
     direct = build_problem(mechanism, "direct")
     joints = rod_values(mechanism, pose)
-    unknown = np.concatenate([np.asarray(pose.position, dtype=float), np.asarray(pose.quaternion, dtype=float)])
+    unknown = np.concatenate(
+        [np.asarray(pose.position, dtype=float), np.asarray(pose.quaternion, dtype=float)]
+    )
     condition = direct.system.condition(unknown, joints)
     if not condition <= SINGULAR_HOME:
         return f"is singular (condition {condition:.2g}; allowed: up to {SINGULAR_HOME:.0e})"
@@ -68,6 +79,7 @@ def _refusal(mechanism: Mechanism, pose: Pose) -> str | None:
         slack = 1e-9 * mechanism.characteristic_length
         if c.limits is not None and not c.limits[0] - slack <= value <= c.limits[1] + slack:
             return (
-                f"has {c.name} = {value:.6g} {mechanism.length_unit}, outside its limits [{c.limits[0]:.6g}, {c.limits[1]:.6g}]"
+                f"has {c.name} = {value:.6g} {mechanism.length_unit}, outside its limits "
+                f"[{c.limits[0]:.6g}, {c.limits[1]:.6g}]"
             )
     return None

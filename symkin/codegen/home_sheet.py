@@ -1,8 +1,10 @@
-"""Find how far about the reference configuration a map is regular, and polynomials that come near its values there.
+"""Find how far about the reference configuration a map is regular, and polynomials that come near
+its values there.
 
-About the reference the given coordinates lie in a box. Rays through it are followed in small steps: where no determinant comes near
-zero, the wanted coordinates are one function of the given ones, which polynomials approach. One step of Newton's method from these
-then gives the configuration that straight lines from the reference lead to. Sampled, not proved.
+About the reference the given coordinates lie in a box. Rays through it are followed in small steps:
+where no determinant comes near zero, the wanted coordinates are one function of the given ones,
+which polynomials approach. One step of Newton's method from these then gives the configuration that
+straight lines from the reference lead to. Sampled, not proved.
 """
 
 from __future__ import annotations
@@ -34,8 +36,10 @@ _STEP_ERROR = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class HomeSheet:
-    """Known values within `reach` of the reference's, in the unit of each; `values` are the wanted coordinates as an expression of
-    the `known` ones less the reference's, off by at most `error` (rad, or sizes)."""
+    """Known values within `reach` of the reference's, in the unit of each; `values` are the wanted
+    coordinates as an expression of the `known` ones less the reference's, off by at most `error`
+    (rad, or sizes).
+    """
 
     reach: np.ndarray
     known: ca.SX
@@ -43,8 +47,12 @@ class HomeSheet:
     error: float
 
 
-def home_sheet(made: JointMap, direction: Direction, wanted: Sequence[Coordinate]) -> HomeSheet | None:
-    """The sheet about the reference; None where passive joints or more known values than two would make it long, or none is found."""
+def home_sheet(
+    made: JointMap, direction: Direction, wanted: Sequence[Coordinate]
+) -> HomeSheet | None:
+    """The sheet about the reference; None where passive joints or more known values than two would
+    make it long, or none is found.
+    """
     if made.passive or len(direction.known) > _MOST_KNOWN or any(c.kind == "turns" for c in wanted):
         return None
     for reach in _REACHES:
@@ -59,8 +67,12 @@ def _units(made: JointMap, coordinates: Sequence[Coordinate], length: float) -> 
     return np.array([1.0 if c.is_angular else length * made.size for c in coordinates])
 
 
-def _followed_rays(made: JointMap, direction: Direction, reach: float) -> list[tuple[np.ndarray, np.ndarray]] | None:
-    """Known values less the reference's, in shares of the reach, with the unknowns there; None where a ray meets a singularity."""
+def _followed_rays(
+    made: JointMap, direction: Direction, reach: float
+) -> list[tuple[np.ndarray, np.ndarray]] | None:
+    """Known values less the reference's, in shares of the reach, with the unknowns there; None
+    where a ray meets a singularity.
+    """
     problem, system = direction.problem, direction.problem.system
     begin, home = made.reference_of(direction.known), made.reference_of(direction.unknown)
     scale = reach * _units(made, direction.known, 1.0 / 3.0)
@@ -77,7 +89,10 @@ def _followed_rays(made: JointMap, direction: Direction, reach: float) -> list[t
             if after is None:
                 return None
             z = after
-            if _determinant(system.linearise_one(z, begin + now * scale)[1]) < _REGULAR * determinant:
+            if (
+                _determinant(system.linearise_one(z, begin + now * scale)[1])
+                < _REGULAR * determinant
+            ):
                 return None
             found.append((now, z))
     return found
@@ -89,11 +104,17 @@ def _determinant(matrix: np.ndarray) -> float:
 
 
 def _fitted(
-    made: JointMap, direction: Direction, wanted: Sequence[Coordinate], reach: float, points: list[tuple[np.ndarray, np.ndarray]]
+    made: JointMap,
+    direction: Direction,
+    wanted: Sequence[Coordinate],
+    reach: float,
+    points: list[tuple[np.ndarray, np.ndarray]],
 ) -> HomeSheet | None:
     """Polynomials by least squares; None where one step from them is still off."""
     n, scale = len(direction.known), reach * _units(made, direction.known, 1.0 / 3.0)
-    exponents = [m for degree in range(_DEGREE + 1) for m in combinations_with_replacement(range(n), degree)]
+    exponents = [
+        m for degree in range(_DEGREE + 1) for m in combinations_with_replacement(range(n), degree)
+    ]
     shares = np.array([share for share, _ in points])
     order = [next(k for k, c in enumerate(direction.unknown) if c.name == w.name) for w in wanted]
     values = np.array([z for _, z in points])[:, order]
@@ -115,7 +136,9 @@ def _fitted(
     return HomeSheet(_KEPT * scale, known, expression, max(float(f"{error:.8g}"), 1e-6))
 
 
-def _nested(known: ca.SX, scale: np.ndarray, exponents: list[tuple[int, ...]], coefficients: np.ndarray) -> ca.SX:
+def _nested(
+    known: ca.SX, scale: np.ndarray, exponents: list[tuple[int, ...]], coefficients: np.ndarray
+) -> ca.SX:
     """The polynomials; monomials are shared, and numbers rounded as all that samples decide."""
     monomials = []
     for m in exponents:

@@ -18,12 +18,15 @@ from symkin.velocity.jacobian import AnyJacobian
 
 
 def casadi_source(jacobian: AnyJacobian) -> str:
-    """What `casadi.Function.load` reads: a function of one scalar for each input, by name, with the output `jacobian`; the
-    lines about it follow after its end, where loading has stopped."""
+    """What `casadi.Function.load` reads: a function of one scalar for each input, by name, with the
+    output `jacobian`; the lines about it follow after its end, where loading has stopped.
+    """
     names = {v.name: v.name for v in (*jacobian.inputs, *jacobian.parameters)}
     packed = ca.StringSerializer()
     packed.pack(jacobian.function)
-    return "\n".join([packed.encode(), *(f"# {line}".rstrip() for line in header(jacobian, names)), ""])
+    return "\n".join(
+        [packed.encode(), *(f"# {line}".rstrip() for line in header(jacobian, names)), ""]
+    )
 
 
 FORMATS: dict[str, Callable[[AnyJacobian], str]] = {
@@ -36,7 +39,9 @@ FORMATS: dict[str, Callable[[AnyJacobian], str]] = {
 
 
 def jacobian_text(jacobian: AnyJacobian, language: str) -> str:
-    """The Jacobian in a format of FORMATS; the same bytes for the same model. InputError for an unknown format."""
+    """The Jacobian in a format of FORMATS; the same bytes for the same model. InputError for an
+    unknown format.
+    """
     if language not in FORMATS:
         raise InputError(f"format = {not_among(language, FORMATS)}")
     return FORMATS[language](jacobian)

@@ -1,4 +1,6 @@
-"""Write the head of an exported Jacobian (kind, shape, units, inputs), and find names that a language allows."""
+"""Write the head of an exported Jacobian (kind, shape, units, inputs), and find names that a
+language allows.
+"""
 
 from __future__ import annotations
 
@@ -10,20 +12,33 @@ from symkin.velocity.jacobian import AnyJacobian
 from symkin.velocity.rates import RateJacobian
 
 _MEANING = {
-    "direct": "twist = J * actuated joint rates; twist = (velocity of the {origin}, angular velocity), base frame",
-    "inverse": "actuated joint rates = J * twist; twist = (velocity of the {origin}, angular velocity), base frame; J acts on "
+    "direct": (
+        "twist = J * actuated joint rates; twist = (velocity of the {origin}, angular "
+        "velocity), base frame"
+    ),
+    "inverse": "actuated joint rates = J * twist; twist = (velocity of the {origin}, angular "
+    "velocity), base frame; J acts on "
     "feasible twists and vanishes on their complement",
-    "analytic": "rates of the pose coordinates = J * actuated joint rates; base frame, unit quaternion w, x, y, z",
+    "analytic": (
+        "rates of the pose coordinates = J * actuated joint rates; base frame, unit quaternion "
+        "w, x, y, z"
+    ),
     "rates": "rates of the rows' coordinates = J * rates of the columns' coordinates",
-    "passive": "passive joint rates = J * actuated joint rates; a spherical joint has its angular velocity before the joint",
+    "passive": (
+        "passive joint rates = J * actuated joint rates; a spherical joint has its angular "
+        "velocity before the joint"
+    ),
 }
 
 _RANGE = (
-    "By least squares of all equations: right at every closed configuration at which the columns' coordinates decide all rates. "
-    "Where they do not (a singularity), entries grow without bound towards it and are not finite at it."
+    "By least squares of all equations: right at every closed configuration at which the columns' "
+    "coordinates decide all rates. "
+    "Where they do not (a singularity), entries grow without bound towards it and are not finite "
+    "at it."
 )
 _CHOICE = (
-    "Of redundant constraints some rows are chosen, which are independent at generic configurations. Where just these lose rank, "
+    "Of redundant constraints some rows are chosen, which are independent at generic "
+    "configurations. Where just these lose rank, "
     "entries grow without bound and are not finite, though the configuration may be regular."
 )
 
@@ -34,7 +49,9 @@ def meaning(jacobian: AnyJacobian) -> str:
 
 
 def header(jacobian: AnyJacobian, names: dict[str, str]) -> list[str]:
-    """Lines about a Jacobian: mechanism, kind, shape, units, frames, inputs in order (with their `names` in the language)."""
+    """Lines about a Jacobian: mechanism, kind, shape, units, frames, inputs in order (with their
+    `names` in the language).
+    """
     mechanism = jacobian.mechanism
     rows, columns = jacobian.shape
     lines = [
@@ -45,11 +62,17 @@ def header(jacobian: AnyJacobian, names: dict[str, str]) -> list[str]:
         f"Lengths in {mechanism.length_unit}, angles in rad, rates per unit of time.",
         *_listed("Rows:", jacobian.rows),
         *_listed("Columns:", jacobian.columns),
-        *_listed("Inputs, in this order:", [f"{names[v.name]} [{v.unit}]" for v in jacobian.inputs] or ["none"]),
+        *_listed(
+            "Inputs, in this order:",
+            [f"{names[v.name]} [{v.unit}]" for v in jacobian.inputs] or ["none"],
+        ),
         *_renamed(jacobian, names),
     ]
     if jacobian.parameters:
-        lines += _listed("Geometry, after the inputs:", [f"{names[v.name]} ({v.source})" for v in jacobian.parameters])
+        lines += _listed(
+            "Geometry, after the inputs:",
+            [f"{names[v.name]} ({v.source})" for v in jacobian.parameters],
+        )
     if _reads_loops(jacobian):
         lines.append("Inputs must be those of a configuration that closes all loops.")
     if isinstance(jacobian, RateJacobian):
@@ -87,11 +110,15 @@ def free_prefix(names: Collection[str], prefix: str = "v") -> str:
 def _listed(what: str, items: Sequence[str]) -> list[str]:
     """Lines of items that are not broken."""
     whole = " ".join([what, *(f"{item},".replace(" ", "\0") for item in items)]).rstrip(",")
-    lines = textwrap.wrap(whole, 110, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+    lines = textwrap.wrap(
+        whole, 110, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+    )
     return [line.replace("\0", " ") for line in lines]
 
 
 def _renamed(jacobian: AnyJacobian, names: dict[str, str]) -> list[str]:
     """Which joints' names had to change."""
-    changed = [f"{names[v.name]} is {v.source}" for v in jacobian.inputs if names[v.name] != v.source]
+    changed = [
+        f"{names[v.name]} is {v.source}" for v in jacobian.inputs if names[v.name] != v.source
+    ]
     return _listed("Of these,", changed) if changed else []

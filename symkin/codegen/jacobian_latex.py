@@ -28,10 +28,14 @@ _LINES = 30
 
 
 def latex_source(jacobian: AnyJacobian) -> str:
-    """A document that compiles on its own: numbered definitions in order, then the entries J_{ij} that are not zero."""
+    """A document that compiles on its own: numbered definitions in order, then the entries J_{ij}
+    that are not zero.
+    """
     read = (*jacobian.inputs, *jacobian.parameters)
     symbols = symbols_read(jacobian)
-    definitions, entries = write(jacobian.function, symbols, Latex(_LONGEST, exact=True, letter=letter_of_values(symbols)))
+    definitions, entries = write(
+        jacobian.function, symbols, Latex(_LONGEST, exact=True, letter=letter_of_values(symbols))
+    )
     rows, columns = jacobian.shape
     lines = [rf"{name} &= {text} \\" for name, text in definitions]
     filled = [(i, j) for i in range(rows) for j in range(columns) if entries[i + rows * j] != "0"]
@@ -42,9 +46,14 @@ def latex_source(jacobian: AnyJacobian) -> str:
     head = header(jacobian, {v.name: v.source for v in read})
     legend = renamed(coordinate_symbols(jacobian.closure), variable_names(jacobian.closure))
     head += [f"{symbol} is {printable(name)}" for symbol, name in legend]
-    remark = f"Entries that are not listed are zero ({rows * columns - len(filled)} of {rows * columns})."
+    remark = (
+        f"Entries that are not listed are zero ({rows * columns - len(filled)} of "
+        f"{rows * columns})."
+    )
     prose = [*_prose(jacobian), remark, *_legend(legend)]
-    return "\n".join([*(f"% {line}".rstrip() for line in head), document("\n".join([*prose, *blocks])), ""])
+    return "\n".join(
+        [*(f"% {line}".rstrip() for line in head), document("\n".join([*prose, *blocks])), ""]
+    )
 
 
 def symbols_read(jacobian: AnyJacobian) -> list[str]:
@@ -66,7 +75,8 @@ def _prose(jacobian: AnyJacobian) -> list[str]:
     rows = ", ".join(_labels(jacobian, jacobian.rows, pose=jacobian.kind == "analytic"))
     columns = ", ".join(_labels(jacobian, jacobian.columns))
     return [
-        rf"\noindent {_plain(mechanism.name)}: {jacobian.kind} Jacobian $J$. Lengths in {mechanism.length_unit}, angles in rad"
+        rf"\noindent {_plain(mechanism.name)}: {jacobian.kind} Jacobian $J$. Lengths in "
+        rf"{mechanism.length_unit}, angles in rad"
         + (f"; actuated joints {joints}." if joints else "."),
         f"Rows: {rows}; columns: {columns}.",
     ]
@@ -80,10 +90,16 @@ def _labels(jacobian: AnyJacobian, names: Sequence[str], *, pose: bool = False) 
     symbols = coordinate_symbols(closure)
     of_pose = sorted(closure.coordinates, key=lambda c: (c.role == "pose") == pose)
     own = {
-        source: symbols[closure.slices[c.name].start + k] for c in of_pose for k, source in enumerate(components(c.name, c.width))
+        source: symbols[closure.slices[c.name].start + k]
+        for c in of_pose
+        for k, source in enumerate(components(c.name, c.width))
     }
-    others = [name for name in dict.fromkeys((*jacobian.rows, *jacobian.columns)) if name not in own]
-    made = distinct([*symbols, *(rf"\mathrm{{{upright(name)}}}" for name in others)], [*symbols, *others])
+    others = [
+        name for name in dict.fromkeys((*jacobian.rows, *jacobian.columns)) if name not in own
+    ]
+    made = distinct(
+        [*symbols, *(rf"\mathrm{{{upright(name)}}}" for name in others)], [*symbols, *others]
+    )
     found = own | dict(zip(others, made[len(symbols) :], strict=True))
     return [f"${found[name]}$" for name in names]
 
@@ -91,8 +107,12 @@ def _labels(jacobian: AnyJacobian, names: Sequence[str], *, pose: bool = False) 
 def _legend(renamed_symbols: list[tuple[str, str]]) -> list[str]:
     """Which coordinates have symbols that do not tell their names; letters beyond ASCII by their
     numbers too."""
-    told = [(symbol, latex_text(name), [code_point(c) for c in name if not c.isascii()]) for symbol, name in renamed_symbols]
+    told = [
+        (symbol, latex_text(name), [code_point(c) for c in name if not c.isascii()])
+        for symbol, name in renamed_symbols
+    ]
     listed = ", ".join(
-        rf"${symbol}$ is \texttt{{{name}}}" + (f" ({', '.join(points)})" if points else "") for symbol, name, points in told
+        rf"${symbol}$ is \texttt{{{name}}}" + (f" ({', '.join(points)})" if points else "")
+        for symbol, name, points in told
     )
     return [f"Of the symbols, {listed}."] if listed else []

@@ -10,21 +10,31 @@ from symkin.codegen.jacobian_header import allowed_names, free_prefix, header
 from symkin.text import docstring_line
 from symkin.velocity.jacobian import AnyJacobian
 
-_NUMPY = module_functions("np", {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2"})
+_NUMPY = module_functions(
+    "np", {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2"}
+)
 _SYMPY = module_functions("sp", {"abs": "Abs"})
 
 
 def numpy_source(jacobian: AnyJacobian) -> str:
-    """A module that imports numpy only, with one function `jacobian` of the inputs (numbers, or arrays of one shape or of
-    shapes that broadcast) which returns an array (..., rows, columns)."""
+    """A module that imports numpy only, with one function `jacobian` of the inputs (numbers, or
+    arrays of one shape or of shapes that broadcast) which returns an array (..., rows, columns).
+    """
     names = allowed_names(jacobian, {*keyword.kwlist, "np", "matrix", "jacobian", "shape"})
     arguments = list(names.values())
-    definitions, entries = write(jacobian.function, arguments, Python(_NUMPY, free_prefix(arguments)))
+    definitions, entries = write(
+        jacobian.function, arguments, Python(_NUMPY, free_prefix(arguments))
+    )
     rows, columns = jacobian.shape
-    shape = f"np.broadcast_shapes({', '.join(f'np.shape({name})' for name in arguments)})" if arguments else "()"
+    shape = (
+        f"np.broadcast_shapes({', '.join(f'np.shape({name})' for name in arguments)})"
+        if arguments
+        else "()"
+    )
     listed = ", ".join(arguments)
     body = [
-        '"""The Jacobian of one configuration, or of many where the inputs are arrays (shapes broadcast):',
+        '"""The Jacobian of one configuration, or of many where the inputs are arrays (shapes '
+        "broadcast):",
         f'an array (..., {rows}, {columns})."""',
         *_wrapped(f"shape = {shape}"),
         f"matrix = np.zeros((*shape, {rows}, {columns}))",
@@ -38,19 +48,48 @@ def numpy_source(jacobian: AnyJacobian) -> str:
         "return matrix",
     ]
     head = _wrapped(f"def jacobian({listed}):")
-    return "\n".join([*_docstring(header(jacobian, names)), "", "import numpy as np", "", "", *head, *_indented(body), ""])
+    return "\n".join(
+        [
+            *_docstring(header(jacobian, names)),
+            "",
+            "import numpy as np",
+            "",
+            "",
+            *head,
+            *_indented(body),
+            "",
+        ]
+    )
 
 
 def sympy_source(jacobian: AnyJacobian) -> str:
-    """A module that imports sympy only: `inputs` (symbols), `definitions` (named intermediate values, in order), `matrix` over
-    both, and the functions `expanded`, `lambdified`."""
-    names = allowed_names(jacobian, {*keyword.kwlist, "sp", "inputs", "definitions", "matrix", "expanded", "lambdified", "named"})
+    """A module that imports sympy only: `inputs` (symbols), `definitions` (named intermediate
+    values, in order), `matrix` over both, and the functions `expanded`, `lambdified`.
+    """
+    names = allowed_names(
+        jacobian,
+        {
+            *keyword.kwlist,
+            "sp",
+            "inputs",
+            "definitions",
+            "matrix",
+            "expanded",
+            "lambdified",
+            "named",
+        },
+    )
     arguments = list(names.values())
-    definitions, entries = write(jacobian.function, arguments, Python(_SYMPY, free_prefix(arguments)))
+    definitions, entries = write(
+        jacobian.function, arguments, Python(_SYMPY, free_prefix(arguments))
+    )
     rows, columns = jacobian.shape
     lines = [*_docstring(header(jacobian, names)), "", "import sympy as sp", ""]
     lines += [f'{name} = sp.Symbol("{name}", real=True)' for name in arguments]
-    lines += [*_wrapped(f"inputs = ({', '.join(arguments)}{',' if len(arguments) == 1 else ''})"), _SYMPY_DEFINITIONS]
+    lines += [
+        *_wrapped(f"inputs = ({', '.join(arguments)}{',' if len(arguments) == 1 else ''})"),
+        _SYMPY_DEFINITIONS,
+    ]
     lines += [f'{name} = named("{name}", {text})' for name, text in definitions]
     lines += ["", "matrix = sp.Matrix(["]
     for i in range(rows):
@@ -96,4 +135,6 @@ def _indented(lines: list[str]) -> list[str]:
 
 def _wrapped(line: str) -> list[str]:
     """A long line with brackets over several lines."""
-    return textwrap.wrap(line, 110, subsequent_indent="        ", break_long_words=False, break_on_hyphens=False)
+    return textwrap.wrap(
+        line, 110, subsequent_indent="        ", break_long_words=False, break_on_hyphens=False
+    )

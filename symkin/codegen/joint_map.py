@@ -1,7 +1,8 @@
-"""Describe a map between joints of a mechanism for code generation: given coordinates, found ones, and the passive ones inside.
+"""Describe a map between joints of a mechanism for code generation: given coordinates, found ones,
+and the passive ones inside.
 
-Either direction is split into structure groups. Where each of them has a closed form, so has the direction; else Newton's method
-solves the whole direction, with angles as cosines and sines.
+Either direction is split into structure groups. Where each of them has a closed form, so has the
+direction; else Newton's method solves the whole direction, with angles as cosines and sines.
 """
 
 from __future__ import annotations
@@ -48,8 +49,10 @@ _CLOSED = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A structure group: `form` where it has a closed form, `total` where it couples an angle to others, `is_linear` where its rows
-    are linear; none of them where only Newton's method solves it."""
+    """A structure group: `form` where it has a closed form, `total` where it couples an angle to
+    others, `is_linear` where its rows are linear; none of them where only Newton's method solves
+    it.
+    """
 
     problem: Problem
     form: ClosedForm | None
@@ -88,8 +91,15 @@ class Direction:
 
     @cached_property
     def circles(self) -> CircleKernel:
-        """Newton's iteration of this direction. Formulas read the numbers of known coordinates, which are then its known values too."""
-        return circle_kernel(self.name, _with_continuous_couplings(self.problem), self.known, collected=not self.is_closed)
+        """Newton's iteration of this direction. Formulas read the numbers of known coordinates,
+        which are then its known values too.
+        """
+        return circle_kernel(
+            self.name,
+            _with_continuous_couplings(self.problem),
+            self.known,
+            collected=not self.is_closed,
+        )
 
     @property
     def kernel(self) -> Kernel:
@@ -97,30 +107,43 @@ class Direction:
 
 
 def _with_advancing_wheels(mechanism: Mechanism) -> Mechanism:
-    """The mechanism whose wheels of unlike ratios advance: from a guess's wheel of several places no driver's place follows, so that
-    the values themselves, whole turns included, must tell it."""
+    """The mechanism whose wheels of unlike ratios advance: from a guess's wheel of several places
+    no driver's place follows, so that the values themselves, whole turns included, must tell it.
+    """
     unlike = [
-        c.whole_numbers is not None and {1} != {c.whole_numbers[0], *map(abs, c.whole_numbers[1])} for c in mechanism.couplings
+        c.whole_numbers is not None and {1} != {c.whole_numbers[0], *map(abs, c.whole_numbers[1])}
+        for c in mechanism.couplings
     ]
     if not any(unlike):
         return mechanism
-    couplings = [replace(c, advances=some) for c, some in zip(mechanism.couplings, unlike, strict=True)]
+    couplings = [
+        replace(c, advances=some) for c, some in zip(mechanism.couplings, unlike, strict=True)
+    ]
     return replace(mechanism, couplings=couplings)
 
 
 def _with_continuous_couplings(problem: Problem) -> System:
-    """The system with the tangent of half a coupling's gap in place of the sine, which changes its sign where an angle that is known
-    by cosine and sine passes a half turn."""
+    """The system with the tangent of half a coupling's gap in place of the sine, which changes its
+    sign where an angle that is known by cosine and sine passes a half turn.
+    """
     closure, rows = problem.closure, ca.vertsplit(problem.system.rows)
     kinds = {c.name: c.kind for c in closure.coordinates}
-    couplings = {f"coupling of {c.joint}": c for c in problem.mechanism.couplings if c.advance_reason(kinds) is None}
+    couplings = {
+        f"coupling of {c.joint}": c
+        for c in problem.mechanism.couplings
+        if c.advance_reason(kinds) is None
+    }
     for k, place in enumerate(problem.places_of_rows):
         coupling = couplings.get(closure.row_sources[place].limb)
         if coupling is None or coupling.whole_numbers is None:
             continue
         own, numbers = coupling.whole_numbers
-        joint, *others = (closure.variables[closure.slices[name]] for name in (coupling.joint, *coupling.names))
-        gap = own * joint - sum((n * v for n, v in zip(numbers, others, strict=True)), ca.SX(own * coupling.constant))
+        joint, *others = (
+            closure.variables[closure.slices[name]] for name in (coupling.joint, *coupling.names)
+        )
+        gap = own * joint - sum(
+            (n * v for n, v in zip(numbers, others, strict=True)), ca.SX(own * coupling.constant)
+        )
         rows[k] = 2 * closure.characteristic_length / own * ca.sin(gap) / (1 + ca.cos(gap))
     return replace(problem.system, rows=ca.vertcat(*rows))
 
@@ -131,7 +154,9 @@ def _part(group: Problem) -> Part:
     (known, unknown) = (group.known_coordinates, system.unknowns)
     periodic = any(c.kind == "angle" for c in (*unknown, *known))
     if len(unknown) == 1 and unknown[0].is_angular and int(system.rows.shape[0]) == 1:
-        angular = [[c.is_angular for c in part for _ in range(c.width)] for part in (unknown, known)]
+        angular = [
+            [c.is_angular for c in part for _ in range(c.width)] for part in (unknown, known)
+        ]
         total = sum_of_angles(system.rows, [system.unknown, system.known], angular)
         if total is not None and (0, 0) in total.factors:
             return Part(group, None, total, is_linear=False)
@@ -139,7 +164,8 @@ def _part(group: Problem) -> Part:
         return Part(group, None, None, is_linear=True)
     sources = [group.closure.row_sources[place].relation for place in group.places_of_rows]
     if periodic and "coupling" in sources:
-        # its row is of half an angle and changes its sign with every turn, and the choice of a formula with it
+        # its row is of half an angle and changes its sign with every turn, and the choice of a
+        # formula with it
         return Part(group, None, None, is_linear=False)
     reference = group.select_values(group.closure.reference, known)
     short = shortened(system, known)
@@ -148,7 +174,9 @@ def _part(group: Problem) -> Part:
         return Part(group, None, None, is_linear=False)
     signs = found.signs_at(group.select_values(group.closure.reference, unknown), reference)
     near = np.vstack([samples_about(short, reference, known, seed) for seed in range(_DRAWS)])
-    return Part(group, found if is_firm(found, reference, near, signs) else None, None, is_linear=False)
+    return Part(
+        group, found if is_firm(found, reference, near, signs) else None, None, is_linear=False
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,13 +215,25 @@ class JointMap:
         everything = (*self.given, *self.direct.unknown)
         known = tuple(next(c for c in everything if c.name == name) for name in self.options.find)
         names = {c.name for c in known}
-        return Direction("inverse", _partitioned(self._whole, tuple(c for c in everything if c.name not in names), known))
+        return Direction(
+            "inverse",
+            _partitioned(self._whole, tuple(c for c in everything if c.name not in names), known),
+        )
 
     @cached_property
     def given_system(self) -> System:
-        """The rows with the given coordinates unknown and all others known: their derivatives are those by the given ones."""
+        """The rows with the given coordinates unknown and all others known: their derivatives are
+        those by the given ones.
+        """
         system = self._whole.system
-        return System(self.given, system.known, system.unknown, system.rows, system.errors, system.characteristic_length)
+        return System(
+            self.given,
+            system.known,
+            system.unknown,
+            system.rows,
+            system.errors,
+            system.characteristic_length,
+        )
 
     @property
     def given(self) -> tuple[Coordinate, ...]:
@@ -231,22 +271,32 @@ class JointMap:
 
     @cached_property
     def samples(self) -> list[Configuration]:
-        """Configurations reached from the reference when the given coordinates move in straight lines."""
+        """Configurations reached from the reference when the given coordinates move in straight
+        lines.
+        """
         return map_configurations(self, _SAMPLES, 3, _SPREAD, _TURN)
 
     def numbers(self, direction: Direction, sample: Configuration) -> tuple[np.ndarray, np.ndarray]:
         """State and known numbers of a direction's kernel at a configuration."""
-        values = [self._whole.select_values(sample.values, c) for c in (direction.unknown, direction.known)]
-        return numbers_at(direction.unknown, values[0]), direction.circles.known_at(numbers_at(direction.known, values[1]))
+        values = [
+            self._whole.select_values(sample.values, c)
+            for c in (direction.unknown, direction.known)
+        ]
+        return numbers_at(direction.unknown, values[0]), direction.circles.known_at(
+            numbers_at(direction.known, values[1])
+        )
 
-    # --- what cannot be --------------------------------------------------------------------------------------------
+    # --- what cannot be ---------------------------------------------------------------------------
 
     def check(self) -> None:
         """Raises InputError where there is no such map."""
         self._check_names()
         self._check_counts()
         if not self.samples:
-            raise InputError(f"{self.name}: no closed configurations were found near the reference; nothing to generate")
+            raise InputError(
+                f"{self.name}: no closed configurations were found near the reference; nothing to "
+                f"generate"
+            )
 
     def _check_names(self) -> None:
         given, found, name = self.options.given, self.options.find, self.name
@@ -255,58 +305,87 @@ class JointMap:
             if not names:
                 other = "--find" if what == "--given" else "--given"
                 raise InputError(
-                    f"{name}: {other} needs {what} beside it: names of joint coordinates, as in {what} {','.join(list(known)[:2])}"
+                    f"{name}: {other} needs {what} beside it: names of joint coordinates, as in "
+                    f"{what} {','.join(list(known)[:2])}"
                 )
             for one in names:
                 if one not in known:
                     raise InputError(unknown_name(self.mechanism, one, list(known), what))
             if len(set(names)) < len(names):
                 twice = next(one for one in names if names.count(one) > 1)
-                raise InputError(f"{what}: {twice} stands there {names.count(twice)} times; once is enough")
+                raise InputError(
+                    f"{what}: {twice} stands there {names.count(twice)} times; once is enough"
+                )
         both = [one for one in given if one in found]
         if both:
-            raise InputError(f"{name}: {', '.join(both)}: given and to be found at once; leave it out of --given or of --find")
+            raise InputError(
+                f"{name}: {', '.join(both)}: given and to be found at once; leave it out of "
+                f"--given or of --find"
+            )
 
     def _check_counts(self) -> None:
         """Given coordinates must decide all others of their loops, and found ones the given."""
         name, given, found = self.name, self.given, self.found
         system = self._whole.system
         values = np.array([self.reference, *closed_configurations(self._whole.closure, 0)])
-        if system.residual(values[0][self._whole.unknown_places], values[0][self._whole.known_places]) > _CLOSED * self.size:
-            raise InputError(f"{name}: its loops are open at the reference configuration; `symkin close` closes them")
+        if (
+            system.residual(
+                values[0][self._whole.unknown_places], values[0][self._whole.known_places]
+            )
+            > _CLOSED * self.size
+        ):
+            raise InputError(
+                f"{name}: its loops are open at the reference configuration; `symkin close` closes "
+                f"them"
+            )
         jacobians = [_whole_jacobian(self._whole, v) for v in values]
         rank = max(Rank.of(j).value for j in jacobians)
         columns = _columns((*given, *self.direct.unknown))
         mobility = jacobians[0].shape[1] - rank
-        told, loops = ", ".join(self.options.given), f"the loops of {', '.join((*self.options.given, *self.options.find))}"
+        told, loops = (
+            ", ".join(self.options.given),
+            f"the loops of {', '.join((*self.options.given, *self.options.find))}",
+        )
         for one in (*given, *found):
             if all(np.all(np.abs(j[:, columns[one.name]]) < 1e-9) for j in jacobians):
                 raise InputError(
-                    f"{name}: {one.name} is in no loop: nothing but itself moves it, so that no other coordinate is a function of it"
+                    f"{name}: {one.name} is in no loop: nothing but itself moves it, so that no "
+                    f"other coordinate is a function of it"
                 )
         if len(given) != mobility:
             more = mobility - len(given)
-            what = f"give {more} more" if more > 0 else f"leave {-more} out: their values would have to agree with each other"
+            what = (
+                f"give {more} more"
+                if more > 0
+                else f"leave {-more} out: their values would have to agree with each other"
+            )
             raise InputError(
-                f"{name}: --given {told} are {len(given)} coordinate(s), and {loops} have {mobility} freedom(s); {what}"
+                f"{name}: --given {told} are {len(given)} coordinate(s), and {loops} have "
+                f"{mobility} freedom(s); {what}"
             )
         if len(found) != len(given):
             raise InputError(
-                f"{name}: {len(given)} coordinate(s) given and {len(found)} to be found; a map that can be turned round has as many of both"
+                f"{name}: {len(given)} coordinate(s) given and {len(found)} to be found; a map "
+                f"that can be turned round has as many of both"
             )
-        for direction, known, others in ((self.direct, "--given", "--find"), (self.inverse, "--find", "--given")):
+        for direction, known, others in (
+            (self.direct, "--given", "--find"),
+            (self.inverse, "--find", "--given"),
+        ):
             kept = [k for c in direction.unknown for k in columns[c.name]]
             ranks = [Rank.of(j[:, kept]).value for j in jacobians]
             names = ", ".join(c.name for c in direction.known)
             if max(ranks) < len(kept):
                 asked = ", ".join(self.options.find if known == "--given" else self.options.given)
                 raise InputError(
-                    f"{name}: {known} {names} does not determine {others} {asked}: some of them decide each other, "
+                    f"{name}: {known} {names} does not determine {others} {asked}: some of them "
+                    f"decide each other, "
                     "and others are left free"
                 )
             if ranks[0] < len(kept):
                 raise InputError(
-                    f"{name}: the reference configuration is singular for {known} {names}; give the file another reference"
+                    f"{name}: the reference configuration is singular for {known} {names}; give "
+                    f"the file another reference"
                 )
 
 
@@ -326,11 +405,18 @@ def _whole_jacobian(problem: Problem, values: np.ndarray) -> np.ndarray:
     return whole.system.linearise_one(values[whole.unknown_places], np.zeros(0))[1]
 
 
-def _partitioned(problem: Problem, unknown: tuple[Coordinate, ...], known: tuple[Coordinate, ...]) -> Problem:
+def _partitioned(
+    problem: Problem, unknown: tuple[Coordinate, ...], known: tuple[Coordinate, ...]
+) -> Problem:
     """The same rows with other coordinates known."""
     closure, system = problem.closure, problem.system
-    stacked = [ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in part)) for part in (unknown, known)]
-    made = System(unknown, stacked[0], stacked[1], system.rows, system.errors, system.characteristic_length)
+    stacked = [
+        ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in part))
+        for part in (unknown, known)
+    ]
+    made = System(
+        unknown, stacked[0], stacked[1], system.rows, system.errors, system.characteristic_length
+    )
     return replace(problem, system=made, known_coordinates=known)
 
 
@@ -355,17 +441,37 @@ def _connected(problem: Problem, names: set[str]) -> Problem:
     ]
     unknown = tuple(c for c in system.unknowns if c.name in reached)
     stacked = ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in unknown))
-    made = System(unknown, stacked, system.known, system.rows[rows, 0], system.errors[checks, 0], system.characteristic_length)
+    made = System(
+        unknown,
+        stacked,
+        system.known,
+        system.rows[rows, 0],
+        system.errors[checks, 0],
+        system.characteristic_length,
+    )
     return replace(problem, system=made, row_places=tuple(rows))
 
 
-def map_configurations(made: JointMap, count: int, seed: int, spread: float, turn: float) -> list[Configuration]:
-    """Configurations, at most `count`, that are reached from the reference when the given coordinates move in straight lines by up to
-    `spread` sizes and `turn` radians, within their limits, and back again when the found ones do."""
-    rng, (direct, inverse) = np.random.default_rng(seed), (made.direct.problem, made.inverse.problem)
+def map_configurations(
+    made: JointMap, count: int, seed: int, spread: float, turn: float
+) -> list[Configuration]:
+    """Configurations, at most `count`, that are reached from the reference when the given
+    coordinates move in straight lines by up to `spread` sizes and `turn` radians, within their
+    limits, and back again when the found ones do.
+    """
+    rng, (direct, inverse) = (
+        np.random.default_rng(seed),
+        (made.direct.problem, made.inverse.problem),
+    )
     begin_known, begin = (made.reference_of(c) for c in (made.given, made.direct.unknown))
     reach = np.array([turn if c.is_angular else spread * made.size for c in made.given])
-    scales = np.array([made.size if c.kind == "length" else 1.0 for c in made.inverse.unknown for _ in range(c.width)])
+    scales = np.array(
+        [
+            made.size if c.kind == "length" else 1.0
+            for c in made.inverse.unknown
+            for _ in range(c.width)
+        ]
+    )
     found: list[Configuration] = []
     for _ in range(_MOST_TRIES * count):
         if len(found) == count:
@@ -379,7 +485,9 @@ def map_configurations(made: JointMap, count: int, seed: int, spread: float, tur
         values = made.reference.copy()
         values[direct.unknown_places], values[direct.known_places] = z, goal
         places = inverse.unknown_places, inverse.known_places
-        back = followed(inverse, made.reference[places[0]], made.reference[places[1]], values[places[1]])
+        back = followed(
+            inverse, made.reference[places[0]], made.reference[places[1]], values[places[1]]
+        )
         if (
             back is not None
             and np.all(np.abs(back - values[places[0]]) <= _BACK * scales)
@@ -390,4 +498,7 @@ def map_configurations(made: JointMap, count: int, seed: int, spread: float, tur
 
 
 def _within(coordinates: Sequence[Coordinate], values: np.ndarray) -> bool:
-    return all(c.limits is None or c.limits[0] < v < c.limits[1] for c, v in zip(coordinates, values, strict=True))
+    return all(
+        c.limits is None or c.limits[0] < v < c.limits[1]
+        for c, v in zip(coordinates, values, strict=True)
+    )

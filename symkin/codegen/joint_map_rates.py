@@ -20,7 +20,9 @@ _LARGEST = 1e20
 """Rates and torques beyond it are refused: their products stay below the largest float."""
 
 
-def step_columns(direction: Direction, wanted: Sequence[Coordinate], real: Real, size: float) -> list[tuple[int, str]]:
+def step_columns(
+    direction: Direction, wanted: Sequence[Coordinate], real: Real, size: float
+) -> list[tuple[int, str]]:
     """Place of each wanted coordinate in a step, and what turns the step's length into its unit."""
     places, column = {}, 0
     for c in direction.unknown:
@@ -43,18 +45,38 @@ class MapRates:
         kernel, n, prefix = direct.kernel, len(made.given), self.made.name.upper()
         y, state = [], []
         if made.passive:
-            y = [f"{self.made.real.type} y[{self.common['ny']}];", f"{self.made.real.type} at[{n}];"]
-            state = [f"if (status == {prefix}_OK) {{", f"    status = {self.made.name}_state_of_found(found, y, at);", "}"]
+            y = [
+                f"{self.made.real.type} y[{self.common['ny']}];",
+                f"{self.made.real.type} at[{n}];",
+            ]
+            state = [
+                f"if (status == {prefix}_OK) {{",
+                f"    status = {self.made.name}_state_of_found(found, y, at);",
+                "}",
+            ]
         set_ = [f"{self.made.name}_direct_place(&w, joints, {'y' if made.passive else 'found'});"]
         rows = [
             f"rates[{n * i} + j] = w.f[{column}]{scale};"
-            for i, (column, scale) in enumerate(step_columns(direct, made.found, self.made.real, made.size))
+            for i, (column, scale) in enumerate(
+                step_columns(direct, made.found, self.made.real, made.size)
+            )
         ]
-        return fill("map_rates.c", self.common | {
-            "largest": self.made.real.literal(_LARGEST),
-            "nsides": kernel.m * n, "m": kernel.m, "sides": indent(self._sides), "y": indent(y), "state": indent(state), "set": indent(set_, 2),
-            "near": literal(_BELONG * made.size), "singular": singular_condition(kernel, f"{self.made.name}_direct", "&w"), "rates": indent(rows, 4),
-        })  # fmt: skip
+        return fill(
+            "map_rates.c",
+            self.common
+            | {
+                "largest": self.made.real.literal(_LARGEST),
+                "nsides": kernel.m * n,
+                "m": kernel.m,
+                "sides": indent(self._sides),
+                "y": indent(y),
+                "state": indent(state),
+                "set": indent(set_, 2),
+                "near": literal(_BELONG * made.size),
+                "singular": singular_condition(kernel, f"{self.made.name}_direct", "&w"),
+                "rates": indent(rows, 4),
+            },
+        )
 
     @property
     def _sides(self) -> list[str]:
@@ -69,7 +91,10 @@ class MapRates:
             else:
                 tangent[place, i] = 1.0
                 place += 1
-        sides = snapped_expression(ca.mtimes(ca.jacobian(circles.rows_by_numbers, numbers), tangent), [kernel.state, numbers])
+        sides = snapped_expression(
+            ca.mtimes(ca.jacobian(circles.rows_by_numbers, numbers), tangent),
+            [kernel.state, numbers],
+        )
         function = ca.Function("sides", [kernel.state, numbers], [ca.densify(sides)], {"cse": True})
         emitter = Emitter(
             function,
@@ -79,5 +104,9 @@ class MapRates:
             ],
             self.made.real,
         )
-        stores = [f"sides[{len(given) * i + j}] = {emitter.entry(i, j)};" for i in range(kernel.m) for j in range(len(given))]
+        stores = [
+            f"sides[{len(given) * i + j}] = {emitter.entry(i, j)};"
+            for i in range(kernel.m)
+            for j in range(len(given))
+        ]
         return [*emitter.lines, *stores]

@@ -1,50 +1,67 @@
-"""Write what the README of a map between joints says: the blocks, their formulas, and which answer is OK."""
+"""Write what the README of a map between joints says: the blocks, their formulas, and which answer
+is OK.
+"""
 
 from __future__ import annotations
 
 from symkin.codegen.joint_map import Direction, JointMap, Part
 
-_MAP = r"""The loops hold the given coordinates $q$, the found ones $X$ and passive ones $x$; their rows are $F(q, X, x) = 0$ (below; angular
-rows are multiplied by the machine's size). Either direction solves them for all that it is not given, in blocks one after another
-(structure groups). Angles are known by cosine and sine: a step $h$ of Newton's method turns $(c, s)$ to
+_MAP = r"""The loops hold the given coordinates $q$, the found ones $X$ and passive ones $x$; their
+rows are $F(q, X, x) = 0$ (below; angular rows are multiplied by the machine's size). Either
+direction solves them for all that it is not given, in blocks one after another (structure groups).
+Angles are known by cosine and sine: a step $h$ of Newton's method turns $(c, s)$ to
 $(c - s h,\ s + c h) / \sqrt{1 + h^2}$, so that no trigonometry is left in its loop.
 
-Rates: $F_X \dot X + F_x \dot x = -F_q \dot q$, so that $\dot X = J \dot q$ with $J$ the rows of $X$ in
-$-[F_X\ F_x]^{-1} F_q$. Torques: the power of both sides is the same, $\tau_q \cdot \dot q = \tau_X \cdot \dot X$ for all $\dot q$, so
-that $\tau_q = J^T \tau_X$. """
+Rates: $F_X \dot X + F_x \dot x = -F_q \dot q$, so that $\dot X = J \dot q$ with $J$ the rows of $X$
+in $-[F_X\ F_x]^{-1} F_q$. Torques: the power of both sides is the same,
+$\tau_q \cdot \dot q = \tau_X \cdot \dot X$ for all $\dot q$, so that $\tau_q = J^T \tau_X$."""
 
-_HARMONIC = r"""Where an angle stands alone in $A \cos t + B \sin t + C = 0$, $N = A^2 + B^2$ and $r = \sqrt{N - C^2}$ give
-$(\cos t, \sin t) = (-A C \mp B r,\ -B C \pm A r) / N$; a configuration is on the upper branch where $A \sin t - B \cos t \ge 0$, which is
-$\pm r$. The derivative of the row by $t$ is $\mp r$: the branches meet where it is singular."""
+_HARMONIC = r"""Where an angle stands alone in $A \cos t + B \sin t + C = 0$, $N = A^2 + B^2$ and
+$r = \sqrt{N - C^2}$ give $(\cos t, \sin t) = (-A C \mp B r,\ -B C \pm A r) / N$; a configuration is
+on the upper branch where $A \sin t - B \cos t \ge 0$, which is $\pm r$. The derivative of the row
+by $t$ is $\mp r$: the branches meet where it is singular."""
 
-_LINE = r"""**Formulas.** Of each choice the sign at the guess is kept. The machine can move along the straight line of given values, and stays on
-this branch, where no discriminant and no divisor $g$ vanishes on it. With $M$ the largest second derivative of $g$ along lines and $s$
-the way between two points of the line, $g \ge \min(g_a, g_b) - M s^2 / 8$ between them: what is above 0 is accepted, else the part is
-halved; where parts are shorter than 1/1024, the status is `WRONG_BRANCH`. The code says of each $M$ beside its number how it was found.
-Proved: $g$ is a sum of cosines and sines of sums of the given values, whose amplitudes bound its second derivative. Sampled: $M$ is the
-largest of 400 samples of the given values, the larger ones followed uphill, times 1.5. A condition that reads the root or the quotient
-of others bends the more the nearer these are to 0: its $M$ is of the second derivative times $h^{3/2}$ for each $h$ under such a root and
-$h^4$ for each divisor, $h$ over its usual size and at most 1, and is divided by what these keep at least in the part."""
+_LINE = r"""**Formulas.** Of each choice the sign at the guess is kept. The machine can move along
+the straight line of given values, and stays on this branch, where no discriminant and no divisor
+$g$ vanishes on it. With $M$ the largest second derivative of $g$ along lines and $s$ the way
+between two points of the line, $g \ge \min(g_a, g_b) - M s^2 / 8$ between them: what is above 0 is
+accepted, else the part is halved; where parts are shorter than 1/1024, the status is
+`WRONG_BRANCH`. The code says of each $M$ beside its number how it was found. Proved: $g$ is a sum
+of cosines and sines of sums of the given values, whose amplitudes bound its second derivative.
+Sampled: $M$ is the largest of 400 samples of the given values, the larger ones followed uphill,
+times 1.5. A condition that reads the root or the quotient of others bends the more the nearer these
+are to 0: its $M$ is of the second derivative times $h^{3/2}$ for each $h$ under such a root and
+$h^4$ for each divisor, $h$ over its usual size and at most 1, and is divided by what these keep at
+least in the part."""
 
-_GUESS = r"""**The guess** holds only one side's values. The other side's, and passive ones, are those of the reference configuration's branch of
-the formulas, or, where a direction has none, those that the machine reaches from the reference configuration in a straight line. Near the
-reference, where that is printed in the code, one step of Newton's method from polynomials gives these: rays through the reference were
-followed when the code was written, no determinant on them was below a tenth of the reference's, and the step ends within $10^{-4}$
-(rad, sizes) of where they lead. Sampled, not proved."""
+_GUESS = r"""**The guess** holds only one side's values. The other side's, and passive ones, are
+those of the reference configuration's branch of the formulas, or, where a direction has none, those
+that the machine reaches from the reference configuration in a straight line. Near the reference,
+where that is printed in the code, one step of Newton's method from polynomials gives these: rays
+through the reference were followed when the code was written, no determinant on them was below a
+tenth of the reference's, and the step ends within $10^{-4}$ (rad, sizes) of where they lead.
+Sampled, not proved."""
 
 
 def map_chapter(made: JointMap) -> str:
     """The equations of a map, block by block."""
     forms = [part.form for d in (made.direct, made.inverse) for part in d.parts]
     harmonic = any(form is not None and len(form.names) for form in forms)
-    lines = [_MAP, "", *(_direction(made, d) for d in (made.direct, made.inverse)), *([_HARMONIC, ""] if harmonic else [])]
+    lines = [
+        _MAP,
+        "",
+        *(_direction(made, d) for d in (made.direct, made.inverse)),
+        *([_HARMONIC, ""] if harmonic else []),
+    ]
     return "\n".join(lines)
 
 
 def _direction(made: JointMap, direction: Direction) -> str:
     """The blocks of one direction."""
     known = ", ".join(f"`{c.name}`" for c in direction.known)
-    wanted = ", ".join(f"`{c.name}`" for c in (made.found if direction.name == "direct" else made.given))
+    wanted = ", ".join(
+        f"`{c.name}`" for c in (made.found if direction.name == "direct" else made.given)
+    )
     lines = [f"### `{made.name}_{direction.name}`: {known} to {wanted}", ""]
     for part in direction.parts:
         lines += [_part(part), ""]
@@ -63,7 +80,10 @@ def _part(part: Part) -> str:
     if part.total is not None or part.is_linear:
         return head + "linear (a coupling)."
     count = part.problem.system.freedom
-    return head + f"no closed form was found; Newton's method on {count} unknowns, {int(part.problem.system.rows.shape[0])} rows."
+    return head + (
+        f"no closed form was found; Newton's method on {count} unknowns, "
+        f"{int(part.problem.system.rows.shape[0])} rows."
+    )
 
 
 def map_branch(made: JointMap, newton: str) -> str:
@@ -71,7 +91,11 @@ def map_branch(made: JointMap, newton: str) -> str:
     closed = [d.is_closed for d in (made.direct, made.inverse)]
     parts = [_GUESS, *([_LINE] if any(closed) else [])]
     if all(closed):
-        head = ("## Which answer is OK\n\n`OK` says that the answer is the one which is reached from the guess along a straight line of the "
-                "given values without meeting\na singularity.")  # fmt: skip
+        head = (
+            "## Which answer is OK\n\n"
+            "`OK` says that the answer is the one which is reached from the guess along a straight "
+            "line of the "
+            "given values without meeting\na singularity."
+        )
         return "\n\n".join([head, *parts])
     return "\n\n".join([newton, *parts])

@@ -1,4 +1,6 @@
-"""Write the C of a map's values and their numbers: of an angle cosine and sine, in a configuration y, in states and beside limits."""
+"""Write the C of a map's values and their numbers: of an angle cosine and sine, in a configuration
+y, in states and beside limits.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ from symkin.model.joint import Coordinate
 
 
 def places_among(coordinates: Sequence[Coordinate], wanted: Sequence[Coordinate]) -> list[int]:
-    """Places of the numbers of wanted coordinates among those of coordinates that stand beside each other."""
+    """Places of the numbers of wanted coordinates among those of coordinates that stand beside each
+    other.
+    """
     places, start = {}, 0
     for c, count in zip(coordinates, number_counts(coordinates), strict=True):
         places[c.name] = list(range(start, start + count))
@@ -26,13 +30,19 @@ class MapValues:
 
     made: JointMap
 
-    def limits(self, coordinates: Sequence[Coordinate], *, bounded: bool = True) -> list[tuple[float, float]]:
-        """Least and largest value of each coordinate: its limits with slack if `bounded`, else how far it may be."""
+    def limits(
+        self, coordinates: Sequence[Coordinate], *, bounded: bool = True
+    ) -> list[tuple[float, float]]:
+        """Least and largest value of each coordinate: its limits with slack if `bounded`, else how
+        far it may be.
+        """
         found = []
         for c in coordinates:
             scale = 1.0 if c.is_angular else self.made.size
             slack, far = max(1e-9, 16 * self.made.real.epsilon) * scale, FARTHEST * scale
-            found.append((c.limits[0] - slack, c.limits[1] + slack) if bounded and c.limits else (-far, far))
+            found.append(
+                (c.limits[0] - slack, c.limits[1] + slack) if bounded and c.limits else (-far, far)
+            )
         return found
 
     def places(self, coordinates: Sequence[Coordinate]) -> list[int]:
@@ -47,12 +57,16 @@ class MapValues:
         """Statements that copy numbers of coordinates into y."""
         return [f"y[{place}] = {source}[{i}];" for i, place in enumerate(self.places(coordinates))]
 
-    def circles(self, values: str, coordinates: Sequence[Coordinate], target: str, places: Sequence[int]) -> list[str]:
+    def circles(
+        self, values: str, coordinates: Sequence[Coordinate], target: str, places: Sequence[int]
+    ) -> list[str]:
         """Statements that set the numbers of coordinates by their values."""
         lines, k = [], 0
         for i, c in enumerate(coordinates):
             if c.kind == "angle":
-                lines.append(f"{self.made.name}_cosine_and_sine({values}[{i}], &{target}[{places[k]}]);")
+                lines.append(
+                    f"{self.made.name}_cosine_and_sine({values}[{i}], &{target}[{places[k]}]);"
+                )
                 k += 2
             else:
                 lines.append(f"{target}[{places[k]}] = {values}[{i}];")
@@ -62,20 +76,33 @@ class MapValues:
     def turned(self, c: Coordinate, angle: str, near: str) -> str:
         """C text of an angle moved by whole turns next to another, within its limits."""
         ((low, high),) = self.limits([c])
-        return f"{self.made.name}_turned({angle}, {near}, {self.made.real.literal(low)}, {self.made.real.literal(high)})"
+        return (
+            f"{self.made.name}_turned({angle}, {near}, {self.made.real.literal(low)}, "
+            f"{self.made.real.literal(high)})"
+        )
 
     def plain_values(self, coordinates: Sequence[Coordinate], numbers: Sequence[str]) -> list[str]:
         """C text of the values of coordinates by their numbers, angles within half a turn of 0."""
         found, k = [], 0
-        angle = f"{self.made.name}_angle" if self.made.real.name == "float" else self.made.real.call("atan2")
+        angle = (
+            f"{self.made.name}_angle"
+            if self.made.real.name == "float"
+            else self.made.real.call("atan2")
+        )
         for c in coordinates:
-            found.append(f"{angle}({numbers[k + 1]}, {numbers[k]})" if c.kind == "angle" else numbers[k])
+            found.append(
+                f"{angle}({numbers[k + 1]}, {numbers[k]})" if c.kind == "angle" else numbers[k]
+            )
             k += 2 if c.kind == "angle" else 1
         return found
 
-    def values_of(self, coordinates: Sequence[Coordinate], numbers: Sequence[str], near: str) -> list[str]:
+    def values_of(
+        self, coordinates: Sequence[Coordinate], numbers: Sequence[str], near: str
+    ) -> list[str]:
         """C text of the values of coordinates by their numbers, angles next to `near`."""
         found = []
-        for i, (c, value) in enumerate(zip(coordinates, self.plain_values(coordinates, numbers), strict=True)):
+        for i, (c, value) in enumerate(
+            zip(coordinates, self.plain_values(coordinates, numbers), strict=True)
+        ):
             found.append(self.turned(c, value, f"{near}[{i}]") if c.kind == "angle" else value)
         return found

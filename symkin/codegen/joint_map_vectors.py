@@ -21,11 +21,15 @@ _NEAR = 2e-4
 """How far every other guess is from its answer: in radians, and in sizes."""
 _DIGITS = 13
 _PARTS = (1.0, 0.25, 0.0625)
-"""Shares of the way from the reference that are tried where limits of passive joints or singularities leave few configurations."""
+"""Shares of the way from the reference that are tried where limits of passive joints or
+singularities leave few configurations.
+"""
 _LARGEST_CONDITION = 1e4
 """Condition from which on errors allowed do not grow."""
 _HIDDEN = 2e-4
-"""Largest condition of a case, times roundings: beyond it a hundred of them are as far as a singularity may be away."""
+"""Largest condition of a case, times roundings: beyond it a hundred of them are as far as a
+singularity may be away.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,21 +55,25 @@ class MapVectors:
             found.append(Configuration(values, values[direct.unknown_places], given))
         if not found:
             raise InputError(
-                f"{made.name}: no configuration near the reference is regular to the digits of {self._real.name} both ways, so that "
+                f"{made.name}: no configuration near the reference is regular to the digits of "
+                f"{self._real.name} both ways, so that "
                 "generated code cannot be tested; give the file another reference"
             )
         return found
 
     @property
     def _configurations(self) -> list[Configuration]:
-        """Configurations about the reference within limits of passive joints, and nearer ones if they are few."""
+        """Configurations about the reference within limits of passive joints, and nearer ones if
+        they are few.
+        """
         made, found = self.made, list[Configuration]()
         for part in _PARTS:
             cases = map_configurations(made, COUNT, 20, _SPREAD * part, _TURN * part)
             found += [
                 case
                 for case in cases
-                if keeps_limits(made.passive_limits, made.direct.problem.closure, case.values) and self._is_regular(case)
+                if keeps_limits(made.passive_limits, made.direct.problem.closure, case.values)
+                and self._is_regular(case)
             ]
             if len(found) >= COUNT:
                 break
@@ -78,57 +86,98 @@ class MapVectors:
     def _condition(self, case: Configuration) -> float:
         """The larger condition of the two directions."""
         directions = (self.made.direct.problem, self.made.inverse.problem)
-        return max(p.system.condition(case.values[p.unknown_places], case.values[p.known_places]) for p in directions)
+        return max(
+            p.system.condition(case.values[p.unknown_places], case.values[p.known_places])
+            for p in directions
+        )
 
     def _of(self, values: np.ndarray, which: str) -> np.ndarray:
         coordinates = self.made.given if which == "joints" else self.made.found
         places = self.made.direct.problem.places(coordinates)
         scales = [1.0 if c.is_angular else self.made.size for c in coordinates]
         digits = [_DIGITS - int(np.ceil(np.log10(scale))) for scale in scales]
-        return np.array([round(float(v), d) + 0.0 for v, d in zip(values[places], digits, strict=True)])
+        return np.array(
+            [round(float(v), d) + 0.0 for v, d in zip(values[places], digits, strict=True)]
+        )
 
     @cached_property
     def tables(self) -> dict[str, np.ndarray]:
-        """Rows by name. Every other case starts next to its answer, as a loop does; the others at the reference."""
+        """Rows by name. Every other case starts next to its answer, as a loop does; the others at
+        the reference.
+        """
         home, direct = self.made.reference, self.made.direct.problem
-        rows: dict[str, list[np.ndarray]] = {name: [] for name in ("joints", "found", "guesses", "joint_guesses")}
+        rows: dict[str, list[np.ndarray]] = {
+            name: [] for name in ("joints", "found", "guesses", "joint_guesses")
+        }
         for number, case in enumerate(self.cases):
             near = home
             if number % 2:
-                scales = np.array([1.0 if c.is_angular else self.made.size for c in self.made.given])
+                scales = np.array(
+                    [1.0 if c.is_angular else self.made.size for c in self.made.given]
+                )
                 known = case.known + _NEAR * scales
                 near = case.values.copy()
-                near[direct.known_places], near[direct.unknown_places] = known, direct.system.polish(case.unknown, known, 6)
-            for name, values in (("joints", case.values), ("found", case.values), ("guesses", near), ("joint_guesses", near)):
-                rows[name].append(self._of(values, "joints" if name.startswith("joint") else "found"))
+                near[direct.known_places], near[direct.unknown_places] = (
+                    known,
+                    direct.system.polish(case.unknown, known, 6),
+                )
+            for name, values in (
+                ("joints", case.values),
+                ("found", case.values),
+                ("guesses", near),
+                ("joint_guesses", near),
+            ):
+                rows[name].append(
+                    self._of(values, "joints" if name.startswith("joint") else "found")
+                )
         tables = {name: np.array(found) for name, found in rows.items()}
-        return tables | {"inverse": np.array([self._inverse_of(c, f) for c, f in zip(self.cases, tables["found"], strict=True)])}
+        return tables | {
+            "inverse": np.array(
+                [self._inverse_of(c, f) for c, f in zip(self.cases, tables["found"], strict=True)]
+            )
+        }
 
     def _inverse_of(self, case: Configuration, found: np.ndarray) -> np.ndarray:
         """Joints of found values as generated code reads them, near a case."""
         inverse, values = self.made.inverse.problem, case.values.copy()
         values[inverse.known_places] = rounded_to(self._real, found)
-        values[inverse.unknown_places] = inverse.system.polish(values[inverse.unknown_places], values[inverse.known_places], 6)
+        values[inverse.unknown_places] = inverse.system.polish(
+            values[inverse.unknown_places], values[inverse.known_places], 6
+        )
         return self._of(values, "joints")
 
     @cached_property
     def refused(self) -> dict[str, np.ndarray]:
-        """Values (n, coordinates) that code refuses, by name: those that no configuration has, and those beyond limits."""
+        """Values (n, coordinates) that code refuses, by name: those that no configuration has, and
+        those beyond limits.
+        """
         made, home, found = self.made, self.made.reference, dict[str, np.ndarray]()
-        for what, coordinates, direction in (("joints", made.given, made.direct), ("found", made.found, made.inverse)):
+        for what, coordinates, direction in (
+            ("joints", made.given, made.direct),
+            ("found", made.found, made.inverse),
+        ):
             infeasible = np.round(infeasible_values(made, direction, self.cases), 9)
-            found[f"infeasible_{what}"] = rounded_to(self._real, infeasible).reshape(-1, len(coordinates))
+            found[f"infeasible_{what}"] = rounded_to(self._real, infeasible).reshape(
+                -1, len(coordinates)
+            )
             found[f"past_{what}"] = joints_past(coordinates, self._of(home, what))[0]
         return found
 
     @cached_property
     def jacobians(self) -> np.ndarray:
         """Jacobians (count, n * n) of the first cases."""
-        return np.array([np.round(map_jacobian(self.made, case.values), 9).ravel() + 0.0 for case in self.cases[:JACOBIANS]])
+        return np.array(
+            [
+                np.round(map_jacobian(self.made, case.values), 9).ravel() + 0.0
+                for case in self.cases[:JACOBIANS]
+            ]
+        )
 
     @cached_property
     def bounds(self) -> np.ndarray:
-        """Error allowed of each case, as a length: what rounding and the tolerance leave of the rows, times the larger condition."""
+        """Error allowed of each case, as a length: what rounding and the tolerance leave of the
+        rows, times the larger condition.
+        """
         size, found = self.made.size, []
         tolerance = self._real.epsilon * size * (1.0 if self._real.name == "float" else 1e4)
         for case in self.cases:
@@ -140,34 +189,70 @@ class MapVectors:
         """NAME_vectors.h."""
         name, real = self.made.name, self._real
         kind, prefix = f"{name}_real", self.made.name.upper()
-        lines = [f"/* Vectors for {name}_test.c, made by symkin's Python solvers; numbers are exact.", " * SPDX-License-Identifier: MIT */",
-                 f"#ifndef {prefix}_VECTORS_H", f"#define {prefix}_VECTORS_H", "", f'#include "{name}.h"', "",
-                 f"#define {prefix}_VECTORS {len(self.cases)}", f"#define {prefix}_VECTOR_JACOBIANS {len(self.jacobians)}", ""]  # fmt: skip
+        lines = [
+            f"/* Vectors for {name}_test.c, made by symkin's Python solvers; numbers are exact.",
+            " * SPDX-License-Identifier: MIT */",
+            f"#ifndef {prefix}_VECTORS_H",
+            f"#define {prefix}_VECTORS_H",
+            "",
+            f'#include "{name}.h"',
+            "",
+            f"#define {prefix}_VECTORS {len(self.cases)}",
+            f"#define {prefix}_VECTOR_JACOBIANS {len(self.jacobians)}",
+            "",
+        ]
         for label, table in [*self.tables.items(), ("jacobians", self.jacobians)]:
-            rows = [f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }}," for row in table]
-            lines += [f"static const {kind} {name}_vector_{label}[{table.shape[0]}][{table.shape[1]}] = {{", *rows, "};", ""]
+            rows = [
+                f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }}," for row in table
+            ]
+            lines += [
+                f"static const {kind} {name}_vector_{label}[{table.shape[0]}][{table.shape[1]}] = "
+                f"{{",
+                *rows,
+                "};",
+                "",
+            ]
         for label, table in self.refused.items():
             # an array of C has at least one row
             rows = [
                 f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }},"
                 for row in (table if len(table) else np.zeros((1, table.shape[1])))
             ]
-            lines += [f"#define {prefix}_VECTOR_{label.upper()} {len(table)}",
-                      f"static const {kind} {name}_vector_{label}[{len(rows)}][{table.shape[1]}] = {{", *rows, "};", ""]  # fmt: skip
+            lines += [
+                f"#define {prefix}_VECTOR_{label.upper()} {len(table)}",
+                f"static const {kind} {name}_vector_{label}[{len(rows)}][{table.shape[1]}] = {{",
+                *rows,
+                "};",
+                "",
+            ]
         for label, which in (("home_joints", "joints"), ("home_found", "found")):
             row = self._of(self.made.reference, which)
             lines.append(
-                f"static const {kind} {name}_vector_{label}[{len(row)}] = {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }};"
+                f"static const {kind} {name}_vector_{label}[{len(row)}] = {{ "
+                f"{', '.join(real.hexadecimal(float(v)) for v in row)} }};"
             )
         bounds = ", ".join(f"{float(v):.2g}" for v in self.bounds)
-        return "\n".join([*lines, "", "/* Error allowed, as a length. */",
-                          f"static const double {name}_vector_bounds[{len(self.bounds)}] = {{ {bounds} }};", "", "#endif", ""])  # fmt: skip
+        return "\n".join(
+            [
+                *lines,
+                "",
+                "/* Error allowed, as a length. */",
+                f"static const double {name}_vector_bounds[{len(self.bounds)}] = {{ {bounds} }};",
+                "",
+                "#endif",
+                "",
+            ]
+        )
 
 
 def map_jacobian(made: JointMap, values: np.ndarray) -> np.ndarray:
-    """Rates of the found coordinates by those of the given ones (n, n), from the closure's differential."""
+    """Rates of the found coordinates by those of the given ones (n, n), from the closure's
+    differential.
+    """
     direct, size = made.direct.problem, made.size
-    _, by_unknown = direct.system.linearise_one(values[direct.unknown_places], values[direct.known_places])
+    _, by_unknown = direct.system.linearise_one(
+        values[direct.unknown_places], values[direct.known_places]
+    )
     whole = made.given_system
     _, by_given = whole.linearise_one(values[direct.known_places], values[direct.unknown_places])
     solved = np.linalg.lstsq(by_unknown, -by_given, rcond=1e-12)[0]

@@ -1,7 +1,8 @@
 """Write CasADi functions as straight-line JavaScript, over real or complex numbers.
 
-A function becomes `export function NAME(x, out0, out1, ...)`: `x` holds the numbers of its only input, each output is filled row by row
-at its nonzeros, and zeros are left as they are. Over complex numbers every array holds pairs (real, imaginary).
+A function becomes `export function NAME(x, out0, out1, ...)`: `x` holds the numbers of its only
+input, each output is filled row by row at its nonzeros, and zeros are left as they are. Over
+complex numbers every array holds pairs (real, imaginary).
 """
 
 from __future__ import annotations
@@ -19,10 +20,19 @@ Complex = tuple[str, str]
 
 _BINARY = {ca.OP_ADD: "{}+{}", ca.OP_SUB: "{}-{}", ca.OP_MUL: "{}*{}", ca.OP_DIV: "{}/{}"}
 _UNARY = {
-    ca.OP_SIN: "Math.sin({0})", ca.OP_COS: "Math.cos({0})", ca.OP_TAN: "Math.tan({0})", ca.OP_SQRT: "Math.sqrt({0})",
-    ca.OP_NEG: "-{0}", ca.OP_SQ: "{0}*{0}", ca.OP_TWICE: "2*{0}", ca.OP_INV: "1/{0}", ca.OP_FABS: "Math.abs({0})",
-    ca.OP_ACOS: "Math.acos({0})", ca.OP_ASIN: "Math.asin({0})", ca.OP_ATAN: "Math.atan({0})",
-}  # fmt: skip
+    ca.OP_SIN: "Math.sin({0})",
+    ca.OP_COS: "Math.cos({0})",
+    ca.OP_TAN: "Math.tan({0})",
+    ca.OP_SQRT: "Math.sqrt({0})",
+    ca.OP_NEG: "-{0}",
+    ca.OP_SQ: "{0}*{0}",
+    ca.OP_TWICE: "2*{0}",
+    ca.OP_INV: "1/{0}",
+    ca.OP_FABS: "Math.abs({0})",
+    ca.OP_ACOS: "Math.acos({0})",
+    ca.OP_ASIN: "Math.asin({0})",
+    ca.OP_ATAN: "Math.atan({0})",
+}
 
 
 @dataclass
@@ -58,7 +68,9 @@ class _Real:
 
 @dataclass
 class _Complex:
-    """The same on complex numbers: sums, products and quotients by parts, functions by their formulas."""
+    """The same on complex numbers: sums, products and quotients by parts, functions by their
+    formulas.
+    """
 
     places: list[list[int]]
     lines: list[str] = field(default_factory=list)
@@ -112,7 +124,9 @@ def _minus(a: str) -> str:
 
 
 def _product(a: Complex, b: Complex) -> Complex:
-    return _sum(_times(a[0], b[0]), _minus(_times(a[1], b[1]))), _sum(_times(a[0], b[1]), _times(a[1], b[0]))
+    return _sum(_times(a[0], b[0]), _minus(_times(a[1], b[1]))), _sum(
+        _times(a[0], b[1]), _times(a[1], b[0])
+    )
 
 
 def _inverse(a: Complex) -> Complex:
@@ -126,7 +140,9 @@ def _quotient(a: Complex, b: Complex) -> Complex:
     size = f"({_sum(_times(b[0], b[0]), _times(b[1], b[1]))})"
     real = _sum(_times(a[0], b[0]), _times(a[1], b[1]))
     imaginary = _sum(_times(a[1], b[0]), _minus(_times(a[0], b[1])))
-    return _divided(f"({real})", size), _divided("0" if imaginary == "0" else f"({imaginary})", size)
+    return _divided(f"({real})", size), _divided(
+        "0" if imaginary == "0" else f"({imaginary})", size
+    )
 
 
 def _divided(a: str, b: str) -> str:
@@ -146,18 +162,27 @@ _COMPLEX: dict[int, Callable[..., Complex]] = {
     ca.OP_SQ: lambda a: _product(a, a),
     ca.OP_TWICE: lambda a: (_times("2", a[0]), _times("2", a[1])),
     ca.OP_INV: _inverse,
-    ca.OP_SIN: lambda a: (f"Math.sin({a[0]})*Math.cosh({a[1]})", f"Math.cos({a[0]})*Math.sinh({a[1]})"),
-    ca.OP_COS: lambda a: (f"Math.cos({a[0]})*Math.cosh({a[1]})", f"-Math.sin({a[0]})*Math.sinh({a[1]})"),
+    ca.OP_SIN: lambda a: (
+        f"Math.sin({a[0]})*Math.cosh({a[1]})",
+        f"Math.cos({a[0]})*Math.sinh({a[1]})",
+    ),
+    ca.OP_COS: lambda a: (
+        f"Math.cos({a[0]})*Math.cosh({a[1]})",
+        f"-Math.sin({a[0]})*Math.sinh({a[1]})",
+    ),
     ca.OP_SQRT: _root,
-}  # fmt: skip
+}
 
 _ROOTS = """function rootReal(a, b) { return Math.sqrt(0.5 * (Math.hypot(a, b) + a)); }
-function rootImaginary(a, b) { return (b < 0 ? -1 : 1)*Math.sqrt(0.5 * Math.max(0, Math.hypot(a, b) - a)); }
+function rootImaginary(a, b) {
+  return (b < 0 ? -1 : 1)*Math.sqrt(0.5 * Math.max(0, Math.hypot(a, b) - a)); }
 """
 
 
 def javascript(name: str, x: ca.SX, outputs: list[ca.SX], *, over_complex: bool = False) -> str:
-    """The text of an exported function; raises NotImplementedError for an operation that it cannot write."""
+    """The text of an exported function; raises NotImplementedError for an operation that it cannot
+    write.
+    """
     outputs = [ca.SX(output) for output in outputs]
     function = ca.Function(name, [x], outputs, {"cse": True})
     places = [_row_major(output) for output in outputs]

@@ -18,30 +18,51 @@ from symkin.model.mechanism import Mechanism
 from symkin.text import ascii_letters, latex_text, printable
 
 _FUNCTIONS = {
-    ca.OP_SIN: r"\sin", ca.OP_COS: r"\cos", ca.OP_TAN: r"\tan", ca.OP_ASIN: r"\arcsin", ca.OP_ACOS: r"\arccos",
-    ca.OP_ATAN: r"\arctan", ca.OP_EXP: r"\exp", ca.OP_LOG: r"\ln",
-}  # fmt: skip
+    ca.OP_SIN: r"\sin",
+    ca.OP_COS: r"\cos",
+    ca.OP_TAN: r"\tan",
+    ca.OP_ASIN: r"\arcsin",
+    ca.OP_ACOS: r"\arccos",
+    ca.OP_ATAN: r"\arctan",
+    ca.OP_EXP: r"\exp",
+    ca.OP_LOG: r"\ln",
+}
 _GREEK = ("alpha", "beta", "gamma", "delta", "theta", "phi", "psi", "rho", "omega")
 
 
 def equations(mechanism: Mechanism) -> str:
-    """The closure equations of a mechanism, geometry as numbers: a compilable LaTeX fragment (amsmath)."""
+    """The closure equations of a mechanism, geometry as numbers: a compilable LaTeX fragment
+    (amsmath).
+    """
     closure = build_closure(mechanism)
     # a sum of lengths leaves the rounding of lengths
     scale = max(1.0, closure.characteristic_length)
-    rows = tidied(snapped_expression(_in_user_scale(closure), [closure.variables], scale), [closure.variables])
+    rows = tidied(
+        snapped_expression(_in_user_scale(closure), [closure.variables], scale), [closure.variables]
+    )
     names = coordinate_symbols(closure)
     definitions, results = write(rows, closure.variables, names)
     norms = [closure.slices[c.name] for c in closure.coordinates if c.kind == "quaternion"]
     lines = [f"% closure of {mechanism.name}: lengths in {mechanism.length_unit}, angles in rad"]
-    lines += [f"% {symbol} is {printable(name)}" for symbol, name in renamed(names, variable_names(closure))]
+    lines += [
+        f"% {symbol} is {printable(name)}"
+        for symbol, name in renamed(names, variable_names(closure))
+    ]
     if definitions:
-        lines += [r"\begin{align*}", *(rf"{name} &= {text} \\" for name, text in definitions), r"\end{align*}"]
+        lines += [
+            r"\begin{align*}",
+            *(rf"{name} &= {text} \\" for name, text in definitions),
+            r"\end{align*}",
+        ]
     lines.append(r"\begin{align*}")
     for row, text in zip(closure.row_sources, results, strict=True):
         lines.append(rf"0 &= {text} && \text{{{latex_text(row.limb)}: {row.relation}}} \\")
     for place in norms:
-        lines.append("0 &= " + " + ".join(f"{name}^2" for name in names[place]) + r" - 1 && \text{unit quaternion} \\")
+        lines.append(
+            "0 &= "
+            + " + ".join(f"{name}^2" for name in names[place])
+            + r" - 1 && \text{unit quaternion} \\"
+        )
     return "\n".join([*lines, r"\end{align*}"])
 
 
@@ -61,29 +82,48 @@ def document(body: str) -> str:
 
 
 def symbol_name(name: str, component: int | None = None) -> str:
-    """LaTeX symbol of a coordinate: `pose.x` is x, `theta1` is theta with subscript 1, a quaternion has e_0..e_3."""
+    """LaTeX symbol of a coordinate: `pose.x` is x, `theta1` is theta with subscript 1, a quaternion
+    has e_0..e_3.
+    """
     short = ascii_letters(name.removeprefix("pose."))
     if component is not None:
-        return f"e_{component}" if short == "quaternion" else rf"e^{{\mathrm{{{upright(short)}}}}}_{component}"
+        return (
+            f"e_{component}"
+            if short == "quaternion"
+            else rf"e^{{\mathrm{{{upright(short)}}}}}_{component}"
+        )
     match = re.fullmatch(r"([A-Za-z]+?)_?([0-9]+)", short)
     stem, index = match.groups() if match else (short, "")
-    head = rf"\{stem}" if stem in _GREEK else stem if re.fullmatch("[A-Za-z]", stem) else rf"\mathrm{{{upright(stem)}}}"
+    head = (
+        rf"\{stem}"
+        if stem in _GREEK
+        else stem
+        if re.fullmatch("[A-Za-z]", stem)
+        else rf"\mathrm{{{upright(stem)}}}"
+    )
     return f"{head}_{{{index}}}" if index else head
 
 
 def variable_names(closure: Closure) -> list[tuple[str, int | None]]:
     """For each of a closure's variables the name of its coordinate, and which component of a
     quaternion it is."""
-    return [(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
+    return [
+        (c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)
+    ]
 
 
 def coordinate_symbols(closure: Closure) -> list[str]:
     """A symbol for each of a closure's variables, no two alike."""
     parts = variable_names(closure)
-    return distinct([symbol_name(*part) for part in parts], [name if k is None else f"{name}.{k}" for name, k in parts])
+    return distinct(
+        [symbol_name(*part) for part in parts],
+        [name if k is None else f"{name}.{k}" for name, k in parts],
+    )
 
 
-def renamed(symbols: Sequence[str], parts: Sequence[tuple[str, int | None]]) -> list[tuple[str, str]]:
+def renamed(
+    symbols: Sequence[str], parts: Sequence[tuple[str, int | None]]
+) -> list[tuple[str, str]]:
     """The symbols that do not tell their coordinate's name, with this name: of names that look
     alike, or with signs that no symbol has."""
     found = []
@@ -95,7 +135,9 @@ def renamed(symbols: Sequence[str], parts: Sequence[tuple[str, int | None]]) -> 
 
 
 def distinct(symbols: Sequence[str], full: Sequence[str]) -> list[str]:
-    """The symbols, but upright the `full` name of one that looks like one before it: `theta1` and `theta_1` have one symbol."""
+    """The symbols, but upright the `full` name of one that looks like one before it: `theta1` and
+    `theta_1` have one symbol.
+    """
     found: dict[str, str] = {}
     for symbol, name in zip(symbols, full, strict=True):
         while _look(symbol) in found:
@@ -120,16 +162,24 @@ def letter_of_values(symbols: Sequence[str]) -> str:
     return r"\nu" if any(symbol.startswith("v_") for symbol in symbols) else "v"
 
 
-def write(expression: ca.SX, variables: ca.SX, names: Sequence[str]) -> tuple[list[tuple[str, str]], list[str]]:
-    """Named intermediate values, in order, and the text of each entry of a dense column of `variables`."""
+def write(
+    expression: ca.SX, variables: ca.SX, names: Sequence[str]
+) -> tuple[list[tuple[str, str]], list[str]]:
+    """Named intermediate values, in order, and the text of each entry of a dense column of
+    `variables`.
+    """
     function = ca.Function("f", [variables], [ca.densify(expression)], {"cse": True})
     return write_in(function, names, Latex(letter=letter_of_values(names)))
 
 
 def _in_user_scale(closure: Closure) -> ca.SX:
-    """Rows as a reader expects them: distances as d.d - l^2, orientation without the factor of the size."""
+    """Rows as a reader expects them: distances as d.d - l^2, orientation without the factor of the
+    size.
+    """
     factor = {"distance": 2 * closure.characteristic_length, "point": 1.0, "line": 1.0}
-    scaled = [factor.get(row.relation, 1 / closure.characteristic_length) for row in closure.row_sources]
+    scaled = [
+        factor.get(row.relation, 1 / closure.characteristic_length) for row in closure.row_sources
+    ]
     for k, row in enumerate(closure.row_sources):
         if row.relation == "frame" and k % 6 < 3 and _is_position_row(closure, k):
             scaled[k] = 1.0
@@ -145,7 +195,9 @@ def _is_position_row(closure: Closure, k: int) -> bool:
 
 @dataclass(frozen=True)
 class Latex:
-    """LaTeX as a language of expressions; numbers to 12 decimals for reading, or with every digit where they are `exact`."""
+    """LaTeX as a language of expressions; numbers to 12 decimals for reading, or with every digit
+    where they are `exact`.
+    """
 
     longest: int | None = None
     exact: bool = False
@@ -203,7 +255,9 @@ def _operation(op: int, a: Sequence[Text]) -> Text:
 
 
 def _sum(left: Text, right: Text, *, minus: bool) -> Text:
-    """left + right or left - right, with the sign of a leading negative term folded into the operator."""
+    """left + right or left - right, with the sign of a leading negative term folded into the
+    operator.
+    """
     text, flips = right.text, right.text.startswith("-")
     if flips and (_is_negative_number(right) or not re.search(r" [+-] ", right.text)):
         text, minus = text[1:], not minus
@@ -217,7 +271,9 @@ def _is_negative_number(value: Text) -> bool:
 
 
 def _constant(value: float, *, exact: bool) -> Text:
-    """A number with every digit, or without trailing digits of rounding; negative ones bind like a sum."""
+    """A number with every digit, or without trailing digits of rounding; negative ones bind like a
+    sum.
+    """
     if exact:
         text = f"{value:.17g}" if float(f"{value:.15g}") != value else f"{value:.15g}"
     else:

@@ -1,4 +1,6 @@
-"""Write expressions over cosines and sines in place of angles, so that code which knows these needs no trigonometry."""
+"""Write expressions over cosines and sines in place of angles, so that code which knows these needs
+no trigonometry.
+"""
 
 from __future__ import annotations
 
@@ -14,12 +16,16 @@ from symkin.closure.snapping import snap, snapped_expression
 
 
 class NotLiftedError(Exception):
-    """An angle stands in an expression in another way than by sines and cosines of sums with known factors."""
+    """An angle stands in an expression in another way than by sines and cosines of sums with known
+    factors.
+    """
 
 
 @dataclass(frozen=True, eq=False)
 class Generators:
-    """What stands for a coordinate: `value` of a length; cosine and sine of an angle, or, where `is_half`, of half of it."""
+    """What stands for a coordinate: `value` of a length; cosine and sine of an angle, or, where
+    `is_half`, of half of it.
+    """
 
     parts: tuple[ca.SX, ...]
     is_half: bool = False
@@ -48,8 +54,15 @@ class _Angle:
 _Value: TypeAlias = "ca.SX | _Angle"
 
 
-def lifted(expression: ca.SX, places: Sequence[tuple[ca.SX, str]], generators: Mapping[str, Generators], others: ca.SX) -> ca.SX:
-    """An expression of coordinates (symbol, name) and of other symbols over the coordinates' generators. Raises NotLiftedError."""
+def lifted(
+    expression: ca.SX,
+    places: Sequence[tuple[ca.SX, str]],
+    generators: Mapping[str, Generators],
+    others: ca.SX,
+) -> ca.SX:
+    """An expression of coordinates (symbol, name) and of other symbols over the coordinates'
+    generators. Raises NotLiftedError.
+    """
     symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in places))
     function = ca.Function("f", [symbols, others], [ca.densify(expression)], {"cse": True})
     reader = _Lift([generators[name] for _, name in places], [name for _, name in places], others)
@@ -57,7 +70,9 @@ def lifted(expression: ca.SX, places: Sequence[tuple[ca.SX, str]], generators: M
     entries = [reader.found.get(k, ca.SX(0)) for k in range(int(expression.shape[0]))]
     every = {id(g): g for g in reader.generators}.values()
     own = ca.vertcat(others, *(part for g in every for part in g.parts if part.is_symbolic()))
-    return snapped_expression(ca.vertcat(ca.SX(0, 1), *entries), [_symbols_of(ca.vertcat(own, *entries))])
+    return snapped_expression(
+        ca.vertcat(ca.SX(0, 1), *entries), [_symbols_of(ca.vertcat(own, *entries))]
+    )
 
 
 def _symbols_of(expression: ca.SX) -> ca.SX:
@@ -101,7 +116,9 @@ class _Lift:
         if op in (ca.OP_NEG, ca.OP_TWICE) and isinstance(first, _Angle):
             return _scaled(first, -1.0 if op == ca.OP_NEG else 2.0)
         if op == ca.OP_MUL:
-            angle, factor = (first, operands[1]) if isinstance(first, _Angle) else (operands[1], first)
+            angle, factor = (
+                (first, operands[1]) if isinstance(first, _Angle) else (operands[1], first)
+            )
             return _scaled(angle, _number(factor)) if isinstance(angle, _Angle) else first
         if op in (ca.OP_ADD, ca.OP_SUB):
             a, b = (v if isinstance(v, _Angle) else _Angle({}, _number(v)) for v in operands)
@@ -109,12 +126,17 @@ class _Lift:
             factors = dict(a.factors)
             for name, factor in b.factors.items():
                 factors[name] = factors.get(name, 0.0) + factor
-            return _Angle({name: factor for name, factor in factors.items() if factor}, a.offset + b.offset)
+            return _Angle(
+                {name: factor for name, factor in factors.items() if factor}, a.offset + b.offset
+            )
         raise NotLiftedError
 
     def _cosine_and_sine(self, angle: _Angle) -> tuple[ca.SX, ca.SX]:
         """By the addition theorems."""
-        cosine, sine = ca.SX(snap(float(np.cos(angle.offset)), 1.0)), ca.SX(snap(float(np.sin(angle.offset)), 1.0))
+        cosine, sine = (
+            ca.SX(snap(float(np.cos(angle.offset)), 1.0)),
+            ca.SX(snap(float(np.sin(angle.offset)), 1.0)),
+        )
         for name, factor in angle.factors.items():
             own = self.generators[self.names.index(name)]
             c, s = own.parts

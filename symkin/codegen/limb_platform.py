@@ -1,8 +1,10 @@
-"""Describe a parallel mechanism of any limbs for code generation: its Newton iterations, limb by limb and all together.
+"""Describe a parallel mechanism of any limbs for code generation: its Newton iterations, limb by
+limb and all together.
 
-The direct problem finds pose and passive joints together by Newton's method on the closure's rows. Once the pose is given
-the limbs decouple. Rods are explicit; a limb that has a closed form takes the reference's branch of it; others are solved from
-the reference configuration along the line of poses to the given one, so that they stay on the reference's branch.
+The direct problem finds pose and passive joints together by Newton's method on the closure's rows.
+Once the pose is given the limbs decouple. Rods are explicit; a limb that has a closed form takes
+the reference's branch of it; others are solved from the reference configuration along the line of
+poses to the given one, so that they stay on the reference's branch.
 """
 
 from __future__ import annotations
@@ -41,7 +43,9 @@ from symkin.position.problem import Problem, build_problem
 from symkin.spatial.pose import Pose
 
 _COMPARED = 4
-"""Configurations at which the coefficients of a limb's rows are compared, to find its closed form."""
+"""Configurations at which the coefficients of a limb's rows are compared, to find its closed
+form.
+"""
 _CHECKED = 5
 """Configurations at which it is checked that a solver can work."""
 _SINGULAR = 1e-9
@@ -50,12 +54,15 @@ _SINGULAR = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LimbBlock:
-    """A limb once the pose is given: `rod` is the explicit value of its only coordinate, `formulas` give all of them, else `kernel`
-    solves it. With both, the formulas give the joints, and the kernel's matrix their rates.
+    """A limb once the pose is given: `rod` is the explicit value of its only coordinate, `formulas`
+    give all of them, else `kernel` solves it. With both, the formulas give the joints, and the
+    kernel's matrix their rates.
 
-    `sides` are -dF/d(twist) (rows x freedom of the pose), the right-hand sides of the joint rates; for a rod d(rod)/d(twist). `name`
-    begins the names of the limb's functions. `free_divisors` are numbers of the formulas' divisors that no discriminant guards;
-    `is_checked`: the formulas' answer is put into the rows, some of which they leave over, or divide by what may be small."""
+    `sides` are -dF/d(twist) (rows x freedom of the pose), the right-hand sides of the joint rates;
+    for a rod d(rod)/d(twist). `name` begins the names of the limb's functions. `free_divisors` are
+    numbers of the formulas' divisors that no discriminant guards; `is_checked`: the formulas'
+    answer is put into the rows, some of which they leave over, or divide by what may be small.
+    """
 
     name: str
     system: System
@@ -127,22 +134,37 @@ class LimbPlatform:
 
     @cached_property
     def core(self) -> PoseCore | None:
-        """The direct problem over the pose alone, where all passive joints are taken out of the limbs' rows and a limb's branch is told by
-        the pose and its actuated joint. Passive joints with limits are not taken out."""
-        if self.geometry.at_run_time or not self.samples or self.direct_formulas is not None or self.passive_limits:
+        """The direct problem over the pose alone, where all passive joints are taken out of the
+        limbs' rows and a limb's branch is told by the pose and its actuated joint. Passive joints
+        with limits are not taken out.
+        """
+        if (
+            self.geometry.at_run_time
+            or not self.samples
+            or self.direct_formulas is not None
+            or self.passive_limits
+        ):
             return None
         known = self.inverse.known_coordinates
-        poses = np.array([self.inverse.select_values(s.values, known) for s in self.samples[:_COMPARED]])
+        poses = np.array(
+            [self.inverse.select_values(s.values, known) for s in self.samples[:_COMPARED]]
+        )
         system = self.geometry.system(self.inverse)
-        return pose_core(self.closure, split_blocks(system), constant_rows(system), poses, self.actuated)
+        return pose_core(
+            self.closure, split_blocks(system), constant_rows(system), poses, self.actuated
+        )
 
     def direct_state(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """State and known values of the direct problem's iteration at a configuration, all variables of the closure."""
+        """State and known values of the direct problem's iteration at a configuration, all
+        variables of the closure.
+        """
         if self.core is None:
-            return self.direct.select_values(values, self.direct.system.unknowns), self.direct.select_values(
-                values, self.actuated
-            )
-        pose, joints = (self.direct.select_values(values, c) for c in (self.closure.role("pose"), self.actuated))
+            return self.direct.select_values(
+                values, self.direct.system.unknowns
+            ), self.direct.select_values(values, self.actuated)
+        pose, joints = (
+            self.direct.select_values(values, c) for c in (self.closure.role("pose"), self.actuated)
+        )
         return pose, self.core.direct.known(joints)
 
     @cached_property
@@ -150,14 +172,23 @@ class LimbPlatform:
         """The Newton iteration of the direct problem."""
         if self.core is not None:
             return self.core.direct.kernel
-        return system_kernel("direct", self.geometry.system(self.direct), self.direct.known_coordinates, self.geometry.symbols)
+        return system_kernel(
+            "direct",
+            self.geometry.system(self.direct),
+            self.direct.known_coordinates,
+            self.geometry.symbols,
+        )
 
     @cached_property
     def direct_formulas(self) -> DirectFormulas | None:
-        """The closed form of the direct problem, where the geometry is constant and all limbs have one too."""
+        """The closed form of the direct problem, where the geometry is constant and all limbs have
+        one too.
+        """
         if self.geometry.at_run_time or not _tells_branch(self._closure_blocks):
             return None
-        return direct_formulas(self.direct, [block.system for block in self._closure_blocks], self.samples, self.held)
+        return direct_formulas(
+            self.direct, [block.system for block in self._closure_blocks], self.samples, self.held
+        )
 
     @cached_property
     def passive_limits(self) -> list[PassiveLimit]:
@@ -166,7 +197,9 @@ class LimbPlatform:
 
     @property
     def limited_angles(self) -> tuple[bool, ...]:
-        """Which actuated joints are angles with limits: where they stand in whole turns is told by these."""
+        """Which actuated joints are angles with limits: where they stand in whole turns is told by
+        these.
+        """
         return tuple(c.kind == "angle" and c.limits is not None for c in self.actuated)
 
     @property
@@ -182,14 +215,20 @@ class LimbPlatform:
     @cached_property
     def conditions(self) -> System:
         """Rows that no joint enters: the pose alone must satisfy them."""
-        return constant_rows(self.geometry.system(self.inverse)) if self.core is None else self.core.conditions
+        return (
+            constant_rows(self.geometry.system(self.inverse))
+            if self.core is None
+            else self.core.conditions
+        )
 
     @cached_property
     def blocks(self) -> tuple[LimbBlock, ...]:
         """Limbs, each a system of its own once the pose is given."""
         if self.core is None:
             return self._closure_blocks
-        return tuple(self._block(number, system) for number, system in enumerate(self.core.limbs, start=1))
+        return tuple(
+            self._block(number, system) for number, system in enumerate(self.core.limbs, start=1)
+        )
 
     @cached_property
     def _closure_blocks(self) -> tuple[LimbBlock, ...]:
@@ -200,42 +239,77 @@ class LimbPlatform:
     def _block(self, number: int, system: System) -> LimbBlock:
         pose, symbols = self.closure.role("pose"), self.geometry.symbols
         rod, kernel, formulas = None, None, None
-        if len(system.unknowns) == 1 and system.unknowns[0].least is not None and int(system.errors.shape[0]) == 1:
+        if (
+            len(system.unknowns) == 1
+            and system.unknowns[0].least is not None
+            and int(system.errors.shape[0]) == 1
+        ):
             # the error of a rod is its length by the pose less its coordinate
-            rod = snapped_expression(ca.substitute(system.errors, system.unknown, 0), [system.known, symbols])
+            rod = snapped_expression(
+                ca.substitute(system.errors, system.unknown, 0), [system.known, symbols]
+            )
         else:
             formulas = self._formulas(system)
-        left_over = formulas is not None and not _solves_any_pose(formulas, self.samples[0], self.inverse)
+        left_over = formulas is not None and not _solves_any_pose(
+            formulas, self.samples[0], self.inverse
+        )
         free = [] if formulas is None else free_divisors(formulas)
         if rod is None and (formulas is None or left_over):
             # of a limb that not every pose lets close, rates are least squares over its rows
             kernel = system_kernel(f"limb{number}", system, pose, symbols)
         sides = self.by_twist(system, system.rows if rod is None else rod)
-        sides = snapped_expression(sides if rod is not None else -sides, [system.unknown, system.known, symbols])
-        return LimbBlock(f"limb{number}", system, kernel, rod, formulas, sides, tuple(free), left_over or bool(free))
+        sides = snapped_expression(
+            sides if rod is not None else -sides, [system.unknown, system.known, symbols]
+        )
+        return LimbBlock(
+            f"limb{number}",
+            system,
+            kernel,
+            rod,
+            formulas,
+            sides,
+            tuple(free),
+            left_over or bool(free),
+        )
 
     def by_twist(self, system: System, expression: ca.SX) -> ca.SX:
-        """Derivatives (entries, freedom of the pose) of an expression of a limb's system by the platform's twist."""
+        """Derivatives (entries, freedom of the pose) of an expression of a limb's system by the
+        platform's twist.
+        """
         pose, size = self.closure.role("pose"), self.closure.characteristic_length
         of_pose = System(pose, system.known, system.unknown, expression, expression, size)
         scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
         return ca.mtimes(of_pose.jacobian, scale)
 
     def _formulas(self, system: System) -> ClosedForm | None:
-        """The closed form of a limb, where its numbers are constants and all samples are on the reference's branch."""
+        """The closed form of a limb, where its numbers are constants and all samples are on the
+        reference's branch.
+        """
         if self.geometry.at_run_time or len(self.samples) < _COMPARED:
             return None
         poses = self.sampled_poses
-        limbs = np.array([self.inverse.select_values(sample.values, system.unknowns) for sample in self.samples])
+        limbs = np.array(
+            [self.inverse.select_values(sample.values, system.unknowns) for sample in self.samples]
+        )
         found = closed_form(system, poses[:_COMPARED])
         if found is None:
             return None
         home = self.home_signs(found)
-        alike = all(np.array_equal(found.signs_at(limb, pose), home) for limb, pose in zip(limbs, poses, strict=True))
+        alike = all(
+            np.array_equal(found.signs_at(limb, pose), home)
+            for limb, pose in zip(limbs, poses, strict=True)
+        )
         known = self.inverse.known_coordinates
-        if not alike or not is_firm(found, self.inverse.select_values(self.home_values, known), poses, home):
+        if not alike or not is_firm(
+            found, self.inverse.select_values(self.home_values, known), poses, home
+        ):
             return None
-        return found if not found.has_conditions or keeps_digits(found, poses, home, known, self.real.epsilon) else None
+        return (
+            found
+            if not found.has_conditions
+            or keeps_digits(found, poses, home, known, self.real.epsilon)
+            else None
+        )
 
     def home_signs(self, formulas: ClosedForm) -> np.ndarray:
         """The signs of the reference in a limb's closed form."""
@@ -253,16 +327,23 @@ class LimbPlatform:
 
     def inverse_at(self, numbers: np.ndarray, near: np.ndarray) -> np.ndarray:
         """Joint values at a pose as stated, from a configuration near it."""
-        inverse, unit = self.inverse, np.array([*numbers[:3], *(numbers[3:] / np.linalg.norm(numbers[3:]))])
+        inverse, unit = (
+            self.inverse,
+            np.array([*numbers[:3], *(numbers[3:] / np.linalg.norm(numbers[3:]))]),
+        )
         known = np.asarray(self._coordinates_of(unit, self.geometry.values)).ravel()
-        unknown = inverse.system.polish(inverse.select_values(near, inverse.system.unknowns), known, 6)
+        unknown = inverse.system.polish(
+            inverse.select_values(near, inverse.system.unknowns), known, 6
+        )
         return inverse.select_values(inverse.join_values(unknown, known), self.actuated)
 
     @cached_property
     def _coordinates_of(self) -> ca.Function:
         """Pose coordinates of the seven numbers of a pose, as C takes them."""
         x = ca.SX.sym("x", 7)
-        return ca.Function("coordinates", [x, self.geometry.symbols], [restricted(self.geometry, x).coordinates])
+        return ca.Function(
+            "coordinates", [x, self.geometry.symbols], [restricted(self.geometry, x).coordinates]
+        )
 
     @property
     def singular_starts(self) -> np.ndarray:
@@ -276,23 +357,34 @@ class LimbPlatform:
         self._check_independent_joints()
         self._check_reference()
         if not self.samples:
-            raise InputError(f"{self.name}: no closed configurations were found near the reference; nothing to generate")
+            raise InputError(
+                f"{self.name}: no closed configurations were found near the reference; nothing to "
+                f"generate"
+            )
         for sample in self.samples[:_CHECKED]:
             if self.direct_kernel.is_wide or self._is_singular(sample.values):
                 raise InputError(
-                    f"{self.name}: locking the actuated joints does not fix the platform near the reference "
+                    f"{self.name}: locking the actuated joints does not fix the platform near the "
+                    f"reference "
                     "(`symkin show` prints mobility and rank); nothing to generate"
                 )
         for block in self.blocks:
             self._check_block(block)
 
     def _check_reference(self) -> None:
-        """Raises InputError where the direct problem is singular at the reference, from which vectors and home begin."""
+        """Raises InputError where the direct problem is singular at the reference, from which
+        vectors and home begin.
+        """
         values, problem = self.closure.reference, self.direct
-        gap = problem.system.residual(*(values[places] for places in (problem.unknown_places, problem.known_places)))
-        if gap <= CLOSURE_TOLERANCE * self.closure.characteristic_length and self._is_singular(values):
+        gap = problem.system.residual(
+            *(values[places] for places in (problem.unknown_places, problem.known_places))
+        )
+        if gap <= CLOSURE_TOLERANCE * self.closure.characteristic_length and self._is_singular(
+            values
+        ):
             raise InputError(
-                f"{self.name}: the reference configuration is singular for the joints {', '.join(c.name for c in self.actuated)}: "
+                f"{self.name}: the reference configuration is singular for the joints "
+                f"{', '.join(c.name for c in self.actuated)}: "
                 "locked there, they do not hold the platform; give the file another reference"
             )
 
@@ -308,9 +400,12 @@ class LimbPlatform:
         if found.closed and found.direct_rank.value < found.rank.value:
             more = found.rank.value - found.direct_rank.value
             raise InputError(
-                f"{self.name}: {found.actuated} actuated joints move {found.mobility} freedoms, so that their values must agree "
-                "with each other; between two sets of values that do, they do not, and generated code follows the straight line "
-                f"between them. Leave {more} of the limbs out of the file, or let {more} of the joints be passive: the pose is the same"
+                f"{self.name}: {found.actuated} actuated joints move {found.mobility} freedoms, so "
+                f"that their values must agree "
+                "with each other; between two sets of values that do, they do not, and generated "
+                "code follows the straight line "
+                f"between them. Leave {more} of the limbs out of the file, or let {more} of the "
+                f"joints be passive: the pose is the same"
             )
 
     def _check_block(self, block: LimbBlock) -> None:
@@ -319,12 +414,15 @@ class LimbPlatform:
             return
         known = self.inverse.known_coordinates
         for sample in self.samples[:_CHECKED]:
-            state, pose = (self.inverse.select_values(sample.values, c) for c in (block.system.unknowns, known))
+            state, pose = (
+                self.inverse.select_values(sample.values, c) for c in (block.system.unknowns, known)
+            )
             matrix = block.kernel.matrix(state, pose, self.geometry.values)
             if Rank.of(matrix).value < matrix.shape[1]:
                 names = ", ".join(c.name for c in block.system.unknowns)
                 raise InputError(
-                    f"{self.name}: the platform's pose does not fix joints of one limb ({names}), so that there is no inverse; "
+                    f"{self.name}: the platform's pose does not fix joints of one limb ({names}), "
+                    f"so that there is no inverse; "
                     "nothing to generate"
                 )
 
@@ -334,13 +432,17 @@ def _tells_branch(blocks: Sequence[LimbBlock]) -> bool:
 
 
 def _solves_any_pose(formulas: ClosedForm, sample: Configuration, inverse: Problem) -> bool:
-    """Whether a limb's formulas satisfy its rows at poses beside a configuration's, not only at those that the platform can take."""
+    """Whether a limb's formulas satisfy its rows at poses beside a configuration's, not only at
+    those that the platform can take.
+    """
     if not formulas.has_conditions:
         return True
     if any(c.kind == "quaternion" for c in inverse.known_coordinates):
         return False
     pose = inverse.known_coordinates
-    return formulas.closes(samples_about(formulas.system, inverse.select_values(sample.values, pose), pose))
+    return formulas.closes(
+        samples_about(formulas.system, inverse.select_values(sample.values, pose), pose)
+    )
 
 
 def _angular(pose: Sequence[Coordinate]) -> list[bool]:

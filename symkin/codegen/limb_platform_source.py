@@ -1,4 +1,6 @@
-"""Write the C of a parallel mechanism of any limbs: limbs for a pose, direct problem, inverse, Jacobian."""
+"""Write the C of a parallel mechanism of any limbs: limbs for a pose, direct problem, inverse,
+Jacobian.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,12 @@ from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature, rounded
 from symkin.codegen.newton_source import NewtonCode, tracked_error
 from symkin.codegen.passive_limits import limit_lines
-from symkin.codegen.platform_rates import closure_twist, decides_twist, rates_functions, square_twist
+from symkin.codegen.platform_rates import (
+    closure_twist,
+    decides_twist,
+    rates_functions,
+    square_twist,
+)
 from symkin.codegen.pose_coordinates import pose_coordinates_text, pose_text
 from symkin.codegen.pose_target import core_target
 from symkin.computed_once import cached_property
@@ -68,19 +75,35 @@ class LimbPlatformSource:
         """Everything of NAME.c between its beginning and end."""
         made, real, values = self.made, self.real, self.values
         ranges = ranges_of(made.actuated, real, made.closure.characteristic_length)
-        return "".join([
-            normalise_pose(values), fill("info.c", values), pose_coordinates_text(made.geometry, real, values),
-            "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
-            range_functions(ranges, real, values), *(self._limb_text(block) for block in made.blocks),
-            self._solve_limbs, self._check_passive, *self._direct, "\n", self._inverse, "\n", rates_functions(made.mechanism, real, values), self._twist,
-        ])  # fmt: skip
+        return "".join(
+            [
+                normalise_pose(values),
+                fill("info.c", values),
+                pose_coordinates_text(made.geometry, real, values),
+                "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
+                range_functions(ranges, real, values),
+                *(self._limb_text(block) for block in made.blocks),
+                self._solve_limbs,
+                self._check_passive,
+                *self._direct,
+                "\n",
+                self._inverse,
+                "\n",
+                rates_functions(made.mechanism, real, values),
+                self._twist,
+            ]
+        )
 
     @property
     def _direct(self) -> list[str]:
         """The direct problem: by formulas where there are some, else by Newton's method."""
         found, turns = self.made.direct_formulas, [self._unwrap_joints, self._turn_into_limits]
         if found is not None:
-            return [*turns, fill("no_step.c", self._common), ClosedDirectSource(self.made, found, self._common).text]
+            return [
+                *turns,
+                fill("no_step.c", self._common),
+                ClosedDirectSource(self.made, found, self._common).text,
+            ]
         return [
             self.code.text,
             *turns,
@@ -101,9 +124,13 @@ class LimbPlatformSource:
             name=self.name,
             real=self.real,
             geometry=made.geometry.names,
-            matrices=np.array([kernel.matrix(*at, values) for at in zip(states, known, strict=True)]),
+            matrices=np.array(
+                [kernel.matrix(*at, values) for at in zip(states, known, strict=True)]
+            ),
             kappa=curvature(kernel, states, known, values),
-            target_lines=line_target(self.real, nq, None) if made.core is None else core_target(made.core.direct, self.real),
+            target_lines=line_target(self.real, nq, None)
+            if made.core is None
+            else core_target(made.core.direct, self.real),
             known_count=nq,
             first_turn=_FIRST_TURN,
             measured=made.core is not None,
@@ -113,7 +140,9 @@ class LimbPlatformSource:
 
     @property
     def _keeps_known(self) -> bool:
-        """Whether the matrix reads known values, which are dear: they are kept at the part of the line that is done."""
+        """Whether the matrix reads known values, which are dear: they are kept at the part of the
+        line that is done.
+        """
         return self.made.core is not None and self.made.direct_kernel.reads_known
 
     @cached_property
@@ -121,17 +150,27 @@ class LimbPlatformSource:
         """Values of the names that templates of the limbs need."""
         made, literal = self.made, self.real.literal
         return common_values(self.name, self.real, struct=made.geometry.at_run_time) | {
-            "nq": len(made.actuated), "ns": made.direct_kernel.state.shape[0], "nc": sum(c.width for c in made.closure.role("pose")),
+            "nq": len(made.actuated),
+            "ns": made.direct_kernel.state.shape[0],
+            "nc": sum(c.width for c in made.closure.role("pose")),
             "np": max(1, sum(c.width for c in made.passive)),
-            "farthest": literal(farthest(made.closure.characteristic_length, made.mechanism.platform_position)),
-            "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi), "many": literal(1e4), "minus_half": literal(-0.5),
+            "farthest": literal(
+                farthest(made.closure.characteristic_length, made.mechanism.platform_position)
+            ),
+            "turn": literal(2 * np.pi),
+            "per_turn": literal(0.5 / np.pi),
+            "many": literal(1e4),
+            "minus_half": literal(-0.5),
             **self._passive_checks,
-            "within": f", {self.real.type} within" if self._checks_rows else "", "feasible": self._within(self._feasible),
-        }  # fmt: skip
+            "within": f", {self.real.type} within" if self._checks_rows else "",
+            "feasible": self._within(self._feasible),
+        }
 
     @property
     def _passive_checks(self) -> dict[str, str]:
-        """Statements that hold joints which are not actuated against their limits: of an inverse, of Newton's method, of formulas."""
+        """Statements that hold joints which are not actuated against their limits: of an inverse,
+        of Newton's method, of formulas.
+        """
         ga = "geometry, " if self.made.geometry.at_run_time else ""
         ok, count = f"status == {self._ok}", sum(c.width for c in self.made.passive)
         names = ("inverse_passive", "direct_passive", "write_tracked", "check_answer")
@@ -141,9 +180,24 @@ class LimbPlatformSource:
             }
         of_state = f"{self.name}_check_passive({ga}&w.x[{count}], given, w.x)"
         parts = (
-            indent([f"if ({ok}) {{", f"    status = {self.name}_check_passive({ga}c, q, passive);", "}"], 2),
+            indent(
+                [
+                    f"if ({ok}) {{",
+                    f"    status = {self.name}_check_passive({ga}c, q, passive);",
+                    "}",
+                ],
+                2,
+            ),
             indent([f"if ({ok}) {{", f"    status = {of_state};", "}"], 2),
-            indent([f"status = {of_state};", f"if ({ok}) {{", f"    {self.name}_write_pose({ga}&w, pose);", "}"], 4),
+            indent(
+                [
+                    f"status = {of_state};",
+                    f"if ({ok}) {{",
+                    f"    {self.name}_write_pose({ga}&w, pose);",
+                    "}",
+                ],
+                4,
+            ),
             indent([f"if ({ok}) {{", f"    status = {self.name}_check_answer(&answer);", "}"], 2),
         )
         return dict(zip(names, parts, strict=True))
@@ -160,7 +214,10 @@ class LimbPlatformSource:
     @property
     def _guess_error(self) -> float:
         """Largest closure error of a guess, which may be what one step of tracking has left."""
-        return max(self._feasible, _TRACKED * tracked_error(self.code.tuning, self.made.closure.characteristic_length))
+        return max(
+            self._feasible,
+            _TRACKED * tracked_error(self.code.tuning, self.made.closure.characteristic_length),
+        )
 
     def _within(self, error: float) -> str:
         """An argument of NAME_solve_limbs: how far rows may be off."""
@@ -172,38 +229,63 @@ class LimbPlatformSource:
         made, literal, p, ga = self.made, self.real.literal, self.name, self._ga
         kernel = made.direct_kernel
         passive = sum(c.width for c in made.passive)
-        check = f"check_branch({ga}w.x, w.at, given)" if made.tells_branch else f"check_given({ga}&w.x[{passive}], given)"
+        check = (
+            f"check_branch({ga}w.x, w.at, given)"
+            if made.tells_branch
+            else f"check_given({ga}&w.x[{passive}], given)"
+        )
         branch = [f"if (status == {self._ok}) {{", f"    status = {p}_{check};", "}"]
-        unwrap = [f"{self.real.type} given[{self._common['nq']}];", f"{p}_unwrap_joints(w.at, joints, given);"]
+        unwrap = [
+            f"{self.real.type} given[{self._common['nq']}];",
+            f"{p}_unwrap_joints(w.at, joints, given);",
+        ]
         return self._common | {
-            "check_branch": indent(branch, 2) if made.has_dead_centres else "", "unwrap": indent(unwrap, 2),
-            "enter": indent(self._enter_lines(passive)), "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
-            "keep_known": indent(copy("w.k0", "w.k", int(kernel.known.shape[0])), 2) if self._keeps_known else "",
-            "to": "given", "whole": ", " + literal(1.0),
-            "track_factor": singular_condition(made.direct_kernel, f"{p}_direct", "&w", ga, compact=made.options.compact),
-            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((made.closure.characteristic_length / 24) ** 2),
-        }  # fmt: skip
+            "check_branch": indent(branch, 2) if made.has_dead_centres else "",
+            "unwrap": indent(unwrap, 2),
+            "enter": indent(self._enter_lines(passive)),
+            "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
+            "keep_known": indent(copy("w.k0", "w.k", int(kernel.known.shape[0])), 2)
+            if self._keeps_known
+            else "",
+            "to": "given",
+            "whole": ", " + literal(1.0),
+            "track_factor": singular_condition(
+                made.direct_kernel, f"{p}_direct", "&w", ga, compact=made.options.compact
+            ),
+            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))),
+            "track2": literal((made.closure.characteristic_length / 24) ** 2),
+        }
 
     def _enter_lines(self, passive: int) -> list[str]:
         """Statements that set the state to the guess's: its limbs by its pose, then the pose."""
         p, real, nc = self.name, self.real, int(str(self._common["nc"]))
         return [
-            f"{real.type} c[{nc}];", f"{real.type} passive[{self._common['np']}] = {{ {real.literal(0.0)} }};",
+            f"{real.type} c[{nc}];",
+            f"{real.type} passive[{self._common['np']}] = {{ {real.literal(0.0)} }};",
             f"status = {p}_pose_coordinates({self._ga}guess, c);",
-            f"if (status == {self._ok}) {{", f"    status = {p}_solve_limbs({self._ga}c, w->at, passive{self._within(self._guess_error)});",
+            f"if (status == {self._ok}) {{",
+            f"    status = {p}_solve_limbs({self._ga}c, w->at, "
+            f"passive{self._within(self._guess_error)});",
             *("    " + line for line in copy("w->x", "passive", passive) if passive),
-            *([f"    {p}_turn_into_limits(w->at, joints);"] if any(self.made.limited_angles) else []),
+            *(
+                [f"    {p}_turn_into_limits(w->at, joints);"]
+                if any(self.made.limited_angles)
+                else []
+            ),
             *(f"    w->x[{passive + i}] = c[{i}];" for i in range(nc)),
-            f"    status = (status == {self._ok}) ? status : {p.upper()}_OUT_OF_RANGE;", "}",
-        ]  # fmt: skip
+            f"    status = (status == {self._ok}) ? status : {p.upper()}_OUT_OF_RANGE;",
+            "}",
+        ]
 
     def _limb_text(self, block: LimbBlock) -> str:
         """The functions of one limb."""
         if block.formulas is None:
             return limb_text(self.made, block, self._common)
-        return closed_limb_text(self.made, block, self._common) + rates_text(self.made, block, self._common)
+        return closed_limb_text(self.made, block, self._common) + rates_text(
+            self.made, block, self._common
+        )
 
-    # --- limbs -----------------------------------------------------------------------------------------------------
+    # --- limbs ------------------------------------------------------------------------------------
 
     @property
     def _solve_limbs(self) -> str:
@@ -216,20 +298,38 @@ class LimbPlatformSource:
                 continue
             k = f"{self.name}_{block.name}"
             if block.formulas is not None:
-                copies = [f"    {array}[{there}] = x[{here}];" for array, there, here in self._rates.places(block)]
-                lines += [f"if (status == {self._ok}) {{", f"    {self.real.type} x[{block.system.width}];",
-                          f"    status = {k}_joints(c, x{', within' if block.is_checked else ''});", *copies, "}"]  # fmt: skip
+                copies = [
+                    f"    {array}[{there}] = x[{here}];"
+                    for array, there, here in self._rates.places(block)
+                ]
+                lines += [
+                    f"if (status == {self._ok}) {{",
+                    f"    {self.real.type} x[{block.system.width}];",
+                    f"    status = {k}_joints(c, x{', within' if block.is_checked else ''});",
+                    *copies,
+                    "}",
+                ]
                 continue
-            copies = [f"    {array}[{there}] = w.x[{here}];" for array, there, here in self._rates.places(block)]
-            lines += [f"if (status == {self._ok}) {{", f"    {k}_work w;", f"    status = {k}_follow_pose({self._ga}&w, c);",
-                      *copies, "}"]  # fmt: skip
+            copies = [
+                f"    {array}[{there}] = w.x[{here}];"
+                for array, there, here in self._rates.places(block)
+            ]
+            lines += [
+                f"if (status == {self._ok}) {{",
+                f"    {k}_work w;",
+                f"    status = {k}_follow_pose({self._ga}&w, c);",
+                *copies,
+                "}",
+            ]
         if int(self.made.conditions.rows.shape[0]):
             lines += self._condition_lines(self.made.conditions)
         return fill("solve_limbs.c", self._common | {"limbs": indent(lines)})
 
     def _rod_lines(self, block: LimbBlock) -> list[str]:
         """Statements of a rod's coordinate by the pose."""
-        function = ca.Function("rod", [block.system.known, self.made.geometry.symbols], [block.rod], {"cse": True})
+        function = ca.Function(
+            "rod", [block.system.known, self.made.geometry.symbols], [block.rod], {"cse": True}
+        )
         names = [indexed("c", int(block.system.known.shape[0])), self.made.geometry.names]
         emitter = Emitter(function, names, self.real, prefix=self._rates.prefix(block))
         text = emitter.value(0, 0)
@@ -239,14 +339,27 @@ class LimbPlatformSource:
     def _condition_lines(self, conditions: System) -> list[str]:
         """Statements that refuse a pose which violates rows that no joint enters."""
         real, geometry = self.real, self.made.geometry
-        function = ca.Function("conditions", [conditions.known, geometry.symbols], [conditions.rows], {"cse": True})
-        emitter = Emitter(function, [indexed("c", int(conditions.known.shape[0])), geometry.names], real, prefix="v")
+        function = ca.Function(
+            "conditions", [conditions.known, geometry.symbols], [conditions.rows], {"cse": True}
+        )
+        emitter = Emitter(
+            function,
+            [indexed("c", int(conditions.known.shape[0])), geometry.names],
+            real,
+            prefix="v",
+        )
         limit = real.literal(feasible_error(real.epsilon, conditions.characteristic_length))
-        tests = [f"({real.call('fabs')}({emitter.value(0, i)}) <= {limit})" for i in range(int(conditions.rows.shape[0]))]
+        tests = [
+            f"({real.call('fabs')}({emitter.value(0, i)}) <= {limit})"
+            for i in range(int(conditions.rows.shape[0]))
+        ]
         return [
-            "/* what the pose alone must satisfy */", *emitter.lines,
-            f"if (!({' && '.join(tests)})) {{", f"    status = {self.name.upper()}_OUT_OF_RANGE;", "}",
-        ]  # fmt: skip
+            "/* what the pose alone must satisfy */",
+            *emitter.lines,
+            f"if (!({' && '.join(tests)})) {{",
+            f"    status = {self.name.upper()}_OUT_OF_RANGE;",
+            "}",
+        ]
 
     @property
     def _check_passive(self) -> str:
@@ -258,33 +371,52 @@ class LimbPlatformSource:
         names = {
             c.name: text
             for role, array in arrays.items()
-            for c, text in zip(closure.role(role), _indexed_by_width(array, closure.role(role)), strict=True)
+            for c, text in zip(
+                closure.role(role), _indexed_by_width(array, closure.role(role)), strict=True
+            )
         }
         variables = [text for c in closure.coordinates for text in names[c.name]]
-        lines = limit_lines(made.passive_limits, variables, made.geometry, self.real, f"{self.name.upper()}_OUT_OF_RANGE")
+        lines = limit_lines(
+            made.passive_limits,
+            variables,
+            made.geometry,
+            self.real,
+            f"{self.name.upper()}_OUT_OF_RANGE",
+        )
         text = fill("check_passive.c", self._common | {"lines": indent(lines)})
         if made.direct_formulas is None:
             return text
-        return text + fill("check_answer.c", self._common | {"of_answer": self._within(self._guess_error)})
+        return text + fill(
+            "check_answer.c", self._common | {"of_answer": self._within(self._guess_error)}
+        )
 
-    # --- branches and turns ------------------------------------------------------------------------------------------
+    # --- branches and turns -----------------------------------------------------------------------
 
     @property
     def _check_branch(self) -> str:
-        """NAME_check_given and NAME_check_branch, where a pose may leave limbs more than one way to stand. Two ways meet at a dead centre, where
-        errors of the tolerance are their square roots in joint values: what differs by less is one."""
+        """NAME_check_given and NAME_check_branch, where a pose may leave limbs more than one way to
+        stand. Two ways meet at a dead centre, where errors of the tolerance are their square roots
+        in joint values: what differs by less is one.
+        """
         made = self.made
         if not made.has_dead_centres:
             return ""
         size = made.closure.characteristic_length
-        # near a dead centre the pose moves by the square of the joint: an error t of the pose is sqrt(t) there
-        near = [BESIDE * np.sqrt(self.code.tuning.tolerance / size) * (1.0 if c.is_angular else size) for c in made.actuated]
+        # near a dead centre the pose moves by the square of the joint: an error t of the pose is
+        # sqrt(t) there
+        near = [
+            BESIDE * np.sqrt(self.code.tuning.tolerance / size) * (1.0 if c.is_angular else size)
+            for c in made.actuated
+        ]
         within = [f"{self.name}_turn_into_limits(q, given);"] if any(made.limited_angles) else []
         values = self._common | {
-            "near": ", ".join(self.real.literal(rounded(float(v))) for v in near), "within_given": indent(within, 2),
-        }  # fmt: skip
+            "near": ", ".join(self.real.literal(rounded(float(v))) for v in near),
+            "within_given": indent(within, 2),
+        }
         text = fill("check_given.c", values)
-        return text + (branch_text(made, values, self.code.tuning.tolerance) if made.tells_branch else "")
+        return text + (
+            branch_text(made, values, self.code.tuning.tolerance) if made.tells_branch else ""
+        )
 
     @property
     def _turn_into_limits(self) -> str:
@@ -293,10 +425,15 @@ class LimbPlatformSource:
         if not any(made.limited_angles):
             return ""
         limits = [c.limits if c.limits is not None else (0.0, 0.0) for c in made.actuated]
-        return fill("turn_into_limits.c", self._common | {
-            "limited": _flags(made.limited_angles), "low": ", ".join(literal(float(low)) for low, _ in limits),
-            "high": ", ".join(literal(float(high)) for _, high in limits),
-        })  # fmt: skip
+        return fill(
+            "turn_into_limits.c",
+            self._common
+            | {
+                "limited": _flags(made.limited_angles),
+                "low": ", ".join(literal(float(low)) for low, _ in limits),
+                "high": ", ".join(literal(float(high)) for _, high in limits),
+            },
+        )
 
     @property
     def _unwrap_joints(self) -> str:
@@ -305,16 +442,21 @@ class LimbPlatformSource:
         turns = _flags(tuple(c.kind == "angle" and c.limits is None for c in actuated))
         return fill("unwrap_joints.c", self._common | {"turns": turns})
 
-    # --- inverse and Jacobian ----------------------------------------------------------------------------------------
+    # --- inverse and Jacobian ---------------------------------------------------------------------
 
     @property
     def _inverse(self) -> str:
         """NAME_inverse and NAME_jacobian."""
         lines = [line for block in self.made.blocks for line in self._rates.lines(block)]
-        return fill("limb_inverse.c", self._common | {
-            "within_middle": indent(self._to_middle, 3), "rates": indent(lines, 2),
-            "copy_joints": indent(copy("joints", "q", len(self.made.actuated)), 3),
-        })  # fmt: skip
+        return fill(
+            "limb_inverse.c",
+            self._common
+            | {
+                "within_middle": indent(self._to_middle, 3),
+                "rates": indent(lines, 2),
+                "copy_joints": indent(copy("joints", "q", len(self.made.actuated)), 3),
+            },
+        )
 
     @property
     def _twist(self) -> str:
@@ -330,7 +472,10 @@ class LimbPlatformSource:
         made = self.made
         if not any(made.limited_angles):
             return []
-        middles = ", ".join(self.real.literal(0.0 if c.limits is None else 0.5 * float(sum(c.limits))) for c in made.actuated)
+        middles = ", ".join(
+            self.real.literal(0.0 if c.limits is None else 0.5 * float(sum(c.limits)))
+            for c in made.actuated
+        )
         return [
             f"static const {self.real.type} middle[{len(made.actuated)}] = {{ {middles} }};",
             f"{self.name}_turn_into_limits(q, middle);",
@@ -343,6 +488,10 @@ def _flags(flags: tuple[bool, ...]) -> str:
 
 
 def _indexed_by_width(array: str, coordinates: Sequence[Coordinate]) -> list[list[str]]:
-    """C text of the numbers of each of some coordinates, which stand beside each other in an array."""
+    """C text of the numbers of each of some coordinates, which stand beside each other in an
+    array.
+    """
     ends = np.cumsum([c.width for c in coordinates]).tolist()
-    return [indexed(array, c.width, end - c.width) for c, end in zip(coordinates, ends, strict=True)]
+    return [
+        indexed(array, c.width, end - c.width) for c, end in zip(coordinates, ends, strict=True)
+    ]

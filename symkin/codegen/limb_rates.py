@@ -1,4 +1,6 @@
-"""Write the statements of the Jacobian's rows limb by limb: by a limb's matrix, by its formulas, or by a rod's direction."""
+"""Write the statements of the Jacobian's rows limb by limb: by a limb's matrix, by its formulas, or
+by a rod's direction.
+"""
 
 from __future__ import annotations
 
@@ -48,9 +50,13 @@ class LimbRates:
         return found
 
     def prefix(self, block: LimbBlock) -> str:
-        """What temporaries of a rod limb begin with: its name as an identifier, different from those of the other rods."""
+        """What temporaries of a rod limb begin with: its name as an identifier, different from
+        those of the other rods.
+        """
         rods = [other for other in self.made.blocks if other.rod is not None]
-        return identifiers([other.system.unknowns[0].name for other in rods])[rods.index(block)] + "_"
+        return (
+            identifiers([other.system.unknowns[0].name for other in rods])[rods.index(block)] + "_"
+        )
 
     def lines(self, block: LimbBlock) -> list[str]:
         """Statements of the Jacobian's rows of one limb."""
@@ -61,20 +67,37 @@ class LimbRates:
             return [comment, *self._closed_rate_lines(block)]
         made, real, k, m = self.made, self.real, f"{self.name}_{block.kernel.name}", block.kernel.m
         columns, solved = COLUMNS[made.mechanism.motion], _actuated_columns(block.system)
-        actuated = [(there, *solved[here]) for array, there, here in self.places(block) if array == "q"]
+        actuated = [
+            (there, *solved[here]) for array, there, here in self.places(block) if array == "q"
+        ]
         solve = [f"status = {k}_follow_pose({self.ga}&w, c);"]
         if block.formulas is not None:
             error = feasible_error(real.epsilon, made.closure.characteristic_length)
             within = f", {real.literal(rounded(error))}" if block.is_checked else ""
-            solve = [f"status = {k}_joints(c, w.x{within});", *copy("w.k", "c", int(block.system.known.shape[0]))]
-        body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", *solve,
-                f"if (status == {self._ok}) {{", f"    {k}_twist_columns({self.ga}&w, sides);",
-                f"    if ({singular_condition(block.kernel, k, '&w', self.ga, compact=made.options.compact)}) {{",
-                f"        status = {self.name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip
+            solve = [
+                f"status = {k}_joints(c, w.x{within});",
+                *copy("w.k", "c", int(block.system.known.shape[0])),
+            ]
+        body = [
+            f"{k}_work w;",
+            f"{real.type} sides[{m * len(columns)}];",
+            *solve,
+            f"if (status == {self._ok}) {{",
+            f"    {k}_twist_columns({self.ga}&w, sides);",
+            f"    if "
+            f"({singular_condition(block.kernel, k, '&w', self.ga, compact=made.options.compact)}) "
+            f"{{",
+            f"        status = {self.name.upper()}_SINGULAR;",
+            "    } else {",
+        ]
         for j, column in enumerate(columns):
             plus = f" + {j}" if j else ""
-            body += [f"        for (int i = 0; i < {m}; ++i) {{", f"            w.f[i] = sides[{len(columns)} * i{plus}];", "        }",
-                     f"        {k}_solve(&w);"]  # fmt: skip
+            body += [
+                f"        for (int i = 0; i < {m}; ++i) {{",
+                f"            w.f[i] = sides[{len(columns)} * i{plus}];",
+                "        }",
+                f"        {k}_solve(&w);",
+            ]
             for there, index, angular in actuated:
                 # steps of angles are lengths, angle times the size
                 scale = (
@@ -83,7 +106,12 @@ class LimbRates:
                     else ""
                 )
                 body.append(f"        jacobian[{6 * there + column}] = w.f[{index}]{scale};")
-        return [comment, f"if (status == {self._ok}) {{", *("    " + line for line in [*body, "    }", "}"]), "}"]
+        return [
+            comment,
+            f"if (status == {self._ok}) {{",
+            *("    " + line for line in [*body, "    }", "}"]),
+            "}",
+        ]
 
     def _closed_rate_lines(self, block: LimbBlock) -> list[str]:
         """Statements that copy the rates of a limb in closed form."""
@@ -96,11 +124,18 @@ class LimbRates:
             for i, there in enumerate(actuated)
             for j, column in enumerate(columns)
         ]
-        return [f"if (status == {self._ok}) {{", f"    {self.real.type} of_limb[{len(actuated) * len(columns)}];",
-                f"    status = {k}_rates(c, of_limb);", *copies, "}"]  # fmt: skip
+        return [
+            f"if (status == {self._ok}) {{",
+            f"    {self.real.type} of_limb[{len(actuated) * len(columns)}];",
+            f"    status = {k}_rates(c, of_limb);",
+            *copies,
+            "}",
+        ]
 
     def _rod_rate_lines(self, block: LimbBlock) -> list[str]:
-        """Statements of the Jacobian's row of a rod, the derivative of its coordinate by the twist."""
+        """Statements of the Jacobian's row of a rod, the derivative of its coordinate by the
+        twist.
+        """
         made, system = self.made, block.system
         columns, there = COLUMNS[made.mechanism.motion], self.places(block)[0][1]
         inputs = [system.unknown, system.known, made.geometry.symbols]
@@ -108,18 +143,28 @@ class LimbRates:
         names = [["0"], indexed("c", int(system.known.shape[0])), made.geometry.names]
         emitter = Emitter(function, names, self.real, prefix=self.prefix(block))
         texts = [emitter.value(0, j) for j in range(len(columns))]
-        stores = [f"jacobian[{6 * there + c}] = {text};" for c, text in zip(columns, texts, strict=True)]
+        stores = [
+            f"jacobian[{6 * there + c}] = {text};" for c, text in zip(columns, texts, strict=True)
+        ]
         if not emitter.divisions:
             return [*emitter.lines, *stores]
         # where the rod has no length there is no direction
         first, length = emitter.divisions[0]
         guarded = [*emitter.lines[first:], *stores]
-        return [*emitter.lines[:first], f"if ({length} > {self.real.literal(0.0)}) {{", *("    " + line for line in guarded), "} else {",
-                f"    status = {self.name.upper()}_SINGULAR;", "}"]  # fmt: skip
+        return [
+            *emitter.lines[:first],
+            f"if ({length} > {self.real.literal(0.0)}) {{",
+            *("    " + line for line in guarded),
+            "} else {",
+            f"    status = {self.name.upper()}_SINGULAR;",
+            "}",
+        ]
 
 
 def _actuated_columns(system: System) -> dict[int, tuple[int, bool]]:
-    """For each single-number unknown of a block: its column in the tangent space, and whether it is an angle."""
+    """For each single-number unknown of a block: its column in the tangent space, and whether it is
+    an angle.
+    """
     found, column = {}, 0
     for c, place in zip(system.unknowns, system.slices, strict=True):
         if c.width == 1:

@@ -1,4 +1,6 @@
-"""Write the C of one limb once the pose is given: its Newton iteration and the right-hand sides of its joint rates."""
+"""Write the C of one limb once the pose is given: its Newton iteration and the right-hand sides of
+its joint rates.
+"""
 
 from __future__ import annotations
 
@@ -21,8 +23,9 @@ _LINES = 5
 
 
 def limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, object]) -> str:
-    """Write the functions that solve one limb for a pose and give its right-hand sides; a rod needs none. `common` are the values
-    of names that templates of limbs need."""
+    """Write the functions that solve one limb for a pose and give its right-hand sides; a rod needs
+    none. `common` are the values of names that templates of limbs need.
+    """
     if block.kernel is None:
         return ""
     code = _newton_code(made, block, block.kernel)
@@ -38,28 +41,39 @@ def limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, object]
 
 
 def rates_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, object]) -> str:
-    """Write the functions that solve a limb's matrix for its joint rates; nothing for a limb whose formulas give these."""
+    """Write the functions that solve a limb's matrix for its joint rates; nothing for a limb whose
+    formulas give these.
+    """
     if block.kernel is None:
         return ""
     code = _newton_code(made, block, block.kernel)
     return code.work + code.linear.text + _twist_columns(made, block, block.kernel, code.k, common)
 
 
-def _twist_columns(made: LimbPlatform, block: LimbBlock, kernel: Kernel, k: str, common: Mapping[str, object]) -> str:
+def _twist_columns(
+    made: LimbPlatform, block: LimbBlock, kernel: Kernel, k: str, common: Mapping[str, object]
+) -> str:
     sides = indent(_side_lines(block, kernel, made.geometry.names, made.real))
-    return fill("twist_columns.c", {**common, "k": k, "sides": sides, "count": kernel.m * int(block.sides.shape[1])})
+    return fill(
+        "twist_columns.c",
+        {**common, "k": k, "sides": sides, "count": kernel.m * int(block.sides.shape[1])},
+    )
 
 
 def _newton_code(made: LimbPlatform, block: LimbBlock, kernel: Kernel) -> NewtonCode:
     """The Newton iteration of a limb, tuned at the sampled configurations."""
     states = [made.inverse.select_values(s.values, block.system.unknowns) for s in made.samples]
-    poses = [made.inverse.select_values(s.values, made.inverse.known_coordinates) for s in made.samples]
+    poses = [
+        made.inverse.select_values(s.values, made.inverse.known_coordinates) for s in made.samples
+    ]
     return NewtonCode(
         kernel=kernel,
         name=made.name,
         real=made.real,
         geometry=made.geometry.names,
-        matrices=np.array([kernel.matrix(z, k, made.geometry.values) for z, k in zip(states, poses, strict=True)]),
+        matrices=np.array(
+            [kernel.matrix(z, k, made.geometry.values) for z, k in zip(states, poses, strict=True)]
+        ),
         kappa=curvature(kernel, states, poses, made.geometry.values),
         target_lines=line_target(made.real, int(kernel.known.shape[0]), kernel.quaternion),
         on_the_way=kernel.is_square or _closes_on_the_way(made, block, states, poses),
@@ -67,11 +81,22 @@ def _newton_code(made: LimbPlatform, block: LimbBlock, kernel: Kernel) -> Newton
     )
 
 
-def _closes_on_the_way(made: LimbPlatform, block: LimbBlock, states: Sequence[np.ndarray], poses: Sequence[np.ndarray]) -> bool:
-    """Whether a limb of more rows than unknowns takes the poses on the line from the reference: others close at its end alone."""
+def _closes_on_the_way(
+    made: LimbPlatform, block: LimbBlock, states: Sequence[np.ndarray], poses: Sequence[np.ndarray]
+) -> bool:
+    """Whether a limb of more rows than unknowns takes the poses on the line from the reference:
+    others close at its end alone.
+    """
     reference = made.inverse.select_values(made.closure.reference, made.inverse.known_coordinates)
     bound, size, over_p = made.closure.bound, made.closure.characteristic_length, block.system
-    system = System(over_p.unknowns, over_p.unknown, over_p.known, bound(over_p.rows), bound(over_p.errors), size)
+    system = System(
+        over_p.unknowns,
+        over_p.unknown,
+        over_p.known,
+        bound(over_p.rows),
+        bound(over_p.errors),
+        size,
+    )
     turned = quaternion_place(made.inverse.known_coordinates)
     for state, pose in zip(states[:_LINES], poses[:_LINES], strict=True):
         middle = 0.5 * (reference + pose)
@@ -84,9 +109,19 @@ def _closes_on_the_way(made: LimbPlatform, block: LimbBlock, states: Sequence[np
 
 def _side_lines(block: LimbBlock, kernel: Kernel, geometry: list[str], real: Real) -> list[str]:
     """Statements of the right-hand sides of the joint rates, row by row."""
-    function = ca.Function("sides", [kernel.state, kernel.known, kernel.geometry], [block.sides], {"cse": True})
-    names = [indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", int(kernel.known.shape[0])), geometry]
+    function = ca.Function(
+        "sides", [kernel.state, kernel.known, kernel.geometry], [block.sides], {"cse": True}
+    )
+    names = [
+        indexed("w->x", int(kernel.state.shape[0])),
+        indexed("w->k", int(kernel.known.shape[0])),
+        geometry,
+    ]
     emitter, freedom = Emitter(function, names, real), int(block.sides.shape[1])
-    entries = [f"sides[{freedom * i + j}] = {emitter.entry(i, j)};" for i in range(kernel.m) for j in range(freedom)]
+    entries = [
+        f"sides[{freedom * i + j}] = {emitter.entry(i, j)};"
+        for i in range(kernel.m)
+        for j in range(freedom)
+    ]
     unread = not any("w->" in line for line in [*emitter.lines, *entries])
     return [*emitter.lines, *(["(void)w;"] if unread else []), *entries]

@@ -1,11 +1,13 @@
-"""Find the closed form of a direct problem limb by limb: the pose by rows without passive joints, then each limb's passive joints.
+"""Find the closed form of a direct problem limb by limb: the pose by rows without passive joints,
+then each limb's passive joints.
 
-A limb's passive joints by its pose and actuated joints have closed forms of their own. Of one with two values the discriminant is
+A limb's passive joints by its pose and actuated joints have closed forms of their own. Of one with
+two values the discriminant is
 
     D = N - C^2,  N = A^2 + B^2.
 
-By the law of cosines C is a + b N, so that D = -b^2 (N - low) (N - high): the limb reaches the pose while low < N < high, which bends
-less along a line than D does.
+By the law of cosines C is a + b N, so that D = -b^2 (N - low) (N - high): the limb reaches the pose
+while low < N < high, which bends less along a line than D does.
 """
 
 from __future__ import annotations
@@ -35,8 +37,10 @@ _SAME = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Reach:
-    """What has to stay above zero for a limb to reach the pose: by a configuration's coordinates, `of_configuration`, and by the formulas of
-    the known values, their signs and roots, `of_known`. `name` is the coordinate that is decided."""
+    """What has to stay above zero for a limb to reach the pose: by a configuration's coordinates,
+    `of_configuration`, and by the formulas of the known values, their signs and roots, `of_known`.
+    `name` is the coordinate that is decided.
+    """
 
     name: str
     of_configuration: ca.SX
@@ -45,8 +49,9 @@ class Reach:
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """How limbs hold a platform in its motion: their wrenches' `volume` must stay above zero, and of each limb the square of its wrench's
-    length (None: it has none), all by the pose."""
+    """How limbs hold a platform in its motion: their wrenches' `volume` must stay above zero, and
+    of each limb the square of its wrench's length (None: it has none), all by the pose.
+    """
 
     volume: ca.SX
     squares: tuple[ca.SX | None, ...]
@@ -54,7 +59,9 @@ class Held:
 
 @dataclass(frozen=True, eq=False)
 class LimbwiseForm:
-    """The closed form of all unknowns; the limbs' `reaches` stand for discriminants from number `pose_choices` on."""
+    """The closed form of all unknowns; the limbs' `reaches` stand for discriminants from number
+    `pose_choices` on.
+    """
 
     form: ClosedForm
     pose_choices: int
@@ -62,9 +69,14 @@ class LimbwiseForm:
 
 
 def limbwise_form(
-    problem: Problem, limbs: Sequence[System], samples: Sequence[Configuration], held: Held | None = None
+    problem: Problem,
+    limbs: Sequence[System],
+    samples: Sequence[Configuration],
+    held: Held | None = None,
 ) -> LimbwiseForm | None:
-    """The closed form of a direct problem by `limbs`, systems of a given pose; None where it is not found in this way."""
+    """The closed form of a direct problem by `limbs`, systems of a given pose; None where it is not
+    found in this way.
+    """
     return _Limbwise(problem, limbs, samples, held).found()
 
 
@@ -81,7 +93,9 @@ class _Limbwise:
 
     def _symbols(self, coordinates: Sequence[Coordinate]) -> ca.SX:
         closure = self.problem.closure
-        return ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in coordinates))
+        return ca.vertcat(
+            ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in coordinates)
+        )
 
     def _values(self, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
         return np.array([self.problem.select_values(s.values, coordinates) for s in self.samples])
@@ -106,10 +120,16 @@ class _Limbwise:
         if len(whole.forms) == 1:
             return None
         if self.held is not None:
-            reaches.append(Reach("the motion's wrenches", self.held.volume, whole.of_known(self.held.volume)))
+            reaches.append(
+                Reach("the motion's wrenches", self.held.volume, whole.of_known(self.held.volume))
+            )
         made = whole.form()
         known = self._values(self.problem.known_coordinates)
-        return LimbwiseForm(made, int(pose.signs.shape[0]), tuple(reaches)) if made.closes(known) else None
+        return (
+            LimbwiseForm(made, int(pose.signs.shape[0]), tuple(reaches))
+            if made.closes(known)
+            else None
+        )
 
     def _pose_form(self) -> ClosedForm | None:
         """The closed form of the pose by the rows that hold no passive joint."""
@@ -126,7 +146,14 @@ class _Limbwise:
             rows += [p.row for p in points]
         known = self._symbols(joints)
         whole = ca.vertcat(*rows)
-        system = System(self._pose, self._symbols(self._pose), known, whole, whole, closure.characteristic_length)
+        system = System(
+            self._pose,
+            self._symbols(self._pose),
+            known,
+            whole,
+            whole,
+            closure.characteristic_length,
+        )
         return closed_form(system, self._values(joints)[:_COMPARED])
 
     def _lost(self, limb: System) -> int:
@@ -138,40 +165,75 @@ class _Limbwise:
             system = self._system(limb, unknowns, held)
             sample = self.samples[0].values
             _, matrix = system.linearise_one(
-                self.problem.select_values(sample, unknowns), self.problem.select_values(sample, held)
+                self.problem.select_values(sample, unknowns),
+                self.problem.select_values(sample, held),
             )
             ranks.append(Rank.of(matrix).value)
         return ranks[1] - ranks[0]
 
     @property
     def _given(self) -> tuple[Coordinate, ...]:
-        """The coordinates of the passive systems' known values: all joints that are given, then the pose."""
+        """The coordinates of the passive systems' known values: all joints that are given, then the
+        pose.
+        """
         return (*self.problem.known_coordinates, *self._pose)
 
     def _passive_system(self, limb: System) -> System:
         """A limb's rows in its passive joints, given the actuated ones and the pose."""
-        unknowns, every = tuple(c for c in limb.unknowns if c.role != "actuated"), (*limb.unknowns, *self._pose)
+        unknowns, every = (
+            tuple(c for c in limb.unknowns if c.role != "actuated"),
+            (*limb.unknowns, *self._pose),
+        )
         # no half angles of the pose, of which formulas give cosine and sine of the whole
-        rows, errors = (plain(part, self._symbols(every), every, limb.characteristic_length) for part in (limb.rows, limb.errors))
-        return System(unknowns, self._symbols(unknowns), self._symbols(self._given), rows, errors, limb.characteristic_length)
+        rows, errors = (
+            plain(part, self._symbols(every), every, limb.characteristic_length)
+            for part in (limb.rows, limb.errors)
+        )
+        return System(
+            unknowns,
+            self._symbols(unknowns),
+            self._symbols(self._given),
+            rows,
+            errors,
+            limb.characteristic_length,
+        )
 
-    def _system(self, limb: System, unknowns: tuple[Coordinate, ...], known: Sequence[Coordinate]) -> System:
-        return System(unknowns, self._symbols(unknowns), self._symbols(known), limb.rows, limb.errors, limb.characteristic_length)
+    def _system(
+        self, limb: System, unknowns: tuple[Coordinate, ...], known: Sequence[Coordinate]
+    ) -> System:
+        return System(
+            unknowns,
+            self._symbols(unknowns),
+            self._symbols(known),
+            limb.rows,
+            limb.errors,
+            limb.characteristic_length,
+        )
 
     def _reaches_of(self, form: ClosedForm, whole: _Composed, number: int) -> list[Reach] | None:
         """What has to stay above zero for a limb's choices; None where that is not known."""
         square = None if self.held is None else self.held.squares[number]
-        return self._by_cosines(form, whole) if square is None else self._by_wrench(form, whole, square)
+        return (
+            self._by_cosines(form, whole)
+            if square is None
+            else self._by_wrench(form, whole, square)
+        )
 
     def _by_wrench(self, form: ClosedForm, whole: _Composed, square: ca.SX) -> list[Reach] | None:
-        """Nothing where all discriminants and divisors are multiples of a wrench's squared length, which the volume holds, or divisors of
-        the joints alone, which become those of the whole; else None."""
+        """Nothing where all discriminants and divisors are multiples of a wrench's squared length,
+        which the volume holds, or divisors of the joints alone, which become those of the whole;
+        else None.
+        """
         known, poses = self._values(self._given), self._values(self._pose)
         signs = form.signs_at(self._values(form.system.unknowns)[0], known[0])
         length = ca.Function("length", [self._symbols(self._pose)], [square])
         lengths = np.array([float(length(v)) for v in poses])
         values = np.hstack([form.discriminants_at(known, signs), form.divisors_at(known, signs)])
-        alone = [k for k in range(values.shape[1]) if not _is_multiple_of_any(values[:, k], lengths[:, None])]
+        alone = [
+            k
+            for k in range(values.shape[1])
+            if not _is_multiple_of_any(values[:, k], lengths[:, None])
+        ]
         count = int(form.discriminants.shape[0])
         others = ca.vertcat(form.roots, form.signs, self._symbols(self._pose))
         for k in alone:
@@ -181,13 +243,17 @@ class _Limbwise:
         return []
 
     def _by_cosines(self, form: ClosedForm, whole: _Composed) -> list[Reach] | None:
-        """The bounds of N of each choice; None where a discriminant does not follow the law of cosines or a divisor may vanish alone."""
+        """The bounds of N of each choice; None where a discriminant does not follow the law of
+        cosines or a divisor may vanish alone.
+        """
         if ca.depends_on(ca.vertcat(form.discriminants, form.divisors), form.roots):
             return None
         known = self._values(self._given)
         function = ca.Function("d", [form.system.known], [form.discriminants, form.divisors])
         numbers = [function(v) for v in known]
-        discriminants, divisors = (np.array([np.asarray(n[k]).ravel() for n in numbers]) for k in range(2))
+        discriminants, divisors = (
+            np.array([np.asarray(n[k]).ravel() for n in numbers]) for k in range(2)
+        )
         reaches: list[Reach] = []
         squares: set[int] = set()
         for k, name in enumerate(form.names):
@@ -224,18 +290,23 @@ class _Composed:
         known = self.parts.problem.known_coordinates
         symbols = self.parts._symbols(known)
         generators = [
-            Generators((ca.cos(symbols[k]), ca.sin(symbols[k])) if c.is_angular else (symbols[k],)) for k, c in enumerate(known)
+            Generators((ca.cos(symbols[k]), ca.sin(symbols[k])) if c.is_angular else (symbols[k],))
+            for k, c in enumerate(known)
         ]
         self.generators = {c.name: g for c, g in zip(known, generators, strict=True)}
         for k, c in enumerate(own):
-            self.generators[c.name] = Generators(self.values[c.name] if c.is_angular else (self.pose.first[k],))
+            self.generators[c.name] = Generators(
+                self.values[c.name] if c.is_angular else (self.pose.first[k],)
+            )
 
     def of_known(self, expression: ca.SX, others: ca.SX | None = None) -> ca.SX:
         """An expression of joints and pose with the pose's formulas in place of the pose."""
         coordinates = (*self.parts.problem.known_coordinates, *self.pose.system.unknowns)
         symbols = self.parts._symbols(coordinates)
         places = [(symbols[k], c.name) for k, c in enumerate(coordinates)]
-        return lifted(expression, places, self.generators, ca.SX(0, 1) if others is None else others)
+        return lifted(
+            expression, places, self.generators, ca.SX(0, 1) if others is None else others
+        )
 
     def add(self, form: ClosedForm) -> None:
         """Add a limb's passive joints."""
@@ -264,13 +335,19 @@ class _Composed:
         )
 
 
-def _law_of_cosines(discriminant: np.ndarray, divisors: np.ndarray) -> tuple[int, float, float] | None:
-    """Which divisor N makes a discriminant -b^2 (N - low) (N - high), with low and high; None where none does."""
+def _law_of_cosines(
+    discriminant: np.ndarray, divisors: np.ndarray
+) -> tuple[int, float, float] | None:
+    """Which divisor N makes a discriminant -b^2 (N - low) (N - high), with low and high; None where
+    none does.
+    """
     for j in range(divisors.shape[1]):
         size = float(np.max(np.abs(divisors[:, j])))
         if np.ptp(divisors[:, j]) <= _SAME * size:
             continue
-        matrix = np.stack([np.ones(len(divisors)), divisors[:, j] / size, (divisors[:, j] / size) ** 2], axis=1)
+        matrix = np.stack(
+            [np.ones(len(divisors)), divisors[:, j] / size, (divisors[:, j] / size) ** 2], axis=1
+        )
         factors, *_ = np.linalg.lstsq(matrix, discriminant, rcond=None)
         missed = np.max(np.abs(matrix @ factors - discriminant))
         if missed <= _FITTED * np.max(np.abs(discriminant)) and factors[2] < 0.0:
@@ -281,4 +358,6 @@ def _law_of_cosines(discriminant: np.ndarray, divisors: np.ndarray) -> tuple[int
 
 def _is_multiple_of_any(values: np.ndarray, others: np.ndarray) -> bool:
     ratios = values[:, None] / others
-    return bool(np.any(np.ptp(ratios, axis=0) <= _SAME * np.max(np.abs(ratios), axis=0, initial=0.0)))
+    return bool(
+        np.any(np.ptp(ratios, axis=0) <= _SAME * np.max(np.abs(ratios), axis=0, initial=0.0))
+    )

@@ -1,8 +1,10 @@
-"""Bounds for the straight line of given values: how far a function of them bends away from its chord.
+"""Bounds for the straight line of given values: how far a function of them bends away from its
+chord.
 
-A function g that is a polynomial in lengths and in cosines and sines of angles is a finite sum of products of Chebyshev polynomials
-of lengths over their ranges and of waves of angles. Its coefficients bound its second derivatives by each pair of given values, for
-all values at once, so that along a line, t from 0 to 1 with changes d of the given values, each in a unit of its own,
+A function g that is a polynomial in lengths and in cosines and sines of angles is a finite sum of
+products of Chebyshev polynomials of lengths over their ranges and of waves of angles. Its
+coefficients bound its second derivatives by each pair of given values, for all values at once, so
+that along a line, t from 0 to 1 with changes d of the given values, each in a unit of its own,
 
     |g''| <= sum of weights_i d_i^2,
 
@@ -23,7 +25,9 @@ _HIGHEST = 6
 """The same of a second look, for at most so many given values:"""
 _FEW = 3
 _SHIFT = 0.0711
-"""By how much more each angle's samples are shifted than those of the one before (rad): equal angles are special."""
+"""By how much more each angle's samples are shifted than those of the one before (rad): equal
+angles are special.
+"""
 _MISFIT = 1e-9
 """Share of the largest value by which the sum may be off at points that it was not made from."""
 _CHECKED = 64
@@ -31,7 +35,9 @@ _CHECKED = 64
 
 @dataclass(frozen=True)
 class Span:
-    """What a given value runs over: all angles, or lengths `middle` +- `half`; `unit` is what its changes are told in."""
+    """What a given value runs over: all angles, or lengths `middle` +- `half`; `unit` is what its
+    changes are told in.
+    """
 
     angular: bool
     middle: float = 0.0
@@ -41,8 +47,10 @@ class Span:
 
 @dataclass(frozen=True)
 class Bend:
-    """Bounds of a function: `size` of itself, `slopes` (given values) of first derivatives, `weights` (given values) of the second one
-    along a line as above, for changes in units of the spans; `least` and `most` are values among its samples."""
+    """Bounds of a function: `size` of itself, `slopes` (given values) of first derivatives,
+    `weights` (given values) of the second one along a line as above, for changes in units of the
+    spans; `least` and `most` are values among its samples.
+    """
 
     size: float
     slopes: np.ndarray
@@ -57,7 +65,9 @@ def bend_of(values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span]) -
     return _bend_of(values, spans, _HIGHEST) if found is None and len(spans) <= _FEW else found
 
 
-def _bend_of(values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span], degree: int) -> Bend | None:
+def _bend_of(
+    values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span], degree: int
+) -> Bend | None:
     """The same for waves and degrees up to one."""
     count, points = len(spans), 2 * degree + 2
     angles = 2 * np.pi * np.arange(points) / points
@@ -77,9 +87,12 @@ def _bend_of(values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span], 
     once = np.stack([first[i][places[i]] for i in range(count)])
     twice = np.stack([second[i][places[i]] for i in range(count)])
     # 2 |d_i| |d_j| <= d_i^2 + d_j^2
-    hessian = np.array([
-        [np.sum(amplitudes * (twice[i] if i == j else once[i] * once[j])) for j in range(count)] for i in range(count)
-    ])  # fmt: skip
+    hessian = np.array(
+        [
+            [np.sum(amplitudes * (twice[i] if i == j else once[i] * once[j])) for j in range(count)]
+            for i in range(count)
+        ]
+    )
     return Bend(
         size=float(np.sum(amplitudes)),
         slopes=np.sum(amplitudes * once, axis=1),
@@ -90,15 +103,22 @@ def _bend_of(values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span], 
 
 
 def _placed(angles: np.ndarray, spans: Sequence[Span]) -> np.ndarray:
-    """Given values for angles of the waves: a length is middle + half cos, whose waves are Chebyshev polynomials."""
+    """Given values for angles of the waves: a length is middle + half cos, whose waves are
+    Chebyshev polynomials.
+    """
     columns = [
-        angles[:, i] + _SHIFT * (i + 1) if s.angular else s.middle + s.half * np.cos(angles[:, i]) for i, s in enumerate(spans)
+        angles[:, i] + _SHIFT * (i + 1) if s.angular else s.middle + s.half * np.cos(angles[:, i])
+        for i, s in enumerate(spans)
     ]
     return np.stack(columns, axis=-1)
 
 
 def _reproduces(
-    values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span], waves: np.ndarray, orders: np.ndarray, largest: float
+    values: Callable[[np.ndarray], np.ndarray],
+    spans: Sequence[Span],
+    waves: np.ndarray,
+    orders: np.ndarray,
+    largest: float,
 ) -> bool:
     angles = np.random.default_rng(5).uniform(-np.pi, np.pi, (_CHECKED, len(spans)))
     # the sum over all waves, one given value after the other
@@ -115,4 +135,6 @@ def _slope(span: Span, order: float) -> float:
 
 def _curvature(span: Span, order: float) -> float:
     """Largest second derivative of a wave."""
-    return float(span.unit**2 * (order**2 if span.angular else order**2 * (order**2 - 1) / 3 / span.half**2))
+    return float(
+        span.unit**2 * (order**2 if span.angular else order**2 * (order**2 - 1) / 3 / span.half**2)
+    )

@@ -1,4 +1,6 @@
-"""Write how far the parts of a line reach that Newton's method takes at once: the first, the next, a nearer one, and their middles."""
+"""Write how far the parts of a line reach that Newton's method takes at once: the first, the next,
+a nearer one, and their middles.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +10,22 @@ from symkin.codegen.c_emitter import Real, indent, indexed
 from symkin.codegen.newton_kernel import Kernel
 
 LONGEST_TURN = 1.0
-"""Largest turn of a known value in a part of the line (rad): within it the middle stands for all points between the ends."""
+"""Largest turn of a known value in a part of the line (rad): within it the middle stands for all
+points between the ends.
+"""
 _STRAIGHT2 = 0.25
-"""Square of the turn times `spread`, an estimate of |J^-1|^2, below which the rows' change is as good as straight: its bend is an
-eighth of the turn's square, which is then a small part of what Newton and Kantorovich allow."""
+"""Square of the turn times `spread`, an estimate of |J^-1|^2, below which the rows' change is as
+good as straight: its bend is an eighth of the turn's square, which is then a small part of what
+Newton and Kantorovich allow.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class LineParts:
-    """Values of the driver's template for one kernel, whose functions begin with `k` and take the geometry `ga`; `still2`: C text of the
-    square of a step that is rounding; `bends`, `first_turn`, `measured` and `keeps_known` as of `NewtonCode`."""
+    """Values of the driver's template for one kernel, whose functions begin with `k` and take the
+    geometry `ga`; `still2`: C text of the square of a step that is rounding; `bends`, `first_turn`,
+    `measured` and `keeps_known` as of `NewtonCode`.
+    """
 
     kernel: Kernel
     real: Real
@@ -35,7 +43,9 @@ class LineParts:
 
     @property
     def _turning(self) -> dict[str, object]:
-        """What known values that turn ask for: a first part, a longest part, and the middle of each part."""
+        """What known values that turn ask for: a first part, a longest part, and the middle of each
+        part.
+        """
         literal, floor = self.real.literal, f"(size <= {self.still2})"
         doubled = "stretch * part" if self.measured else "quick ? (part + part) : part"
         if not self.bends:
@@ -48,21 +58,29 @@ class LineParts:
             }
         two, first, middle = literal(2.0), self.first_turn, f"done + {literal(0.5)} * (aim - done)"
         check = [
-            f"if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > {literal(_STRAIGHT2)})) {{",
+            f"if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > "
+            f"{literal(_STRAIGHT2)})) {{",
             f"    accepted = {self.k}_reaches_middle({self.ga}w, to, {middle}, still2);",
-            *([] if self.keeps_known else [f"    {self.k}_set_target({self.ga}w, to, aim);"]), "}",
-        ]  # fmt: skip
+            *([] if self.keeps_known else [f"    {self.k}_set_target({self.ga}w, to, aim);"]),
+            "}",
+        ]
         start = [
-            "/* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */",
-            *self._turn_lines, f"if (turn2 > {literal(first**2)}) {{", f"    aim = {literal(first)} / {self.real.call('sqrt')}(turn2);", "}",
-        ]  # fmt: skip
+            "/* the square of the largest turn of a known value on the line (rad), and what part "
+            "of the line is tried first */",
+            *self._turn_lines,
+            f"if (turn2 > {literal(first**2)}) {{",
+            f"    aim = {literal(first)} / {self.real.call('sqrt')}(turn2);",
+            "}",
+        ]
         longest = literal((0.5 * LONGEST_TURN) ** 2)
         return {
-            "turn": indent(start), "check_middle": indent(check, 2), "still": f"((taken > 0U) && {floor})",
+            "turn": indent(start),
+            "check_middle": indent(check, 2),
+            "still": f"((taken > 0U) && {floor})",
             "next_part": self._longer(f"part * part * turn2 <= {longest}", two),
             "first_try": "A part in which known values turn by at most "
             f"{first:g} rad is tried first",
-        }  # fmt: skip
+        }
 
     def _longer(self, fits: str, two: str) -> str:
         """The next part, where parts are bounded: `fits` says of half of it that the whole does."""
@@ -72,53 +90,86 @@ class LineParts:
 
     @property
     def _stretching(self) -> dict[str, str]:
-        """How far the next part reaches: half or twice, or, where `measured`, as far as the ratio of steps, which grows with the part,
-        lets expect."""
+        """How far the next part reaches: half or twice, or, where `measured`, as far as the ratio
+        of steps, which grows with the part, lets expect.
+        """
         literal, two = self.real.literal, self.real.literal(2.0)
         nearer = f"aim = done + {literal(0.375)} * (aim - done);"
         if not self.measured:
             return {
-                "quick_variable": "bool quick = false; /* whether the second step was far shorter than it had to be */",
-                "set_quick": f"quick = (size * {literal(100.0)} <= before);", "nearer": indent([nearer], 3),
-            }  # fmt: skip
+                "quick_variable": (
+                    "bool quick = false; /* whether the second step was far shorter than it "
+                    "had to be */"
+                ),
+                "set_quick": f"quick = (size * {literal(100.0)} <= before);",
+                "nearer": indent([nearer], 3),
+            }
         root = self.real.call("sqrt")
         return {
-            "quick_variable": f"{self.real.type} stretch = {literal(1.0)}; /* how much longer the next part may be than the last */",
-            "set_quick": f"stretch = (size * {literal(100.0)} <= before) ? {two} : ({literal(0.2)} * {root}(before / size));",
-            "nearer": indent([
-                f"if ((size > limit) && (size < {literal(4.0)} * limit)) {{",
-                f"    aim = done + {literal(0.8)} * {root}(limit / size) * (aim - done);", "} else {", "    " + nearer, "}",
-            ], 3),
-        }  # fmt: skip
+            "quick_variable": (
+                f"{self.real.type} stretch = {literal(1.0)}; /* how much longer the next part "
+                f"may be than the last */"
+            ),
+            "set_quick": (
+                f"stretch = (size * {literal(100.0)} <= before) ? {two} : ({literal(0.2)} * "
+                f"{root}(before / size));"
+            ),
+            "nearer": indent(
+                [
+                    f"if ((size > limit) && (size < {literal(4.0)} * limit)) {{",
+                    f"    aim = done + {literal(0.8)} * {root}(limit / size) * (aim - done);",
+                    "} else {",
+                    "    " + nearer,
+                    "}",
+                ],
+                3,
+            ),
+        }
 
     @property
     def _turn_lines(self) -> list[str]:
-        """Statements that set turn2: angles and rods' lengths over the size by their largest, a quaternion by its own turn."""
+        """Statements that set turn2: angles and rods' lengths over the size by their largest, a
+        quaternion by its own turn.
+        """
         kind, literal, turns = self.real.type, self.real.literal, self.kernel.turns
         lines, start = [f"{kind} turn2 = {literal(0.0)};"], self.kernel.quaternion
         if turns:
-            places, parts = (", ".join(text) for text in zip(*((str(i), literal(weight)) for i, weight in turns), strict=True))
+            places, parts = (
+                ", ".join(text)
+                for text in zip(*((str(i), literal(weight)) for i, weight in turns), strict=True)
+            )
             lines += [
-                f"static const uint8_t places[{len(turns)}] = {{ {places} }};", f"static const {kind} radians[{len(turns)}] = {{ {parts} }};",
-                f"for (int i = 0; i < {len(turns)}; ++i) {{", f"    const {kind} turned = radians[i] * (to[places[i]] - w->at[places[i]]);",
-                "    if (turned * turned > turn2) {", "        turn2 = turned * turned;", "    }", "}",
-            ]  # fmt: skip
+                f"static const uint8_t places[{len(turns)}] = {{ {places} }};",
+                f"static const {kind} radians[{len(turns)}] = {{ {parts} }};",
+                f"for (int i = 0; i < {len(turns)}; ++i) {{",
+                f"    const {kind} turned = radians[i] * (to[places[i]] - w->at[places[i]]);",
+                "    if (turned * turned > turn2) {",
+                "        turn2 = turned * turned;",
+                "    }",
+                "}",
+            ]
         if start is not None:
             cosine = " + ".join(f"w->at[{i}] * to[{i}]" for i in range(start, start + 4))
-            lines += [f"const {kind} cosine = {cosine}; /* of half the turn */",
-                      f"turn2 = {literal(8.0)} * ({literal(1.0)} - {self.real.call('fabs')}(cosine));"]  # fmt: skip
+            lines += [
+                f"const {kind} cosine = {cosine}; /* of half the turn */",
+                f"turn2 = {literal(8.0)} * ({literal(1.0)} - {self.real.call('fabs')}(cosine));",
+            ]
         return lines
 
 
 def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
-    """Statements that set w->k on the line from w->at to `to`; unit quaternions go along the shorter arc, with the sign of
-    the guess's."""
+    """Statements that set w->k on the line from w->at to `to`; unit quaternions go along the
+    shorter arc, with the sign of the guess's.
+    """
     loop = f"for (int i = 0; i < {count}; ++i) {{"
     lines = [loop, "    w->k[i] = to[i];", "}"]
     at, to, k = (indexed(name, 4, quaternion or 0) for name in ("w->at", "to", "w->k"))
     if quaternion is not None:
         lines.append("/* of q and -q, one rotation, the one on the guess's side */")
-        lines.append(f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < {real.literal(0.0)}) {{")
+        lines.append(
+            f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < "
+            f"{real.literal(0.0)}) {{"
+        )
         lines += [*(f"    {v} = -{v};" for v in k), "}"]
     lines += [
         f"if (part < {real.literal(1.0)}) {{",
@@ -128,6 +179,8 @@ def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
     ]
     if quaternion is not None:
         square = " + ".join(f"{v} * {v}" for v in k)
-        lines.append(f"    const {real.type} inverse = {real.literal(1.0)} / {real.call('sqrt')}({square});")
+        lines.append(
+            f"    const {real.type} inverse = {real.literal(1.0)} / {real.call('sqrt')}({square});"
+        )
         lines += [f"    {v} *= inverse;" for v in k]
     return [*lines, "}"]

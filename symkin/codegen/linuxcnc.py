@@ -1,4 +1,6 @@
-"""Write a LinuxCNC kinematics component: the functions that its motion module calls, and HAL pins of the geometry."""
+"""Write a LinuxCNC kinematics component: the functions that its motion module calls, and HAL pins
+of the geometry.
+"""
 
 from __future__ import annotations
 
@@ -24,14 +26,21 @@ _CONVERSIONS = {
 """How world coordinates are made of a pose, by the platform's motion."""
 _RPY = "A, B, C are turns about the base's x, y, z in this order (R = Rz(C) Ry(B) Rx(A))."
 _TURN = "C is the turn from home about z; A and B are 0."
-_TURNS = {"spatial": _RPY, "spherical": _RPY, "schoenflies": _TURN, "planar": _TURN, "translation": "A, B, C are 0."}
+_TURNS = {
+    "spatial": _RPY,
+    "spherical": _RPY,
+    "schoenflies": _TURN,
+    "planar": _TURN,
+    "translation": "A, B, C are 0.",
+}
 _DEGREES = 180.0 / np.pi
 _MM = {"mm": 1.0, "m": 1000.0}
 
 
 def linuxcnc_text(program: Program, home: np.ndarray) -> str:
-    """NAME_kins.c, which includes NAME.c; `home` is the pose (7,) from which a platform's direct problem begins. Raises InputError for
-    a geometry whose names are too long for HAL."""
+    """NAME_kins.c, which includes NAME.c; `home` is the pose (7,) from which a platform's direct
+    problem begins. Raises InputError for a geometry whose names are too long for HAL.
+    """
     name = program.mechanism.name
     unit = program.mechanism.length_unit
     mm, units = _MM[unit], [c.is_angular for c in program.mechanism.actuated]
@@ -39,28 +48,52 @@ def linuxcnc_text(program: Program, home: np.ndarray) -> str:
     motion = "spatial" if serial else program.mechanism.motion
     moved = {"planar": (0, 1), "spherical": ()}.get(motion, (0, 1, 2))
     shown = program.values | {
-        "mm": repr(mm), "joint_units": ", ".join(repr(float(_DEGREES)) if angular else repr(mm) for angular in units),
-        "units": "degrees" if all(units) else "mm" if not any(units) else "mm and degrees", "turns_told": _TURNS[motion],
-        "memory": "" if serial else _memory(program, home), "pins": _pins_text(name, pins), "new_pins": indent(_new_pins(name, pins)),
-        "pins_told": f"\n * HAL pins {name}_kins.* hold the geometry ({unit}, radians)." if pins else "",
-        "geometry": f"    const {name}_geometry now = {name}_geometry_now();\n    const {name}_geometry *const geometry = &now;" if pins else "",
-        "positions": indent([f"pose.position[{i}] = world->tran.{'xyz'[i]} / {name.upper()}_MM;" for i in moved]),
-        "from_home": indent([f"pose.position[{i}] = {name}_home.position[{i}];" for i in range(3) if i not in moved]),
-    }  # fmt: skip
+        "mm": repr(mm),
+        "joint_units": ", ".join(
+            repr(float(_DEGREES)) if angular else repr(mm) for angular in units
+        ),
+        "units": "degrees" if all(units) else "mm" if not any(units) else "mm and degrees",
+        "turns_told": _TURNS[motion],
+        "memory": "" if serial else _memory(program, home),
+        "pins": _pins_text(name, pins),
+        "new_pins": indent(_new_pins(name, pins)),
+        "pins_told": f"\n * HAL pins {name}_kins.* hold the geometry ({unit}, radians)."
+        if pins
+        else "",
+        "geometry": (
+            f"    const {name}_geometry now = {name}_geometry_now();\n"
+            f"    const {name}_geometry *const geometry = &now;"
+        )
+        if pins
+        else "",
+        "positions": indent(
+            [f"pose.position[{i}] = world->tran.{'xyz'[i]} / {name.upper()}_MM;" for i in moved]
+        ),
+        "from_home": indent(
+            [f"pose.position[{i}] = {name}_home.position[{i}];" for i in range(3) if i not in moved]
+        ),
+    }
     conversions = fill(f"kins_{_CONVERSIONS[motion]}.c", shown).rstrip()
     functions = fill(f"kins_{'serial' if serial else 'parallel'}.c", shown).rstrip()
-    return fill("kins.c", shown | {"conversions": conversions + "\n", "functions": functions + "\n"})
+    return fill(
+        "kins.c", shown | {"conversions": conversions + "\n", "functions": functions + "\n"}
+    )
 
 
 def _memory(program: Program, home: np.ndarray) -> str:
     """Home, and the last pose, from which the direct problem begins."""
     name, numbers = program.mechanism.name, [program.real.literal(float(v)) for v in home]
     pose = f"{{ {{ {', '.join(numbers[:3])} }}, {{ {', '.join(numbers[3:])} }} }}"
-    return f"static const {name}_pose {name}_home = {pose};\nstatic {name}_pose {name}_last = {pose}; /* where the direct problem begins */"
+    return (
+        f"static const {name}_pose {name}_home = {pose};\n"
+        f"static {name}_pose {name}_last = {pose}; /* where the direct problem begins */"
+    )
 
 
 def _pins(program: Program) -> list[tuple[str, str, float]]:
-    """(pin, C text of the struct's member, nominal value) of each number of the geometry, where it is given at run time."""
+    """(pin, C text of the struct's member, nominal value) of each number of the geometry, where it
+    is given at run time.
+    """
     kind, name = program.kind, program.mechanism.name
     if isinstance(kind, JointMap) or program.options.geometry != "struct":
         return []
@@ -72,7 +105,8 @@ def _pins(program: Program) -> list[tuple[str, str, float]]:
         pin = f"{name}_kins." + member.replace("[", ".").replace("]", "").replace("_", "-")
         if len(pin) > _LONGEST_PIN:
             raise InputError(
-                f"{name}: HAL pin {pin} has {len(pin)} characters; allowed: {_LONGEST_PIN}; shorten the names of limbs or joints"
+                f"{name}: HAL pin {pin} has {len(pin)} characters; allowed: {_LONGEST_PIN}; "
+                f"shorten the names of limbs or joints"
             )
         found.append((pin, member, float(value)))
     return found
@@ -82,11 +116,21 @@ def _pins_text(name: str, pins: list[tuple[str, str, float]]) -> str:
     """The pins' memory and the function that reads them."""
     if not pins:
         return ""
-    return "\n".join([
-        f"#define {name.upper()}_PINS ({len(pins)})", f"static hal_float_t **{name}_pins; /* in HAL's memory */", "",
-        "/* The geometry as the pins hold it now. */", f"static {name}_geometry {name}_geometry_now(void)", "{", f"    {name}_geometry now;",
-        *(f"    now.{member} = *{name}_pins[{i}];" for i, (_, member, _) in enumerate(pins)), "    return now;", "}", "",
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            f"#define {name.upper()}_PINS ({len(pins)})",
+            f"static hal_float_t **{name}_pins; /* in HAL's memory */",
+            "",
+            "/* The geometry as the pins hold it now. */",
+            f"static {name}_geometry {name}_geometry_now(void)",
+            "{",
+            f"    {name}_geometry now;",
+            *(f"    now.{member} = *{name}_pins[{i}];" for i, (_, member, _) in enumerate(pins)),
+            "    return now;",
+            "}",
+            "",
+        ]
+    )
 
 
 def _new_pins(name: str, pins: list[tuple[str, str, float]]) -> list[str]:
@@ -94,11 +138,19 @@ def _new_pins(name: str, pins: list[tuple[str, str, float]]) -> list[str]:
     if not pins:
         return []
     return [
-        f"static const char *const names[{len(pins)}] = {{", *(f'    "{pin}",' for pin, _, _ in pins), "};",
-        f"static const double nominal[{len(pins)}] = {{", *(f"    {value!r}," for _, _, value in pins), "};",
+        f"static const char *const names[{len(pins)}] = {{",
+        *(f'    "{pin}",' for pin, _, _ in pins),
+        "};",
+        f"static const double nominal[{len(pins)}] = {{",
+        *(f"    {value!r}," for _, _, value in pins),
+        "};",
         f"{name}_pins = hal_malloc({name.upper()}_PINS * sizeof *{name}_pins);",
         f"fault = ({name}_pins == 0) ? -1 : 0;",
         f"for (int i = 0; (i < {name.upper()}_PINS) && (fault == 0); ++i) {{",
-        f'    fault = hal_pin_float_newf(HAL_IO, &{name}_pins[i], {name}_component, "%s", names[i]);',
-        "    if (fault == 0) {", f"        *{name}_pins[i] = nominal[i];", "    }", "}",
-    ]  # fmt: skip
+        f'    fault = hal_pin_float_newf(HAL_IO, &{name}_pins[i], {name}_component, "%s", '
+        f"names[i]);",
+        "    if (fault == 0) {",
+        f"        *{name}_pins[i] = nominal[i];",
+        "    }",
+        "}",
+    ]

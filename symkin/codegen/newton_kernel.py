@@ -1,8 +1,8 @@
 """State what one Newton iteration of generated code computes, as CasADi expressions.
 
-A kernel solves rows(state; known) = 0. Its linear system is J step = rows with J = -d rows/d step, and `moved` puts the
-step on: positions and joint values are added to, quaternions are turned by the world-frame twist, so that no
-trigonometry is left in the loop of platforms on rods.
+A kernel solves rows(state; known) = 0. Its linear system is J step = rows with J = -d rows/d step,
+and `moved` puts the step on: positions and joint values are added to, quaternions are turned by the
+world-frame twist, so that no trigonometry is left in the loop of platforms on rods.
 """
 
 from __future__ import annotations
@@ -27,7 +27,9 @@ _OWN_ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class Meaning:
-    """What the arrays of a kernel hold, for comments of the C; `each_row` says of each row what it is about."""
+    """What the arrays of a kernel hold, for comments of the C; `each_row` says of each row what it
+    is about.
+    """
 
     state: str
     known: str
@@ -41,11 +43,13 @@ class Meaning:
 class Kernel:
     """One system for Newton's method: rows(state; known) = 0.
 
-    `rows` are functions of (state, known, geometry), with `shared` beside them: values that the Jacobian reads again.
-    `jacobian` is one of (state, known, geometry, shared_symbols); `moved` and `norm` (squared length of the step, angles
-    times the size) of (state, step). `row_length` times a row is a length. `quaternion` is where a unit quaternion
-    begins in `known`, if it has one; `turns` are the places of known values in which the rows are bent, with how much of a
-    radian a unit of each is. `meaning` says in comments of the C what state, known values, rows and shared values are.
+    `rows` are functions of (state, known, geometry), with `shared` beside them: values that the
+    Jacobian reads again. `jacobian` is one of (state, known, geometry, shared_symbols); `moved` and
+    `norm` (squared length of the step, angles times the size) of (state, step). `row_length` times
+    a row is a length. `quaternion` is where a unit quaternion begins in `known`, if it has one;
+    `turns` are the places of known values in which the rows are bent, with how much of a radian a
+    unit of each is. `meaning` says in comments of the C what state, known values, rows and shared
+    values are.
     """
 
     name: str
@@ -92,7 +96,9 @@ class Kernel:
 
     def row_function(self) -> ca.Function:
         """Rows and shared values by (state, known, geometry)."""
-        return ca.Function("rows", [self.state, self.known, self.geometry], [self.rows, self.shared], {"cse": True})
+        return ca.Function(
+            "rows", [self.state, self.known, self.geometry], [self.rows, self.shared], {"cse": True}
+        )
 
     def jacobian_function(self) -> ca.Function:
         """J = -d rows / d step by (state, known, geometry, shared)."""
@@ -101,7 +107,9 @@ class Kernel:
 
     def move_function(self) -> ca.Function:
         """The state after a step, and the step's squared length, by (state, step, geometry)."""
-        return ca.Function("move", [self.state, self.step, self.geometry], [self.moved, self.norm], {"cse": True})
+        return ca.Function(
+            "move", [self.state, self.step, self.geometry], [self.moved, self.norm], {"cse": True}
+        )
 
     def matrix(self, state: np.ndarray, known: np.ndarray, geometry: np.ndarray) -> np.ndarray:
         """J at a point, by CasADi."""
@@ -115,23 +123,28 @@ class Kernel:
         return self.row_function(), self.jacobian_function()
 
 
-def system_kernel(name: str, system: System, known: Sequence[Coordinate], geometry: ca.SX) -> Kernel:
+def system_kernel(
+    name: str, system: System, known: Sequence[Coordinate], geometry: ca.SX
+) -> Kernel:
     """Make the kernel of a position system: rows -F, J = dF/dd over the system's tangent space.
 
-    `known` are the coordinates of the system's known values. A quaternion q moves to the unit quaternion of
-    (1, d / (2 size)) q, d the part of the step that is its turn times the size.
+    `known` are the coordinates of the system's known values. A quaternion q moves to the unit
+    quaternion of (1, d / (2 size)) q, d the part of the step that is its turn times the size.
     """
     step = ca.SX.sym("s", system.freedom)
     moved, column = [], 0
     for coordinate, place in zip(system.unknowns, system.slices, strict=True):
         z, part = system.unknown[place], step[column : column + coordinate.freedom]
         if coordinate.kind == "quaternion":
-            # a turn by w is exp(w / 2) q, to first order (1, w / 2) q; the step holds w times the size
+            # a turn by w is exp(w / 2) q, to first order (1, w / 2) q; the step holds w times the
+            # size
             q = multiply(ca.vertcat(1, (0.5 / system.characteristic_length) * part), z)
             inverse = 1 / ca.sqrt(dot(q, q))
             moved.append(ca.vertcat(*(q[k] * inverse for k in range(4))))
         else:
-            moved.append(z + (1 / system.characteristic_length) * part if coordinate.is_angular else z + part)
+            moved.append(
+                z + (1 / system.characteristic_length) * part if coordinate.is_angular else z + part
+            )
         column += coordinate.freedom
     symbols = [system.unknown, system.known, geometry]
     return Kernel(
@@ -166,11 +179,16 @@ def _about_row(system: System, used: set[int]) -> str:
 
 
 def curvature(
-    kernel: Kernel, states: Sequence[np.ndarray], known: Sequence[np.ndarray], geometry: np.ndarray, seed: int = 5
+    kernel: Kernel,
+    states: Sequence[np.ndarray],
+    known: Sequence[np.ndarray],
+    geometry: np.ndarray,
+    seed: int = 5,
 ) -> float:
     """Estimate kappa of a typical pose: a Newton step s leaves an error of kappa |s|^2.
 
-    kappa = |J^-1 (J(x + s) - J(x)) s| / (2 |s|^2), the ninth decile over states and random directions s.
+    kappa = |J^-1 (J(x + s) - J(x)) s| / (2 |s|^2), the ninth decile over states and random
+    directions s.
     """
     rng = np.random.default_rng(seed)
     move = kernel.move_function()
@@ -191,12 +209,16 @@ def curvature(
 
 
 def rounded(value: float) -> float:
-    """Round to three digits: generated constants must not depend on the last bits of a linear algebra library."""
+    """Round to three digits: generated constants must not depend on the last bits of a linear
+    algebra library.
+    """
     return float(f"{value:.3g}")
 
 
 def rounded_up(value: float) -> float:
-    """Round a bound to three digits, away from zero; one that three digits state but for its own rounding stays, on any processor."""
+    """Round a bound to three digits, away from zero; one that three digits state but for its own
+    rounding stays, on any processor.
+    """
     near = rounded(value)
     if abs(near) >= abs(value) * (1.0 - _OWN_ROUNDING):
         return near
@@ -215,7 +237,9 @@ def quaternion_place(coordinates: Sequence[Coordinate]) -> int | None:
 
 
 def bent_places(coordinates: Sequence[Coordinate], size: float) -> tuple[tuple[int, float], ...]:
-    """Places of angles, and of rods' lengths, whose squares stand in rows; and what turns their unit into radians."""
+    """Places of angles, and of rods' lengths, whose squares stand in rows; and what turns their
+    unit into radians.
+    """
     found, start = [], 0
     for c in coordinates:
         if c.kind == "angle" or c.least is not None:
@@ -228,5 +252,6 @@ def listed(coordinates: Sequence[Coordinate]) -> str:
     """Names of coordinates in order, those of the platform as x, y, z, gamma or quaternion."""
     names = [c.name.removeprefix("pose.") for c in coordinates]
     return ", ".join(
-        f"{name} (w, x, y, z)" if c.kind == "quaternion" else name for name, c in zip(names, coordinates, strict=True)
+        f"{name} (w, x, y, z)" if c.kind == "quaternion" else name
+        for name, c in zip(names, coordinates, strict=True)
     )

@@ -1,4 +1,6 @@
-"""Write the C functions of one Newton kernel: work space, rows, linear solver, step, target and driver."""
+"""Write the C functions of one Newton kernel: work space, rows, linear solver, step, target and
+driver.
+"""
 
 from __future__ import annotations
 
@@ -18,19 +20,25 @@ from symkin.computed_once import cached_property
 from symkin.text import c_comment
 
 _SURE = 25.0
-"""Square of how much shorter than the second step a third one is that needs no fourth, though |J_0^-1| |s_0| is above the size: there
-curvatures of 1 / size leave the theorem silent, and three steps can contract towards a point where the rows have no root."""
+"""Square of how much shorter than the second step a third one is that needs no fourth, though
+|J_0^-1| |s_0| is above the size: there curvatures of 1 / size leave the theorem silent, and three
+steps can contract towards a point where the rows have no root.
+"""
 _ROWS = 64.0
 """Roundings of the size by which rows are off."""
 _LINE = 256.0
-"""Roundings of the size in the rows below which a line is none: then the state stays where it was, its rows held against the goal."""
+"""Roundings of the size in the rows below which a line is none: then the state stays where it was,
+its rows held against the goal.
+"""
 _COMMENT_WIDTH = 118
 """Characters of a comment line."""
 
 
 @dataclass(frozen=True)
 class Tuning:
-    """Constants of the driver: tolerances as lengths, kappa^2 of a typical pose. Rows may leave `noise`, after a step more `rounding`."""
+    """Constants of the driver: tolerances as lengths, kappa^2 of a typical pose. Rows may leave
+    `noise`, after a step more `rounding`.
+    """
 
     tolerance: float
     floor: float
@@ -40,19 +48,24 @@ class Tuning:
 
 
 def tolerance_of(real: Real, size: float) -> float:
-    """Error of an answer (length unit) that is near what the type resolves of lengths of the size."""
+    """Error of an answer (length unit) that is near what the type resolves of lengths of the
+    size.
+    """
     return real.epsilon * size * (1.0 if real.name == "float" else 1e4)
 
 
 def tracked_error(tuning: Tuning, size: float) -> float:
-    """The error of one step, up to the size, from which another one comes below the tolerance: an error e leaves kappa e^2 after
-    one more, nothing where the rows are linear."""
+    """The error of one step, up to the size, from which another one comes below the tolerance: an
+    error e leaves kappa e^2 after one more, nothing where the rows are linear.
+    """
     kappa = math.sqrt(tuning.kappa2)
     return min(math.sqrt(tuning.tolerance) / math.sqrt(kappa), size) if kappa else size
 
 
 def tuning_of(kernel: Kernel, real: Real, kappa: float) -> Tuning:
-    """Choose tolerances near what the type resolves. Of rows that are linear a step of the size is taken to leave the tolerance."""
+    """Choose tolerances near what the type resolves. Of rows that are linear a step of the size is
+    taken to leave the tolerance.
+    """
     size = kernel.characteristic_length
     resolution, tolerance = real.epsilon * size, tolerance_of(real, size)
     kappa = max(kappa, tolerance / size**2)
@@ -63,14 +76,17 @@ def tuning_of(kernel: Kernel, real: Real, kappa: float) -> Tuning:
 class NewtonCode:
     """The C functions NAME_KERNEL_... of one kernel.
 
-    `geometry` is the C text of each geometry parameter, empty where they are numbers in the code; `matrices` are samples of
-    the kernel's matrix, over which pivots are chosen; `kappa` is its curvature; `target_lines` are statements that set w->k from
-    w->at, `to` and `part`. What differs from one kind of mechanism to another has defaults: `known_count` numbers in `to`;
-    `on_the_way`, whether the rows can vanish at all points of the line; `first_turn`, the largest turn of a known value (rad) that is tried first; `measured`, whether the ratio of steps says how far the next part reaches; `members`, more members of the work space; `matrix`,
-    statements that fill w->a, where something shorter than the emitted ones is known; `retarget`, the call that aims anew
-    and puts the state back, where known values at the guess are not kept; `keeps_known`: the matrix reads w->k0, the known values at
-    the part of the line that is done, which are kept where they take long to compute: who begins a line sets them; `compact`: one
-    factorisation, in loops.
+    `geometry` is the C text of each geometry parameter, empty where they are numbers in the code;
+    `matrices` are samples of the kernel's matrix, over which pivots are chosen; `kappa` is its
+    curvature; `target_lines` are statements that set w->k from w->at, `to` and `part`. What differs
+    from one kind of mechanism to another has defaults: `known_count` numbers in `to`; `on_the_way`,
+    whether the rows can vanish at all points of the line; `first_turn`, the largest turn of a known
+    value (rad) that is tried first; `measured`, whether the ratio of steps says how far the next
+    part reaches; `members`, more members of the work space; `matrix`, statements that fill w->a,
+    where something shorter than the emitted ones is known; `retarget`, the call that aims anew and
+    puts the state back, where known values at the guess are not kept; `keeps_known`: the matrix
+    reads w->k0, the known values at the part of the line that is done, which are kept where they
+    take long to compute: who begins a line sets them; `compact`: one factorisation, in loops.
     """
 
     kernel: Kernel
@@ -107,9 +123,15 @@ class NewtonCode:
     @property
     def functions(self) -> str:
         """Rows, residual and step."""
-        return fill("functions.c", self._values | {
-            "residual": indent(self._residual_lines), "rows": indent(self._rows.lines), "move": indent(self._move[1]),
-        })  # fmt: skip
+        return fill(
+            "functions.c",
+            self._values
+            | {
+                "residual": indent(self._residual_lines),
+                "rows": indent(self._rows.lines),
+                "move": indent(self._move[1]),
+            },
+        )
 
     @property
     def target(self) -> str:
@@ -122,7 +144,15 @@ class NewtonCode:
         inputs = [*self._inputs, indexed("w->d", int(self.kernel.shared_symbols.shape[0]))]
         if self.keeps_known:
             inputs[1] = indexed("w->k0", int(self.kernel.known.shape[0]))
-        return linear_solver(self.kernel, self.real, inputs, self.matrices, self._values, self.matrix, compact=self.compact)
+        return linear_solver(
+            self.kernel,
+            self.real,
+            inputs,
+            self.matrices,
+            self._values,
+            self.matrix,
+            compact=self.compact,
+        )
 
     @property
     def bends(self) -> bool:
@@ -154,13 +184,22 @@ class NewtonCode:
     @property
     def text(self) -> str:
         """All functions in an order in which each is known before it is called."""
-        return self.work + self.functions + self.target + self.linear.text + self.middle + self.driver
+        return (
+            self.work + self.functions + self.target + self.linear.text + self.middle + self.driver
+        )
 
     @property
     def factoring(self) -> dict[str, object]:
-        """Values for other drivers of the same steps: names, roundings, and the statements that set `turn` and factor the matrix."""
-        calls = [f"turn = {self._values['first_factor']};", *str(self._values["second_factor"]).strip("\n").split("\n")]
-        return self._values | {"factor": indent([calls[0], *(line[12:] for line in calls[1:] if line)], 2)}
+        """Values for other drivers of the same steps: names, roundings, and the statements that set
+        `turn` and factor the matrix.
+        """
+        calls = [
+            f"turn = {self._values['first_factor']};",
+            *str(self._values["second_factor"]).strip("\n").split("\n"),
+        ]
+        return self._values | {
+            "factor": indent([calls[0], *(line[12:] for line in calls[1:] if line)], 2)
+        }
 
     @cached_property
     def operations(self) -> dict[str, int]:
@@ -168,17 +207,23 @@ class NewtonCode:
         parts = (self._rows.operations, self._move[0].operations, self.linear.operations)
         return {key: sum(part.get(key, 0) for part in parts) for key in sorted(set().union(*parts))}
 
-    # --- statements ----------------------------------------------------------------------------------------------
+    # --- statements -------------------------------------------------------------------------------
 
     @property
     def _inputs(self) -> list[list[str]]:
         """C text of state, known values and geometry."""
         kernel = self.kernel
-        return [indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", int(kernel.known.shape[0])), list(self.geometry)]
+        return [
+            indexed("w->x", int(kernel.state.shape[0])),
+            indexed("w->k", int(kernel.known.shape[0])),
+            list(self.geometry),
+        ]
 
     @cached_property
     def _rows(self) -> Emitter:
-        """Each row made and stored in turn, and what the matrix shares with it as soon as the row has been made."""
+        """Each row made and stored in turn, and what the matrix shares with it as soon as the row
+        has been made.
+        """
         kernel = self.kernel
         emitter = Emitter(kernel.row_function(), self._inputs, self.real)
         count = int(kernel.shared_symbols.shape[0])
@@ -197,14 +242,24 @@ class NewtonCode:
     def _move(self) -> tuple[Emitter, list[str]]:
         """Statements that add the step in w->f to the state and return its squared length."""
         kernel = self.kernel
-        emitter = Emitter(kernel.move_function(), [self._inputs[0], indexed("w->f", kernel.n), list(self.geometry)], self.real)
+        emitter = Emitter(
+            kernel.move_function(),
+            [self._inputs[0], indexed("w->f", kernel.n), list(self.geometry)],
+            self.real,
+        )
         moved = [emitter.value(0, i) for i in range(int(kernel.state.shape[0]))]
         squared = emitter.value(1, 0)
-        return emitter, [*emitter.lines, *(f"w->x[{i}] = {text};" for i, text in enumerate(moved)), f"return {squared};"]
+        return emitter, [
+            *emitter.lines,
+            *(f"w->x[{i}] = {text};" for i, text in enumerate(moved)),
+            f"return {squared};",
+        ]
 
     @property
     def _residual_lines(self) -> list[str]:
-        """A loop in float, where room counts, statements in double, where each is an instruction or two."""
+        """A loop in float, where room counts, statements in double, where each is an instruction or
+        two.
+        """
         real, count, length = self.real, self.kernel.m, self.kernel.row_length
         adds = [f"sum += w->f[{i}] * w->f[{i}];" for i in range(1, count)]
         if real.name == "float":
@@ -213,7 +268,7 @@ class NewtonCode:
         result = f"return {root};" if length == 1.0 else f"return {root} * {real.literal(length)};"
         return [f"{real.type} sum = w->f[0] * w->f[0];", *adds, result]
 
-    # --- values of the templates ---------------------------------------------------------------------------------
+    # --- values of the templates ------------------------------------------------------------------
 
     @cached_property
     def _values(self) -> dict[str, object]:
@@ -238,13 +293,22 @@ class NewtonCode:
         kernel = self.kernel
         n, m, nk = kernel.n, kernel.m, int(kernel.known.shape[0])
         return {
-            "n": n, "last": n - 1, "n1": n + 1, "m": m, "ns": int(kernel.state.shape[0]), "nk": nk, "nto": self.known_count or nk,
-            "na": m * n, "most": max(m, n),
-        }  # fmt: skip
+            "n": n,
+            "last": n - 1,
+            "n1": n + 1,
+            "m": m,
+            "ns": int(kernel.state.shape[0]),
+            "nk": nk,
+            "nto": self.known_count or nk,
+            "na": m * n,
+            "most": max(m, n),
+        }
 
     @property
     def _has_side(self) -> bool:
-        """Whether there are more rows than unknowns, so that factors have no determinant of their own."""
+        """Whether there are more rows than unknowns, so that factors have no determinant of their
+        own.
+        """
         return self.kernel.m > self.kernel.n
 
     @property
@@ -253,114 +317,204 @@ class NewtonCode:
         kernel, kind = self.kernel, self.real.type
         nd, square = int(kernel.shared_symbols.shape[0]), min(kernel.m, kernel.n) ** 2
         meaning = kernel.meaning
-        told = [f"x: {meaning.state}", f"k: {meaning.known}", f"f: {meaning.rows}; then the step: {meaning.step}"]
+        told = [
+            f"x: {meaning.state}",
+            f"k: {meaning.known}",
+            f"f: {meaning.rows}; then the step: {meaning.step}",
+        ]
         told += [f"d: {meaning.shared}"] if nd else []
-        wrapped = [line for text in told for line in textwrap.wrap(c_comment(text), _COMMENT_WIDTH - 3, subsequent_indent="   ")]
-        factors = "its LU factors" if kernel.is_square else "Q of QR of its transpose" if kernel.is_wide else "Q of QR"
+        wrapped = [
+            line
+            for text in told
+            for line in textwrap.wrap(c_comment(text), _COMMENT_WIDTH - 3, subsequent_indent="   ")
+        ]
+        factors = (
+            "its LU factors"
+            if kernel.is_square
+            else "Q of QR of its transpose"
+            if kernel.is_wide
+            else "Q of QR"
+        )
         return {
             "meaning": "\n".join(f" * {line}" for line in wrapped),
             "at": ""
             if self.retarget
-            else f"    {kind} at[{self._sizes['nto']}]; /* known values at the guess, where the line begins */",
+            else (
+                f"    {kind} at[{self._sizes['nto']}]; /* known values at the guess, where the "
+                f"line begins */"
+            ),
             "shared": "\n".join(
                 ([f"    {kind} d[{nd}]; /* values that rows and matrix share */"] if nd else [])
                 + (
-                    [f"    {kind} k0[{self._sizes['nk']}]; /* known values at the part that is done: the matrix's */"]
+                    [
+                        f"    {kind} k0[{self._sizes['nk']}]; /* known values at the part that is "
+                        f"done: the matrix's */"
+                    ]
                     if self.keeps_known
                     else []
                 )
             ),
-            "r": "" if kernel.is_square else f"    {kind} r[{square}]; /* R of QR, reciprocals on its diagonal */",
-            "sides": f"    {kind} q[{kernel.m * kernel.n}]; /* Q at the part of the line that is done */\n"
+            "r": ""
+            if kernel.is_square
+            else f"    {kind} r[{square}]; /* R of QR, reciprocals on its diagonal */",
+            "sides": f"    {kind} q[{kernel.m * kernel.n}]; /* Q at the part of the line that is "
+            f"done */\n"
             "    int8_t side; /* sign of the determinant there, 0 before the line has begun */"
             if self._has_side
             else "",
             "no_side": "    w->side = 0;" if self._has_side else "",
-            "side": indent(["if (turn != 0) {", f"    turn = {self.k}_side(w, taken == 0U);", "}"], 3) if self._has_side else "",
+            "side": indent(
+                ["if (turn != 0) {", f"    turn = {self.k}_side(w, taken == 0U);", "}"], 3
+            )
+            if self._has_side
+            else "",
             "factors": factors,
             "members": "\n".join(f"    {line}" for line in self.members),
         }
 
     @property
     def _constants(self) -> dict[str, object]:
-        """Constants of the driver: squares of lengths, of ratios of steps, and parts of the line."""
+        """Constants of the driver: squares of lengths, of ratios of steps, and parts of the
+        line.
+        """
         literal, tuning = self.real.literal, self.tuning
         return {
-            "row_length": literal(self.kernel.row_length), "rounding": literal(tuning.rounding), "noise_of_rows": literal(tuning.noise), "floor2": literal(tuning.floor**2),
-            "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "far2": literal(1.0 / 36.0), "very_far2": literal(1.0 / 64.0), "ten": literal(10.0),
-            "later_fresh2": literal(0.0064 if self.on_the_way else 1.0), "very_far_later2": literal(0.09 if self.on_the_way else 1.0),
-            "very_far_fresh2": literal(9e-4 if self.on_the_way else 1.0), "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
-            "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0),
-            "singular": literal(32.0 * self.real.epsilon), "sure": literal(_SURE), "size2": literal(self.kernel.characteristic_length**2),
+            "row_length": literal(self.kernel.row_length),
+            "rounding": literal(tuning.rounding),
+            "noise_of_rows": literal(tuning.noise),
+            "floor2": literal(tuning.floor**2),
+            "kappa2": literal(tuning.kappa2),
+            "contraction2": literal(1.0 / 16.0),
+            "far2": literal(1.0 / 36.0),
+            "very_far2": literal(1.0 / 64.0),
+            "ten": literal(10.0),
+            "later_fresh2": literal(0.0064 if self.on_the_way else 1.0),
+            "very_far_later2": literal(0.09 if self.on_the_way else 1.0),
+            "very_far_fresh2": literal(9e-4 if self.on_the_way else 1.0),
+            "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
+            "chord2": literal(0.3),
+            "near_one": literal(0.999),
+            "least_part": literal(1.0 / 1024.0),
+            "singular": literal(32.0 * self.real.epsilon),
+            "sure": literal(_SURE),
+            "size2": literal(self.kernel.characteristic_length**2),
             "guard": literal(GUARD**-2),
-        }  # fmt: skip
+        }
 
     @property
     def _aiming(self) -> dict[str, object]:
-        """Calls that aim at parts of the line: by known values kept at the guess, or by `retarget`."""
+        """Calls that aim at parts of the line: by known values kept at the guess, or by
+        `retarget`.
+        """
         aim, done = (f"{self.k}_set_target({self._ga}w, to, {part});" for part in ("aim", "done"))
-        # the matrix reads known values: it is made at the part of the line that is done. Of wide systems it is made at the part
-        # aimed at, because shortest steps follow the path more closely by that one
+        # the matrix reads known values: it is made at the part of the line that is done. Of wide
+        # systems it is made at the part aimed at, because shortest steps follow the path more
+        # closely by that one
         reads_known = self.kernel.reads_known and not self.kernel.is_wide
         by_call = bool(self.retarget)
         if self.keeps_known:
             return self._aiming_by_kept(aim, done)
         return {
-            "begin_target": indent([f"{self.k}_set_target({self._ga}w, to);" if by_call else aim]), "part": "" if by_call else f", {self.real.type} part",
+            "begin_target": indent([f"{self.k}_set_target({self._ga}w, to);" if by_call else aim]),
+            "part": "" if by_call else f", {self.real.type} part",
             "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
             "at_done": indent(["if (taken == 0U) {", f"    {done}", "}"], 3) if reads_known else "",
             "at_aim": indent(["if (taken == 0U) {", f"    {aim}", "}"], 3) if reads_known else "",
-            "save0": "" if by_call else indent(copy("w->x0", "w->x", int(self.kernel.state.shape[0]))),
-            "advance": indent([*copy_loop("w->x0", "w->x", int(self.kernel.state.shape[0])), self.retarget or aim], 4),
-            "retreat": indent([self.retarget] if by_call else [*copy_loop("w->x", "w->x0", int(self.kernel.state.shape[0])), aim], 3),
-        }  # fmt: skip
+            "save0": ""
+            if by_call
+            else indent(copy("w->x0", "w->x", int(self.kernel.state.shape[0]))),
+            "advance": indent(
+                [
+                    *copy_loop("w->x0", "w->x", int(self.kernel.state.shape[0])),
+                    self.retarget or aim,
+                ],
+                4,
+            ),
+            "retreat": indent(
+                [self.retarget]
+                if by_call
+                else [*copy_loop("w->x", "w->x0", int(self.kernel.state.shape[0])), aim],
+                3,
+            ),
+        }
 
     def _aiming_by_kept(self, aim: str, done: str) -> dict[str, object]:
-        """The same where the known values at the part that is done are kept: new factors on the way to the aim are those of the aim."""
+        """The same where the known values at the part that is done are kept: new factors on the way
+        to the aim are those of the aim.
+        """
         state, nk = int(self.kernel.state.shape[0]), int(self.kernel.known.shape[0])
         keep = copy("w->k0", "w->k", nk)
         # the caller has set the kept values, or they are made here, where the line is `measured`
         begin, back = list[str](), [done, *keep]
         if self.measured:
             begin = [
-                f"{self.k}_set_target({self._ga}w, to, {self.real.literal(0.0)});", *keep, f"{self.k}_set_target({self._ga}w, to, aim);",
-            ]  # fmt: skip
+                f"{self.k}_set_target({self._ga}w, to, {self.real.literal(0.0)});",
+                *keep,
+                f"{self.k}_set_target({self._ga}w, to, aim);",
+            ]
             back = ["if (!kept) {", *("    " + line for line in back), "}"]
         return {
-            "begin_target": "" if self.measured else indent([aim]), "part": f", {self.real.type} part", "aimed": ": a part of the line from the guess's to `to`",
-            "at_done": indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3), "at_aim": "",
+            "begin_target": "" if self.measured else indent([aim]),
+            "part": f", {self.real.type} part",
+            "aimed": ": a part of the line from the guess's to `to`",
+            "at_done": indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3),
+            "at_aim": "",
             "save0": indent([*copy("w->x0", "w->x", state), *begin]),
             "advance": indent([*copy_loop("w->x0", "w->x", state), *keep, aim], 4),
             "retreat": indent([*copy_loop("w->x", "w->x0", state), *back, aim], 3),
-        }  # fmt: skip
+        }
 
     @property
     def _still(self) -> dict[str, str]:
-        """Below which squared length a step is rounding: what the rows' rounding makes of it where pivots are small, unless they are so
-        small that the rounding could reach a singularity. Of rods, whose matrix is well scaled, a constant."""
+        """Below which squared length a step is rounding: what the rows' rounding makes of it where
+        pivots are small, unless they are so small that the rounding could reach a singularity. Of
+        rods, whose matrix is well scaled, a constant.
+        """
         literal, floor = self.real.literal, self.real.literal(self.tuning.floor**2)
         epsilon, state = self.real.epsilon, int(self.kernel.state.shape[0])
         rounding = literal((_ROWS * epsilon * self.kernel.characteristic_length) ** 2)
-        test = f"(w->spread > {literal((64.0 / _ROWS) ** 2)}) && (w->spread < {literal(rounded(1.0 / (8.0 * _ROWS * epsilon)))})"
+        test = (
+            f"(w->spread > {literal((64.0 / _ROWS) ** 2)}) && (w->spread < "
+            f"{literal(rounded(1.0 / (8.0 * _ROWS * epsilon)))})"
+        )
         # what follows a step that is rounding or nothing tells no ratio of steps
         line = literal((_LINE * epsilon * self.kernel.characteristic_length) ** 2)
-        common = {"row_noise2": line, "moved": " && (before > still2)", "by_kappa": f"(fresh || !(before > {literal(0.0)}))"}
+        common = {
+            "row_noise2": line,
+            "moved": " && (before > still2)",
+            "by_kappa": f"(fresh || !(before > {literal(0.0)}))",
+        }
         if not self.retarget:
             return common | {
                 "still2": "still2",
-                "still_variable": indent([f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"]),
+                "still_variable": indent(
+                    [f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"]
+                ),
                 "noise": indent([f"still2 = ({test}) ? ({rounding} * w->spread) : {floor};"], 3),
                 "stay": indent(copy_loop("w->x", "w->x0", state), 3),
             }
         put_back = [f"{self.k}_retarget({self._ga}w, to, {literal(1.0)}, {literal(0.0)});"]
         return common | {
-            "still2": floor, "still_variable": "", "noise": "", "moved": "", "by_kappa": "fresh", "stay": indent(put_back, 3),
-        }  # fmt: skip
+            "still2": floor,
+            "still_variable": "",
+            "noise": "",
+            "moved": "",
+            "by_kappa": "fresh",
+            "stay": indent(put_back, 3),
+        }
 
     @property
     def _parts(self) -> LineParts:
         """How far parts of the line reach."""
         still2 = self._still["still2"]
         return LineParts(
-            self.kernel, self.real, self.k, self._ga, still2, self.bends, self.first_turn, self.measured, self.keeps_known
+            self.kernel,
+            self.real,
+            self.k,
+            self._ga,
+            still2,
+            self.bends,
+            self.first_turn,
+            self.measured,
+            self.keeps_known,
         )

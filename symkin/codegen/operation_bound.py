@@ -1,8 +1,10 @@
-"""Bound what a call of generated C takes: iterations and operations, by reading the C that was written.
+"""Bound what a call of generated C takes: iterations and operations, by reading the C that was
+written.
 
-Every loop ends after a number of passes that its text tells: between two numbers, or as many as a config allows. A call takes at most the sum of
-its statements, the larger side of each choice, and loops as often as they can go. A number on either side of `?` counts, and so do the
-few additions of whole numbers outside indices: what is said is never less than what is done.
+Every loop ends after a number of passes that its text tells: between two numbers, or as many as a
+config allows. A call takes at most the sum of its statements, the larger side of each choice, and
+loops as often as they can go. A number on either side of `?` counts, and so do the few additions of
+whole numbers outside indices: what is said is never less than what is done.
 """
 
 from __future__ import annotations
@@ -42,14 +44,18 @@ class _Allowed(int):
 
 @dataclass(frozen=True)
 class Bound:
-    """The most that a call takes: iterations (passes of loops that a config bounds) and operations by name."""
+    """The most that a call takes: iterations (passes of loops that a config bounds) and operations
+    by name.
+    """
 
     iterations: int
     operations: dict[str, int]
 
 
 def bounds(source: str, iterations: int) -> dict[str, Bound | None]:
-    """The bound of each function that others can call, for a config with these iterations; None where the text does not tell it."""
+    """The bound of each function that others can call, for a config with these iterations; None
+    where the text does not tell it.
+    """
     counter = _Counter(functions_of(source), iterations)
     found: dict[str, Bound | None] = {}
     for function in counter.functions.values():
@@ -59,14 +65,20 @@ def bounds(source: str, iterations: int) -> dict[str, Bound | None]:
             except NotDerivedError:
                 found[function.name] = None
             else:
-                operations = {key: count[key] for key in (*dict.fromkeys(_ARITHMETIC.values()), *_COUNTED) if count[key]}
+                operations = {
+                    key: count[key]
+                    for key in (*dict.fromkeys(_ARITHMETIC.values()), *_COUNTED)
+                    if count[key]
+                }
                 found[function.name] = Bound(count[ITERATIONS], operations)
     return found
 
 
 @dataclass
 class _Counter:
-    """Counts the operations of functions, each once for each set of whole numbers that it is called with."""
+    """Counts the operations of functions, each once for each set of whole numbers that it is called
+    with.
+    """
 
     functions: dict[str, CFunction]
     iterations: int
@@ -75,7 +87,9 @@ class _Counter:
     _plain: dict[Tokens, Count] = field(default_factory=dict)
 
     def call(self, name: str, known: Known) -> Count:
-        """What a call takes whose parameters are these whole numbers; of a config, its iterations."""
+        """What a call takes whose parameters are these whole numbers; of a config, its
+        iterations.
+        """
         function = self.functions[name]
         if name in self._active:
             raise NotDerivedError(f"{name} calls itself")
@@ -100,17 +114,21 @@ class _Counter:
             self._learn(statement.head[0], known)
             return self._expression(statement.head[0], known)
         if statement.kind == "if":
-            sides = self._block(statement.body, dict(known)) | self._block(statement.other, dict(known))
+            sides = self._block(statement.body, dict(known)) | self._block(
+                statement.other, dict(known)
+            )
             return self._expression(statement.head[0], known) + sides
         return self._loop(statement, known)
 
-    # --- loops -----------------------------------------------------------------------------------------------------
+    # --- loops ------------------------------------------------------------------------------------
 
     def _loop(self, loop: Statement, known: dict[str, int]) -> Count:
         if loop.kind == "for" and loop.head[0]:
             return self._counted_loop(loop, known)
         passes, test = (
-            (self._passes_while(loop, known), loop.head[0]) if loop.kind == "while" else (self._passes_broken(loop, known), ())
+            (self._passes_while(loop, known), loop.head[0])
+            if loop.kind == "while"
+            else (self._passes_broken(loop, known), ())
         )
         inside = self._block(loop.body, dict(known)) + self._expression(test, known)
         total = _times(inside, int(passes) + (loop.kind == "for")) + self._expression(test, known)
@@ -118,11 +136,17 @@ class _Counter:
         return total
 
     def _counted_loop(self, loop: Statement, known: dict[str, int]) -> Count:
-        """Of a loop from a number to another by one: its variable takes each value, on which inner loops may depend."""
+        """Of a loop from a number to another by one: its variable takes each value, on which inner
+        loops may depend.
+        """
         declared, _, begin = _cut(loop.head[0], "=")
         name, condition = declared[-1], loop.head[1]
         first, down = self._whole(begin, known), "--" in loop.head[2]
-        ends = [end for part in _conjuncts(condition) if (end := self._end(part, name, known)) is not None]
+        ends = [
+            end
+            for part in _conjuncts(condition)
+            if (end := self._end(part, name, known)) is not None
+        ]
         if first is None or not ends:
             raise NotDerivedError(f"for ({' '.join(condition)})")
         values = range(first, max(ends) - 1, -1) if down else range(first, min(ends) + 1)
@@ -153,14 +177,18 @@ class _Counter:
     def _passes_broken(self, loop: Statement, known: Known) -> int:
         """Of `for (;;)` that breaks at `count >= most` and counts up: `most`."""
         for statement in loop.body:
-            if statement.kind == "if" and statement.body and statement.body[-1].head == (("break",),):
+            if (
+                statement.kind == "if"
+                and statement.body
+                and statement.body[-1].head == (("break",),)
+            ):
                 counter, sign, most = _cut(statement.head[0], ">=")
                 limit = self._whole(most, known)
                 if sign and limit is not None and _counts_up(loop.body, counter):
                     return limit
         raise NotDerivedError("for (;;)")
 
-    # --- numbers and expressions ------------------------------------------------------------------------------------
+    # --- numbers and expressions ------------------------------------------------------------------
 
     def _learn(self, tokens: Tokens, known: dict[str, int]) -> None:
         """Keeps what a declaration says of a whole number or of a config."""
@@ -169,7 +197,11 @@ class _Counter:
             return
         if any(t.endswith("_config") for t in declared):
             inside = value[0] == "{"
-            limit = self._whole(parts(value[1:-1], ",")[1], known) if inside else self._of_config(value, known)
+            limit = (
+                self._whole(parts(value[1:-1], ",")[1], known)
+                if inside
+                else self._of_config(value, known)
+            )
             if limit is not None:
                 known[declared[-1]] = _Allowed(limit)
         elif any(t in ("int", "uint8_t") for t in declared):
@@ -215,7 +247,9 @@ class _Counter:
         for k, token in enumerate(tokens):
             if token in self.functions and tokens[k + 1 : k + 2] == ("(",):
                 called = self.call(token, self._arguments(tokens, k, known))
-                total = total + Counter({key: n for key, n in called.items() if not key.startswith("++")})
+                total = total + Counter(
+                    {key: n for key, n in called.items() if not key.startswith("++")}
+                )
         return total
 
     def _arguments(self, tokens: Tokens, k: int, known: Known) -> dict[str, int]:
@@ -223,7 +257,9 @@ class _Counter:
         given = parts(tokens[k + 2 : closing(tokens, k + 1)], ",")
         found: dict[str, int] = {}
         for name, value in zip(self.functions[tokens[k]].parameters, given, strict=False):
-            number = self._of_config(value, known) if name == "config" else self._whole(value, known)
+            number = (
+                self._of_config(value, known) if name == "config" else self._whole(value, known)
+            )
             if number is not None:
                 found[name] = _Allowed(number) if name == "config" else number
         return found
@@ -242,7 +278,12 @@ def _operations(tokens: Tokens, functions: Mapping[str, CFunction]) -> Count:
                 total[_ARITHMETIC[token[0]]] += 1
         elif token == "++":
             total[f"++{tokens[-1]}"] += 1
-        elif tokens[k + 1 : k + 2] == ("(",) and _NAME.match(token) and token not in functions and not _TYPE.match(token):
+        elif (
+            tokens[k + 1 : k + 2] == ("(",)
+            and _NAME.match(token)
+            and token not in functions
+            and not _TYPE.match(token)
+        ):
             name = token.removesuffix("f")
             if name in _COUNTED:
                 total[name] += 1
@@ -302,7 +343,10 @@ def _bare(tokens: Tokens) -> Tokens:
 def _counts_up(body: tuple[Statement, ...], counter: Tokens) -> bool:
     """Whether each pass counts a variable up."""
     name = _bare(counter)
-    return any(s.kind == "plain" and s.head[0][:1] == ("++",) and _bare(s.head[0][1:]) == name for s in body)
+    return any(
+        s.kind == "plain" and s.head[0][:1] == ("++",) and _bare(s.head[0][1:]) == name
+        for s in body
+    )
 
 
 def _deciding(body: tuple[Statement, ...]) -> set[str]:
@@ -312,6 +356,8 @@ def _deciding(body: tuple[Statement, ...]) -> set[str]:
         if statement.kind == "plain":
             found |= set(statement.head[0]) if "(" in statement.head[0] else set()
         else:
-            found |= {t for part in statement.head for t in part if statement.kind != "if" or "(" in part}
+            found |= {
+                t for part in statement.head for t in part if statement.kind != "if" or "(" in part
+            }
         found |= _deciding(statement.body) | _deciding(statement.other)
     return found

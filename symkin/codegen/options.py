@@ -13,10 +13,12 @@ from symkin.model.mechanism import Mechanism
 
 @dataclass(frozen=True)
 class Options:
-    """`real`: the C type of numbers. `home_relative`: joint values and positions are changes from home. `geometry`:
-    numbers in the code, or a struct that is given with each call. `home`: the platform's pose about which the order
-    of pivots is chosen and test poses lie (x, y, z, qw, qx, qy, qz). `given`, `find`: names of the coordinates of a map between joints.
-    `also`: more files, for package managers, LinuxCNC or C++. `compact`: the least code, at some cost of instructions."""
+    """`real`: the C type of numbers. `home_relative`: joint values and positions are changes from
+    home. `geometry`: numbers in the code, or a struct that is given with each call. `home`: the
+    platform's pose about which the order of pivots is chosen and test poses lie (x, y, z, qw, qx,
+    qy, qz). `given`, `find`: names of the coordinates of a map between joints. `also`: more files,
+    for package managers, LinuxCNC or C++. `compact`: the least code, at some cost of instructions.
+    """
 
     real: Literal["float", "double"] = "double"
     home_relative: bool = False
@@ -46,18 +48,33 @@ class Options:
 
     def check(self, mechanism: Mechanism) -> None:
         if self.home_relative and not is_rod_platform(mechanism):
-            raise InputError(f"{mechanism.name}: --home-relative is made for platforms on six rods with a spatial pose")
+            raise InputError(
+                f"{mechanism.name}: --home-relative is made for platforms on six rods with a "
+                f"spatial pose"
+            )
         if self.home is not None and not is_rod_platform(mechanism):
-            raise InputError(f"{mechanism.name}: --home is made for platforms on six rods with a spatial pose")
+            raise InputError(
+                f"{mechanism.name}: --home is made for platforms on six rods with a spatial pose"
+            )
         if self.is_map and self.compact:
-            raise InputError(f"{mechanism.name}: a map between joints is written in one form only; leave --compact out")
+            raise InputError(
+                f"{mechanism.name}: a map between joints is written in one form only; leave "
+                f"--compact out"
+            )
         if self.is_map and self.geometry != "fixed":
-            raise InputError(f"{mechanism.name}: a map between joints has its geometry in the code; leave --geometry struct out")
+            raise InputError(
+                f"{mechanism.name}: a map between joints has its geometry in the code; leave "
+                f"--geometry struct out"
+            )
         if self.is_map and (self.linuxcnc or self.cpp):
-            raise InputError(f"{mechanism.name}: --linuxcnc and --cpp need poses; a map between joints has none: leave them out")
+            raise InputError(
+                f"{mechanism.name}: --linuxcnc and --cpp need poses; a map between joints has "
+                f"none: leave them out"
+            )
         if self.linuxcnc and (self.real != "double" or self.home_relative):
             raise InputError(
-                f"{mechanism.name}: --linuxcnc needs --real double and no --home-relative: LinuxCNC's numbers are doubles"
+                f"{mechanism.name}: --linuxcnc needs --real double and no --home-relative: "
+                f"LinuxCNC's numbers are doubles"
             )
 
     @property
@@ -73,5 +90,8 @@ class Options:
         if self.compact:
             parts.append("--compact")
         if self.is_map:
-            parts += [f"--given {quote(','.join(self.given))}", f"--find {quote(','.join(self.find))}"]
+            parts += [
+                f"--given {quote(','.join(self.given))}",
+                f"--find {quote(','.join(self.find))}",
+            ]
         return " ".join([*parts, *(f"--{name}" for name in self.also)])

@@ -1,4 +1,6 @@
-"""Compile generated code and run its own test, where there is a C compiler: a folder whose test fails is not written."""
+"""Compile generated code and run its own test, where there is a C compiler: a folder whose test
+fails is not written.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +16,12 @@ from symkin.numeric.c_library import CompilerError, compiler_command
 _LONGEST = 60.0
 """Seconds after which a compiler or a test is given up."""
 _FLAGS = ("-std=c99", "-O0", "-ffp-contract=off", "-w")
-"""As a compiler rounds that neither joins nor reorders operations; compiling takes a tenth of a second."""
-_TRIVIAL = "#include <math.h>\n#include <stdio.h>\nint main(void) { return (sqrt(4.0) == 2.0) ? 0 : 1; }\n"
+"""As a compiler rounds that neither joins nor reorders operations; compiling takes a tenth of a
+second.
+"""
+_TRIVIAL = (
+    "#include <math.h>\n#include <stdio.h>\nint main(void) { return (sqrt(4.0) == 2.0) ? 0 : 1; }\n"
+)
 
 
 def can_run() -> bool:
@@ -23,14 +29,18 @@ def can_run() -> bool:
     try:
         with tempfile.TemporaryDirectory() as work:
             (Path(work) / "trivial.c").write_text(_TRIVIAL)
-            return _compiled(Path(work), ["trivial.c"]) is None and _run([str(Path(work) / "test")], work).returncode == 0
+            return (
+                _compiled(Path(work), ["trivial.c"]) is None
+                and _run([str(Path(work) / "test")], work).returncode == 0
+            )
     except (CompilerError, OSError, subprocess.SubprocessError):
         return False
 
 
 def run_own_test(name: str, files: Mapping[str, str]) -> None:
-    """Raises InputError where NAME.c with NAME_test.c, of the texts `files`, does not compile, or its test fails. Without a compiler nothing
-    is tested."""
+    """Raises InputError where NAME.c with NAME_test.c, of the texts `files`, does not compile, or
+    its test fails. Without a compiler nothing is tested.
+    """
     wrong = None
     try:
         with tempfile.TemporaryDirectory() as work:
@@ -41,7 +51,9 @@ def run_own_test(name: str, files: Mapping[str, str]) -> None:
                 wrong = f"the compiler says: {said}" if can_run() else None
             else:
                 done = _run([str(Path(work) / "test")], work)
-                lines = done.stdout.strip().splitlines() or [f"it ends with status {done.returncode}"]
+                lines = done.stdout.strip().splitlines() or [
+                    f"it ends with status {done.returncode}"
+                ]
                 # the first thing that fails, and how many
                 wrong = "; ".join(dict.fromkeys((lines[0], lines[-1]))) if done.returncode else None
     except subprocess.TimeoutExpired:
@@ -50,18 +62,23 @@ def run_own_test(name: str, files: Mapping[str, str]) -> None:
         return
     if wrong is not None:
         raise InputError(
-            f"{name}: the code's own test fails here ({wrong}), so that nothing is written; --real double has more digits, and another "
+            f"{name}: the code's own test fails here ({wrong}), so that nothing is written; --real "
+            f"double has more digits, and another "
             "reference configuration, farther from singular ones and from limits, may help"
         )
 
 
 def _compiled(work: Path, sources: Sequence[str]) -> str | None:
-    """Compile sources of a folder to the program `test`; the first error, None where there is none."""
+    """Compile sources of a folder to the program `test`; the first error, None where there is
+    none.
+    """
     command = compiler_command(os.environ.get("CC", ""), os.environ.get("PATH", ""))
     done = _run([*command, *_FLAGS, *sources, "-o", "test", "-lm"], str(work))
     if done.returncode == 0:
         return None
-    lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()
+    lines = [
+        line for line in done.stderr.splitlines() if "error" in line
+    ] or done.stderr.splitlines()
     return lines[0] if lines else f"status {done.returncode}"
 
 

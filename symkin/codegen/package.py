@@ -1,4 +1,6 @@
-"""Write what package managers of microcontrollers read beside the sources: PlatformIO, Arduino and Zephyr."""
+"""Write what package managers of microcontrollers read beside the sources: PlatformIO, Arduino and
+Zephyr.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +16,20 @@ _LONGEST = 80
 
 
 def package_files(mechanism: Mechanism, values: Mapping[str, object]) -> dict[str, str]:
-    """Text of each file by its name. Arduino compiles `src/` alone, so that test and example stay out; PlatformIO and Zephyr name
-    the source."""
+    """Text of each file by its name. Arduino compiles `src/` alone, so that test and example stay
+    out; PlatformIO and Zephyr name the source.
+    """
     name = mechanism.name
     shown = {**values, "sentence": _sentence(mechanism), "url": _URL}
     templates = {
-        "library.json": "library.json", "library.properties": "library.properties", f"src/{name}.h": "arduino.h",
-        f"src/{name}.c": "arduino.c", "zephyr/module.yml": "module.yml", "zephyr/CMakeLists.txt": "zephyr.cmake",
+        "library.json": "library.json",
+        "library.properties": "library.properties",
+        f"src/{name}.h": "arduino.h",
+        f"src/{name}.c": "arduino.c",
+        "zephyr/module.yml": "module.yml",
+        "zephyr/CMakeLists.txt": "zephyr.cmake",
         "zephyr/Kconfig": "Kconfig",
-    }  # fmt: skip
+    }
     return {file: fill(template, shown) for file, template in templates.items()}
 
 

@@ -1,7 +1,9 @@
-"""Write the C that holds joints which are neither given nor found against their limits, those of cut joints too.
+"""Write the C that holds joints which are neither given nor found against their limits, those of
+cut joints too.
 
-An angle's limits hold whole turns apart: what is compared is its way d from the middle of the range, by cosine and sine, with half the range
-h: |sin d| <= sin h where h is far from a quarter turn (and on which side d is is told by its cosine), else cos d >= cos h.
+An angle's limits hold whole turns apart: what is compared is its way d from the middle of the
+range, by cosine and sine, with half the range h: |sin d| <= sin h where h is far from a quarter
+turn (and on which side d is is told by its cosine), else cos d >= cos h.
 """
 
 from __future__ import annotations
@@ -24,7 +26,9 @@ from symkin.text import c_comment
 
 @dataclass(frozen=True, eq=False)
 class PassiveLimit:
-    """A coordinate with limits, and what it reads over the closure's variables: a length, or cosine and sine of an angle."""
+    """A coordinate with limits, and what it reads over the closure's variables: a length, or cosine
+    and sine of an angle.
+    """
 
     coordinate: Coordinate
     parts: tuple[ca.SX, ...]
@@ -34,12 +38,21 @@ class PassiveLimit:
         return 0.5 * (high - low)
 
     def compared(self, real: Real, size: float) -> list[ca.SX]:
-        """What C compares: the length, or cosine and, if it is needed, sine of the way from the middle."""
+        """What C compares: the length, or cosine and, if it is needed, sine of the way from the
+        middle.
+        """
         if len(self.parts) == 1:
             return list(self.parts)
         middle, (c, s) = 0.5 * sum(range_of(self.coordinate, real, size)), self.parts
-        cosine, sine = c * np.cos(middle) + s * np.sin(middle), s * np.cos(middle) - c * np.sin(middle)
-        return [cosine] if abs(self._half(real, size) - 0.5 * np.pi) <= 0.25 * np.pi else [cosine, sine]
+        cosine, sine = (
+            c * np.cos(middle) + s * np.sin(middle),
+            s * np.cos(middle) - c * np.sin(middle),
+        )
+        return (
+            [cosine]
+            if abs(self._half(real, size) - 0.5 * np.pi) <= 0.25 * np.pi
+            else [cosine, sine]
+        )
 
     def test(self, texts: Sequence[str], real: Real, size: float) -> str:
         """C condition that the coordinate is within its limits."""
@@ -51,26 +64,41 @@ class PassiveLimit:
             return f"{texts[0]} >= {literal(float(np.cos(half)))}"
         cosine, sine = texts
         beyond, join = ("<=", "&&") if half < 0.5 * np.pi else (">=", "||")
-        return f"({cosine} > {literal(0.0)}) {join} ({fabs}({sine}) {beyond} {literal(float(np.sin(half)))})"
+        return (
+            f"({cosine} > {literal(0.0)}) {join} ({fabs}({sine}) {beyond} "
+            f"{literal(float(np.sin(half)))})"
+        )
 
 
 def passive_limits(
     closure: Closure, answered: Sequence[Coordinate], real: Real, known: ca.SX | None = None
 ) -> list[PassiveLimit]:
-    """The limits of coordinates that are not `answered`, which are checked elsewhere, as far as they follow from the variables `known` (all
-    where it is None); none of a range of a whole turn or more."""
+    """The limits of coordinates that are not `answered`, which are checked elsewhere, as far as
+    they follow from the variables `known` (all where it is None); none of a range of a whole turn
+    or more.
+    """
     names, size = {c.name for c in answered}, closure.characteristic_length
-    wanted = [c for c in closure.mechanism.coordinates if c.limits is not None and c.name not in names]
-    wanted = [c for c in wanted if c.kind != "angle" or np.subtract(*range_of(c, real, size)[::-1]) < 2.0 * np.pi]
+    wanted = [
+        c for c in closure.mechanism.coordinates if c.limits is not None and c.name not in names
+    ]
+    wanted = [
+        c
+        for c in wanted
+        if c.kind != "angle" or np.subtract(*range_of(c, real, size)[::-1]) < 2.0 * np.pi
+    ]
     if not wanted:
         return []
     held = {c.name: closure.variables[closure.slices[c.name]] for c in closure.coordinates}
-    read: Mapping[str, tuple[ca.SX, ...]] = {} if all(c.name in held for c in wanted) else reading_expressions(closure)
+    read: Mapping[str, tuple[ca.SX, ...]] = (
+        {} if all(c.name in held for c in wanted) else reading_expressions(closure)
+    )
     found = []
     for c in wanted:
         if c.name in held:
             own = held[c.name]
-            found.append(PassiveLimit(c, (ca.cos(own), ca.sin(own)) if c.kind == "angle" else (own,)))
+            found.append(
+                PassiveLimit(c, (ca.cos(own), ca.sin(own)) if c.kind == "angle" else (own,))
+            )
         elif c.name in read:
             found.append(PassiveLimit(c, read[c.name]))
     return [limit for limit in found if _follows(limit, closure, known)]
@@ -90,37 +118,61 @@ def _read(expression: ca.SX, variables: ca.SX) -> list[bool]:
 
 
 _ASIDE = 1e-2
-"""How far from its limits, as a share of the range, a configuration of a test has a passive joint."""
+"""How far from its limits, as a share of the range, a configuration of a test has a passive
+joint.
+"""
 
 
-def keeps_limits(limits: Sequence[PassiveLimit], closure: Closure, values: np.ndarray, side: float = 1.0) -> bool:
-    """Whether a configuration, all variables of the closure, is clearly within limits; of side -1, whether it is not clearly beyond."""
+def keeps_limits(
+    limits: Sequence[PassiveLimit], closure: Closure, values: np.ndarray, side: float = 1.0
+) -> bool:
+    """Whether a configuration, all variables of the closure, is clearly within limits; of side -1,
+    whether it is not clearly beyond.
+    """
     for limit in limits:
         assert limit.coordinate.limits is not None  # noqa: S101 - that is why it is here
         low, high = limit.coordinate.limits
         read = ca.Function("read", [closure.variables], [closure.bound(ca.vertcat(*limit.parts))])
         parts = np.asarray(read(values)).ravel()
         middle, half = 0.5 * (low + high), (0.5 - side * _ASIDE) * (high - low)
-        way = parts[0] - middle if len(parts) == 1 else np.angle(complex(*parts) * np.exp(-1j * middle))
+        way = (
+            parts[0] - middle
+            if len(parts) == 1
+            else np.angle(complex(*parts) * np.exp(-1j * middle))
+        )
         if not abs(float(way)) <= half:
             return False
     return True
 
 
 def limit_lines(
-    limits: Sequence[PassiveLimit], variables: Sequence[str], geometry: Geometry, real: Real, status: str
+    limits: Sequence[PassiveLimit],
+    variables: Sequence[str],
+    geometry: Geometry,
+    real: Real,
+    status: str,
 ) -> list[str]:
-    """Statements that set the status to `status` where a limit is not kept; `variables` are C text of the closure's variables."""
+    """Statements that set the status to `status` where a limit is not kept; `variables` are C text
+    of the closure's variables.
+    """
     closure = geometry.closure
     size, inputs = closure.characteristic_length, [closure.variables, geometry.symbols]
     compared = [limit.compared(real, size) for limit in limits]
-    outputs = snapped_expression(ca.densify(ca.vertcat(*(part for parts in compared for part in parts))), inputs)
+    outputs = snapped_expression(
+        ca.densify(ca.vertcat(*(part for parts in compared for part in parts))), inputs
+    )
     function = ca.Function("passive", inputs, [outputs], {"cse": True})
-    emitter, place, tests = Emitter(function, [variables, geometry.names], real, prefix="l"), 0, list[str]()
+    emitter, place, tests = (
+        Emitter(function, [variables, geometry.names], real, prefix="l"),
+        0,
+        list[str](),
+    )
     for limit, parts in zip(limits, compared, strict=True):
         texts = [emitter.value(0, place + i) for i in range(len(parts))]
         place += len(parts)
         tests += [
-            f"if (!({limit.test(texts, real, size)})) {{ /* {c_comment(limit.coordinate.name)} */", f"    status = {status};", "}",
-        ]  # fmt: skip
+            f"if (!({limit.test(texts, real, size)})) {{ /* {c_comment(limit.coordinate.name)} */",
+            f"    status = {status};",
+            "}",
+        ]
     return [*emitter.lines, *tests]

@@ -1,4 +1,6 @@
-"""Write the C of a platform's speeds: joint rates of a twist, the twist of joint rates, and the feed that keeps speed limits."""
+"""Write the C of a platform's speeds: joint rates of a twist, the twist of joint rates, and the
+feed that keeps speed limits.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ from symkin.codegen.pose_target import core_target
 from symkin.model.mechanism import Mechanism
 
 _FASTEST = 1e6
-"""Speeds beyond this many sizes (and radians) for each unit of time are refused: their products stay far below the largest float."""
+"""Speeds beyond this many sizes (and radians) for each unit of time are refused: their products
+stay far below the largest float.
+"""
 
 
 def fastest(size: float) -> float:
@@ -41,66 +45,99 @@ def decides_twist(mechanism: Mechanism) -> bool:
 
 
 def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object]) -> str:
-    """NAME_twist by the Jacobian, its rows scaled to lengths and its columns to lengths of turns."""
+    """NAME_twist by the Jacobian, its rows scaled to lengths and its columns to lengths of
+    turns.
+    """
     size, columns = mechanism.characteristic_length, COLUMNS[mechanism.motion]
     scales = [real.literal(size if c.is_angular else 1.0) for c in mechanism.actuated]
     shown = {
-        "row_scales": ", ".join(scales), "columns": ", ".join(f"{c}U" for c in columns),
+        "row_scales": ", ".join(scales),
+        "columns": ", ".join(f"{c}U" for c in columns),
         "column_scales": ", ".join(real.literal(1.0 / size if c > 2 else 1.0) for c in columns),
-        "others": indent([f"twist[{c}] = {real.literal(0.0)};" for c in range(6) if c not in columns], 2),
+        "others": indent(
+            [f"twist[{c}] = {real.literal(0.0)};" for c in range(6) if c not in columns], 2
+        ),
         "singular": real.literal(32.0 * real.epsilon),
-    }  # fmt: skip
+    }
     return fill("square_twist.c", {**values, **shown})
 
 
 def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kernel | None) -> str:
-    """NAME_twist by the closure's rows: the driver's kernel where it is that of the whole closure, else one of its own (None: no driver)."""
+    """NAME_twist by the closure's rows: the driver's kernel where it is that of the whole closure,
+    else one of its own (None: no driver).
+    """
     kernel, text = made.direct_kernel, ""
     if made.core is not None:
         return core_twist(made, made.core.direct, values, driver)
     if driver is not kernel or kernel.n != made.direct.system.freedom:
         kernel = system_kernel(
-            "velocity", made.geometry.system(made.direct), made.direct.known_coordinates, made.geometry.symbols
+            "velocity",
+            made.geometry.system(made.direct),
+            made.direct.known_coordinates,
+            made.geometry.symbols,
         )
         code = _newton_code(made, kernel)
         text = code.work + code.linear.text
     k, ga = f"{made.name}_{kernel.name}", str(values["ga"])
     passive = sum(c.width for c in made.passive)
-    state = [*copy("w->x", "passive", passive), *(f"w->x[{passive + i}] = c[{i}];" for i in range(int(str(values["nc"]))))]
+    state = [
+        *copy("w->x", "passive", passive),
+        *(f"w->x[{passive + i}] = c[{i}];" for i in range(int(str(values["nc"])))),
+    ]
     shown = {
-        "k": k, "into": "w->k", "state": indent(state, 2), "sides": indent(_side_lines(made, kernel), 3), "singular_there": singular_condition(kernel, k, "w", ga, compact=made.options.compact),
-        "nf": kernel.n, "store": indent(_stores(made, kernel), 2),
-    }  # fmt: skip
+        "k": k,
+        "into": "w->k",
+        "state": indent(state, 2),
+        "sides": indent(_side_lines(made, kernel), 3),
+        "singular_there": singular_condition(kernel, k, "w", ga, compact=made.options.compact),
+        "nf": kernel.n,
+        "store": indent(_stores(made, kernel), 2),
+    }
     return text + fill("closure_twist.c", {**values, **shown})
 
 
-def core_twist(made: LimbPlatform, core: PoseKernel, values: Mapping[str, object], driver: Kernel | None) -> str:
+def core_twist(
+    made: LimbPlatform, core: PoseKernel, values: Mapping[str, object], driver: Kernel | None
+) -> str:
     """NAME_twist by the rows over the pose."""
     kernel, nq = core.kernel, len(made.actuated)
     k, text, rates = f"{made.name}_{kernel.name}", "", ca.SX.sym("v", nq)
     if driver is not kernel:
         # the direct problem has another way: these rows are written for the twist alone
         state_at, known = zip(*(made.direct_state(s.values) for s in made.samples), strict=True)
-        matrices = np.array([kernel.matrix(*at, np.zeros(0)) for at in zip(state_at, known, strict=True)])
+        matrices = np.array(
+            [kernel.matrix(*at, np.zeros(0)) for at in zip(state_at, known, strict=True)]
+        )
         lines = core_target(core, made.real)
-        code = NewtonCode(kernel, made.name, made.real, [], matrices, 1.0, lines, nq, compact=made.options.compact)
+        code = NewtonCode(
+            kernel, made.name, made.real, [], matrices, 1.0, lines, nq, compact=made.options.compact
+        )
         text = code.work + code.functions + code.target + code.linear.text
     rows = ca.substitute(kernel.rows, kernel.known, core.target)
-    change = ca.densify(snapped_expression(ca.jtimes(rows, core.joints, rates), [kernel.state, core.joints, rates]))
+    change = ca.densify(
+        snapped_expression(ca.jtimes(rows, core.joints, rates), [kernel.state, core.joints, rates])
+    )
     function = ca.Function("sides", [kernel.state, core.joints, rates], [change], {"cse": True})
     state = indexed("w->x", int(kernel.state.shape[0]))
     emitter = Emitter(function, [state, indexed("w->at", nq), indexed("rates", nq)], made.real)
     sides = [f"w->f[{i}] = {emitter.value(0, i)};" for i in range(kernel.m)]
-    function = ca.Function("twist", [kernel.state, kernel.step], [ca.densify(core.twist)], {"cse": True})
+    function = ca.Function(
+        "twist", [kernel.state, kernel.step], [ca.densify(core.twist)], {"cse": True}
+    )
     stores = Emitter(function, [state, indexed("w->f", kernel.n)], made.real)
     of_twist = [f"twist[{i}] = {stores.value(0, i)};" for i in range(6)]
     aim = [f"{k}_set_target(w, w->at, {made.real.literal(1.0)});", f"{k}_rows(w);"]
     if driver is kernel and kernel.reads_known:
         aim += copy("w->k0", "w->k", int(kernel.known.shape[0]))
     shown = {
-        "k": k, "into": "w->at", "state": indent([*copy("w->x", "c", len(state)), *aim], 2), "sides": indent([*emitter.lines, *sides], 3),
-        "singular_there": singular_condition(kernel, k, "w", "", compact=made.options.compact), "nf": kernel.n, "store": indent([*stores.lines, *of_twist], 2),
-    }  # fmt: skip
+        "k": k,
+        "into": "w->at",
+        "state": indent([*copy("w->x", "c", len(state)), *aim], 2),
+        "sides": indent([*emitter.lines, *sides], 3),
+        "singular_there": singular_condition(kernel, k, "w", "", compact=made.options.compact),
+        "nf": kernel.n,
+        "store": indent([*stores.lines, *of_twist], 2),
+    }
     return text + fill("closure_twist.c", {**values, **shown})
 
 
@@ -109,19 +146,26 @@ def _newton_code(made: LimbPlatform, kernel: Kernel) -> NewtonCode:
     matrices = np.array([kernel.matrix(s.unknown, s.known, values) for s in made.samples])
     lines = line_target(made.real, len(made.actuated), None)
     names, nq = made.geometry.names, len(made.actuated)
-    return NewtonCode(kernel, made.name, made.real, names, matrices, 1.0, lines, nq, compact=made.options.compact)
+    return NewtonCode(
+        kernel, made.name, made.real, names, matrices, 1.0, lines, nq, compact=made.options.compact
+    )
 
 
 def _side_lines(made: LimbPlatform, kernel: Kernel) -> list[str]:
     """Statements w->f = change of the rows (closure's sign turned) by the joint rates."""
     rates = ca.SX.sym("v", len(made.actuated))
-    change = snapped_expression(ca.jtimes(kernel.rows, kernel.known, rates), [kernel.state, kernel.known, kernel.geometry, rates])
+    change = snapped_expression(
+        ca.jtimes(kernel.rows, kernel.known, rates),
+        [kernel.state, kernel.known, kernel.geometry, rates],
+    )
     inputs = [kernel.state, kernel.known, kernel.geometry, rates]
     function = ca.Function("sides", inputs, [ca.densify(change)], {"cse": True})
     names: list[Sequence[str]] = [
-        indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", int(kernel.known.shape[0])), made.geometry.names,
+        indexed("w->x", int(kernel.state.shape[0])),
+        indexed("w->k", int(kernel.known.shape[0])),
+        made.geometry.names,
         indexed("rates", len(made.actuated)),
-    ]  # fmt: skip
+    ]
     emitter = Emitter(function, names, made.real)
     texts = [emitter.value(0, i) for i in range(kernel.m)]
     return [*emitter.lines, *(f"w->f[{i}] = {text};" for i, text in enumerate(texts))]

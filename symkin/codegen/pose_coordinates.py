@@ -25,8 +25,9 @@ COLUMNS: dict[str, tuple[int, ...]] = {
 
 @dataclass(frozen=True, eq=False)
 class Restricted:
-    """A pose as a platform's motion takes it: `lengths` and quaternion entries, cosine and sine of half its turn about z, if it has one,
-    and what is `off` the motion, as lengths."""
+    """A pose as a platform's motion takes it: `lengths` and quaternion entries, cosine and sine of
+    half its turn about z, if it has one, and what is `off` the motion, as lengths.
+    """
 
     lengths: list[ca.SX]
     half_turn: tuple[ca.SX, ca.SX] | None
@@ -34,7 +35,9 @@ class Restricted:
 
     @property
     def coordinates(self) -> ca.SX:
-        turn = [] if self.half_turn is None else [2 * ca.atan2(self.half_turn[1], self.half_turn[0])]
+        turn = (
+            [] if self.half_turn is None else [2 * ca.atan2(self.half_turn[1], self.half_turn[0])]
+        )
         return ca.vertcat(*self.lengths, *turn)
 
 
@@ -44,7 +47,8 @@ def restricted(geometry: Geometry, x: ca.SX) -> Restricted:
     reference, size = _reference(geometry), closure.characteristic_length
     away = [x[i] - reference[i] for i in range(3)]
     delta = multiply(x[3:], conjugate(reference[3:]))
-    # of a turn about z the quaternion is (cos a/2, 0, 0, sin a/2); its other components are the tilt
+    # of a turn about z the quaternion is (cos a/2, 0, 0, sin a/2); its other components are the
+    # tilt
     half = (delta[0], delta[3])
     tilt = [2 * size * delta[1], 2 * size * delta[2]]
     return {
@@ -57,7 +61,9 @@ def restricted(geometry: Geometry, x: ca.SX) -> Restricted:
 
 
 def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
-    """NAME_pose_coordinates: the pose coordinates of a pose; OUT_OF_RANGE for one off the platform's motion."""
+    """NAME_pose_coordinates: the pose coordinates of a pose; OUT_OF_RANGE for one off the
+    platform's motion.
+    """
     closure = geometry.closure
     motion = closure.mechanism.motion
     x = ca.SX.sym("x", 7)
@@ -88,10 +94,19 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
         body += [f"if (!({' && '.join(tests)})) {{", refused, "}"]
     lines = [
         "/* Pose coordinates of a pose. */",
-        f"static {values['p']}_status {values['p']}_pose_coordinates({values['gp']}const {values['p']}_pose *pose, {real.type} c[{count}])",
-        "{", f"    {real.type} x[7];", f"    {values['p']}_status status = {values['p']}_normalise_pose({values['ga']}pose, x);",
-        f"    if (status == {values['P']}_OK) {{", indent(body, 2), "    }", "    return status;", "}", "", "",
-    ]  # fmt: skip
+        f"static {values['p']}_status {values['p']}_pose_coordinates({values['gp']}const "
+        f"{values['p']}_pose *pose, {real.type} c[{count}])",
+        "{",
+        f"    {real.type} x[7];",
+        f"    {values['p']}_status status = {values['p']}_normalise_pose({values['ga']}pose, x);",
+        f"    if (status == {values['P']}_OK) {{",
+        indent(body, 2),
+        "    }",
+        "    return status;",
+        "}",
+        "",
+        "",
+    ]
     return "\n".join(lines)
 
 
@@ -101,12 +116,20 @@ def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
     symbols = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in closure.role("pose")))
     pose = geometry.of(ca.vertcat(closure.pose.position, closure.pose.quaternion))
     expression = snapped_expression(pose, [symbols, geometry.symbols])
-    function = ca.Function("p", [symbols, geometry.symbols], [ca.densify(expression)], {"cse": True})
+    function = ca.Function(
+        "p", [symbols, geometry.symbols], [ca.densify(expression)], {"cse": True}
+    )
     emitter = Emitter(function, [indexed("c", int(symbols.shape[0])), geometry.names], real)
     targets = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
     texts = [emitter.value(0, i) for i in range(7)]
-    body = [*emitter.lines, *(f"{target} = {text};" for target, text in zip(targets, texts, strict=True))]
-    head = f"static void {values['p']}_pose_from_coordinates({values['gp']}const {real.type} c[{int(symbols.shape[0])}], {values['p']}_pose *pose)"
+    body = [
+        *emitter.lines,
+        *(f"{target} = {text};" for target, text in zip(targets, texts, strict=True)),
+    ]
+    head = (
+        f"static void {values['p']}_pose_from_coordinates({values['gp']}const {real.type} "
+        f"c[{int(symbols.shape[0])}], {values['p']}_pose *pose)"
+    )
     return "\n".join(
         [
             "/* The pose of pose coordinates. */",

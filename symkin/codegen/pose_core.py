@@ -1,4 +1,6 @@
-"""Find the rows of the direct problem over the pose alone, limb by limb; None where a limb's passive joints stay."""
+"""Find the rows of the direct problem over the pose alone, limb by limb; None where a limb's
+passive joints stay.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,9 @@ from symkin.numeric.system import System
 
 @dataclass(frozen=True, eq=False)
 class PoseCore:
-    """The direct problem over the pose alone; the limbs that are left for a given pose, and conditions on the pose alone. `steps` are the
-    derivation, a sentence for each row."""
+    """The direct problem over the pose alone; the limbs that are left for a given pose, and
+    conditions on the pose alone. `steps` are the derivation, a sentence for each row.
+    """
 
     direct: PoseKernel
     limbs: tuple[System, ...]
@@ -65,19 +68,34 @@ class _Gathered:
             return False
         gone = [c.name for c in system.unknowns if c.role != "actuated"]
         self.steps += [_told(point, gone) for point in (*planes, *spheres) if point is not None]
-        return self._add_reduced(system, [self.pose.row(point) for point in (*planes, *spheres) if point is not None])
+        return self._add_reduced(
+            system, [self.pose.row(point) for point in (*planes, *spheres) if point is not None]
+        )
 
     def _add_reduced(self, system: System, rows: list[ca.SX]) -> bool:
-        """The limb's rows without passive joints as a system: the one that its actuated joint enters. Whether there is one."""
+        """The limb's rows without passive joints as a system: the one that its actuated joint
+        enters. Whether there is one.
+        """
         own = [row for row in rows if any(ca.which_depends(row, self.joints, 1, False))]
         joints = [k for k, c in enumerate(system.unknowns) if c.role == "actuated"]
-        self.conditions += [row for row in rows if not any(ca.which_depends(row, self.joints, 1, False))]
+        self.conditions += [
+            row for row in rows if not any(ca.which_depends(row, self.joints, 1, False))
+        ]
         if len(joints) != len(own) or len(own) > 1:
             return False
         if own:
             row, k = own[0], joints[0]
             unknown = system.unknown[system.slices[k]]
-            self.limbs.append(System((system.unknowns[k],), unknown, system.known, row, row, system.characteristic_length))
+            self.limbs.append(
+                System(
+                    (system.unknowns[k],),
+                    unknown,
+                    system.known,
+                    row,
+                    row,
+                    system.characteristic_length,
+                )
+            )
         return True
 
     def _add_rod(self, row: ca.SX) -> bool:
@@ -89,10 +107,16 @@ class _Gathered:
 
 
 def pose_core(
-    closure: Closure, blocks: Sequence[System], conditions: System, poses: np.ndarray, actuated: Sequence[Coordinate]
+    closure: Closure,
+    blocks: Sequence[System],
+    conditions: System,
+    poses: np.ndarray,
+    actuated: Sequence[Coordinate],
 ) -> PoseCore | None:
-    """The rows of the direct problem over the pose alone: of limbs (`blocks`, systems of a given pose) and rows of the pose. None where
-    a limb's passive joints are not taken out, or rows are not as many as the platform's freedoms."""
+    """The rows of the direct problem over the pose alone: of limbs (`blocks`, systems of a given
+    pose) and rows of the pose. None where a limb's passive joints are not taken out, or rows are
+    not as many as the platform's freedoms.
+    """
     pose = PlatformPose(closure)
     if not pose.is_supported:
         return None
@@ -123,7 +147,10 @@ def _told(point: TiedPoint, gone: Sequence[str]) -> str:
     free = f"free of {', '.join(gone)}: " if gone else ""
     what = "on a sphere about A" if point.is_sphere else "in a plane of normal n"
     names = ("A", "squared radius") if point.is_sphere else ("n", "level")
-    return f"{free}the point a = ({arm}) lies {what}; {names[0]} = ({of}), {names[1]} {_text(point.level)}"
+    return (
+        f"{free}the point a = ({arm}) lies {what}; {names[0]} = ({of}), {names[1]} "
+        f"{_text(point.level)}"
+    )
 
 
 def _text(value: ca.SX) -> str:

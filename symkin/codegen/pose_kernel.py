@@ -1,12 +1,14 @@
-"""State the Newton iteration of a platform over its pose alone: points on spheres and in planes, which the actuated joints move.
+"""State the Newton iteration of a platform over its pose alone: points on spheres and in planes,
+which the actuated joints move.
 
-A platform point B = p + R a is tied to a centre or plane through A, d = B - A, by level - d . d = 0 or by n . d = level. With v0 the
-velocity of the platform at the base's origin and w its angular velocity B moves by v0 + w x B, and because A x d = A x B
+A platform point B = p + R a is tied to a centre or plane through A, d = B - A, by level - d . d = 0
+or by n . d = level. With v0 the velocity of the platform at the base's origin and w its angular
+velocity B moves by v0 + w x B, and because A x d = A x B
 
     d (d . d) / 2 = d . v0 + (A x B) . w,        d (n . B) = n . v0 + (B x n) . w,
 
-so that the matrix by (2 v0, 2 w) has the rows [B - A, A x B] and [n, B x n]. A, level and sines of joints are known values: they are made once
-for each point of the line that is aimed at.
+so that the matrix by (2 v0, 2 w) has the rows [B - A, A x B] and [n, B x n]. A, level and sines of
+joints are known values: they are made once for each point of the line that is aimed at.
 """
 
 from __future__ import annotations
@@ -29,13 +31,20 @@ _SAME = 1e-10
 """Share of the size within which points are the same."""
 _SAMPLES = 5
 """Random values at which expressions are compared."""
-_HALF_TURNS = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+_HALF_TURNS = (
+    (1.0, 0.0, 0.0, 0.0),
+    (0.0, 1.0, 0.0, 0.0),
+    (0.0, 0.0, 1.0, 0.0),
+    (0.0, 0.0, 0.0, 1.0),
+)
 """Quaternions of which each vector's turned ones add to nothing."""
 
 
 @dataclass(frozen=True, eq=False)
 class TiedPoint:
-    """The point p + R arm on a sphere, or in a plane, of the actuated joints; arms are those of the motion's turns."""
+    """The point p + R arm on a sphere, or in a plane, of the actuated joints; arms are those of the
+    motion's turns.
+    """
 
     arm: tuple[float, ...]
     of: ca.SX
@@ -59,7 +68,9 @@ class PlatformPose:
 
     @property
     def symbols(self) -> ca.SX:
-        return ca.vertcat(*(self.closure.variables[self.closure.slices[c.name]] for c in self.coordinates))
+        return ca.vertcat(
+            *(self.closure.variables[self.closure.slices[c.name]] for c in self.coordinates)
+        )
 
     @property
     def lengths(self) -> int:
@@ -101,7 +112,9 @@ class PlatformPose:
         return TiedPoint(arm, normal, level, is_sphere=False)
 
     def sphere(self, row: PointRow, planes: Sequence[TiedPoint]) -> TiedPoint | None:
-        """A sphere on which a point of the platform lies. A component that is not in the row is that of one of the `planes`."""
+        """A sphere on which a point of the platform lies. A component that is not in the row is
+        that of one of the `planes`.
+        """
         found = self._attached(row.point)
         if found is None:
             return None
@@ -113,14 +126,23 @@ class PlatformPose:
             if rows:
                 center[j] = row.of[rows[0]] - float(fixed[rows[0]])
                 continue
-            plane = next((p for p in planes if p.arm == arm and p.of.is_constant() and np.array_equal(_values(p.of), axis)), None)
+            plane = next(
+                (
+                    p
+                    for p in planes
+                    if p.arm == arm and p.of.is_constant() and np.array_equal(_values(p.of), axis)
+                ),
+                None,
+            )
             if plane is None:
                 return None
             center[j] = plane.level
         return TiedPoint(arm, ca.vertcat(*center), row.level, is_sphere=True)
 
     def _attached(self, point: ca.SX) -> tuple[np.ndarray, tuple[float, ...], np.ndarray] | None:
-        """Axes N, arm a and what does not turn b of expressions N (p + R a) + b; None where they are others."""
+        """Axes N, arm a and what does not turn b of expressions N (p + R a) + b; None where they
+        are others.
+        """
         n, size = self.lengths, self.closure.characteristic_length
         position, turn = self.symbols[:n], self.symbols[n:]
         axes = self._sampled([ca.jacobian(point, position)], [self.symbols])
@@ -137,21 +159,29 @@ class PlatformPose:
         offsets = self._sampled([point - ca.mtimes(numbers_of(rows), position)], [self.symbols])
         matrix = np.vstack([np.hstack([v, np.eye(len(rows))]) for v in values])
         solved = np.linalg.lstsq(matrix, np.vstack(offsets).ravel(), rcond=None)[0]
-        arm, fixed = (tuple(snap(float(v), size) for v in part) for part in (solved[:n], solved[n:]))
+        arm, fixed = (
+            tuple(snap(float(v), size) for v in part) for part in (solved[:n], solved[n:])
+        )
         arm = tuple(0.0 if abs(v) <= _SAME * size else v for v in arm)
-        expected = ca.mtimes(numbers_of(rows), position + self.turned(turn, arm)) + numbers_of(fixed)
+        expected = ca.mtimes(numbers_of(rows), position + self.turned(turn, arm)) + numbers_of(
+            fixed
+        )
         if not self._vanishes(ca.vertcat(none, point - expected) / size, [self.symbols]):
             return None
         return rows, arm, np.array(fixed)
 
     def rod(self, row: ca.SX, joints: ca.SX, actuated: Sequence[Coordinate]) -> TiedPoint | None:
-        """A row without passive joints that is a distance: its second derivative by the position is a number times one."""
+        """A row without passive joints that is a distance: its second derivative by the position is
+        a number times one.
+        """
         p, turn = self.symbols[: self.lengths], self.symbols[self.lengths :]
         slope = ca.jacobian(row, p).T
         bend = ca.simplify(ca.jacobian(slope, p))
         values = self._sampled([bend], [self.symbols, joints], actuated)
         half = 0.5 * float(values[0][0, 0])
-        if half == 0.0 or any(np.max(np.abs(v - 2 * half * np.eye(self.lengths))) > _SAME * abs(half) for v in values):
+        if half == 0.0 or any(
+            np.max(np.abs(v - 2 * half * np.eye(self.lengths))) > _SAME * abs(half) for v in values
+        ):
             return None
         zero = ca.SX(ca.DM([0.0] * self.lengths))
 
@@ -163,23 +193,43 @@ class PlatformPose:
         of = -sum(vectors[1:], vectors[0]) / len(vectors)
         arm = vectors[0] + of
         size = self.closure.characteristic_length
-        numbers = tuple(snap(float(v), size) for v in self._sampled([arm], [self.symbols, joints], actuated)[0].ravel())
-        level = dot(numbers_of(numbers) - of, numbers_of(numbers) - of) - at(row, self._turns[0]) / half
+        numbers = tuple(
+            snap(float(v), size)
+            for v in self._sampled([arm], [self.symbols, joints], actuated)[0].ravel()
+        )
+        level = (
+            dot(numbers_of(numbers) - of, numbers_of(numbers) - of) - at(row, self._turns[0]) / half
+        )
         d = p + self.turned(turn, numbers) - of
-        if not self._vanishes((row / half - (dot(d, d) - level)) / size**2, [self.symbols, joints], actuated):
+        if not self._vanishes(
+            (row / half - (dot(d, d) - level)) / size**2, [self.symbols, joints], actuated
+        ):
             return None
         found = plain(ca.vertcat(of, level), joints, actuated, size)
         return TiedPoint(numbers, found[:-1], found[-1], is_sphere=True)
 
     def _sampled(
-        self, expressions: Sequence[ca.SX], inputs: Sequence[ca.SX], joints: Sequence[Coordinate] = ()
+        self,
+        expressions: Sequence[ca.SX],
+        inputs: Sequence[ca.SX],
+        joints: Sequence[Coordinate] = (),
     ) -> list[np.ndarray]:
-        """An expression at some random values of the pose, and of `joints`: lengths about the size, angles about 1, quaternions of unit
-        length."""
+        """An expression at some random values of the pose, and of `joints`: lengths about the size,
+        angles about 1, quaternions of unit length.
+        """
         kinds = [c.is_angular for c in joints]
-        units = [np.where([k >= self.lengths for k in range(int(inputs[0].shape[0]))], 1.0, self.closure.characteristic_length)]
+        units = [
+            np.where(
+                [k >= self.lengths for k in range(int(inputs[0].shape[0]))],
+                1.0,
+                self.closure.characteristic_length,
+            )
+        ]
         units += [np.where(kinds, 1.0, self.closure.characteristic_length)] if kinds else []
-        rng, function = np.random.default_rng(4), ca.Function("sampled", list(inputs), list(expressions))
+        rng, function = (
+            np.random.default_rng(4),
+            ca.Function("sampled", list(inputs), list(expressions)),
+        )
         found = []
         for _ in range(_SAMPLES):
             values = [unit * rng.uniform(-1.0, 1.0, len(unit)) for unit in units]
@@ -188,7 +238,9 @@ class PlatformPose:
             found.append(np.asarray(ca.DM(function(*values)).full()))
         return found
 
-    def _vanishes(self, expression: ca.SX, inputs: Sequence[ca.SX], joints: Sequence[Coordinate] = ()) -> bool:
+    def _vanishes(
+        self, expression: ca.SX, inputs: Sequence[ca.SX], joints: Sequence[Coordinate] = ()
+    ) -> bool:
         return all(np.max(np.abs(v)) <= _SAME for v in self._sampled([expression], inputs, joints))
 
     def row(self, point: TiedPoint) -> ca.SX:
@@ -200,7 +252,7 @@ class PlatformPose:
         d = b - point.of
         return (dot(d, d) - point.level) / (2 * self.closure.characteristic_length)
 
-    # --- steps -------------------------------------------------------------------------------------------------------
+    # --- steps ------------------------------------------------------------------------------------
 
     def columns(self, force: ca.SX, moment: ca.SX) -> ca.SX:
         """A row of the matrix by force and moment: as many columns as the motion has."""
@@ -224,7 +276,9 @@ class PlatformPose:
         return ca.vertcat(ca.vertcat(v0, *[0.0] * (3 - n)) + cross(whole, position), whole)
 
     def moved(self, state: ca.SX, step: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """The state after a step, and the step's squared length, turns by the size, velocities at the platform's origin."""
+        """The state after a step, and the step's squared length, turns by the size, velocities at
+        the platform's origin.
+        """
         n, size, twist = self.lengths, self.closure.characteristic_length, self.twist(state, step)
         velocity, w = twist[:n], twist[3:] if self.motion == "spatial" else twist[5]
         new = state[n:]
@@ -246,9 +300,18 @@ class PlatformPose:
         if self.motion == "translation":
             return force
         if self.motion == "spatial":
-            basis = ca.horzcat(*(0.5 * multiply(ca.SX([0.0, *(float(k == j) for j in range(3))]), turn) for k in range(3)))
-            return ca.horzcat(force, cross(position, force.T).T + ca.mtimes(ca.jacobian(row, turn), basis))
-        return ca.horzcat(force, position[0] * force[1] - position[1] * force[0] + ca.jacobian(row, turn))
+            basis = ca.horzcat(
+                *(
+                    0.5 * multiply(ca.SX([0.0, *(float(k == j) for j in range(3))]), turn)
+                    for k in range(3)
+                )
+            )
+            return ca.horzcat(
+                force, cross(position, force.T).T + ca.mtimes(ca.jacobian(row, turn), basis)
+            )
+        return ca.horzcat(
+            force, position[0] * force[1] - position[1] * force[0] + ca.jacobian(row, turn)
+        )
 
 
 def numbers_of(values: Sequence[float] | np.ndarray) -> ca.SX:
@@ -262,7 +325,9 @@ def _values(constants: ca.SX) -> np.ndarray:
 
 @dataclass
 class _Known:
-    """Numbers that rows read of the actuated joints: each is one known value, constants stay numbers."""
+    """Numbers that rows read of the actuated joints: each is one known value, constants stay
+    numbers.
+    """
 
     joints: ca.SX
     symbols: list[ca.SX] = field(default_factory=list)
@@ -286,7 +351,9 @@ class _Known:
 
 @dataclass(frozen=True, eq=False)
 class PoseKernel:
-    """The kernel, its known values by the actuated joints, and the platform's twist by state and step."""
+    """The kernel, its known values by the actuated joints, and the platform's twist by state and
+    step.
+    """
 
     kernel: Kernel
     joints: ca.SX
@@ -325,12 +392,19 @@ def pose_kernel(
     actuated: Sequence[Coordinate],
     reference: np.ndarray,
 ) -> PoseKernel:
-    """Rows over the pose: those of points, then others, which vanish. `reference` are the actuated joints' values there."""
+    """Rows over the pose: those of points, then others, which vanish. `reference` are the actuated
+    joints' values there.
+    """
     closure, state = pose.closure, pose.symbols
-    size, joints = closure.characteristic_length, ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in actuated))
+    size, joints = (
+        closure.characteristic_length,
+        ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in actuated)),
+    )
     known, shared, none = _Known(joints), _Points(pose), ca.SX(0, 1)
     step = ca.SX.sym("s", sum(c.freedom for c in pose.coordinates))
-    length = _usual_length([point.level for point in points if point.is_sphere], joints, reference, size)
+    length = _usual_length(
+        [point.level for point in points if point.is_sphere], joints, reference, size
+    )
     rows, matrix = [], []
     for point in points:
         symbol, b = shared.of(point.arm)
@@ -365,7 +439,9 @@ def pose_kernel(
     return PoseKernel(kernel, joints, ca.vertcat(none, *known.values), pose.twist(state, step))
 
 
-def _usual_length(levels: Sequence[ca.SX], joints: ca.SX, reference: np.ndarray, size: float) -> float:
+def _usual_length(
+    levels: Sequence[ca.SX], joints: ca.SX, reference: np.ndarray, size: float
+) -> float:
     """The mean distance of spheres: half of what makes lengths of their rows."""
     if not levels:
         return size
@@ -374,11 +450,19 @@ def _usual_length(levels: Sequence[ca.SX], joints: ca.SX, reference: np.ndarray,
 
 
 def _meaning(pose: PlatformPose) -> Meaning:
-    turning = {"translation": "2 v0", "spatial": "(2 v0, 2 w)"}.get(pose.motion, "(2 v0, 2 w), w about z")
+    turning = {"translation": "2 v0", "spatial": "(2 v0, 2 w)"}.get(
+        pose.motion, "(2 v0, 2 w), w about z"
+    )
     return Meaning(
         state=listed(pose.coordinates),
-        known="centers and squared radii of spheres, normals and levels of planes, as far as actuated joints move them",
-        rows="squared radius - d . d of spheres, level - n . d of planes (times twice the mean radius)",
+        known=(
+            "centers and squared radii of spheres, normals and levels of planes, as far as "
+            "actuated joints move them"
+        ),
+        rows=(
+            "squared radius - d . d of spheres, level - n . d of planes (times twice the mean "
+            "radius)"
+        ),
         step=f"{turning}: velocity v0 of the platform where the base's origin is, and its turn w",
         shared="points B of the platform",
     )

@@ -7,19 +7,24 @@ from symkin.text import markdown
 
 _TEXT = r"""## Rows over the pose
 
-The limbs' passive joints are taken out of the rows, so that Newton's method finds the pose alone. A limb holds a platform point
-$B = p + R\,a$ by rows $B + f(q, x) = 0$; combinations of them in which no passive joint $x$ stands are
+The limbs' passive joints are taken out of the rows, so that Newton's method finds the pose alone. A
+limb holds a platform point $B = p + R\,a$ by rows $B + f(q, x) = 0$; combinations of them in which
+no passive joint $x$ stands are
 
-$$|B - A(q)|^2 - c(q) = 0 \quad\text{(a sphere)}, \qquad n(q) \cdot B - c(q) = 0 \quad\text{(a plane)} .$$
+$$|B - A(q)|^2 - c(q) = 0 \quad\text{(a sphere)}, \qquad n(q) \cdot B - c(q) = 0 \quad\text{(a
+plane)} .$$
 
-With $v_0$ the velocity of the platform where the base's origin is, and $\omega$ its angular velocity,
+With $v_0$ the velocity of the platform where the base's origin is, and $\omega$ its angular
+velocity,
 
-$$\tfrac12\,\mathrm{d}|B - A|^2 = (B - A) \cdot v_0 + (A \times B) \cdot \omega, \qquad \mathrm{d}(n \cdot B) = n \cdot v_0 + (B \times n) \cdot \omega .$$
+$$\tfrac12\,\mathrm{d}|B - A|^2 = (B - A) \cdot v_0 + (A \times B) \cdot \omega, \qquad \mathrm{d}(n
+\cdot B) = n \cdot v_0 + (B \times n) \cdot \omega .$$
 
-A passive joint turns a vector of a length $l$: its column in the closure's matrix is $l$ across that vector, and the sphere's row is $l$ times
-the limb's rows along it. So the determinant of these rows is the closure's but for the limbs' own lengths, and for U joints whose
-axes fall together (a singularity of the joint, not of the platform); singularities are the same. $A$, $n$ and $c$ are made once for each
-point of the joints' line:
+A passive joint turns a vector of a length $l$: its column in the closure's matrix is $l$ across
+that vector, and the sphere's row is $l$ times the limb's rows along it. So the determinant of these
+rows is the closure's but for the limbs' own lengths, and for U joints whose axes fall together (a
+singularity of the joint, not of the platform); singularities are the same. $A$, $n$ and $c$ are
+made once for each point of the joints' line:
 """
 
 

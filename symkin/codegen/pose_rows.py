@@ -1,14 +1,18 @@
-"""Take passive joints out of a limb's rows: what is left ties the platform's pose to the actuated joints alone.
+"""Take passive joints out of a limb's rows: what is left ties the platform's pose to the actuated
+joints alone.
 
-The rows of a limb hold a platform point w by the joints, w + f(q, x) = 0. A combination of them in which no passive joint x stands is
+The rows of a limb hold a platform point w by the joints, w + f(q, x) = 0. A combination of them in
+which no passive joint x stands is
 
     |w - A(q)|^2 = c(q)     the point lies on a sphere (or with a plane, on a circle) that the
                             actuated joints q move, or
     n(q) . w = c(q)         it lies in a plane.
 
-A(q), n(q) and c(q) are polynomials of lengths, cosines and sines; their coefficients solve linear equations: all terms with a passive joint
-vanish. So the structure is found in the rows, whatever joints have made them. Lengths are compared in a unit that is a power of two,
-about the size, so that no coefficient is nothing beside others because its machine is tiny or huge, and none is rounded by the change.
+A(q), n(q) and c(q) are polynomials of lengths, cosines and sines; their coefficients solve linear
+equations: all terms with a passive joint vanish. So the structure is found in the rows, whatever
+joints have made them. Lengths are compared in a unit that is a power of two, about the size, so
+that no coefficient is nothing beside others because its machine is tiny or huge, and none is
+rounded by the change.
 """
 
 from __future__ import annotations
@@ -31,12 +35,16 @@ from symkin.numeric.system import System
 _VANISHED = 1e-10
 """Share of the largest term below which a sum of terms is zero."""
 _CANCELLED = 1e-13
-"""Share of the largest coefficient below which one is what rounding leaves of others that cancel."""
+"""Share of the largest coefficient below which one is what rounding leaves of others that
+cancel.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class PointRow:
-    """|w - of|^2 = level where `is_sphere`, else of . w = level: `point` w by the pose, `of` and `level` by the actuated joints."""
+    """|w - of|^2 = level where `is_sphere`, else of . w = level: `point` w by the pose, `of` and
+    `level` by the actuated joints.
+    """
 
     point: ca.SX
     of: ca.SX
@@ -52,8 +60,10 @@ class PointRow:
 
 
 def pose_rows(system: System, poses: np.ndarray, lost: int | None = None) -> list[PointRow] | None:
-    """The rows of a limb without its passive joints, as many as the platform loses freedoms by it, `lost` if its rows depend on one another;
-    None where none are found. Coefficients are compared at the sampled `poses` (n, known)."""
+    """The rows of a limb without its passive joints, as many as the platform loses freedoms by it,
+    `lost` if its rows depend on one another; None where none are found. Coefficients are compared
+    at the sampled `poses` (n, known).
+    """
     limb = _limb(system, poses) if lost is None else _limb(_of_points(system), poses)
     if limb is None:
         return None
@@ -66,7 +76,9 @@ def pose_rows(system: System, poses: np.ndarray, lost: int | None = None) -> lis
 
 
 def _of_points(system: System) -> System:
-    """The rows that are polynomials and hold the pose: those of positions, not of orientations alone."""
+    """The rows that are polynomials and hold the pose: those of positions, not of orientations
+    alone.
+    """
     ring, kept = Ring(system.unknowns), list[int]()
     for i in range(int(system.rows.shape[0])):
         try:
@@ -76,12 +88,17 @@ def _of_points(system: System) -> System:
         if any(ca.which_depends(row.terms.get(ring.one, ca.SX(0)), system.known, 1, False)):
             kept.append(i)
     rows = system.rows[kept]
-    return System(system.unknowns, system.unknown, system.known, rows, rows, system.characteristic_length)
+    return System(
+        system.unknowns, system.unknown, system.known, rows, rows, system.characteristic_length
+    )
 
 
-def plain(expressions: ca.SX, joints: ca.SX, coordinates: Sequence[Coordinate], size: float) -> ca.SX:
-    """The same expressions of joints as sums of products, where they are polynomials of lengths, cosines and sines of a mechanism of
-    this size."""
+def plain(
+    expressions: ca.SX, joints: ca.SX, coordinates: Sequence[Coordinate], size: float
+) -> ca.SX:
+    """The same expressions of joints as sums of products, where they are polynomials of lengths,
+    cosines and sines of a mechanism of this size.
+    """
     none, unit = ca.SX(0, 1), unit_of(size)
     system = System(tuple(coordinates), joints, none, expressions, expressions, size)
     ring = Ring(system.unknowns)
@@ -89,7 +106,9 @@ def plain(expressions: ca.SX, joints: ca.SX, coordinates: Sequence[Coordinate], 
         rows = polynomial_rows(ring, system, expressions, {})
     except NotPolynomialError:
         return expressions
-    return ca.vertcat(none, *(expression_of(ring, _in_units(ring, row, unit), joints, unit) for row in rows))
+    return ca.vertcat(
+        none, *(expression_of(ring, _in_units(ring, row, unit), joints, unit) for row in rows)
+    )
 
 
 def unit_of(size: float) -> float:
@@ -104,11 +123,15 @@ def _slides(ring: Ring, monomial: Monomial) -> int:
 
 def _in_units(ring: Ring, polynomial: Polynomial, unit: float, power: int = 0) -> Polynomial:
     """A polynomial of joints whose lengths are in `unit`, over that unit to a power."""
-    return Polynomial({m: c * ca.SX(unit ** (_slides(ring, m) - power)) for m, c in polynomial.terms.items()})
+    return Polynomial(
+        {m: c * ca.SX(unit ** (_slides(ring, m) - power)) for m, c in polynomial.terms.items()}
+    )
 
 
 def _limb(system: System, poses: np.ndarray) -> _Limb | None:
-    """The limb's rows as polynomials, where their coefficients are constants but for the term without joints."""
+    """The limb's rows as polynomials, where their coefficients are constants but for the term
+    without joints.
+    """
     ring = Ring(system.unknowns)
     try:
         rows = polynomial_rows(ring, system, system.rows, {})
@@ -120,13 +143,18 @@ def _limb(system: System, poses: np.ndarray) -> _Limb | None:
         return None
     point = ca.vertcat(*(row.terms.get(ring.one, ca.SX(0)) for row in rows))
     unit = unit_of(system.characteristic_length)
-    others = tuple(_in_units(ring, Polynomial({m: c for m, c in row.terms.items() if m != ring.one}), unit, 1) for row in rows)
+    others = tuple(
+        _in_units(ring, Polynomial({m: c for m, c in row.terms.items() if m != ring.one}), unit, 1)
+        for row in rows
+    )
     return _Limb(system, ring, others, point)
 
 
 @dataclass(frozen=True, eq=False)
 class _Limb:
-    """Rows point + rows(joints) = 0 with constant coefficients, those of `rows` in the size's unit."""
+    """Rows point + rows(joints) = 0 with constant coefficients, those of `rows` in the size's
+    unit.
+    """
 
     system: System
     ring: Ring
@@ -143,11 +171,15 @@ class _Limb:
 
     def _is_free(self, monomial: Monomial) -> bool:
         """Whether no passive joint stands in a term."""
-        return not any(e and self.ring.generators[place][0] in self.passive for place, e in enumerate(monomial))
+        return not any(
+            e and self.ring.generators[place][0] in self.passive for place, e in enumerate(monomial)
+        )
 
     @property
     def _factors(self) -> list[list[Monomial]]:
-        """Terms that factors of rows may have: the number alone, then those of the actuated joints in the rows."""
+        """Terms that factors of rows may have: the number alone, then those of the actuated joints
+        in the rows.
+        """
         own = {
             tuple(e * (self.ring.generators[p][0] not in self.passive) for p, e in enumerate(m))
             for row in self.rows
@@ -157,14 +189,22 @@ class _Limb:
 
     def _products(self, monomials: Sequence[Monomial]) -> list[Polynomial]:
         """Each row times each term."""
-        return [self.ring.product(Polynomial({m: ca.SX(1)}), row) for row in self.rows for m in monomials]
+        return [
+            self.ring.product(Polynomial({m: ca.SX(1)}), row)
+            for row in self.rows
+            for m in monomials
+        ]
 
     def _bound(self, polynomials: Sequence[Polynomial]) -> np.ndarray:
-        """Coefficients (terms, polynomials) of the terms with passive joints, the largest of each term 1."""
+        """Coefficients (terms, polynomials) of the terms with passive joints, the largest of each
+        term 1.
+        """
         terms = sorted({m for p in polynomials for m in p.terms if not self._is_free(m)})
         if not terms:
             return np.zeros((0, len(polynomials)))
-        matrix = np.array([[float(p.terms.get(m, ca.SX(0))) for p in polynomials] for m in terms]).reshape(len(terms), -1)
+        matrix = np.array(
+            [[float(p.terms.get(m, ca.SX(0))) for p in polynomials] for m in terms]
+        ).reshape(len(terms), -1)
         sizes = np.max(np.abs(matrix), axis=1, initial=0.0)
         kept = sizes > _CANCELLED * np.max(sizes, initial=0.0)
         return np.asarray(matrix[kept] / sizes[kept, None])
@@ -179,9 +219,16 @@ class _Limb:
                 return [self._plane(factors, monomials, polynomials) for factors in null[:most]]
         return []
 
-    def _plane(self, factors: np.ndarray, monomials: Sequence[Monomial], polynomials: Sequence[Polynomial]) -> PointRow:
+    def _plane(
+        self, factors: np.ndarray, monomials: Sequence[Monomial], polynomials: Sequence[Polynomial]
+    ) -> PointRow:
         level = _sum(zip(factors, polynomials, strict=True)).times(-1.0)
-        return PointRow(self.point, self._vector(factors, monomials, 0), self._expression(self._free(level), 1), is_sphere=False)
+        return PointRow(
+            self.point,
+            self._vector(factors, monomials, 0),
+            self._expression(self._free(level), 1),
+            is_sphere=False,
+        )
 
     def sphere(self) -> PointRow | None:
         """The sphere on which the point lies."""
@@ -194,16 +241,30 @@ class _Limb:
             factors = np.linalg.lstsq(matrix[:, 1:], -matrix[:, 0], rcond=_VANISHED)[0]
             left = matrix[:, 1:] @ factors + matrix[:, 0]
             if np.max(np.abs(left)) <= _VANISHED * max(1.0, float(np.max(np.abs(factors)))):
-                return self._sphere(np.array([_tidy(v, factors) for v in factors]), monomials, polynomials)
+                return self._sphere(
+                    np.array([_tidy(v, factors) for v in factors]), monomials, polynomials
+                )
         return None
 
-    def _sphere(self, factors: np.ndarray, monomials: Sequence[Monomial], polynomials: Sequence[Polynomial]) -> PointRow:
+    def _sphere(
+        self, factors: np.ndarray, monomials: Sequence[Monomial], polynomials: Sequence[Polynomial]
+    ) -> PointRow:
         # |w - A|^2 = |f + A|^2 = |f|^2 + 2 A f + |A|^2
         n, level = len(monomials), self._free(_sum(zip((1.0, *factors), polynomials, strict=True)))
         for j in range(len(self.rows)):
-            part = Polynomial({m: ca.SX(float(v)) for m, v in zip(monomials, factors[n * j : n * j + n], strict=True)})
+            part = Polynomial(
+                {
+                    m: ca.SX(float(v))
+                    for m, v in zip(monomials, factors[n * j : n * j + n], strict=True)
+                }
+            )
             level = level.plus(self.ring.product(part, part))
-        return PointRow(self.point, self._vector(factors, monomials, 1), self._expression(level, 2), is_sphere=True)
+        return PointRow(
+            self.point,
+            self._vector(factors, monomials, 1),
+            self._expression(level, 2),
+            is_sphere=True,
+        )
 
     def _free(self, polynomial: Polynomial) -> Polynomial:
         return Polynomial({m: c for m, c in polynomial.terms.items() if self._is_free(m)})
@@ -212,7 +273,11 @@ class _Limb:
         """One expression of the actuated joints for each row, of a power of lengths."""
         n = len(monomials)
         parts = [
-            Polynomial(dict(zip(monomials, map(ca.SX, map(float, factors[n * j : n * j + n])), strict=True)))
+            Polynomial(
+                dict(
+                    zip(monomials, map(ca.SX, map(float, factors[n * j : n * j + n])), strict=True)
+                )
+            )
             for j in range(len(self.rows))
         ]
         return ca.vertcat(*(self._expression(part, power) for part in parts))
@@ -221,15 +286,20 @@ class _Limb:
         return expression_of(self.ring, polynomial, self.system.unknown, self.unit, power)
 
 
-def expression_of(ring: Ring, polynomial: Polynomial, joints: ca.SX, unit: float, power: int = 0) -> ca.SX:
-    """A polynomial of the joints with constant coefficients, in `unit`, as an expression of a power of lengths, without terms that
-    are rounding."""
+def expression_of(
+    ring: Ring, polynomial: Polynomial, joints: ca.SX, unit: float, power: int = 0
+) -> ca.SX:
+    """A polynomial of the joints with constant coefficients, in `unit`, as an expression of a power
+    of lengths, without terms that are rounding.
+    """
     numbers = {m: float(c) for m, c in polynomial.terms.items()}
     largest, found = max((abs(v) for v in numbers.values()), default=0.0), ca.SX(0)
     for m, v in numbers.items():
         if abs(v) > _VANISHED * largest:
             number = snap(v * unit ** (power - _slides(ring, m)))
-            found = found + number * product(_generator(ring, place, joints) for place, e in enumerate(m) for _ in range(e))
+            found = found + number * product(
+                _generator(ring, place, joints) for place, e in enumerate(m) for _ in range(e)
+            )
     return found
 
 
@@ -252,18 +322,23 @@ def _tidy(value: float, beside: np.ndarray) -> float:
 
 
 def _null_space(matrix: np.ndarray, count: int) -> np.ndarray:
-    """Unit vectors (k, count) that a matrix makes zero, in a form of its own: reduced, so that plain factors stay plain."""
+    """Unit vectors (k, count) that a matrix makes zero, in a form of its own: reduced, so that
+    plain factors stay plain.
+    """
     if not len(matrix):
         return np.eye(count)
     _, sizes, v = np.linalg.svd(matrix)
     rank = int(np.sum(sizes > _VANISHED * sizes[0]))
     null = v[rank:].copy()
-    # reduced row by row: ones and zeros where the vectors allow them; of entries that are equal but for rounding, the first
+    # reduced row by row: ones and zeros where the vectors allow them; of entries that are equal but
+    # for rounding, the first
     for i in range(len(null)):
         place = int(np.argmax(np.abs(null[i]) >= (1.0 - _VANISHED) * np.max(np.abs(null[i]))))
         null[i] /= null[i, place]
         for other in range(len(null)):
             if other != i:
                 null[other] -= null[other, place] * null[i]
-    null = np.array([[snap(float(v)) if abs(v) >= _VANISHED else 0.0 for v in row] for row in null]).reshape(null.shape)
+    null = np.array(
+        [[snap(float(v)) if abs(v) >= _VANISHED else 0.0 for v in row] for row in null]
+    ).reshape(null.shape)
     return np.asarray(null / np.linalg.norm(null, axis=1, keepdims=True))

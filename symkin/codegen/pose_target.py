@@ -1,4 +1,6 @@
-"""Write the C that aims the direct problem over the pose at a point of the joints' line: known values of joint values."""
+"""Write the C that aims the direct problem over the pose at a point of the joints' line: known
+values of joint values.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,9 @@ from symkin.codegen.pose_kernel import PoseKernel
 
 
 def core_target(made: PoseKernel, real: Real) -> list[str]:
-    """Statements that set w->k at a part of the line from w->at to `to`: sin and cos of each joint once."""
+    """Statements that set w->k at a part of the line from w->at to `to`: sin and cos of each joint
+    once.
+    """
     count = int(made.joints.shape[0])
     function = ca.Function("target", [made.joints], [made.target], {"cse": True})
     emitter = Emitter(function, [indexed("q", count)], real)
@@ -17,7 +21,8 @@ def core_target(made: PoseKernel, real: Real) -> list[str]:
     return [
         f"{real.type} q[{count}];",
         f"for (int i = 0; i < {count}; ++i) {{",
-        f"    q[i] = (part < {real.literal(1.0)}) ? (w->at[i] + part * (to[i] - w->at[i])) : to[i];",
+        f"    q[i] = (part < {real.literal(1.0)}) ? (w->at[i] + part * (to[i] - w->at[i])) : "
+        f"to[i];",
         "}",
         *emitter.lines,
         *stores,

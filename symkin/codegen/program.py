@@ -1,4 +1,6 @@
-"""Write source and header of one mechanism: choose which of the three kinds it is, and state its ranges and rules."""
+"""Write source and header of one mechanism: choose which of the three kinds it is, and state its
+ranges and rules.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,9 @@ from symkin.model.oddities import degrees_question
 from symkin.text import c_comment
 
 Kind = RodPlatform | LimbPlatform | SerialArm | JointMap
-_SOURCES: dict[type, Callable[[Any], RodSource | LimbPlatformSource | ArmSource | JointMapSource]] = {
+_SOURCES: dict[
+    type, Callable[[Any], RodSource | LimbPlatformSource | ArmSource | JointMapSource]
+] = {
     SerialArm: ArmSource,
     RodPlatform: RodSource,
     LimbPlatform: LimbPlatformSource,
@@ -44,8 +48,9 @@ _SOURCES: dict[type, Callable[[Any], RodSource | LimbPlatformSource | ArmSource 
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """Source and header of a mechanism, and what the other files of its folder are made from. The kind's mechanism may be of a declared
-    motion where the `described` one is of an implied one."""
+    """Source and header of a mechanism, and what the other files of its folder are made from. The
+    kind's mechanism may be of a declared motion where the `described` one is of an implied one.
+    """
 
     described: Mechanism
     kind: Kind
@@ -68,14 +73,19 @@ class Program:
         return self.kind.options
 
 
-def build_program(mechanism: Mechanism, options: Options, measured: Mapping[str, Any] | None = None) -> Program:
-    """Everything that is compiled, as text; `measured`: figures of a processor, stated where they are those of this code."""
+def build_program(
+    mechanism: Mechanism, options: Options, measured: Mapping[str, Any] | None = None
+) -> Program:
+    """Everything that is compiled, as text; `measured`: figures of a processor, stated where they
+    are those of this code.
+    """
     check_c_name(mechanism.name)
     options.check(mechanism)
     kind = _kind(mechanism, options)
     if options.compact and not kind.can_be_compact:
         raise InputError(
-            f"{mechanism.name}: its code has nothing that --compact would shorten (it replaces an unrolled factorisation of Newton's "
+            f"{mechanism.name}: its code has nothing that --compact would shorten (it replaces an "
+            f"unrolled factorisation of Newton's "
             "method by loops); leave --compact out"
         )
     source = _SOURCES[type(kind)](kind)
@@ -83,14 +93,26 @@ def build_program(mechanism: Mechanism, options: Options, measured: Mapping[str,
     if not isinstance(kind, RodPlatform | JointMap):
         kind.geometry.check(kind.real)
     begin = fill("begin.c", source.values | _header_values(kind, source.code, [], mechanism.digest))
-    text = begin + finite_check(mechanism.name, _numbers_of_struct(kind), kind.real) + source.text.rstrip() + "\n"
+    text = (
+        begin
+        + finite_check(mechanism.name, _numbers_of_struct(kind), kind.real)
+        + source.text.rstrip()
+        + "\n"
+    )
     worst = WorstCase.of(mechanism.name, text, measured)
-    values = source.values | _header_values(kind, source.code, worst.header_lines(), mechanism.digest)
+    values = source.values | _header_values(
+        kind, source.code, worst.header_lines(), mechanism.digest
+    )
     if mechanism.serial:
         values["speeds"] = arm_speeds_header(mechanism.characteristic_length, values)
     else:
-        values["speeds"] = fill("platform_rates.h", values | {"fastest": f"{fastest(mechanism.characteristic_length):g}"})
-    values["line"] = fill("platform_line.h", values) if isinstance(kind, RodPlatform) and kind.has_limits else ""
+        values["speeds"] = fill(
+            "platform_rates.h",
+            values | {"fastest": f"{fastest(mechanism.characteristic_length):g}"},
+        )
+    values["line"] = (
+        fill("platform_line.h", values) if isinstance(kind, RodPlatform) and kind.has_limits else ""
+    )
     values["declarations"] = fill(f"{kind.templates}.h", values)
     return Program(
         described=mechanism,
@@ -115,7 +137,9 @@ def _kind(mechanism: Mechanism, options: Options) -> Kind:
     return limb_platform(mechanism, options, real)
 
 
-def _header_values(kind: Kind, main: NewtonCode, worst: list[str], digest: str) -> dict[str, object]:
+def _header_values(
+    kind: Kind, main: NewtonCode, worst: list[str], digest: str
+) -> dict[str, object]:
     mechanism, real, options = kind.mechanism, kind.real, kind.options
     name = mechanism.name
     struct = options.geometry == "struct"
@@ -123,49 +147,85 @@ def _header_values(kind: Kind, main: NewtonCode, worst: list[str], digest: str) 
     counts = ", ".join(f"{count} {what}" for what, count in main.operations.items())
     question = degrees_question(mechanism)
     about = [
-        *_range_lines(kind), "",
+        *_range_lines(kind),
+        "",
         "Joint values in this order; lengths in " + mechanism.length_unit + ", angles in radians.",
         *([] if question is None else ["", *wrap(c_comment(f"Note: {question}"), 95), ""]),
-        *(["Joint values and positions are changes from home, orientations turns from home's, in base axes: "
-           f"{name}_home is the pose of zeros."] if relative else []),
-        "Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with",
-        f"{name.upper()}_OK only; `info` always. config and info may be NULL, guess and {_result(kind)} the same object.",
-        *_branch_lines(kind), "",
-        *_effort_lines(kind, counts), f"Predicted error of an answer: {name.upper()}_TOLERANCE and the rounding of the type, about",
-        f"{_short(8 * real.epsilon * mechanism.characteristic_length)} {mechanism.length_unit} (angles times the size) where the matrix is well conditioned.",
-        *worst, "",
+        *(
+            [
+                "Joint values and positions are changes from home, orientations turns from home's, "
+                "in base axes: "
+                f"{name}_home is the pose of zeros."
+            ]
+            if relative
+            else []
+        ),
+        "Calls keep no state, allocate nothing and end after a bounded number of steps. Results "
+        "are written with",
+        f"{name.upper()}_OK only; `info` always. config and info may be NULL, guess and "
+        f"{_result(kind)} the same object.",
+        *_branch_lines(kind),
+        "",
+        *_effort_lines(kind, counts),
+        f"Predicted error of an answer: {name.upper()}_TOLERANCE and the rounding of the type, "
+        f"about",
+        f"{_short(8 * real.epsilon * mechanism.characteristic_length)} {mechanism.length_unit} "
+        f"(angles times the size) where the matrix is well conditioned.",
+        *worst,
+        "",
         f"Model SHA-256 {digest}",
-    ]  # fmt: skip
+    ]
     if relative:
         about[about.index("") + 2 : about.index("") + 3] = [
-            "Joint values and positions are changes from home, orientations turns from home's (R = R_turn R_home), in base",
-            "axes. Home: " + ", ".join(_short(float(v)) for v in [*kind.home.position, *kind.home.quaternion]) + ".",  # type: ignore[union-attr]
+            "Joint values and positions are changes from home, orientations turns from home's (R "
+            "= R_turn R_home), in base",
+            "axes. Home: "
+            + ", ".join(_short(float(v)) for v in [*kind.home.position, *kind.home.quaternion])  # type: ignore[union-attr]
+            + ".",
         ]
     return {
-        "title": "\n * ".join(wrap(c_comment(mechanism.title), 110)) or name, "stamp": c_comment(f"Generated by symkin, options: {options.arguments}. Do not edit."),
-        "about": "\n".join((" * " + line).rstrip() for line in about), "ctype": real.name, "target": cmake_target(name), "unit": mechanism.length_unit,
+        "title": "\n * ".join(wrap(c_comment(mechanism.title), 110)) or name,
+        "stamp": c_comment(f"Generated by symkin, options: {options.arguments}. Do not edit."),
+        "about": "\n".join((" * " + line).rstrip() for line in about),
+        "ctype": real.name,
+        "target": cmake_target(name),
+        "unit": mechanism.length_unit,
         "of_track": _of_track(kind),
-        "track_limit": real.literal(rounded(tracked_error(main.tuning, mechanism.characteristic_length))),
+        "track_limit": real.literal(
+            rounded(tracked_error(main.tuning, mechanism.characteristic_length))
+        ),
         "guess_precision": "" if isinstance(kind, JointMap) else _guess_precision(kind),
         "pose_type": "" if isinstance(kind, JointMap) else _pose_type(kind),
         "track_words": "" if isinstance(kind, JointMap) else _track_words(kind),
         "pivot_words": _PIVOT_OF_FORMULAS if is_closed(kind) else _PIVOT,
-        "size": real.literal(mechanism.characteristic_length), "tolerance": real.literal(main.tuning.tolerance), "max_step": real.literal(mechanism.characteristic_length),
-        "geometry": _geometry(kind) if struct else "", "gpd": f"const {name}_geometry *geometry, " if struct else "",
-    }  # fmt: skip
+        "size": real.literal(mechanism.characteristic_length),
+        "tolerance": real.literal(main.tuning.tolerance),
+        "max_step": real.literal(mechanism.characteristic_length),
+        "geometry": _geometry(kind) if struct else "",
+        "gpd": f"const {name}_geometry *geometry, " if struct else "",
+    }
 
 
 def _of_track(kind: Kind) -> str:
     """What the residual of one step is, as words of a comment."""
     if isinstance(kind, JointMap):
         return f" ({kind.name}_track: predicted error of a step of Newton's method)"
-    return "" if kind.mechanism.serial or is_closed(kind) else f" ({kind.name}_track: predicted error of the pose)"
+    return (
+        ""
+        if kind.mechanism.serial or is_closed(kind)
+        else f" ({kind.name}_track: predicted error of the pose)"
+    )
 
 
 def _pose_type(kind: Kind) -> str:
     """The type of poses."""
     relative = ", as changes from home" if kind.options.home_relative else ""
-    values = {"p": kind.name, "unit": kind.mechanism.length_unit, "frame": kind.mechanism.frame_name, "relative": relative}
+    values = {
+        "p": kind.name,
+        "unit": kind.mechanism.length_unit,
+        "frame": kind.mechanism.frame_name,
+        "relative": relative,
+    }
     return "\n" + fill("pose_type.h", values)
 
 
@@ -179,15 +239,21 @@ def _effort_lines(kind: Kind, counts: str) -> list[str]:
     if not is_closed(kind):
         return [f"One step of Newton's method: {counts} (rows, matrix, factors, step)."]
     return [
-        "Formulas give the direct problem: an iteration is one evaluation of them, at the end of a part of the line. Of a",
-        "config max_step is not read; tolerance is what the closure's rows of the answer may leave beside rounding.",
+        "Formulas give the direct problem: an iteration is one evaluation of them, at the end of "
+        "a part of the line. Of a",
+        "config max_step is not read; tolerance is what the closure's rows of the answer may "
+        "leave beside rounding.",
     ]
 
 
 _PIVOT = (
-    "length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,\n * 0 near a singularity"
+    "length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns "
+    "scaled,\n * 0 near a singularity"
 )
-_PIVOT_OF_FORMULAS = "0; min_pivot: smallest root of the answer's formulas over its usual size,\n * 0 near a singularity"
+_PIVOT_OF_FORMULAS = (
+    "0; min_pivot: smallest root of the answer's formulas over its usual size,\n"
+    " * 0 near a singularity"
+)
 
 
 def _track_words(kind: Kind) -> str:
@@ -196,10 +262,12 @@ def _track_words(kind: Kind) -> str:
     if is_closed(kind):
         return (
             "the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call\n"
-            f" * {prefix}_direct. info->residual is the answer's closure error, beyond {prefix.upper()}_TRACK_LIMIT near a singularity."
+            f" * {prefix}_direct. info->residual is the answer's closure error, beyond "
+            f"{prefix.upper()}_TRACK_LIMIT near a singularity."
         )
     return (
-        f"one step from the last pose; info->residual is the predicted error. Up to {prefix.upper()}_TRACK_LIMIT another call\n"
+        f"one step from the last pose; info->residual is the predicted error. Up to "
+        f"{prefix.upper()}_TRACK_LIMIT another call\n"
         f" * with the same joints brings it below the tolerance; beyond it, call {prefix}_direct."
     )
 
@@ -211,7 +279,10 @@ def _guess_precision(kind: Kind) -> str:
         return f"{words}."
     off = _short(feasible_error(kind.real.epsilon, kind.mechanism.characteristic_length))
     motion, unit = kind.mechanism.motion, kind.mechanism.length_unit
-    return f"{words},\n * its pose off the platform's motion ({motion}) by {off} {unit} (angles times the size)."
+    return (
+        f"{words},\n"
+        f" * its pose off the platform's motion ({motion}) by {off} {unit} (angles times the size)."
+    )
 
 
 def _result(kind: Kind) -> str:
@@ -226,12 +297,16 @@ def _range_lines(kind: Kind) -> list[str]:
     unit = kind.mechanism.length_unit
     lines = []
     values = (
-        [("joints", kind.given), ("found", kind.found)] if isinstance(kind, JointMap) else [("joints", kind.mechanism.actuated)]
+        [("joints", kind.given), ("found", kind.found)]
+        if isinstance(kind, JointMap)
+        else [("joints", kind.mechanism.actuated)]
     )
     for what, coordinates in values:
         for number, c in enumerate(coordinates):
             span = f"[{c.limits[0]:.6g}, {c.limits[1]:.6g}]" if c.limits else "no limits given"
-            lines.append(f"{what}[{number}] {c_comment(c.name)}: {'rad' if c.is_angular else unit}, {span}")
+            lines.append(
+                f"{what}[{number}] {c_comment(c.name)}: {'rad' if c.is_angular else unit}, {span}"
+            )
     return lines
 
 
@@ -239,9 +314,12 @@ def _branch_lines(kind: Kind) -> list[str]:
     if not kind.has_dead_centres:
         return []
     return [
-        "Limbs have the branches (elbow up or down) of the reference configuration, followed along the line of poses from",
-        "there; the guess's passive joints are computed from its pose in this way. A dead centre of a limb is a singularity:",
-        "where a limb has passed one, the direct problem answers with the status of a wrong branch.",
+        "Limbs have the branches (elbow up or down) of the reference configuration, followed "
+        "along the line of poses from",
+        "there; the guess's passive joints are computed from its pose in this way. A dead centre "
+        "of a limb is a singularity:",
+        "where a limb has passed one, the direct problem answers with the status of a wrong "
+        "branch.",
     ]
 
 
@@ -259,12 +337,28 @@ def _geometry(kind: Kind) -> str:
     assert isinstance(kind, RodPlatform)  # noqa: S101 - a map has no struct
     name, real = kind.name, kind.real
     numbers = kind.geometry_values.reshape(6, 7)
-    base = ", ".join("{ " + ", ".join(real.literal(float(v)) for v in row[:3]) + " }" for row in numbers)
-    ends = ", ".join("{ " + ", ".join(real.literal(float(v)) for v in row[3:6]) + " }" for row in numbers)
+    base = ", ".join(
+        "{ " + ", ".join(real.literal(float(v)) for v in row[:3]) + " }" for row in numbers
+    )
+    ends = ", ".join(
+        "{ " + ", ".join(real.literal(float(v)) for v in row[3:6]) + " }" for row in numbers
+    )
     offsets = ", ".join(real.literal(float(row[6])) for row in numbers)
-    return "\n".join([
-        "/* Joint centres on the base (base frame) and on the platform (platform frame), and rod lengths at zero. */",
-        "typedef struct {", f"    {name}_real base[6][3];", f"    {name}_real platform[6][3];", f"    {name}_real offset[6];", f"}} {name}_geometry;", "",
-        "/* Nominal geometry, as an initialiser. */",
-        f"#define {name.upper()}_NOMINAL \\", f"    {{ {{ {base} }}, \\", f"      {{ {ends} }}, \\", f"      {{ {offsets} }} }}", "",
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            "/* Joint centres on the base (base frame) and on the platform (platform frame), and "
+            "rod lengths at zero. */",
+            "typedef struct {",
+            f"    {name}_real base[6][3];",
+            f"    {name}_real platform[6][3];",
+            f"    {name}_real offset[6];",
+            f"}} {name}_geometry;",
+            "",
+            "/* Nominal geometry, as an initialiser. */",
+            f"#define {name.upper()}_NOMINAL \\",
+            f"    {{ {{ {base} }}, \\",
+            f"      {{ {ends} }}, \\",
+            f"      {{ {offsets} }} }}",
+            "",
+        ]
+    )

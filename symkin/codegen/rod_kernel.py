@@ -1,6 +1,8 @@
-"""State the Newton iteration of a platform on six rods: no trigonometry, constant moments, few operations.
+"""State the Newton iteration of a platform on six rods: no trigonometry, constant moments, few
+operations.
 
-A rod of length L from the base point b to the platform point a spans d = p + R a - b; its row is L^2 - d.d.
+A rod of length L from the base point b to the platform point a spans d = p + R a - b; its row is
+L^2 - d.d.
 """
 
 from __future__ import annotations
@@ -36,10 +38,11 @@ _RELATIVE = Meaning(
 
 @dataclass(frozen=True, eq=False)
 class Rods:
-    """Geometry of a platform on six rods: |p + R a - b| = offset + joint; numbers, or symbols of a struct.
+    """Geometry of a platform on six rods: |p + R a - b| = offset + joint; numbers, or symbols of a
+    struct.
 
-    In the home-relative form p and R are displacements from home and `points` are R_home a; `home` holds the rods'
-    vectors d0 there.
+    In the home-relative form p and R are displacements from home and `points` are R_home a; `home`
+    holds the rods' vectors d0 there.
     """
 
     bases: tuple[ca.SX, ...]
@@ -60,8 +63,12 @@ def is_rod_platform(mechanism: Mechanism) -> bool:
     return not joints and len(mechanism.limbs) == 6 and mechanism.motion == "spatial"
 
 
-def rod_geometry(mechanism: Mechanism, home: Pose, *, relative: bool, parameters: ca.SX | None) -> Rods:
-    """The rods as snapped numbers, or as entries of `parameters` (base, platform, offset of each limb)."""
+def rod_geometry(
+    mechanism: Mechanism, home: Pose, *, relative: bool, parameters: ca.SX | None
+) -> Rods:
+    """The rods as snapped numbers, or as entries of `parameters` (base, platform, offset of each
+    limb).
+    """
     bases, points, offsets, size = [], [], [], mechanism.characteristic_length
     for k, bar in enumerate(mechanism.bars):
         if parameters is not None:
@@ -107,16 +114,25 @@ def _rotation_rows(q: ca.SX, *, less_identity: bool) -> list[list[ca.SX]]:
     diagonal = [-(yy + zz), -(xx + zz), -(xx + yy)]
     if not less_identity:
         diagonal = [1 - (yy + zz), 1 - (xx + zz), 1 - (xx + yy)]
-    return [[diagonal[0], xy - wz, xz + wy], [xy + wz, diagonal[1], yz - wx], [xz - wy, yz + wx, diagonal[2]]]
+    return [
+        [diagonal[0], xy - wz, xz + wy],
+        [xy + wz, diagonal[1], yz - wx],
+        [xz - wy, yz + wx, diagonal[2]],
+    ]
 
 
 def _rotated(r: Sequence[Sequence[ca.SX]], a: ca.SX) -> ca.SX:
-    return ca.vertcat(*(_times(a[0], row[0]) + _times(a[1], row[1]) + _times(a[2], row[2]) for row in r))
+    return ca.vertcat(
+        *(_times(a[0], row[0]) + _times(a[1], row[1]) + _times(a[2], row[2]) for row in r)
+    )
 
 
-def _moved_points(r: Sequence[Sequence[ca.SX]], points: Sequence[ca.SX], position: ca.SX) -> list[ca.SX]:
+def _moved_points(
+    r: Sequence[Sequence[ca.SX]], points: Sequence[ca.SX], position: ca.SX
+) -> list[ca.SX]:
     """position + R a, the terms that points share summed first."""
-    # platforms have points with equal coordinates: products with these are summed first, once for all
+    # platforms have points with equal coordinates: products with these are summed first, once for
+    # all
     keys = [[str(a[k]) for k in range(3)] for a in points]
     moved = []
     for a, own in zip(points, keys, strict=True):
@@ -132,8 +148,12 @@ def _moved_points(r: Sequence[Sequence[ca.SX]], points: Sequence[ca.SX], positio
     return moved
 
 
-def rod_vectors(rods: Rods, position: ca.SX, quaternion: ca.SX) -> tuple[list[ca.SX], list[ca.SX], list[ca.SX]]:
-    """(R a, d, delta) of each rod; R a and d less their home values are exact near home in the home-relative form."""
+def rod_vectors(
+    rods: Rods, position: ca.SX, quaternion: ca.SX
+) -> tuple[list[ca.SX], list[ca.SX], list[ca.SX]]:
+    """(R a, d, delta) of each rod; R a and d less their home values are exact near home in the
+    home-relative form.
+    """
     r = _rotation_rows(quaternion, less_identity=rods.home is not None)
     arms = [_rotated(r, a) for a in rods.points]
     changes = _moved_points(r, rods.points, position)
@@ -145,10 +165,12 @@ def rod_vectors(rods: Rods, position: ca.SX, quaternion: ca.SX) -> tuple[list[ca
 
 
 def rod_kernel(mechanism: Mechanism, rods: Rods, geometry: ca.SX, home: Pose) -> Kernel:
-    """Rows L^2 - d.d over the pose; unknowns are (2 v0, w / 2), v0 the velocity of the platform at the base origin,
-    because d.(v0 + w x (b + d)) = d.v0 + (b x d).w has the constant b: J = [d, 4 b x d].
+    """Rows L^2 - d.d over the pose; unknowns are (2 v0, w / 2), v0 the velocity of the platform at
+    the base origin, because d.(v0 + w x (b + d)) = d.v0 + (b x d).w has the constant b: J = [d, 4 b
+    x d].
 
-    Home-relative: d.d - L^2 = (2 d0 + delta).delta - (2 L0 + dL) dL. `known` holds L^2 or (2 L0 + dL) dL.
+    Home-relative: d.d - L^2 = (2 d0 + delta).delta - (2 L0 + dL) dL. `known` holds L^2 or (2 L0 +
+    dL) dL.
     """
     position, quaternion, known = ca.SX.sym("p", 3), ca.SX.sym("q", 4), ca.SX.sym("k", 6)
     step, d_symbols = ca.SX.sym("s", 6), ca.SX.sym("d", 18)
@@ -157,7 +179,8 @@ def rod_kernel(mechanism: Mechanism, rods: Rods, geometry: ca.SX, home: Pose) ->
         rows = [known[i] - dot(d[i], d[i]) for i in range(6)]
     else:
         rows = [known[i] - dot(2 * rods.home[i] + delta[i], delta[i]) for i in range(6)]
-    # half the derivative of d.d is d.v0 + (b x d).w; by (2 v0, w / 2) its row is (d, 4 b x d), the factor 1/2 cancelled
+    # half the derivative of d.d is d.v0 + (b x d).w; by (2 v0, w / 2) its row is (d, 4 b x d), the
+    # factor 1/2 cancelled
     jacobian = []
     for i, base in enumerate(rods.bases):
         di, b4 = d_symbols[3 * i : 3 * i + 3], 4 * base
@@ -172,7 +195,10 @@ def rod_kernel(mechanism: Mechanism, rods: Rods, geometry: ca.SX, home: Pose) ->
     inverse = 1 / ca.sqrt(1 + dot(half, half))
     # L^2 - d.d is 2 L times the error of a length: the mean length turns rows into lengths
     size = mechanism.characteristic_length
-    lengths = [float(np.linalg.norm(home.apply(np.array(limb.platform)) - np.array(limb.base))) for limb in mechanism.limbs]  # type: ignore[union-attr]
+    lengths = [
+        float(np.linalg.norm(home.apply(np.array(limb.platform)) - np.array(limb.base)))  # type: ignore[union-attr]
+        for limb in mechanism.limbs
+    ]
     return Kernel(
         name="direct",
         state=ca.vertcat(position, quaternion),
@@ -187,5 +213,8 @@ def rod_kernel(mechanism: Mechanism, rods: Rods, geometry: ca.SX, home: Pose) ->
         norm=dot(velocity, velocity) + 4 * size * size * dot(half, half),
         row_length=0.5 / float(np.mean(lengths)),
         characteristic_length=size,
-        meaning=replace(_ABSOLUTE if rods.home is None else _RELATIVE, each_row=tuple(c.name for c in mechanism.actuated)),
+        meaning=replace(
+            _ABSOLUTE if rods.home is None else _RELATIVE,
+            each_row=tuple(c.name for c in mechanism.actuated),
+        ),
     )

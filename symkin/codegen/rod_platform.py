@@ -1,4 +1,6 @@
-"""Describe a platform on six rods for code generation: its options, geometry, kernel and poses about home."""
+"""Describe a platform on six rods for code generation: its options, geometry, kernel and poses
+about home.
+"""
 
 from __future__ import annotations
 
@@ -45,13 +47,17 @@ class RodPlatform:
 
     @property
     def parameters(self) -> ca.SX:
-        """Symbols of the geometry struct, limb by limb: base, platform, offset; none where the geometry is fixed."""
+        """Symbols of the geometry struct, limb by limb: base, platform, offset; none where the
+        geometry is fixed.
+        """
         return ca.SX.sym("g", 42) if self.options.geometry == "struct" else ca.SX(0, 1)
 
     @property
     def geometry_values(self) -> np.ndarray:
         """The struct's nominal numbers in its order."""
-        return np.array([[*bar.start.point, *bar.end.point, bar.offset] for bar in self.mechanism.bars]).ravel()
+        return np.array(
+            [[*bar.start.point, *bar.end.point, bar.offset] for bar in self.mechanism.bars]
+        ).ravel()
 
     @property
     def geometry_names(self) -> list[str]:
@@ -60,13 +66,19 @@ class RodPlatform:
             return []
         names: list[str] = []
         for k in range(6):
-            names += indexed(f"geometry->base[{k}]", 3) + indexed(f"geometry->platform[{k}]", 3) + [f"geometry->offset[{k}]"]
+            names += (
+                indexed(f"geometry->base[{k}]", 3)
+                + indexed(f"geometry->platform[{k}]", 3)
+                + [f"geometry->offset[{k}]"]
+            )
         return names
 
     def rods(self, parameters: ca.SX) -> Rods:
         """The rods over the geometry's symbols, or as numbers."""
         symbols = parameters if self.options.geometry == "struct" else None
-        return rod_geometry(self.mechanism, self.home, relative=self.options.home_relative, parameters=symbols)
+        return rod_geometry(
+            self.mechanism, self.home, relative=self.options.home_relative, parameters=symbols
+        )
 
     def kernel(self) -> Kernel:
         """The Newton iteration of the direct problem."""
@@ -78,7 +90,9 @@ class RodPlatform:
         return rod_values(self.mechanism, pose)
 
     def stated(self, pose: Pose) -> np.ndarray:
-        """The seven numbers by which generated code knows a pose: the pose, or its change from home."""
+        """The seven numbers by which generated code knows a pose: the pose, or its change from
+        home.
+        """
         if not self.options.home_relative:
             return np.array([*pose.position, *pose.quaternion])
         turn = multiply(pose.quaternion, conjugate(self.home.quaternion))
@@ -102,13 +116,17 @@ class RodPlatform:
         """Joint values at a pose as stated, by the closed form of rods."""
         pose = Pose(numbers[:3], numbers[3:] / np.linalg.norm(numbers[3:]))
         if self.options.home_relative:
-            turned = Pose(np.zeros(3), pose.quaternion) @ Pose(np.zeros(3), np.asarray(self.home.quaternion))
+            turned = Pose(np.zeros(3), pose.quaternion) @ Pose(
+                np.zeros(3), np.asarray(self.home.quaternion)
+            )
             pose = Pose(pose.position + self.home.position, turned.quaternion)
         return self.joint_values(pose)
 
     @property
     def singular_starts(self) -> np.ndarray:
-        """A pose with all six rods in one plane, where base and platform are plane; else nothing."""
+        """A pose with all six rods in one plane, where base and platform are plane; else
+        nothing.
+        """
         heights = [abs(bar.start.point[2]) + abs(bar.end.point[2]) for bar in self.mechanism.bars]
         if self.options.home_relative or max(heights) > 0.0:
             return np.zeros((0, 7))
@@ -117,12 +135,18 @@ class RodPlatform:
 
 def rod_values(mechanism: Mechanism, pose: Pose) -> np.ndarray:
     """Joint values |p + R a - b| - offset of the rods at a pose (length unit)."""
-    rods = [pose.apply(np.array(bar.end.point)) - np.array(bar.start.point) for bar in mechanism.bars]
-    return np.array([float(np.linalg.norm(d)) - bar.offset for d, bar in zip(rods, mechanism.bars, strict=True)])
+    rods = [
+        pose.apply(np.array(bar.end.point)) - np.array(bar.start.point) for bar in mechanism.bars
+    ]
+    return np.array(
+        [float(np.linalg.norm(d)) - bar.offset for d, bar in zip(rods, mechanism.bars, strict=True)]
+    )
 
 
 def sample_poses(home: Pose, count: int, reach: float, tilt: float, seed: int) -> list[Pose]:
-    """Random poses about home: positions within `reach`, rotation vectors within `tilt` (both per component)."""
+    """Random poses about home: positions within `reach`, rotation vectors within `tilt` (both per
+    component).
+    """
     rng = np.random.default_rng(seed)
     poses = []
     for _ in range(count):

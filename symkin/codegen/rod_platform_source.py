@@ -1,4 +1,6 @@
-"""Write the C of a platform on six rods: explicit inverse, direct problem by Newton on the pose, no trigonometry."""
+"""Write the C of a platform on six rods: explicit inverse, direct problem by Newton on the pose, no
+trigonometry.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,15 @@ import numpy as np
 
 from symkin.closure.snapping import snap
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import FARTHEST, common_values, copy, copy_loop, farthest, fill, normalise_pose
+from symkin.codegen.c_templates import (
+    FARTHEST,
+    common_values,
+    copy,
+    copy_loop,
+    farthest,
+    fill,
+    normalise_pose,
+)
 from symkin.codegen.joint_ranges import Range, range_functions
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import Kernel
@@ -64,33 +74,71 @@ class RodSource:
 
     @cached_property
     def _common(self) -> dict[str, object]:
-        return common_values(self.name, self.real, struct=bool(self.platform.geometry_names)) | {"nq": 6, "ns": 7}
+        return common_values(self.name, self.real, struct=bool(self.platform.geometry_names)) | {
+            "nq": 6,
+            "ns": 7,
+        }
 
     @cached_property
     def values(self) -> dict[str, object]:
         """Values of the names in the templates of this kind, the tests and the header."""
         literal, p = self.real.literal, self.name
-        leave = [*copy("pose->position", "w->x", 3), *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4))]
+        leave = [
+            *copy("pose->position", "w->x", 3),
+            *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4)),
+        ]
         return self._common | {
-            "farthest": literal(farthest(self.platform.mechanism.characteristic_length, self.platform.home.position)),
+            "farthest": literal(
+                farthest(self.platform.mechanism.characteristic_length, self.platform.home.position)
+            ),
             "copy_joints": indent(copy("joints", "w.k", 6), 3),
-            "enter": indent(["w->guess = guess;", f"status = {p}_normalise_pose({self._common['ga']}guess, w->x);"]), "leave": indent(leave),
-            "check_branch": "", "direct_passive": "", "write_tracked": indent([f"{p}_write_pose({self._common['ga']}&w, pose);"], 4), "unwrap": "", "keep_known": "", "to": "joints", "whole": "",
-            "track_factor": singular_condition(self.kernel, f"{p}_direct", "&w", str(self._common["ga"]), compact=self.code.compact),
-            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((self.platform.mechanism.characteristic_length / 24) ** 2),
-        }  # fmt: skip
+            "enter": indent(
+                [
+                    "w->guess = guess;",
+                    f"status = {p}_normalise_pose({self._common['ga']}guess, w->x);",
+                ]
+            ),
+            "leave": indent(leave),
+            "check_branch": "",
+            "direct_passive": "",
+            "write_tracked": indent([f"{p}_write_pose({self._common['ga']}&w, pose);"], 4),
+            "unwrap": "",
+            "keep_known": "",
+            "to": "joints",
+            "whole": "",
+            "track_factor": singular_condition(
+                self.kernel, f"{p}_direct", "&w", str(self._common["ga"]), compact=self.code.compact
+            ),
+            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))),
+            "track2": literal((self.platform.mechanism.characteristic_length / 24) ** 2),
+        }
 
     @property
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
         code, values = self.code, self.values
         retarget = fill("retarget.c", values)
-        return "".join([
-            normalise_pose(values), fill("info.c", values), range_functions(self._ranges, self.real, values, " and rods longer than zero"), code.work, code.functions, self._rod_values,
-            code.target, code.linear.text, retarget, code.driver, fill("no_step.c", values), fill("parallel_direct.c", values), "\n", self._inverse,
-            rod_line(self._ranges, self.real, values) if self.platform.has_limits else "",
-            rates_functions(self.platform.mechanism, self.real, values), square_twist(self.platform.mechanism, self.real, values),
-        ])  # fmt: skip
+        return "".join(
+            [
+                normalise_pose(values),
+                fill("info.c", values),
+                range_functions(self._ranges, self.real, values, " and rods longer than zero"),
+                code.work,
+                code.functions,
+                self._rod_values,
+                code.target,
+                code.linear.text,
+                retarget,
+                code.driver,
+                fill("no_step.c", values),
+                fill("parallel_direct.c", values),
+                "\n",
+                self._inverse,
+                rod_line(self._ranges, self.real, values) if self.platform.has_limits else "",
+                rates_functions(self.platform.mechanism, self.real, values),
+                square_twist(self.platform.mechanism, self.real, values),
+            ]
+        )
 
     @cached_property
     def _ranges(self) -> list[Range]:
@@ -104,31 +152,49 @@ class RodSource:
             values = [(2 * self.rods.home_lengths[i] + joints[i]) * joints[i] for i in range(6)]
         else:
             values = [(joints[i] + self.rods.offsets[i]) ** 2 for i in range(6)]
-        function = ca.Function("target", [joints, self.kernel.geometry], [ca.vertcat(*values)], {"cse": True})
-        return _rolled(function, [indexed("to", 6), self.platform.geometry_names], self.real, "w->k")
+        function = ca.Function(
+            "target", [joints, self.kernel.geometry], [ca.vertcat(*values)], {"cse": True}
+        )
+        return _rolled(
+            function, [indexed("to", 6), self.platform.geometry_names], self.real, "w->k"
+        )
 
     @property
     def _rod_value_lines(self) -> list[str]:
-        """Statements of joint values from the rows: with w->k = 0 these are -d.d, or -(2 d0 + delta).delta in the
-        home-relative form."""
+        """Statements of joint values from the rows: with w->k = 0 these are -d.d, or -(2 d0 +
+        delta).delta in the home-relative form.
+        """
         f, rods = ca.SX.sym("f", 6), self.rods
         if rods.home is None:
             joints = [ca.sqrt(-f[i]) - rods.offsets[i] for i in range(6)]
         else:
             # L - L0 = (L^2 - L0^2) / (L + L0): no large numbers cancel
-            joints = [-f[i] / (ca.sqrt(length**2 - f[i]) + length) for i, length in enumerate(rods.home_lengths)]
-        function = ca.Function("legs", [f, self.kernel.geometry], [ca.vertcat(*joints)], {"cse": True})
+            joints = [
+                -f[i] / (ca.sqrt(length**2 - f[i]) + length)
+                for i, length in enumerate(rods.home_lengths)
+            ]
+        function = ca.Function(
+            "legs", [f, self.kernel.geometry], [ca.vertcat(*joints)], {"cse": True}
+        )
         return [
             *(f"w->k[{i}] = {self.real.literal(0.0)};" for i in range(6)),
             f"{self.name}_direct_rows({self._common['ga']}w);",
-            *_rolled(function, [indexed("w->f", 6), self.platform.geometry_names], self.real, "w->k"),
+            *_rolled(
+                function, [indexed("w->f", 6), self.platform.geometry_names], self.real, "w->k"
+            ),
         ]
 
     @property
     def _rod_values(self) -> str:
         """NAME_rod_values: joint values at a pose, for the inverse problem."""
-        head = f"static {self._common['SHARED']} void {self.name}_rod_values({self._common['gp']}{self.name}_direct_work *w)"
-        return f"/* Joint values at the state, into w->k. */\n{head}\n{{\n{indent(self._rod_value_lines)}\n}}\n\n"
+        head = (
+            f"static {self._common['SHARED']} void "
+            f"{self.name}_rod_values({self._common['gp']}{self.name}_direct_work *w)"
+        )
+        return (
+            f"/* Joint values at the state, into w->k. */\n{head}\n{{\n"
+            f"{indent(self._rod_value_lines)}\n}}\n\n"
+        )
 
     @property
     def _inverse(self) -> str:
@@ -140,33 +206,51 @@ class RodSource:
                 "store_jacobian": indent(copy_loop("jacobian", "rows", 36), 3),
             }
             return fill("rod_inverse.c", self.values | looped)
-        function = _jacobian_function(self.rods, self.kernel.geometry, self.platform.mechanism.characteristic_length)
+        function = _jacobian_function(
+            self.rods, self.kernel.geometry, self.platform.mechanism.characteristic_length
+        )
         emitter = Emitter(function, [indexed("x", 7), self.platform.geometry_names], self.real)
         shortest = emitter.value(2, 0)
         stores = [f"jacobian[{k}] = {emitter.value(1, k)};" for k in range(36)]
         lines = [*emitter.lines, f"const {self.real.type} shortest = {shortest};"]
-        return fill("rod_inverse.c", self.values | {"jacobian": indent(lines, 2), "store_jacobian": indent(stores, 3)})
+        return fill(
+            "rod_inverse.c",
+            self.values | {"jacobian": indent(lines, 2), "store_jacobian": indent(stores, 3)},
+        )
 
     @property
     def _looped_jacobian(self) -> list[str]:
-        """Statements of the Jacobian's rows in a loop over the rods, whose vectors are those of the direct problem's rows: with
-        d = p + R a - b the moment (R a) x d is (b - p) x d."""
+        """Statements of the Jacobian's rows in a loop over the rods, whose vectors are those of the
+        direct problem's rows: with d = p + R a - b the moment (R a) x d is (b - p) x d.
+        """
         kind, literal, sqrt = self.real.type, self.real.literal, self.real.call("sqrt")
         table, b = _bases(self.platform, 1.0)
         towards = [
-            f"const {kind} {axis} = {b[k] + ' - ' if k in b else '-'}x[{k}];" for k, axis in enumerate(("forth", "aside", "up"))
+            f"const {kind} {axis} = {b[k] + ' - ' if k in b else '-'}x[{k}];"
+            for k, axis in enumerate(("forth", "aside", "up"))
         ]
         return [
-            *table, f"{self.name}_direct_work w;", f"{kind} rows[36];", f"{kind} shortest = {self._common['huge']};",
-            *copy_loop("w.x", "x", 7), *(f"w.k[{i}] = {literal(0.0)};" for i in range(6)), f"{self.name}_direct_rows({self._common['ga']}&w);",
-            "for (int i = 0; i < 6; ++i) {", f"    const {kind} *const d = &w.d[3 * i];", f"    {kind} *const row = &rows[6 * i];",
-            *("    " + line for line in towards), f"    const {kind} squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];",
-            f"    const {kind} inverse = {literal(1.0)} / {sqrt}((squared > {literal(0.0)}) ? squared : {literal(1.0)});",
+            *table,
+            f"{self.name}_direct_work w;",
+            f"{kind} rows[36];",
+            f"{kind} shortest = {self._common['huge']};",
+            *copy_loop("w.x", "x", 7),
+            *(f"w.k[{i}] = {literal(0.0)};" for i in range(6)),
+            f"{self.name}_direct_rows({self._common['ga']}&w);",
+            "for (int i = 0; i < 6; ++i) {",
+            f"    const {kind} *const d = &w.d[3 * i];",
+            f"    {kind} *const row = &rows[6 * i];",
+            *("    " + line for line in towards),
+            f"    const {kind} squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];",
+            f"    const {kind} inverse = {literal(1.0)} / {sqrt}((squared > {literal(0.0)}) ? "
+            f"squared : {literal(1.0)});",
             "    shortest = (squared < shortest) ? squared : shortest;",
             *(f"    row[{k}] = d[{k}] * inverse;" for k in range(3)),
-            "    row[3] = aside * row[2] - up * row[1];", "    row[4] = up * row[0] - forth * row[2];",
-            "    row[5] = forth * row[1] - aside * row[0];", "}",
-        ]  # fmt: skip
+            "    row[3] = aside * row[2] - up * row[1];",
+            "    row[4] = up * row[0] - forth * row[2];",
+            "    row[5] = forth * row[1] - aside * row[0];",
+            "}",
+        ]
 
 
 def _rolled(function: ca.Function, names: list[list[str]], real: Real, target: str) -> list[str]:
@@ -175,7 +259,9 @@ def _rolled(function: ca.Function, names: list[list[str]], real: Real, target: s
     for i in range(6):
         emitter = Emitter(function, names, real, prefix="t")
         text = emitter.value(0, i)
-        each.append([line.replace(f"[{i}]", "[i]") for line in [*emitter.lines, f"{target}[{i}] = {text};"]])
+        each.append(
+            [line.replace(f"[{i}]", "[i]") for line in [*emitter.lines, f"{target}[{i}] = {text};"]]
+        )
     if all(lines == each[0] for lines in each):
         return ["for (int i = 0; i < 6; ++i) {", *("    " + line for line in each[0]), "}"]
     unrolled = []
@@ -187,8 +273,9 @@ def _rolled(function: ca.Function, names: list[list[str]], real: Real, target: s
 
 
 def _matrix_lines(platform: RodPlatform) -> list[str]:
-    """Statements for [d, 4 b x d] in a loop: the fallback's matrix, where time does not matter but room does. The table
-    holds 4 b without coordinates that are zero for all bases."""
+    """Statements for [d, 4 b x d] in a loop: the fallback's matrix, where time does not matter but
+    room does. The table holds 4 b without coordinates that are zero for all bases.
+    """
     real = platform.real
     struct = platform.options.geometry == "struct"
     table, b = _bases(platform, 4.0)
@@ -197,23 +284,39 @@ def _matrix_lines(platform: RodPlatform) -> list[str]:
     for k, m, n in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         plus = f"{four}{b[m]} * d[{n}]" if m in b else ""
         minus = f"{four}{b[n]} * d[{m}]" if n in b else ""
-        text = f"{plus} - {minus}" if plus and minus else plus or (f"-({minus})" if minus else real.literal(0.0))
+        text = (
+            f"{plus} - {minus}"
+            if plus and minus
+            else plus or (f"-({minus})" if minus else real.literal(0.0))
+        )
         entries.append(f"row[{3 + k}] = {text};")
-    return [*table, "for (int i = 0; i < 6; ++i) {", f"    const {real.type} *const d = &w->d[3 * i];",
-            f"    {real.type} *const row = &w->a[6 * i];", *("    " + text for text in entries), "}"]  # fmt: skip
+    return [
+        *table,
+        "for (int i = 0; i < 6; ++i) {",
+        f"    const {real.type} *const d = &w->d[3 * i];",
+        f"    {real.type} *const row = &w->a[6 * i];",
+        *("    " + text for text in entries),
+        "}",
+    ]
 
 
 def _bases(platform: RodPlatform, factor: float) -> tuple[list[str], dict[int, str]]:
-    """Statement of a table of the bases' points times a factor, without coordinates that are zero for all of them, and C text of each
-    coordinate; of a geometry struct no table, and no factor."""
+    """Statement of a table of the bases' points times a factor, without coordinates that are zero
+    for all of them, and C text of each coordinate; of a geometry struct no table, and no factor.
+    """
     if platform.options.geometry == "struct":
         return [], {k: f"geometry->base[i][{k}]" for k in range(3)}
     real, size = platform.real, platform.mechanism.characteristic_length
     rows = platform.geometry_values.reshape(6, 7)[:, :3]
     kept = [k for k in range(3) if np.any(rows[:, k] != 0.0)] or [0]
-    numbers = ", ".join("{ " + ", ".join(real.literal(factor * snap(float(row[k]), size)) for k in kept) + " }" for row in rows)
+    numbers = ", ".join(
+        "{ " + ", ".join(real.literal(factor * snap(float(row[k]), size)) for k in kept) + " }"
+        for row in rows
+    )
     table = f"static const {real.type} base[6][{len(kept)}] = {{ {numbers} }};"
-    return [table + (" /* 4 b */" if factor == 4.0 else "")], {k: f"base[i][{place}]" for place, k in enumerate(kept)}
+    return [table + (" /* 4 b */" if factor == 4.0 else "")], {
+        k: f"base[i][{place}]" for place, k in enumerate(kept)
+    }
 
 
 def _ranges(platform: RodPlatform) -> list[Range]:
@@ -226,16 +329,24 @@ def _ranges(platform: RodPlatform) -> list[Range]:
         limits = platform.mechanism.actuated[i].limits
         low = max(-bar.offset + 1e-6 * size, limits[0] - slack if limits else -np.inf) - zero[i]
         high = real.literal(limits[1] + slack - zero[i] if limits else FARTHEST * size)
-        if platform.options.geometry == "struct" and not limits and not platform.options.home_relative:
-            found.append(Range(real.literal(1e-6 * size), high, "joints[{i}] + geometry->offset[{i}]"))
+        if (
+            platform.options.geometry == "struct"
+            and not limits
+            and not platform.options.home_relative
+        ):
+            found.append(
+                Range(real.literal(1e-6 * size), high, "joints[{i}] + geometry->offset[{i}]")
+            )
         else:
             found.append(Range(real.literal(low), high))
     return found
 
 
 def _jacobian_function(rods: Rods, geometry: ca.SX, size: float) -> ca.Function:
-    """The Jacobian's rows (u, R a x u) at (position, quaternion), u = d / |d|; the product of the squared rod lengths over
-    the size, which is zero where a rod has none; and the joint values, which order the common subexpressions and with them the text."""
+    """The Jacobian's rows (u, R a x u) at (position, quaternion), u = d / |d|; the product of the
+    squared rod lengths over the size, which is zero where a rod has none; and the joint values,
+    which order the common subexpressions and with them the text.
+    """
     x = ca.SX.sym("x", 7)
     arms, d, delta = rod_vectors(rods, x[:3], x[3:])
     squared = [dot(v, v) for v in d]
@@ -245,7 +356,9 @@ def _jacobian_function(rods: Rods, geometry: ca.SX, size: float) -> ca.Function:
     else:
         joints = [
             dot(2 * d0 + change, change) / (length + length0)
-            for d0, change, length, length0 in zip(rods.home, delta, lengths, rods.home_lengths, strict=True)
+            for d0, change, length, length0 in zip(
+                rods.home, delta, lengths, rods.home_lengths, strict=True
+            )
         ]
     rows = []
     for arm, v, length in zip(arms, d, lengths, strict=True):
@@ -255,4 +368,6 @@ def _jacobian_function(rods: Rods, geometry: ca.SX, size: float) -> ca.Function:
     product = squared[0] / size**2
     for square in squared[1:]:
         product = product * (square / size**2)
-    return ca.Function("pose", [x, geometry], [ca.vertcat(*joints), ca.vertcat(*rows), product], {"cse": True})
+    return ca.Function(
+        "pose", [x, geometry], [ca.vertcat(*joints), ca.vertcat(*rows), product], {"cse": True}
+    )

@@ -1,4 +1,6 @@
-"""Sample closed configurations near home, over which pivots are chosen and of which test vectors are made."""
+"""Sample closed configurations near home, over which pivots are chosen and of which test vectors
+are made.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ _DISTINCT = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Configuration:
-    """A closed configuration: all variables of the closure, and their unknown and known parts for the direct problem."""
+    """A closed configuration: all variables of the closure, and their unknown and known parts for
+    the direct problem.
+    """
 
     values: np.ndarray
     unknown: np.ndarray
@@ -25,15 +29,30 @@ class Configuration:
 
 
 def configurations(
-    direct: Problem, home: np.ndarray, count: int, seed: int, spread: float = 0.1, turn: float = 0.25
+    direct: Problem,
+    home: np.ndarray,
+    count: int,
+    seed: int,
+    spread: float = 0.1,
+    turn: float = 0.25,
 ) -> list[Configuration]:
-    """Distinct configurations, at most `count`, that the machine reaches from `home` (all variables) when its joints move
-    in straight lines by up to `spread` times the size and `turn` radians, within their limits; lines that meet a
-    singularity, or bring a limb past a dead centre, are left out."""
+    """Distinct configurations, at most `count`, that the machine reaches from `home` (all
+    variables) when its joints move in straight lines by up to `spread` times the size and `turn`
+    radians, within their limits; lines that meet a singularity, or bring a limb past a dead centre,
+    are left out.
+    """
     rng = np.random.default_rng(seed)
     joints = direct.known_coordinates
-    begin_known, begin = direct.select_values(home, joints), direct.select_values(home, direct.system.unknowns)
-    reach = np.array([_reach(c, turn if c.is_angular else spread * direct.closure.characteristic_length) for c in joints])
+    begin_known, begin = (
+        direct.select_values(home, joints),
+        direct.select_values(home, direct.system.unknowns),
+    )
+    reach = np.array(
+        [
+            _reach(c, turn if c.is_angular else spread * direct.closure.characteristic_length)
+            for c in joints
+        ]
+    )
     signs, found = _limb_signs(direct, home), list[Configuration]()
     for _ in range(4 * count):
         if len(found) == count:
@@ -52,20 +71,30 @@ def configurations(
 
 
 def _limb_signs(direct: Problem, values: np.ndarray) -> np.ndarray:
-    """Signs of the determinants of the limbs for a given pose: one changes where a limb has passed a dead centre."""
+    """Signs of the determinants of the limbs for a given pose: one changes where a limb has passed
+    a dead centre.
+    """
     inverse = build_problem(direct.mechanism, "inverse")
     known = inverse.select_values(values, inverse.known_coordinates)
-    matrices = [b.linearise_one(inverse.select_values(values, b.unknowns), known)[1] for b in inverse.blocks]
+    matrices = [
+        b.linearise_one(inverse.select_values(values, b.unknowns), known)[1] for b in inverse.blocks
+    ]
     return np.array([np.sign(np.linalg.det(m)) for m in matrices if m.shape[0] == m.shape[1]])
 
 
-def followed(direct: Problem, z: np.ndarray, start: np.ndarray, goal: np.ndarray) -> np.ndarray | None:
-    """The unknowns after the joints' straight line from start to goal, in small steps; None where a step fails."""
+def followed(
+    direct: Problem, z: np.ndarray, start: np.ndarray, goal: np.ndarray
+) -> np.ndarray | None:
+    """The unknowns after the joints' straight line from start to goal, in small steps; None where a
+    step fails.
+    """
     system = direct.system
     for k in range(1, _STEPS + 1):
         known = start + k / _STEPS * (goal - start)
         moved = system.polish(z, known, 6)
-        if system.residual(moved, known) > CLOSURE_TOLERANCE * system.characteristic_length or _jumped(direct, z, moved):
+        if system.residual(
+            moved, known
+        ) > CLOSURE_TOLERANCE * system.characteristic_length or _jumped(direct, z, moved):
             return None
         z = moved
     return system.polish(z, goal, 6)
@@ -94,7 +123,9 @@ def _reach(joint: Coordinate, reach: float) -> float:
 
 
 def _within(joints: tuple[Coordinate, ...], begin: np.ndarray, moves: np.ndarray) -> np.ndarray:
-    """Goals begin + moves; a move that leaves its joint's limits is made in the opposite direction."""
+    """Goals begin + moves; a move that leaves its joint's limits is made in the opposite
+    direction.
+    """
     inside: np.ndarray = begin + moves
     for i, c in enumerate(joints):
         low, high = _limited(c)

@@ -1,7 +1,8 @@
-"""Write the C of serial arms: explicit direct problem and Jacobian with sin and cos of libm, inverse by Newton from a guess.
+"""Write the C of serial arms: explicit direct problem and Jacobian with sin and cos of libm,
+inverse by Newton from a guess.
 
-The inverse problem walks from the guess's tool pose to the given one: positions along a line, orientations along the
-shorter arc.
+The inverse problem walks from the guess's tool pose to the given one: positions along a line,
+orientations along the shorter arc.
 """
 
 from __future__ import annotations
@@ -38,14 +39,18 @@ from symkin.position.problem import Problem, build_problem
 from symkin.spatial.rotation import conjugate, multiply
 
 NEARLY = 0.005
-"""Axes that are off by less than this (rad, or of the size), as a calibration finds them, make an arm nearly one with a closed form:
-its branches then begin Newton's method. Offsets that are designed are larger, and branches that begin so far off are lost."""
+"""Axes that are off by less than this (rad, or of the size), as a calibration finds them, make an
+arm nearly one with a closed form: its branches then begin Newton's method. Offsets that are
+designed are larger, and branches that begin so far off are lost.
+"""
 _FINISHED = 64.0
 """Error of a branch, in roundings of the size, that is still held to meet a pose."""
 
 
 def closed_misfit(real: Real, size: float) -> float:
-    """How far (length unit, angles times the size) a branch of fewer joints may be from the pose that it is said to meet."""
+    """How far (length unit, angles times the size) a branch of fewer joints may be from the pose
+    that it is said to meet.
+    """
     return 4.0 * tolerance_of(real, size) + _FINISHED * real.epsilon * size
 
 
@@ -86,7 +91,9 @@ class SerialArm:
 
     @cached_property
     def jacobian(self) -> ca.SX:
-        """Twist (velocity; angular velocity) by joint rates, 6 x N: 2 dq q* is the angular velocity's quaternion."""
+        """Twist (velocity; angular velocity) by joint rates, 6 x N: 2 dq q* is the angular
+        velocity's quaternion.
+        """
         rates = ca.jacobian(self.pose, self.joints)
         q = self.pose[3:]
         columns = []
@@ -114,39 +121,59 @@ class SerialArm:
 
     @cached_property
     def _rates(self) -> ca.Function:
-        return ca.Function("jacobian", [self.joints, self.geometry.symbols], [ca.densify(self.jacobian)])
+        return ca.Function(
+            "jacobian", [self.joints, self.geometry.symbols], [ca.densify(self.jacobian)]
+        )
 
     @cached_property
     def kernel(self) -> Kernel:
         """The Newton iteration of the inverse problem."""
-        return system_kernel("inverse", self.geometry.system(self.inverse), self.inverse.known_coordinates, self.geometry.symbols)
+        return system_kernel(
+            "inverse",
+            self.geometry.system(self.inverse),
+            self.inverse.known_coordinates,
+            self.geometry.symbols,
+        )
 
     @cached_property
     def samples(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Joint values and their poses: within 0.8 rad and a tenth of the size of the middle, limits respected."""
+        """Joint values and their poses: within 0.8 rad and a tenth of the size of the middle,
+        limits respected.
+        """
         rng = np.random.default_rng(4)
         found = []
         for _ in range(60):
-            q = np.array([_middle(c, self.mechanism.characteristic_length, float(rng.uniform(-1, 1))) for c in self.actuated])
+            q = np.array(
+                [
+                    _middle(c, self.mechanism.characteristic_length, float(rng.uniform(-1, 1)))
+                    for c in self.actuated
+                ]
+            )
             found.append((q, self.forward_at(q)))
         return found
 
     @property
     def keeps_to_lines(self) -> bool:
-        """Whether poses between two that the arm can take are such poses too: not of most arms of fewer than six joints, which then go
-        by least squares along the line."""
+        """Whether poses between two that the arm can take are such poses too: not of most arms of
+        fewer than six joints, which then go by least squares along the line.
+        """
         if len(self.actuated) >= 6:
             return True
         first, second = (np.array([pose for _, pose in self.samples[k::2]]) for k in (0, 1))
-        middle = first + np.where(np.sum(first[:, 3:] * second[:, 3:], axis=1) < 0.0, -1.0, 1.0)[:, None] * second
+        middle = (
+            first
+            + np.where(np.sum(first[:, 3:] * second[:, 3:], axis=1) < 0.0, -1.0, 1.0)[:, None]
+            * second
+        )
         middle[:, :3] = 0.5 * (first[:, :3] + second[:, :3])
         middle[:, 3:] /= np.linalg.norm(middle[:, 3:], axis=1)[:, None]
         return bool(np.mean(closing_poses(self.mechanism, middle)) > 0.5)
 
     @cached_property
     def plan(self) -> tuple[Plan, bool] | None:
-        """The arm's closed form, where it has one and the geometry is that of the code, and whether its axes are only nearly as that
-        asks."""
+        """The arm's closed form, where it has one and the geometry is that of the code, and whether
+        its axes are only nearly as that asks.
+        """
         if self.options.geometry == "struct":
             return None
         exact = plan_of(self.mechanism)
@@ -155,7 +182,9 @@ class SerialArm:
 
     @cached_property
     def follows_closed_form(self) -> bool:
-        """Whether the inverse problem is the closed form along the line of poses; else it is Newton's method."""
+        """Whether the inverse problem is the closed form along the line of poses; else it is
+        Newton's method.
+        """
         return self.plan is not None and not self.plan[1] and self.keeps_to_lines
 
     @property
@@ -172,7 +201,8 @@ class SerialArm:
         count, rank = len(self.actuated), self.inverse.generic_rank
         if rank < min(6, count):
             raise InputError(
-                f"{self.name}: its {count} joints move the tool in {rank} directions only, so that no step is decided; C is "
+                f"{self.name}: its {count} joints move the tool in {rank} directions only, so that "
+                f"no step is decided; C is "
                 "generated for arms whose joints are independent, or that reach all six directions"
             )
 
@@ -183,9 +213,12 @@ def _meaning(arm: SerialArm) -> str:
         return ""
     return "\n".join(
         [
-            f" * The arm has {len(arm.actuated)} joints, so that a pose leaves {len(arm.actuated) - 6} of them free: each step is the shortest that",
-            " * its linear system allows (angles times the size), and the line is cut where a step is too long. The answer is the",
-            " * one of the joints' shortest motion from `guess`, as fine as these steps follow it; its tool pose is exact. A closed",
+            f" * The arm has {len(arm.actuated)} joints, so that a pose leaves "
+            f"{len(arm.actuated) - 6} of them free: each step is the shortest that",
+            " * its linear system allows (angles times the size), and the line is cut where a "
+            "step is too long. The answer is the",
+            " * one of the joints' shortest motion from `guess`, as fine as these steps follow "
+            "it; its tool pose is exact. A closed",
             " * path of poses need not lead back to the same joint values.",
         ]
     )
@@ -208,17 +241,25 @@ class ArmSource:
 
     @cached_property
     def code(self) -> NewtonCode:
-        """The Newton iteration of the inverse problem; kappa is taken where the matrix is regular."""
+        """The Newton iteration of the inverse problem; kappa is taken where the matrix is
+        regular.
+        """
         arm, kernel, geometry = self.arm, self.arm.kernel, self.arm.geometry
         matrices = np.array([kernel.matrix(q, pose, geometry.values) for q, pose in arm.samples])
-        regular = [sample for sample, m in zip(arm.samples, matrices, strict=True) if np.linalg.cond(m) < 1e6]
+        regular = [
+            sample
+            for sample, m in zip(arm.samples, matrices, strict=True)
+            if np.linalg.cond(m) < 1e6
+        ]
         return NewtonCode(
             kernel=kernel,
             name=arm.name,
             real=arm.real,
             geometry=geometry.names,
             matrices=matrices,
-            kappa=curvature(kernel, [q for q, _ in regular], [pose for _, pose in regular], geometry.values),
+            kappa=curvature(
+                kernel, [q for q, _ in regular], [pose for _, pose in regular], geometry.values
+            ),
             target_lines=line_target(arm.real, 7, 3),
             compact=arm.options.compact,
         )
@@ -229,33 +270,57 @@ class ArmSource:
         nq = len(self.arm.actuated)
         common = common_values(self.arm.name, self.arm.real, struct=self.arm.geometry.at_run_time)
         size = self.arm.mechanism.characteristic_length
-        far = farthest(size, self.arm.forward_at(np.array([c.reference[0] for c in self.arm.actuated]))[:3])
+        far = farthest(
+            size, self.arm.forward_at(np.array([c.reference[0] for c in self.arm.actuated]))[:3]
+        )
         literal = self.arm.real.literal
         # Newton's method looks at limits at its answer alone
-        guess_past = [
-            f'expect(refused(NULL, &pose, {self.arm.name}_vector_past[k], "a guess beyond a limit") == {common["P"]}_OUT_OF_RANGE, "guess beyond a limit", k);',
-            f"(void){self.arm.name}_inverse({common['ga']}NULL, &pose, {self.arm.name}_vector_past[k], other, &info);",
-            f'expect(info.joint == (unsigned int){self.arm.name}_vector_blamed[k], "joint beyond a limit", k);',
-        ] if self.line is not None else [f"(void){self.arm.name}_vector_blamed;"]  # fmt: skip
-        return common | {"guess_past": indent(guess_past, 2), "nq": nq, "last_joint": nq - 1, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm), "farthest": literal(far),
-                         "farthest_joint": literal(FARTHEST * max(size, 1.0)), "per_size": literal(1.0 / size),
-                         "closed": "" if self.closed is None else self.closed.header, "line_words": self._line_words}  # fmt: skip
+        guess_past = (
+            [
+                f'expect(refused(NULL, &pose, {self.arm.name}_vector_past[k], "a guess beyond a '
+                f'limit") == {common["P"]}_OUT_OF_RANGE, "guess beyond a limit", k);',
+                f"(void){self.arm.name}_inverse({common['ga']}NULL, &pose, "
+                f"{self.arm.name}_vector_past[k], other, &info);",
+                f'expect(info.joint == (unsigned int){self.arm.name}_vector_blamed[k], "joint '
+                f'beyond a limit", k);',
+            ]
+            if self.line is not None
+            else [f"(void){self.arm.name}_vector_blamed;"]
+        )
+        return common | {
+            "guess_past": indent(guess_past, 2),
+            "nq": nq,
+            "last_joint": nq - 1,
+            "ns": nq,
+            "nj": 6 * nq,
+            "meaning": _meaning(self.arm),
+            "farthest": literal(far),
+            "farthest_joint": literal(FARTHEST * max(size, 1.0)),
+            "per_size": literal(1.0 / size),
+            "closed": "" if self.closed is None else self.closed.header,
+            "line_words": self._line_words,
+        }
 
     @property
     def _line_words(self) -> str:
-        """What the line costs at most, and where limits are checked, as lines of a comment in the header."""
+        """What the line costs at most, and where limits are checked, as lines of a comment in the
+        header.
+        """
         prefix = self.arm.name.upper()
         limited = any(c.limits is not None for c in self.arm.actuated)
         words = []
         if self.line is None:
             words = [
-                f" * Newton's method: the worst case is config->max_iterations steps ({prefix}_MAX_STEPS where config is NULL), whatever pose and",
-                " * guess. The answer's error is that of the last step: predicted to be within the tolerance, its rows evaluated.",
+                f" * Newton's method: the worst case is config->max_iterations steps "
+                f"({prefix}_MAX_STEPS where config is NULL), whatever pose and",
+                " * guess. The answer's error is that of the last step: predicted to be within "
+                "the tolerance, its rows evaluated.",
             ]
             words += [" * Limits are checked at the answer, not along the line."] if limited else []
         elif limited:
             words = [
-                " * Joints keep their limits at all points of the line, the guess included: else, and where one comes too near to be",
+                " * Joints keep their limits at all points of the line, the guess included: else, "
+                "and where one comes too near to be",
                 f" * decided, {prefix}_OUT_OF_RANGE, and info->joint is the joint.",
             ]
         return "\n".join(words)
@@ -269,14 +334,22 @@ class ArmSource:
         plan, nearly = arm.plan
         misfit = closed_misfit(arm.real, arm.mechanism.characteristic_length)
         common = common_values(arm.name, arm.real, struct=False)
-        return ClosedCode(plan, arm.actuated, arm.real, common, misfit, self.code if nearly else None)
+        return ClosedCode(
+            plan, arm.actuated, arm.real, common, misfit, self.code if nearly else None
+        )
 
     @cached_property
     def motion(self) -> ArmMotion | None:
-        """Pose and Jacobian by the screws' motions, where the geometry is that of the code and joints turn or slide."""
+        """Pose and Jacobian by the screws' motions, where the geometry is that of the code and
+        joints turn or slide.
+        """
         arm = self.arm
         screws = None if arm.geometry.at_run_time else arm_screws(arm.mechanism)
-        return None if screws is None else ArmMotion(screws, arm.real, common_values(arm.name, arm.real, struct=False))
+        return (
+            None
+            if screws is None
+            else ArmMotion(screws, arm.real, common_values(arm.name, arm.real, struct=False))
+        )
 
     @cached_property
     def line(self) -> ClosedLine | None:
@@ -289,35 +362,66 @@ class ArmSource:
     @property
     def _solving(self) -> dict[str, object]:
         """How NAME_inverse solves: by the closed form along the line, else by Newton's method."""
-        nq, name, config = len(self.arm.actuated), self.arm.name, "(config != NULL) ? config : &usual"
+        nq, name, config = (
+            len(self.arm.actuated),
+            self.arm.name,
+            "(config != NULL) ? config : &usual",
+        )
         if self.line is not None:
             return {
-                "how": "The joints by the closed form", "work": f"{self.arm.real.type} at[{nq}];", "at": "at",
-                "to_x": indent(copy("at", "guess", nq), 2), "out": indent(copy("joints", "at", nq), 3),
+                "how": "The joints by the closed form",
+                "work": f"{self.arm.real.type} at[{nq}];",
+                "at": "at",
+                "to_x": indent(copy("at", "guess", nq), 2),
+                "out": indent(copy("joints", "at", nq), 3),
                 "solve": indent([f"status = {name}_inverse_along(to, {config}, at, info);"], 2),
-            }  # fmt: skip
+            }
         first = self.values["ga"]
         return {
-            "how": "The joints by Newton's method", "work": f"{name}_inverse_work w;", "at": "w.x",
-            "to_x": indent(copy("w.x", "guess", nq), 2), "out": indent(copy("joints", "w.x", nq), 3),
-            "solve": indent([f"{name}_forward({first}w.x, w.at);", f"status = {name}_inverse_newton({first}&w, to, {config}, info);"], 2),
-        }  # fmt: skip
+            "how": "The joints by Newton's method",
+            "work": f"{name}_inverse_work w;",
+            "at": "w.x",
+            "to_x": indent(copy("w.x", "guess", nq), 2),
+            "out": indent(copy("joints", "w.x", nq), 3),
+            "solve": indent(
+                [
+                    f"{name}_forward({first}w.x, w.at);",
+                    f"status = {name}_inverse_newton({first}&w, to, {config}, info);",
+                ],
+                2,
+            ),
+        }
 
     @property
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
         arm, values = self.arm, self.values
         ranges = ranges_of(arm.actuated, arm.real, arm.mechanism.characteristic_length)
-        functions = fill("serial_functions.c", values | {
-            "jacobian": indent(self._jacobian_lines, 2), **self._solving,
-        })  # fmt: skip
+        functions = fill(
+            "serial_functions.c",
+            values
+            | {
+                "jacobian": indent(self._jacobian_lines, 2),
+                **self._solving,
+            },
+        )
         newton = "" if self.line is not None else self.code.text
         closed = "" if self.closed is None else self.closed.text
         line = "" if self.line is None else self.line.text(limit_check(self.line))
-        return "".join([
-            normalise_pose(values), fill("info.c", values), range_functions(ranges, arm.real, values),
-            self._forward, arm_error(arm.actuated, arm.real, arm.mechanism.characteristic_length, values), newton, closed, line, functions, self._speeds,
-        ])  # fmt: skip
+        return "".join(
+            [
+                normalise_pose(values),
+                fill("info.c", values),
+                range_functions(ranges, arm.real, values),
+                self._forward,
+                arm_error(arm.actuated, arm.real, arm.mechanism.characteristic_length, values),
+                newton,
+                closed,
+                line,
+                functions,
+                self._speeds,
+            ]
+        )
 
     @property
     def _speeds(self) -> str:
@@ -329,7 +433,9 @@ class ArmSource:
     def _emitter(self, expression: ca.SX, joints: str) -> Emitter:
         """Emitter of a dense function of the joints, whose C name is given."""
         arm = self.arm
-        function = ca.Function("f", [arm.joints, arm.geometry.symbols], [ca.densify(expression)], {"cse": True})
+        function = ca.Function(
+            "f", [arm.joints, arm.geometry.symbols], [ca.densify(expression)], {"cse": True}
+        )
         return Emitter(function, [indexed(joints, len(arm.actuated)), arm.geometry.names], arm.real)
 
     @property
@@ -347,5 +453,9 @@ class ArmSource:
         if self.motion is not None:
             return self.motion.jacobian_lines
         emitter, nq = self._emitter(self.arm.jacobian, "joints"), len(self.arm.actuated)
-        stores = [f"jacobian[{nq * i + j}] = {emitter.value(0, 6 * j + i)};" for i in range(6) for j in range(nq)]
+        stores = [
+            f"jacobian[{nq * i + j}] = {emitter.value(0, 6 * j + i)};"
+            for i in range(6)
+            for j in range(nq)
+        ]
         return [*emitter.lines, *stores]

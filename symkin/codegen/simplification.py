@@ -1,5 +1,6 @@
-"""Simplify expressions to what a reader would write: signs and factors drawn out of products, constants of nested sums added, and
-c h + (1 - c) h, which turns about an axis leave of what lies along it, as h.
+"""Simplify expressions to what a reader would write: signs and factors drawn out of products,
+constants of nested sums added, and c h + (1 - c) h, which turns about an axis leave of what lies
+along it, as h.
 
 Each rule is an identity, applied once to each step of the graph, from the inputs to the results.
 """
@@ -84,7 +85,12 @@ def _whole_of(a: ca.SX, b: ca.SX) -> ca.SX | None:
     (one, left), (two, right) = _factor(a), _factor(b)
     if one != two:
         return None
-    pairs = [(share, rest) for p, q in ((left, right), (right, left)) for share in _halves(p) for rest in _halves(q)]
+    pairs = [
+        (share, rest)
+        for p, q in ((left, right), (right, left))
+        for share in _halves(p)
+        for rest in _halves(q)
+    ]
     for (c, h), (complement, other) in pairs:
         if _is_complement(complement, c) and ca.is_equal(h, other, 2):
             return _scaled(one, h)
@@ -93,7 +99,10 @@ def _whole_of(a: ca.SX, b: ca.SX) -> ca.SX | None:
 
 def _halves(x: ca.SX) -> list[tuple[ca.SX, ca.SX]]:
     """x as a product of two, in both orders; as itself times 1."""
-    return [(x, ca.SX(1.0)), *([(x.dep(0), x.dep(1)), (x.dep(1), x.dep(0))] if x.op() == ca.OP_MUL else [])]
+    return [
+        (x, ca.SX(1.0)),
+        *([(x.dep(0), x.dep(1)), (x.dep(1), x.dep(0))] if x.op() == ca.OP_MUL else []),
+    ]
 
 
 def _is_complement(x: ca.SX, c: ca.SX) -> bool:

@@ -1,4 +1,6 @@
-"""Make test vectors: inputs that generated code reads exactly, and the answers of the Python solvers to those inputs."""
+"""Make test vectors: inputs that generated code reads exactly, and the answers of the Python
+solvers to those inputs.
+"""
 
 from __future__ import annotations
 
@@ -26,29 +28,41 @@ from symkin.position.solution import pose_of
 _FIRM = 0.3
 """Least strength of the steps of a closed form at a vector's pose, over the usual one."""
 _REACHED = 0.5
-"""Share of the misfit of a closed form that rounding of a vector's pose may take: near a fold half of the digits are lost."""
+"""Share of the misfit of a closed form that rounding of a vector's pose may take: near a fold half
+of the digits are lost.
+"""
 _ROUNDINGS, _BESIDE = 2.0, 6
 """Roundings of a pose beside a vector's, and how many such poses are tried."""
 _CLEAR = 4096.0
-"""Least square by which steps of a closed form decide on the line to a vector, in roundings: code refuses lines that may come below
-256. Of an arm whose axes are off by NEARLY it is as much as these."""
+"""Least square by which steps of a closed form decide on the line to a vector, in roundings: code
+refuses lines that may come below
+256. Of an arm whose axes are off by NEARLY it is as much as these.
+"""
 _ASIDE = 1e-3
-"""Distance of vectors from limits, as a share of the range: code refuses what is too near to one to be decided."""
+"""Distance of vectors from limits, as a share of the range: code refuses what is too near to one to
+be decided.
+"""
 _AWAY, _AWAY_SHARE = 0.1, 0.5
-"""Distance of guesses from answers (rad; slides over a tenth of the size): at most this, and this share of the root of the least square
-by which the answer's steps decide, which is about how far the nearest singularity is. Longer lines may take code more parts than it has."""
+"""Distance of guesses from answers (rad; slides over a tenth of the size): at most this, and this
+share of the root of the least square by which the answer's steps decide, which is about how far the
+nearest singularity is. Longer lines may take code more parts than it has.
+"""
 _PARTS = (1.0, 0.25, 0.0625)
-"""Shares of the usual way from home that are tried where limits of passive joints leave few configurations."""
+"""Shares of the usual way from home that are tried where limits of passive joints leave few
+configurations.
+"""
 COUNT = 24
 JACOBIANS = 4
 
 
 @dataclass(frozen=True)
 class Vectors:
-    """Arrays by name: one row a case. `joints` and `guesses` make the direct problem's (or inverse's) cases, `poses` its
-    answers (or targets), `bounds` the error allowed of each case (length unit, angles times the size). `singular` holds
-    a start at which the matrix is singular, if one is known. `infeasible` are poses that the mechanism cannot take, `past` joint values of
-    which the joint that is `blamed` is beyond a limit."""
+    """Arrays by name: one row a case. `joints` and `guesses` make the direct problem's (or
+    inverse's) cases, `poses` its answers (or targets), `bounds` the error allowed of each case
+    (length unit, angles times the size). `singular` holds a start at which the matrix is singular,
+    if one is known. `infeasible` are poses that the mechanism cannot take, `past` joint values of
+    which the joint that is `blamed` is beyond a limit.
+    """
 
     joints: np.ndarray
     guesses: np.ndarray
@@ -70,24 +84,34 @@ _Found = tuple[list[_Row], list[np.ndarray], np.ndarray, np.ndarray]
 
 
 def build_vectors(kind: RodPlatform | LimbPlatform | SerialArm) -> Vectors:
-    """The vectors of a mechanism; the same bytes on every machine, because answers are rounded. Raises InputError where
-    there is not one case."""
-    rows, jacobians, home, singular = _serial(kind) if isinstance(kind, SerialArm) else _parallel(kind)
+    """The vectors of a mechanism; the same bytes on every machine, because answers are rounded.
+    Raises InputError where there is not one case.
+    """
+    rows, jacobians, home, singular = (
+        _serial(kind) if isinstance(kind, SerialArm) else _parallel(kind)
+    )
     if not rows:
         where = "home" if isinstance(kind, RodPlatform) else "the reference"
         raise InputError(
-            f"{kind.mechanism.name}: no regular configuration was found near {where} to test generated code with; check the "
+            f"{kind.mechanism.name}: no regular configuration was found near {where} to test "
+            f"generated code with; check the "
             "geometry by `symkin show`, the joints' limits and the pose of [platform]"
             + ("; --real double has more digits" if kind.real.name == "float" else "")
         )
-    joints, guesses, poses, inverse, bounds = (np.array(column) for column in zip(*rows, strict=True))
-    infeasible = infeasible_poses(kind, _cases(kind, kind.direct)) if isinstance(kind, LimbPlatform) else np.zeros((0, 7))
+    joints, guesses, poses, inverse, bounds = (
+        np.array(column) for column in zip(*rows, strict=True)
+    )
+    infeasible = (
+        infeasible_poses(kind, _cases(kind, kind.direct))
+        if isinstance(kind, LimbPlatform)
+        else np.zeros((0, 7))
+    )
     zero = 0.0 if isinstance(kind, SerialArm) else kind.zero
     past, blamed = joints_past(kind.mechanism.actuated, joints[0], zero)
     return Vectors(
-        infeasible=np.array([_tidy(row, _pose_scales(kind.mechanism.characteristic_length)) for row in infeasible]).reshape(
-            -1, 7
-        ),
+        infeasible=np.array(
+            [_tidy(row, _pose_scales(kind.mechanism.characteristic_length)) for row in infeasible]
+        ).reshape(-1, 7),
         past=past,
         blamed=tuple(blamed),
         joints=joints,
@@ -108,10 +132,14 @@ def rounded_to(real: Real, values: Sequence[float] | np.ndarray) -> np.ndarray:
 
 
 def _tidy(values: Sequence[float] | np.ndarray, scales: Sequence[float] | float) -> np.ndarray:
-    """Each number rounded to 13 digits of its scale (the size for lengths, 1 for angles and quaternions): below every
-    tolerance, above what linear algebra libraries differ by."""
+    """Each number rounded to 13 digits of its scale (the size for lengths, 1 for angles and
+    quaternions): below every tolerance, above what linear algebra libraries differ by.
+    """
     numbers = np.asarray(values, dtype=float)
-    digits = [13 - int(np.ceil(np.log10(scale))) for scale in np.broadcast_to(scales, numbers.shape).ravel()]
+    digits = [
+        13 - int(np.ceil(np.log10(scale)))
+        for scale in np.broadcast_to(scales, numbers.shape).ravel()
+    ]
     rounded = [round(float(v), d) + 0.0 for v, d in zip(numbers.ravel(), digits, strict=True)]
     return np.array(rounded).reshape(numbers.shape)
 
@@ -158,11 +186,15 @@ def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
 
 
 def _cases(kind: RodPlatform | LimbPlatform, direct: Problem) -> list[Configuration]:
-    """Configurations about home; where joints that are not actuated have limits, within these, and nearer ones if they are few."""
+    """Configurations about home; where joints that are not actuated have limits, within these, and
+    nearer ones if they are few.
+    """
     limits = [] if isinstance(kind, RodPlatform) else kind.passive_limits
     found: list[Configuration] = []
     for part in _PARTS:
-        cases = configurations(direct, kind.home_values, COUNT, 20, spread=0.06 * part, turn=0.15 * part)
+        cases = configurations(
+            direct, kind.home_values, COUNT, 20, spread=0.06 * part, turn=0.15 * part
+        )
         found += [case for case in cases if keeps_limits(limits, direct.closure, case.values)]
         if not limits or len(found) >= COUNT:
             break
@@ -172,13 +204,18 @@ def _cases(kind: RodPlatform | LimbPlatform, direct: Problem) -> list[Configurat
 def _shifted(direct: Problem, case: Configuration, part: float) -> np.ndarray:
     """A configuration near a case: joints moved by a part of the size."""
     known = case.known + part * np.array(
-        [1.0 if c.is_angular else direct.closure.characteristic_length for c in direct.known_coordinates]
+        [
+            1.0 if c.is_angular else direct.closure.characteristic_length
+            for c in direct.known_coordinates
+        ]
     )
     return direct.join_values(direct.system.polish(case.unknown, known, 6), known)
 
 
 def rates(closure: Closure, values: np.ndarray) -> np.ndarray:
-    """Actuated joint rates by the twist (velocity; angular velocity), N x 6, from the closure's differential."""
+    """Actuated joint rates by the twist (velocity; angular velocity), N x 6, from the closure's
+    differential.
+    """
     inverse = build_problem(closure.mechanism, "inverse")
     unknown, known = (
         inverse.select_values(values, inverse.system.unknowns),
@@ -216,9 +253,11 @@ def _each(system: System) -> list[tuple[str, str]]:
 
 
 def _decided(arm: SerialArm, branches: ca.Function | None) -> list[bool]:
-    """For each sample of an arm whether the steps of its closed form decide their joints firmly there, as at most samples, and reach the
-    pose as vectors have it. The pose of an arm of fewer than six joints is beside those that it can take by rounding, and a joint that
-    is decided weakly passes that on."""
+    """For each sample of an arm whether the steps of its closed form decide their joints firmly
+    there, as at most samples, and reach the pose as vectors have it. The pose of an arm of fewer
+    than six joints is beside those that it can take by rounding, and a joint that is decided weakly
+    passes that on.
+    """
     if branches is None or len(arm.actuated) >= 6:
         return [True] * len(arm.samples)
     size = arm.mechanism.characteristic_length
@@ -228,7 +267,9 @@ def _decided(arm: SerialArm, branches: ca.Function | None) -> list[bool]:
     for _, pose in arm.samples:
         target = rounded_to(arm.real, _tidy(_canonical(pose), _pose_scales(size)))
         # the code's own roundings are as large as those of such poses beside it
-        beside = target + arm.real.epsilon * _ROUNDINGS * np.array(_pose_scales(size)) * rng.uniform(-1, 1, (_BESIDE, 7))
+        beside = target + arm.real.epsilon * _ROUNDINGS * np.array(
+            _pose_scales(size)
+        ) * rng.uniform(-1, 1, (_BESIDE, 7))
         gaps.append(max(_reached(arm, branches, near) for near in (target, *beside)))
     return (firm & (np.array(gaps) < _REACHED * closed_misfit(arm.real, size))).tolist()  # type: ignore[no-any-return]
 
@@ -237,13 +278,20 @@ def _reached(arm: SerialArm, branches: ca.Function, target: np.ndarray) -> float
     """How far the nearest branch of a closed form is from a pose."""
     ends = np.asarray(branches(target)[0]).T
     size = arm.mechanism.characteristic_length
-    return min((_pose_gap(arm.forward_at(q), target, size) for q in ends if np.all(np.isfinite(q))), default=np.inf)
+    return min(
+        (_pose_gap(arm.forward_at(q), target, size) for q in ends if np.all(np.isfinite(q))),
+        default=np.inf,
+    )
 
 
 def _pose_gap(pose: np.ndarray, target: np.ndarray, size: float) -> float:
-    """Distance of two poses: of their origins, and of two directions times the size, each of which may be off by the whole angle."""
+    """Distance of two poses: of their origins, and of two directions times the size, each of which
+    may be off by the whole angle.
+    """
     turned = min(np.linalg.norm(pose[3:] - sign * target[3:]) for sign in (1.0, -1.0))
-    return float(np.hypot(np.linalg.norm(pose[:3] - target[:3]), np.sqrt(2.0) * size * 2.0 * turned))
+    return float(
+        np.hypot(np.linalg.norm(pose[:3] - target[:3]), np.sqrt(2.0) * size * 2.0 * turned)
+    )
 
 
 def _serial(arm: SerialArm) -> _Found:
@@ -263,8 +311,14 @@ def _serial(arm: SerialArm) -> _Found:
         condition = system.condition(given, target)
         unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
         units = np.array(_joint_scales(arm.actuated, size))
-        away = _AWAY if branches is None else min(_AWAY, _AWAY_SHARE * np.sqrt(_least_square(branches, given, target)))
-        beside = units * np.round((given + away * rng.uniform(-1, 1, len(q)) * _scales(arm)) / units, 6)
+        away = (
+            _AWAY
+            if branches is None
+            else min(_AWAY, _AWAY_SHARE * np.sqrt(_least_square(branches, given, target)))
+        )
+        beside = units * np.round(
+            (given + away * rng.uniform(-1, 1, len(q)) * _scales(arm)) / units, 6
+        )
         guess = rounded_to(real, _within(beside, arm.actuated))
         if condition > (60.0 if arm.is_redundant else 300.0) or not firm:
             continue
@@ -280,9 +334,15 @@ def _serial(arm: SerialArm) -> _Found:
         if len(jacobians) < JACOBIANS:
             jacobians.append(_tidy(arm.jacobian_at(given), size).ravel())
     zero = np.array([c.reference[0] for c in arm.actuated])
-    singular = np.linalg.svd(arm.kernel.matrix(zero, arm.forward_at(zero), arm.geometry.values), compute_uv=False)
-    within = all(c.limits is None or c.limits[0] <= v <= c.limits[1] for c, v in zip(arm.actuated, zero.tolist(), strict=True))
-    # beyond a limit, or with more joints than the pose needs, such a start is refused for other reasons
+    singular = np.linalg.svd(
+        arm.kernel.matrix(zero, arm.forward_at(zero), arm.geometry.values), compute_uv=False
+    )
+    within = all(
+        c.limits is None or c.limits[0] <= v <= c.limits[1]
+        for c, v in zip(arm.actuated, zero.tolist(), strict=True)
+    )
+    # beyond a limit, or with more joints than the pose needs, such a start is refused for other
+    # reasons
     is_told = singular[-1] < 1e-14 * singular[0] and within and not arm.is_redundant
     starts = zero[None] if is_told else np.zeros((0, len(zero)))
     return rows, jacobians, zero, starts
@@ -297,33 +357,46 @@ def _within(joints: np.ndarray, coordinates: Sequence[Coordinate]) -> np.ndarray
 
 
 def _scales(arm: SerialArm) -> np.ndarray:
-    return np.array([1.0 if c.is_angular else 0.1 * arm.mechanism.characteristic_length for c in arm.actuated])
+    return np.array(
+        [1.0 if c.is_angular else 0.1 * arm.mechanism.characteristic_length for c in arm.actuated]
+    )
 
 
 def _branches(arm: SerialArm) -> ca.Function | None:
-    """At a pose the joint values of all branches of the closed form, a column each; the least square by which a step of each decides; the
-    strengths of the first one's steps. None without a closed form."""
+    """At a pose the joint values of all branches of the closed form, a column each; the least
+    square by which a step of each decides; the strengths of the first one's steps. None without a
+    closed form.
+    """
     if arm.plan is None:
         return None
     plan, _ = arm.plan
     symbol = ca.SX.sym("pose", 7)
     made = [plan.branch(symbol, signs) for signs in plan.signs.tolist()]
     least = [ca.mmin(ca.vertcat(branch.strengths, branch.discriminants)) for branch in made]
-    outputs = [ca.horzcat(*(branch.joints for branch in made)), ca.horzcat(*least), made[0].strengths]
+    outputs = [
+        ca.horzcat(*(branch.joints for branch in made)),
+        ca.horzcat(*least),
+        made[0].strengths,
+    ]
     return ca.Function("branches", [symbol], outputs)
 
 
 def _least_square(branches: ca.Function, q: np.ndarray, pose: np.ndarray) -> float:
-    """The least square by which a step of the branch decides that the joints are of; 0 where there is none."""
+    """The least square by which a step of the branch decides that the joints are of; 0 where there
+    is none.
+    """
     joints, squares, _ = (np.asarray(part) for part in branches(pose))
     gaps = np.abs(np.angle(np.exp(1j * (joints - q[:, None])))).max(axis=0)
     nearest = int(np.argmin(np.where(np.isfinite(gaps), gaps, np.inf)))
     return max(float(squares[0, nearest]), 0.0) if np.isfinite(gaps[nearest]) else 0.0
 
 
-def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray, branches: ca.Function | None) -> np.ndarray | None:
-    """The joints after the line of poses from the guess's to the target, in small steps; None where one is long, leaves limits, or is
-    too near to another branch for a closed form's check of lines."""
+def _followed(
+    arm: SerialArm, guess: np.ndarray, target: np.ndarray, branches: ca.Function | None
+) -> np.ndarray | None:
+    """The joints after the line of poses from the guess's to the target, in small steps; None where
+    one is long, leaves limits, or is too near to another branch for a closed form's check of lines.
+    """
     least = NEARLY if arm.plan is not None and arm.plan[1] else _CLEAR * arm.real.epsilon
     start = arm.forward_at(guess)
     start = start if start[3:] @ target[3:] > 0 else np.concatenate([start[:3], -start[3:]])
@@ -332,7 +405,9 @@ def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray, branches: c
         pose = start + k / 40 * (target - start)
         pose[3:] /= np.linalg.norm(pose[3:])
         moved = arm.inverse.system.polish(q, pose, 6)
-        if np.max(np.abs(moved - q) / _scales(arm)) > 0.1 or np.any(moved != _within(moved, arm.actuated)):
+        if np.max(np.abs(moved - q) / _scales(arm)) > 0.1 or np.any(
+            moved != _within(moved, arm.actuated)
+        ):
             return None
         if branches is not None and _least_square(branches, moved, pose) <= least:
             return None

@@ -1,4 +1,6 @@
-"""Find the closed form of a block of rows: formulas of its unknowns, with a sign for each choice between two values."""
+"""Find the closed form of a block of rows: formulas of its unknowns, with a sign for each choice
+between two values.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,13 @@ import casadi as ca
 import numpy as np
 
 from symkin.computed_once import cached_property
-from symkin.elimination.eliminating import combine_lengths, cut_by_line, defer_defined, subtract_quadratics, turn_angle
+from symkin.elimination.eliminating import (
+    combine_lengths,
+    cut_by_line,
+    defer_defined,
+    subtract_quadratics,
+    turn_angle,
+)
 from symkin.elimination.polynomial import Ring
 from symkin.elimination.rows import NotPolynomialError, polynomial_rows
 from symkin.elimination.solving import solve_deferred, solve_single
@@ -27,7 +35,9 @@ _NEAR = 0.05
 _DOUBLE = 1e-9
 """Share of the terms of a discriminant below which two solutions may be one."""
 _VANISHING = 1e-7
-"""Share of the terms of a divisor below which a formula may lose a solution, or has lost its digits."""
+"""Share of the terms of a divisor below which a formula may lose a solution, or has lost its
+digits.
+"""
 _CLOSED = 1e-9
 """Closure error, in sizes, of a solution by formulas: rounding, with some digits lost."""
 _MOST_STEPS = 100
@@ -36,8 +46,10 @@ _MOST_SUMMED = 4
 
 
 class Solutions(NamedTuple):
-    """Values (n, count, width) of the unknowns, which of them are `real` (n, count), and for which known values (n,) that is `clear`: no
-    discriminant is nearly zero beside its terms, and no divisor."""
+    """Values (n, count, width) of the unknowns, which of them are `real` (n, count), and for which
+    known values (n,) that is `clear`: no discriminant is nearly zero beside its terms, and no
+    divisor.
+    """
 
     values: np.ndarray
     real: np.ndarray
@@ -48,13 +60,14 @@ class Solutions(NamedTuple):
 class ClosedForm:
     """Formulas of all unknowns of a system, with choices between two values.
 
-    unknowns = `values`(known; signs, roots): of each choice a sign, +1 or -1, and a root, the square root of one of the
-    `discriminants`(known; signs and roots of those before), which are at least 0 where a solution is real; `told` are expressions of
-    (known, unknowns; signs and roots of those before) that equal sign times root, by which a configuration says which of the values
-    it is. Formulas divide by `divisors`, of which those of the numbers `implied`, A^2 + B^2, are above zero where a discriminant is,
-    A^2 + B^2 - C^2.
-    `first` are lengths and cosines of angles, `second` the sines. `steps` are the derivation, a sentence each, `names` what the
-    choices decide. `samples` are the known values at which coefficients were compared.
+    unknowns = `values`(known; signs, roots): of each choice a sign, +1 or -1, and a root, the
+    square root of one of the `discriminants`(known; signs and roots of those before), which are at
+    least 0 where a solution is real; `told` are expressions of (known, unknowns; signs and roots of
+    those before) that equal sign times root, by which a configuration says which of the values it
+    is. Formulas divide by `divisors`, of which those of the numbers `implied`, A^2 + B^2, are above
+    zero where a discriminant is, A^2 + B^2 - C^2. `first` are lengths and cosines of angles,
+    `second` the sines. `steps` are the derivation, a sentence each, `names` what the choices
+    decide. `samples` are the known values at which coefficients were compared.
     """
 
     system: System
@@ -81,7 +94,9 @@ class ClosedForm:
         return self.values_about(np.zeros(self.system.width))
 
     def values_about(self, near: np.ndarray) -> ca.SX:
-        """The unknowns, each angle within half a turn of the multiple of a quarter turn that is next to its value in `near` (width,)."""
+        """The unknowns, each angle within half a turn of the multiple of a quarter turn that is
+        next to its value in `near` (width,).
+        """
         found = []
         for k, coordinate in enumerate(self.system.unknowns):
             if not coordinate.is_angular:
@@ -98,13 +113,20 @@ class ClosedForm:
     @cached_property
     def choices(self) -> np.ndarray:
         """All signs (count, choices)."""
-        return np.array(list(product((1.0, -1.0), repeat=int(self.signs.shape[0])))).reshape(self.count, -1)
+        return np.array(list(product((1.0, -1.0), repeat=int(self.signs.shape[0])))).reshape(
+            self.count, -1
+        )
 
     @cached_property
     def _mapped(self) -> Mapped:
-        """Values, discriminants, divisors and the sizes of the terms of these two, for signs and known values."""
+        """Values, discriminants, divisors and the sizes of the terms of these two, for signs and
+        known values.
+        """
         width, choices = self.system.width, int(self.signs.shape[0])
-        whole = self.at_roots(ca.vertcat(self.values, self.discriminants, self.divisors), lambda d: ca.sqrt(ca.fmax(d, 0.0)))
+        whole = self.at_roots(
+            ca.vertcat(self.values, self.discriminants, self.divisors),
+            lambda d: ca.sqrt(ca.fmax(d, 0.0)),
+        )
         inputs = ca.vertcat(self.signs, self.system.known)
         sizes = term_sizes(whole[width:], inputs, ca.fabs(inputs))
         parts = [whole[:width], whole[width : width + choices], whole[width + choices :], sizes]
@@ -125,7 +147,9 @@ class ClosedForm:
         return ca.Function("signs", [self.system.unknown, self.system.known], [told])
 
     def sides(self, signs: np.ndarray) -> ca.SX:
-        """Expressions (choices,) of (known, unknowns) that are at least 0 where a configuration has these signs."""
+        """Expressions (choices,) of (known, unknowns) that are at least 0 where a configuration has
+        these signs.
+        """
         told = ca.substitute(self.told, self.signs, ca.SX(ca.DM(signs)))
         found: list[ca.SX] = []
         for k, sign in enumerate(signs):
@@ -141,11 +165,15 @@ class ClosedForm:
 
     def discriminants_at(self, known: np.ndarray, signs: np.ndarray) -> np.ndarray:
         """The discriminants (n, choices) for known values (n, known) and signs (choices,)."""
-        return np.asarray(self._mapped(np.tile(signs, (len(known), 1)), known)[1]).reshape(len(known), -1)
+        return np.asarray(self._mapped(np.tile(signs, (len(known), 1)), known)[1]).reshape(
+            len(known), -1
+        )
 
     def divisors_at(self, known: np.ndarray, signs: np.ndarray) -> np.ndarray:
         """The divisors (n, divisors) for known values (n, known) and signs (choices,)."""
-        return np.asarray(self._mapped(np.tile(signs, (len(known), 1)), known)[2]).reshape(len(known), -1)
+        return np.asarray(self._mapped(np.tile(signs, (len(known), 1)), known)[2]).reshape(
+            len(known), -1
+        )
 
     def solutions(self, known: np.ndarray) -> Solutions:
         """All solutions for known values (n, known)."""
@@ -160,13 +188,17 @@ class ClosedForm:
         return Solutions(values, np.asarray((discriminants >= 0.0).all(axis=2)), clear)
 
     def _evaluated(self, known: np.ndarray) -> list[np.ndarray]:
-        """Values (n, count, width), discriminants, divisors, and the sizes of the terms of these two."""
+        """Values (n, count, width), discriminants, divisors, and the sizes of the terms of these
+        two.
+        """
         signs = np.tile(self.choices, (len(known), 1))
         parts = self._mapped(signs, np.repeat(known, self.count, axis=0))
         return [np.asarray(part).reshape(len(known), self.count, -1) for part in parts]
 
     def closes(self, known: np.ndarray) -> bool:
-        """Whether all real solutions for known values (n, known), of which there are some, satisfy the system."""
+        """Whether all real solutions for known values (n, known), of which there are some, satisfy
+        the system.
+        """
         found = self.solutions(known)
         owner, which = np.nonzero(found.real)
         residuals = self.system.residuals(found.values[owner, which], known[owner])
@@ -174,15 +206,17 @@ class ClosedForm:
 
     @property
     def has_conditions(self) -> bool:
-        """Whether there are more rows than unknowns, so that known values need not have a solution."""
+        """Whether there are more rows than unknowns, so that known values need not have a
+        solution.
+        """
         return int(self.system.rows.shape[0]) > self.system.freedom
 
 
 def closed_form(system: System, samples: np.ndarray) -> ClosedForm | None:
     """The closed form of a system, None where the steps known here find none.
 
-    Coefficients are compared at the known values `samples` (n, known): the formulas hold where relations among known values that hold
-    at all samples do (`samples_about`: none).
+    Coefficients are compared at the known values `samples` (n, known): the formulas hold where
+    relations among known values that hold at all samples do (`samples_about`: none).
     """
     if not system.unknowns:
         return None
@@ -192,25 +226,40 @@ def closed_form(system: System, samples: np.ndarray) -> ClosedForm | None:
         except NotPolynomialError:
             continue
         found = _made(system, work, before, samples) if _run(work) else None
-        return found if found is not None and (found.has_conditions or found.closes(samples)) else None
+        return (
+            found if found is not None and (found.has_conditions or found.closes(samples)) else None
+        )
     return None
 
 
-def samples_about(system: System, near: np.ndarray, coordinates: Sequence[Coordinate], seed: int = 0) -> np.ndarray:
-    """Random values (samples, known) of the known coordinates about those of a configuration, for formulas that hold whatever is
-    given."""
+def samples_about(
+    system: System, near: np.ndarray, coordinates: Sequence[Coordinate], seed: int = 0
+) -> np.ndarray:
+    """Random values (samples, known) of the known coordinates about those of a configuration, for
+    formulas that hold whatever is given.
+    """
     lengths = [c.kind == "length" for c in coordinates for _ in range(c.width)]
     scale = np.where(np.array(lengths, dtype=bool), system.characteristic_length, 1.0)
-    return np.asarray(near + _NEAR * np.random.default_rng(seed).uniform(-1.0, 1.0, size=(_SAMPLES, len(near))) * scale)
+    return np.asarray(
+        near
+        + _NEAR * np.random.default_rng(seed).uniform(-1.0, 1.0, size=(_SAMPLES, len(near))) * scale
+    )
 
 
 def _begun(system: System, rows: ca.SX, samples: np.ndarray) -> tuple[Workspace, dict[int, int]]:
-    """All rows, and before which angle of its sum each angle stands: the sums are those that leave the fewest terms."""
+    """All rows, and before which angle of its sum each angle stands: the sums are those that leave
+    the fewest terms.
+    """
     ring, chosen = Ring(system.unknowns), None
     for before in _sums(system):
         polynomials = polynomial_rows(ring, system, rows, before)
         work = Workspace(
-            ring, polynomials, set(range(len(system.unknowns))), [system.known], samples, system.characteristic_length
+            ring,
+            polynomials,
+            set(range(len(system.unknowns))),
+            [system.known],
+            samples,
+            system.characteristic_length,
         )
         work.rows = [work.tidied(row) for row in polynomials]
         terms = sum(len(row.terms) for row in work.rows)
@@ -224,12 +273,27 @@ def _sums(system: System) -> list[dict[int, int]]:
     """Ways in which angles that follow each other may be summed: none, and runs of two and more."""
     angles = [k for k, c in enumerate(system.unknowns) if c.is_angular]
     runs = [angles[i:j] for i in range(len(angles)) for j in range(i + 2, len(angles) + 1)]
-    return [{}, *({after: before for before, after in pairwise(run)} for run in runs if len(angles) <= _MOST_SUMMED)]
+    return [
+        {},
+        *(
+            {after: before for before, after in pairwise(run)}
+            for run in runs
+            if len(angles) <= _MOST_SUMMED
+        ),
+    ]
 
 
 def _run(work: Workspace) -> bool:
     """Take steps, the plainest first, until all is solved; False where no step is left."""
-    steps = (solve_deferred, solve_single, defer_defined, combine_lengths, turn_angle, subtract_quadratics, cut_by_line)
+    steps = (
+        solve_deferred,
+        solve_single,
+        defer_defined,
+        combine_lengths,
+        turn_angle,
+        subtract_quadratics,
+        cut_by_line,
+    )
     for _ in range(_MOST_STEPS):
         work.without_repeats()
         if not work.active and not work.deferred:
@@ -239,7 +303,9 @@ def _run(work: Workspace) -> bool:
     return False
 
 
-def _made(system: System, work: Workspace, before: dict[int, int], samples: np.ndarray) -> ClosedForm:
+def _made(
+    system: System, work: Workspace, before: dict[int, int], samples: np.ndarray
+) -> ClosedForm:
     ring = work.ring
     found, own, whole = [], [], [ca.SX(0)] * system.width
     for k, coordinate in enumerate(ring.unknowns):
@@ -266,7 +332,9 @@ def _made(system: System, work: Workspace, before: dict[int, int], samples: np.n
         ca.vertcat(ca.SX(0, 1), *work.divisors),
     ]
     symbols = [symbol for symbol, _ in work.definitions]
-    first, second, discriminants, divisors = _inlined(symbols, [expression for _, expression in work.definitions], outputs)
+    first, second, discriminants, divisors = _inlined(
+        symbols, [expression for _, expression in work.definitions], outputs
+    )
     roots = ca.vertcat(ca.SX(0, 1), *(c.root for c in work.choices))
     return ClosedForm(
         system=system,
@@ -276,7 +344,11 @@ def _made(system: System, work: Workspace, before: dict[int, int], samples: np.n
         second=second,
         discriminants=discriminants,
         divisors=divisors,
-        implied=frozenset(j for j, d in enumerate(work.divisors) if any(ca.is_equal(d, other) for other in work.implied)),
+        implied=frozenset(
+            j
+            for j, d in enumerate(work.divisors)
+            if any(ca.is_equal(d, other) for other in work.implied)
+        ),
         told=_told(work, dict(own)),
         steps=tuple(work.steps),
         names=tuple(c.name for c in work.choices),
@@ -285,7 +357,9 @@ def _made(system: System, work: Workspace, before: dict[int, int], samples: np.n
 
 
 def _told(work: Workspace, own: dict[int, ca.SX]) -> ca.SX:
-    """What has the signs of a configuration, whose generators are `own`: the formulas, with what is solved read from it."""
+    """What has the signs of a configuration, whose generators are `own`: the formulas, with what is
+    solved read from it.
+    """
     places, parts = [ca.vertcat(*(part[k] for k in own)) for part in (work.own, own)]
     solved = {_key(work.values[place]): expression for place, expression in own.items()}
     symbols = [symbol for symbol, _ in work.definitions]

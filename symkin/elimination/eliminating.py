@@ -1,4 +1,6 @@
-"""Take unknowns out of rows: each step leaves fewer unknowns in the rest and defers those that it took out."""
+"""Take unknowns out of rows: each step leaves fewer unknowns in the rest and defers those that it
+took out.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ _MOST_LENGTHS = 2
 
 
 def defer_defined(work: Workspace) -> bool:
-    """A length that stands in one row only, linear and with a known coefficient: that row gives it."""
+    """A length that stands in one row only, linear and with a known coefficient: that row gives
+    it.
+    """
     for unknown in _lengths(work):
         rows = _rows_with(work, unknown)
         if len(rows) != 1 or work.ring.degree_in(rows[0], unknown) != 1:
@@ -33,7 +37,9 @@ def defer_defined(work: Workspace) -> bool:
 
 
 def combine_lengths(work: Workspace) -> bool:
-    """Lengths that stand linear, with known coefficients, in one row more than they are: a combination of the rows is free of them."""
+    """Lengths that stand linear, with known coefficients, in one row more than they are: a
+    combination of the rows is free of them.
+    """
     for count in range(1, _MOST_LENGTHS + 1):
         for unknowns in combinations(_lengths(work), count):
             rows = [row for row in work.rows if work.ring.held(row) & set(unknowns)]
@@ -41,7 +47,9 @@ def combine_lengths(work: Workspace) -> bool:
             if len(linear) != count + 1 or (count == 1 and len(rows) > len(linear)):
                 continue
             matrix = [[_coefficient(work, row, k) for k in unknowns] for row in linear]
-            factors = [(-1) ** i * determinant(matrix[:i] + matrix[i + 1 :]) for i in range(count + 1)]
+            factors = [
+                (-1) ** i * determinant(matrix[:i] + matrix[i + 1 :]) for i in range(count + 1)
+            ]
             factors = [work.define(f, "n") for f in factors]
             if count > 1 and not _independent(work, matrix):
                 continue
@@ -49,9 +57,14 @@ def combine_lengths(work: Workspace) -> bool:
             for factor, row in zip(factors, linear, strict=True):
                 rest = rest.plus(row, factor)
             own = {place for k in unknowns for place in work.ring.places[k]}
-            rest = Polynomial({m: c for m, c in rest.terms.items() if not any(m[place] for place in own)})
+            rest = Polynomial(
+                {m: c for m, c in rest.terms.items() if not any(m[place] for place in own)}
+            )
             _defer(work, unknowns, linear, [rest])
-            work.steps.append(f"{work.names(unknowns)} taken out of {count + 1} rows that are linear in them, by a combination")
+            work.steps.append(
+                f"{work.names(unknowns)} taken out of {count + 1} rows that are linear in them, by "
+                f"a combination"
+            )
             return True
     return False
 
@@ -63,11 +76,14 @@ def _independent(work: Workspace, matrix: list[list[ca.SX]]) -> bool:
 
 
 def turn_angle(work: Workspace) -> bool:
-    """An angle that stands linear in rows: in a basis of the rows in which two of them hold it and the others do not, these two are
+    """An angle that stands linear in rows: in a basis of the rows in which two of them hold it and
+    the others do not, these two are
 
         M (cos t, sin t) + r = 0
 
-    with known M, so that |M^-1 r|^2 = 1; or with M M^T = m times the identity, a vector that the angle turns, so that |r|^2 = m."""
+    with known M, so that |M^-1 r|^2 = 1; or with M M^T = m times the identity, a vector that the
+    angle turns, so that |r|^2 = m.
+    """
     for unknown in sorted(work.active):
         rows = _rows_with(work, unknown)
         if not work.ring.unknowns[unknown].is_angular or len(rows) < 2:
@@ -95,7 +111,10 @@ def _by_known_matrix(work: Workspace, unknown: int, rows: list[Polynomial]) -> b
             a, b, r = ring.linear_in(row, unknown)
             rest.append(ring.product(a, cosine).plus(ring.product(b, sine)).plus(r))
     _defer(work, (unknown,), list(pair), rest, rows)
-    work.steps.append(f"{work.name(unknown)} taken out: cosine and sine are linear in the others, and their squares add to 1")
+    work.steps.append(
+        f"{work.name(unknown)} taken out: cosine and sine are linear in the others, and their "
+        f"squares add to 1"
+    )
     return True
 
 
@@ -112,22 +131,33 @@ def _by_length(work: Workspace, unknown: int, rows: list[Polynomial]) -> bool:
     across = ring.product(a1, a2).plus(ring.product(b1, b2))
     if any(work.tidied(rest).terms for rest in (other.plus(square, -1.0), across)):
         return False
-    length = _one_way(work, unknown, two) or [ring.product(r1, r1).plus(ring.product(r2, r2)).plus(square, -1.0)]
+    length = _one_way(work, unknown, two) or [
+        ring.product(r1, r1).plus(ring.product(r2, r2)).plus(square, -1.0)
+    ]
     _defer(work, (unknown,), two, [*length, *free], rows)
-    work.steps.append(f"{work.name(unknown)} taken out: it turns a vector, whose length is free of it")
+    work.steps.append(
+        f"{work.name(unknown)} taken out: it turns a vector, whose length is free of it"
+    )
     return True
 
 
 def _one_way(work: Workspace, unknown: int, two: list[Polynomial]) -> list[Polynomial]:
-    """Where the vector that the angle turns to a known one has a constant direction in the rows, its length along it is a polynomial u
-    of others: u = +- |r|, as one row. Empty where it is not so, or where u is an unknown alone, whose square is plainer."""
+    """Where the vector that the angle turns to a known one has a constant direction in the rows,
+    its length along it is a polynomial u of others: u = +- |r|, as one row. Empty where it is not
+    so, or where u is an unknown alone, whose square is plainer.
+    """
     ring = work.ring
     (a1, b1, r1), (a2, b2, r2) = (ring.linear_in(row, unknown) for row in two)
     known = [ring.scalar(r) for r in (r1, r2)]
     if any(v is None for v in known) or len(ring.held(a1) | ring.held(b1)) < 2:
         return []
     monomials = sorted({*a1.terms, *b1.terms, *a2.terms, *b2.terms})
-    vectors = np.concatenate([work.numbers([part.terms.get(m, ca.SX(0)) for part in (a1, b1, a2, b2)]) for m in monomials])
+    vectors = np.concatenate(
+        [
+            work.numbers([part.terms.get(m, ca.SX(0)) for part in (a1, b1, a2, b2)])
+            for m in monomials
+        ]
+    )
     basis = constant_basis(vectors)
     if len(basis) != 1:
         return []
@@ -136,13 +166,20 @@ def _one_way(work: Workspace, unknown: int, two: list[Polynomial]) -> list[Polyn
     part, share = (a1, b1, a2, b2)[place], float(basis[0][place])
     u = part.times(snap(float(np.sqrt(0.5)) / share))
     square = ca.SX(known[0]) ** 2 + ca.SX(known[1]) ** 2
-    told = total(c * product(work.own[place] for place, e in enumerate(m) for _ in range(e)) for m, c in u.terms.items())
+    told = total(
+        c * product(work.own[place] for place, e in enumerate(m) for _ in range(e))
+        for m, c in u.terms.items()
+    )
     root = work.choose(f"{work.name(unknown)}_side", square, told)
     return [u.plus(ring.constant(root), -1.0)]
 
 
-def _turned_basis(work: Workspace, unknown: int, rows: list[Polynomial]) -> tuple[list[Polynomial], list[Polynomial]] | None:
-    """Combinations of the rows with constant factors: two that hold an angle, and those that do not. None where more hold it."""
+def _turned_basis(
+    work: Workspace, unknown: int, rows: list[Polynomial]
+) -> tuple[list[Polynomial], list[Polynomial]] | None:
+    """Combinations of the rows with constant factors: two that hold an angle, and those that do
+    not. None where more hold it.
+    """
     if len(rows) == 2:
         return rows, []
     vectors = _coefficient_vectors(work, unknown, rows)
@@ -151,12 +188,17 @@ def _turned_basis(work: Workspace, unknown: int, rows: list[Polynomial]) -> tupl
     basis = constant_basis(np.concatenate([vectors, np.eye(len(rows))]))
     combined = [_combination(work, rows, factors) for factors in basis]
     own = set(work.ring.places[unknown])
-    free = [Polynomial({m: c for m, c in row.terms.items() if not any(m[place] for place in own)}) for row in combined[2:]]
+    free = [
+        Polynomial({m: c for m, c in row.terms.items() if not any(m[place] for place in own)})
+        for row in combined[2:]
+    ]
     return combined[:2], free
 
 
 def _coefficient_vectors(work: Workspace, unknown: int, rows: list[Polynomial]) -> np.ndarray:
-    """Vectors (any, rows) of the coefficients that monomials with an angle have in rows, at all samples."""
+    """Vectors (any, rows) of the coefficients that monomials with an angle have in rows, at all
+    samples.
+    """
     own = work.ring.places[unknown]
     monomials = sorted({m for row in rows for m in row.terms if any(m[place] for place in own)})
     columns = [work.numbers([row.terms.get(m, ca.SX(0)) for m in monomials]) for row in rows]
@@ -173,30 +215,41 @@ def _combination(work: Workspace, rows: list[Polynomial], factors: np.ndarray) -
 
 
 def subtract_quadratics(work: Workspace) -> bool:
-    """Rows of one and the same quadratic part, such as spheres: the differences from the first are linear."""
+    """Rows of one and the same quadratic part, such as spheres: the differences from the first are
+    linear.
+    """
     for i, first in enumerate(work.rows):
         quadratic = sorted(m for m in first.terms if sum(m) >= 2)
         alike = [
             j
             for j, row in enumerate(work.rows)
-            if j > i and quadratic and sorted(m for m in row.terms if sum(m) >= 2) == quadratic
-            and work.is_parallel([row.terms[m] for m in quadratic], [first.terms[m] for m in quadratic])
-        ]  # fmt: skip
+            if j > i
+            and quadratic
+            and sorted(m for m in row.terms if sum(m) >= 2) == quadratic
+            and work.is_parallel(
+                [row.terms[m] for m in quadratic], [first.terms[m] for m in quadratic]
+            )
+        ]
         if not alike:
             continue
         for j in alike:
             row = work.rows[j]
             factor = work.define(row.terms[quadratic[0]] / first.terms[quadratic[0]], "f")
             left = row.plus(first, -factor)
-            work.rows[j] = work.tidied(Polynomial({m: c for m, c in left.terms.items() if sum(m) < 2}))
-        work.steps.append(f"{len(alike) + 1} rows have one quadratic part: their differences are linear")
+            work.rows[j] = work.tidied(
+                Polynomial({m: c for m, c in left.terms.items() if sum(m) < 2})
+            )
+        work.steps.append(
+            f"{len(alike) + 1} rows have one quadratic part: their differences are linear"
+        )
         return True
     return False
 
 
 def cut_by_line(work: Workspace) -> bool:
-    """Lengths x in as many linear rows as they are less one, and in one quadratic row: they lie on the line x = p + t d, which the
-    quadratic row cuts at two values of t."""
+    """Lengths x in as many linear rows as they are less one, and in one quadratic row: they lie on
+    the line x = p + t d, which the quadratic row cuts at two values of t.
+    """
     for count in (2, 3):
         for unknowns in combinations(_lengths(work), count):
             rows = [row for row in work.rows if work.ring.held(row) <= set(unknowns)]
@@ -208,8 +261,12 @@ def cut_by_line(work: Workspace) -> bool:
     return False
 
 
-def _line(work: Workspace, unknowns: tuple[int, ...], rows: list[Polynomial]) -> tuple[list[ca.SX], list[ca.SX], ca.SX]:
-    """The line of one linear row a x = e in two lengths, or of two in three: its point next to the origin, its direction d, d.d."""
+def _line(
+    work: Workspace, unknowns: tuple[int, ...], rows: list[Polynomial]
+) -> tuple[list[ca.SX], list[ca.SX], ca.SX]:
+    """The line of one linear row a x = e in two lengths, or of two in three: its point next to the
+    origin, its direction d, d.d.
+    """
     normals = [[work.define(_coefficient(work, row, k), "n") for k in unknowns] for row in rows]
     offsets = [work.define(-row.terms.get(work.ring.one, ca.SX(0)), "e") for row in rows]
     if len(unknowns) == 2:
@@ -218,13 +275,21 @@ def _line(work: Workspace, unknowns: tuple[int, ...], rows: list[Polynomial]) ->
     else:
         u, v = normals
         direction = [work.define(part, "d") for part in cross(u, v)]
-        feet = [offsets[0] * p + offsets[1] * q for p, q in zip(cross(v, direction), cross(direction, u), strict=True)]
+        feet = [
+            offsets[0] * p + offsets[1] * q
+            for p, q in zip(cross(v, direction), cross(direction, u), strict=True)
+        ]
     square = work.divisor(total(d * d for d in direction), "dd")
     return [work.define(foot / square, "p") for foot in feet], direction, square
 
 
 def _cut(
-    work: Workspace, unknowns: tuple[int, ...], point: list[ca.SX], direction: list[ca.SX], square: ca.SX, curved: Polynomial
+    work: Workspace,
+    unknowns: tuple[int, ...],
+    point: list[ca.SX],
+    direction: list[ca.SX],
+    square: ca.SX,
+    curved: Polynomial,
 ) -> None:
     """Solve for t, and so for the lengths."""
     places = [work.ring.places[k][0] for k in unknowns]
@@ -247,14 +312,16 @@ def _cut(
     lead = work.divisor(lead, "a") if multiple is None else multiple * square
     half = work.define(half / lead, "h")
     names = work.names(unknowns)
-    work.steps.append(f"{names} on the line of the linear rows, cut by the quadratic one: two values")
+    work.steps.append(
+        f"{names} on the line of the linear rows, cut by the quadratic one: two values"
+    )
     root = work.choose(names.replace(", ", "_"), half * half - rest / lead, slope / lead)
     part = work.define(root - half, "t")
     for unknown, p, d in zip(unknowns, point, direction, strict=True):
         work.solve(unknown, [p + part * d])
 
 
-# --- parts -------------------------------------------------------------------------------------------------------------
+# --- parts ----------------------------------------------------------------------------------------
 
 
 def _lengths(work: Workspace) -> list[int]:
@@ -266,9 +333,14 @@ def _rows_with(work: Workspace, unknown: int) -> list[Polynomial]:
 
 
 def _is_linear_in(work: Workspace, row: Polynomial, unknowns: Sequence[int]) -> bool:
-    """Whether some lengths stand in a row each by itself, to the first power and with a known coefficient."""
+    """Whether some lengths stand in a row each by itself, to the first power and with a known
+    coefficient.
+    """
     parts = work.ring.split(row, unknowns)
-    return all(sum(m) <= 1 and (sum(m) == 0 or work.ring.scalar(part) is not None) for m, part in parts.items())
+    return all(
+        sum(m) <= 1 and (sum(m) == 0 or work.ring.scalar(part) is not None)
+        for m, part in parts.items()
+    )
 
 
 def _coefficient(work: Workspace, row: Polynomial, unknown: int) -> ca.SX:
@@ -289,7 +361,9 @@ def _defer(
 ) -> None:
     """Put rows that give unknowns aside, and rows without them in their place."""
     gone = {id(row) for row in (givers if taken is None else taken)}
-    work.rows = [row for row in work.rows if id(row) not in gone] + [work.tidied(row) for row in rest]
+    work.rows = [row for row in work.rows if id(row) not in gone] + [
+        work.tidied(row) for row in rest
+    ]
     work.rows = [row for row in work.rows if work.ring.held(row)]
     work.deferred.append(Deferred(unknowns, tuple(givers)))
     work.active -= set(unknowns)

@@ -1,7 +1,8 @@
-"""Polynomials in unknown coordinates, whose coefficients are CasADi expressions of the known values.
+"""Polynomials in unknown coordinates, whose coefficients are CasADi expressions of the known
+values.
 
-The generators are the value of a length, and the cosine and the sine of an angle. Squares of sines are written by cosines, so
-that equal polynomials have equal terms.
+The generators are the value of a length, and the cosine and the sine of an angle. Squares of sines
+are written by cosines, so that equal polynomials have equal terms.
 """
 
 from __future__ import annotations
@@ -32,12 +33,16 @@ class Polynomial:
         """This and `factor` times the other."""
         terms = dict(self.terms)
         for monomial, coefficient in other.terms.items():
-            more = coefficient if isinstance(factor, float) and factor == 1.0 else factor * coefficient
+            more = (
+                coefficient if isinstance(factor, float) and factor == 1.0 else factor * coefficient
+            )
             add_term(terms, monomial, more)
         return Polynomial(terms)
 
     def times(self, factor: float | ca.SX) -> Polynomial:
-        return Polynomial({monomial: factor * coefficient for monomial, coefficient in self.terms.items()})
+        return Polynomial(
+            {monomial: factor * coefficient for monomial, coefficient in self.terms.items()}
+        )
 
     @property
     def degree(self) -> int:
@@ -55,7 +60,11 @@ class Ring:
         """The number of the unknown and its part, for each generator."""
         found: list[tuple[int, Part]] = []
         for number, coordinate in enumerate(self.unknowns):
-            found += [(number, "cosine"), (number, "sine")] if coordinate.is_angular else [(number, "value")]
+            found += (
+                [(number, "cosine"), (number, "sine")]
+                if coordinate.is_angular
+                else [(number, "value")]
+            )
         return tuple(found)
 
     @cached_property
@@ -103,22 +112,34 @@ class Ring:
                     if monomial[sine] < 2:
                         add_term(found, monomial, coefficient)
                         continue
-                    for lower, sign in ((_moved(monomial, {sine: -2}), 1), (_moved(monomial, {sine: -2, cosine: 2}), -1)):
+                    for lower, sign in (
+                        (_moved(monomial, {sine: -2}), 1),
+                        (_moved(monomial, {sine: -2, cosine: 2}), -1),
+                    ):
                         add_term(found, lower, sign * coefficient)
                 terms = found
         return Polynomial(terms)
 
-    # --- one unknown, or some of them, among the others --------------------------------------------------------------
+    # --- one unknown, or some of them, among the others -------------------------------------------
 
     def held(self, polynomial: Polynomial) -> set[int]:
         """The unknowns that a polynomial has."""
-        return {self.generators[place][0] for monomial in polynomial.terms for place, e in enumerate(monomial) if e}
+        return {
+            self.generators[place][0]
+            for monomial in polynomial.terms
+            for place, e in enumerate(monomial)
+            if e
+        }
 
     def degree_in(self, polynomial: Polynomial, unknown: int) -> int:
-        return max((sum(m[place] for place in self.places[unknown]) for m in polynomial.terms), default=0)
+        return max(
+            (sum(m[place] for place in self.places[unknown]) for m in polynomial.terms), default=0
+        )
 
     def split(self, polynomial: Polynomial, unknowns: Sequence[int]) -> dict[Monomial, Polynomial]:
-        """The polynomial by monomials in some unknowns, whose coefficients are polynomials in the others."""
+        """The polynomial by monomials in some unknowns, whose coefficients are polynomials in the
+        others.
+        """
         own = {place for unknown in unknowns for place in self.places[unknown]}
         found: dict[Monomial, dict[Monomial, ca.SX]] = {}
         for monomial, coefficient in polynomial.terms.items():
@@ -128,7 +149,9 @@ class Ring:
         return {inner: Polynomial(terms) for inner, terms in found.items()}
 
     def linear_in(self, polynomial: Polynomial, unknown: int) -> Iterator[Polynomial]:
-        """The coefficients of an unknown's generators, and then what is free of it, of a polynomial that is linear in it."""
+        """The coefficients of an unknown's generators, and then what is free of it, of a polynomial
+        that is linear in it.
+        """
         parts = self.split(polynomial, [unknown])
         for monomial in (*(self.power(place) for place in self.places[unknown]), self.one):
             yield parts.get(monomial, Polynomial({}))
@@ -141,17 +164,27 @@ class Ring:
 
 
 def add_term(terms: dict[Monomial, ca.SX], monomial: Monomial, coefficient: ca.SX) -> None:
-    """Add to a coefficient. Constants that cancel to rounding leave nothing, since a sum of constants forgets its terms."""
+    """Add to a coefficient. Constants that cancel to rounding leave nothing, since a sum of
+    constants forgets its terms.
+    """
     before = terms.get(monomial)
     whole = coefficient if before is None else before + coefficient
-    if before is not None and whole.is_constant() and abs(float(whole)) <= _CANCELLED * _absolute(before, coefficient):
+    if (
+        before is not None
+        and whole.is_constant()
+        and abs(float(whole)) <= _CANCELLED * _absolute(before, coefficient)
+    ):
         whole = ca.SX(0)
     terms[monomial] = whole
 
 
 def _absolute(first: ca.SX, second: ca.SX) -> float:
     """|a| + |b| of constants, 0 of others."""
-    return abs(float(first)) + abs(float(second)) if first.is_constant() and second.is_constant() else 0.0
+    return (
+        abs(float(first)) + abs(float(second))
+        if first.is_constant() and second.is_constant()
+        else 0.0
+    )
 
 
 def _moved(monomial: Monomial, changes: dict[int, int]) -> Monomial:

@@ -1,8 +1,9 @@
 """Write closure rows as polynomials in their unknowns, by a walk over their graph.
 
-An angle is known to rows by cosines and sines of sums of angles, which the addition theorems expand. Half angles, by which rotations
-are turned, must stand in even powers: cos^2(a/2) = (1 + cos a) / 2, and so on. Where axes are parallel, rows hold sums of angles: then
-the sums are the unknowns.
+An angle is known to rows by cosines and sines of sums of angles, which the addition theorems
+expand. Half angles, by which rotations are turned, must stand in even powers: cos^2(a/2) = (1 + cos
+a) / 2, and so on. Where axes are parallel, rows hold sums of angles: then the sums are the
+unknowns.
 """
 
 from __future__ import annotations
@@ -34,13 +35,19 @@ _FACTORS = {ca.OP_NEG: -1.0, ca.OP_TWICE: 2.0}
 """Operations that multiply an angle."""
 
 
-def polynomial_rows(ring: Ring, system: System, rows: ca.SX, before: dict[int, int]) -> list[Polynomial]:
-    """Each row as a polynomial. The generators of an angle that has one `before` it are those of the sum of all angles up to it.
-    Raises NotPolynomialError where a row is no polynomial."""
+def polynomial_rows(
+    ring: Ring, system: System, rows: ca.SX, before: dict[int, int]
+) -> list[Polynomial]:
+    """Each row as a polynomial. The generators of an angle that has one `before` it are those of
+    the sum of all angles up to it. Raises NotPolynomialError where a row is no polynomial.
+    """
     if any(c.kind not in ("length", "angle") for c in system.unknowns):
         raise NotPolynomialError
     unknown = ca.vertcat(
-        *(system.unknown[k] - system.unknown[before[k]] if k in before else system.unknown[k] for k in range(system.width))
+        *(
+            system.unknown[k] - system.unknown[before[k]] if k in before else system.unknown[k]
+            for k in range(system.width)
+        )
     )
     put_in = ca.substitute(ca.densify(rows), system.unknown, unknown)
     function = ca.Function("rows", [system.unknown, system.known], [put_in], {"cse": True})
@@ -52,7 +59,9 @@ def polynomial_rows(ring: Ring, system: System, rows: ca.SX, before: dict[int, i
 
 @dataclass
 class _Factors:
-    """Evaluator that finds by which factor each angle stands under sines and cosines: its sums of angles, and None for the rest."""
+    """Evaluator that finds by which factor each angle stands under sines and cosines: its sums of
+    angles, and None for the rest.
+    """
 
     ring: Ring
     found: dict[int, set[float]] = field(default_factory=dict)
@@ -90,7 +99,9 @@ def _halved(function: ca.Function, ring: Ring) -> set[int]:
 
 
 def _combined(op: int, operands: Sequence[_Angle | float]) -> _Angle:
-    """The sum of angles that an operation makes of others. Raises NotPolynomialError where it makes something else."""
+    """The sum of angles that an operation makes of others. Raises NotPolynomialError where it makes
+    something else.
+    """
     first, *others = operands
     if not others and isinstance(first, _Angle) and op in _FACTORS:
         return _scaled(first, _FACTORS[op])
@@ -106,16 +117,23 @@ def _combined(op: int, operands: Sequence[_Angle | float]) -> _Angle:
     factors = dict(a.factors)
     for unknown, factor in b.factors.items():
         factors[unknown] = factors.get(unknown, 0.0) + sign * factor
-    return _Angle({unknown: factor for unknown, factor in factors.items() if factor}, a.offset + sign * b.offset)
+    return _Angle(
+        {unknown: factor for unknown, factor in factors.items() if factor},
+        a.offset + sign * b.offset,
+    )
 
 
 def _scaled(angle: _Angle, factor: float) -> _Angle:
-    return _Angle({unknown: factor * f for unknown, f in angle.factors.items()}, factor * angle.offset)
+    return _Angle(
+        {unknown: factor * f for unknown, f in angle.factors.items()}, factor * angle.offset
+    )
 
 
 @dataclass
 class _Reader:
-    """Evaluator that makes polynomials; the generators of an angle in `halves` are those of half of it."""
+    """Evaluator that makes polynomials; the generators of an angle in `halves` are those of half of
+    it.
+    """
 
     ring: Ring
     system: System
@@ -147,7 +165,9 @@ class _Reader:
         if op in (ca.OP_SIN, ca.OP_COS) and isinstance(operands[0], _Angle):
             cosine, sine = self._cosine_and_sine(operands[0])
             return sine if op == ca.OP_SIN else cosine
-        return _combined(op, [v if isinstance(v, _Angle) else self._factor(op, v) for v in operands])
+        return _combined(
+            op, [v if isinstance(v, _Angle) else self._factor(op, v) for v in operands]
+        )
 
     def _factor(self, op: int, value: Polynomial) -> _Angle | float:
         """A number beside angles: a constant factor, or something known that is added."""
@@ -162,7 +182,10 @@ class _Reader:
 
     def _cosine_and_sine(self, angle: _Angle) -> tuple[Polynomial, Polynomial]:
         """By the addition theorems, from those of the offset."""
-        cosine, sine = self.ring.constant(ca.cos(angle.offset)), self.ring.constant(ca.sin(angle.offset))
+        cosine, sine = (
+            self.ring.constant(ca.cos(angle.offset)),
+            self.ring.constant(ca.sin(angle.offset)),
+        )
         product = self.ring.product
         for unknown, factor in angle.factors.items():
             own = 0.5 if unknown in self.halves else 1.0
@@ -212,14 +235,20 @@ def _whole(ring: Ring, row: Polynomial, halves: set[int]) -> Polynomial:
         for monomial, coefficient in row.terms.items():
             base = tuple(0 if place in (cosine, sine) else e for place, e in enumerate(monomial))
             for place, part in _of_whole(monomial[cosine], monomial[sine], cosine, sine):
-                whole = base if place is None else tuple(e + (k == place) for k, e in enumerate(base))
+                whole = (
+                    base if place is None else tuple(e + (k == place) for k, e in enumerate(base))
+                )
                 add_term(terms, whole, part * coefficient)
         row = Polynomial(terms)
     return row
 
 
-def _of_whole(cosines: int, sines: int, cosine: int, sine: int) -> tuple[tuple[int | None, float], ...]:
-    """Powers of cosine and sine of a half angle by generators of the whole one: 1, cos, sin. Sines stand once at most."""
+def _of_whole(
+    cosines: int, sines: int, cosine: int, sine: int
+) -> tuple[tuple[int | None, float], ...]:
+    """Powers of cosine and sine of a half angle by generators of the whole one: 1, cos, sin. Sines
+    stand once at most.
+    """
     if (cosines, sines) == (0, 0):
         return ((None, 1.0),)
     if (cosines, sines) == (2, 0):

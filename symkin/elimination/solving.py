@@ -1,4 +1,5 @@
-"""Solve rows that have one unknown, and unknowns that have been deferred: the formulas of lengths and angles.
+"""Solve rows that have one unknown, and unknowns that have been deferred: the formulas of lengths
+and angles.
 
 a x + b = 0                       x = -b / a
 x^2 + 2 h x + e = 0               x = -h +- sqrt(h^2 - e)
@@ -57,7 +58,9 @@ def _quadratic_length(work: Workspace, unknown: int, rows: list[Polynomial]) -> 
     if ring.unknowns[unknown].is_angular or row is None:
         return False
     (place,) = ring.places[unknown]
-    a, b, c = (row.terms.get(m, ca.SX(0)) for m in (ring.power(place, place), ring.power(place), ring.one))
+    a, b, c = (
+        row.terms.get(m, ca.SX(0)) for m in (ring.power(place, place), ring.power(place), ring.one)
+    )
     lead = work.divisor(a, "a")
     half = work.define(b / (2 * lead), "h")
     work.steps.append(f"{work.name(unknown)} stands alone and squared in a row: two values")
@@ -85,7 +88,10 @@ def _harmonic_angle(work: Workspace, unknown: int, rows: list[Polynomial]) -> bo
     a, b, c = (work.define(v, n) for v, n in zip(_scalars(work, row, unknown), "ABC", strict=True))
     square = work.divisor(a * a + b * b, "N")
     if work.agree(square, c * c).all():
-        work.steps.append(f"{work.name(unknown)} stands alone in A cos + B sin + C = 0 with A^2 + B^2 = C^2: one value")
+        work.steps.append(
+            f"{work.name(unknown)} stands alone in A cos + B sin + C = 0 with A^2 + B^2 = C^2: one "
+            f"value"
+        )
         work.solve(unknown, [-a * c / square, -b * c / square])
         return True
     cosine, sine = (work.own[place] for place in work.ring.places[unknown])
@@ -96,12 +102,13 @@ def _harmonic_angle(work: Workspace, unknown: int, rows: list[Polynomial]) -> bo
     return True
 
 
-# --- deferred unknowns -------------------------------------------------------------------------------------------------
+# --- deferred unknowns ----------------------------------------------------------------------------
 
 
 def _from_rows(work: Workspace, entry: Deferred, rows: list[Polynomial]) -> bool:
-    """Solve linear rows for a deferred angle, or for lengths: rows that are more than the lengths agree with each other. False where
-    they do not decide the angle."""
+    """Solve linear rows for a deferred angle, or for lengths: rows that are more than the lengths
+    agree with each other. False where they do not decide the angle.
+    """
     unknowns, ring = entry.unknowns, work.ring
     work.steps.append(f"{work.names(unknowns)} from the rows out of which taken")
     if ring.unknowns[unknowns[0]].is_angular:
@@ -110,7 +117,9 @@ def _from_rows(work: Workspace, entry: Deferred, rows: list[Polynomial]) -> bool
             _cramer(work, unknowns[0], pair)
         return pair is not None
     count = len(unknowns)
-    matrix = [[row.terms.get(ring.power(ring.places[k][0]), ca.SX(0)) for k in unknowns] for row in rows]
+    matrix = [
+        [row.terms.get(ring.power(ring.places[k][0]), ca.SX(0)) for k in unknowns] for row in rows
+    ]
     right = [-row.terms.get(ring.one, ca.SX(0)) for row in rows]
     if len(rows) > count:
         # normal equations
@@ -121,7 +130,9 @@ def _from_rows(work: Workspace, entry: Deferred, rows: list[Polynomial]) -> bool
     matrix = [[work.define(v, "m") for v in line] for line in matrix]
     whole = work.divisor(determinant(matrix), "det")
     for j, unknown in enumerate(unknowns):
-        replaced = [[right[i] if k == j else v for k, v in enumerate(line)] for i, line in enumerate(matrix)]
+        replaced = [
+            [right[i] if k == j else v for k, v in enumerate(line)] for i, line in enumerate(matrix)
+        ]
         work.solve(unknown, [determinant(replaced) / whole])
     return True
 
@@ -132,7 +143,9 @@ def _cramer(work: Workspace, unknown: int, pair: tuple[Polynomial, Polynomial]) 
     work.solve(unknown, [(b1 * c2 - b2 * c1) / whole, (a2 * c1 - a1 * c2) / whole])
 
 
-def independent_pair(work: Workspace, rows: list[Polynomial], unknown: int) -> tuple[Polynomial, Polynomial] | None:
+def independent_pair(
+    work: Workspace, rows: list[Polynomial], unknown: int
+) -> tuple[Polynomial, Polynomial] | None:
     """Two rows, linear in an angle with known coefficients, that decide its cosine and sine."""
     known = []
     for row in rows:

@@ -1,13 +1,15 @@
 """How large the terms of an expression are, of which a cancelling sum leaves rounding only.
 
-The size of a value is what its rounding error is a multiple of (a running error bound): |x| for a number x, and
+The size of a value is what its rounding error is a multiple of (a running error bound): |x| for a
+number x, and
 
     size(a + b) = size(a) + size(b)            size(a b) = |a| size(b) + |b| size(a)
     size(f(a)) = |f'(a)| size(a) + |f(a)|      for other functions
 
 so that a value far below its size has cancelled, whatever the units are.
 
-Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd edition, SIAM, 2002, section 3.3.
+Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd edition, SIAM, 2002,
+section 3.3.
 """
 
 from __future__ import annotations
@@ -51,7 +53,9 @@ _VALUES: dict[int, Callable[..., Any]] = {
 
 @dataclass
 class _Sizes:
-    """Evaluator that finds values and sizes of a function's first output from those of its first input."""
+    """Evaluator that finds values and sizes of a function's first output from those of its first
+    input.
+    """
 
     values: Sequence[Any]
     sizes: Sequence[Any]
@@ -79,11 +83,15 @@ def _value(op: int, operands: Sequence[Any]) -> Any:
     if op in _VALUES:
         return _VALUES[op](*operands)
     columns = np.broadcast_arrays(*operands)
-    return np.asarray(ca.DM(make(op, *(ca.SX(ca.DM(np.atleast_1d(v))) for v in columns)))).reshape(columns[0].shape)
+    return np.asarray(ca.DM(make(op, *(ca.SX(ca.DM(np.atleast_1d(v))) for v in columns)))).reshape(
+        columns[0].shape
+    )
 
 
 def _absolute(value: Any) -> Any:
-    """|x| of arrays, numbers or expressions, which have no abs() of their own in the lowest CasADi."""
+    """|x| of arrays, numbers or expressions, which have no abs() of their own in the lowest
+    CasADi.
+    """
     return ca.fabs(value) if isinstance(value, ca.SX) else abs(value)
 
 
@@ -111,12 +119,18 @@ def _size(op: int, value: Any, operands: Sequence[_Sized]) -> Any:
         return a.size + _absolute(value)
     if op == ca.OP_ATAN2:
         square = a.value * a.value + b.value * b.value
-        return _absolute(value) + (_absolute(b.value) * a.size + _absolute(a.value) * b.size) / (square + _LEAST)
+        return _absolute(value) + (_absolute(b.value) * a.size + _absolute(a.value) * b.size) / (
+            square + _LEAST
+        )
     return _absolute(value) + sum(v.size for v in operands)
 
 
-def sized_numbers(expressions: ca.SX, symbols: ca.SX, values: np.ndarray, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers (samples, n) of some expressions (n,) of symbols (m,), and their sizes, from those (samples, m) of the symbols."""
+def sized_numbers(
+    expressions: ca.SX, symbols: ca.SX, values: np.ndarray, sizes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers (samples, n) of some expressions (n,) of symbols (m,), and their sizes, from those
+    (samples, m) of the symbols.
+    """
     function = _function(expressions, symbols)
     with np.errstate(all="ignore"):
         found = _walked(function, list(values.T), list(sizes.T))
@@ -127,7 +141,9 @@ def sized_numbers(expressions: ca.SX, symbols: ca.SX, values: np.ndarray, sizes:
 
 
 def term_sizes(expressions: ca.SX, symbols: ca.SX, sizes: ca.SX) -> ca.SX:
-    """Sizes of some expressions (n,) of symbols (m,), as expressions of these and of their own sizes."""
+    """Sizes of some expressions (n,) of symbols (m,), as expressions of these and of their own
+    sizes.
+    """
     found = _walked(_function(expressions, symbols), symbols.elements(), sizes.elements())
     return ca.vertcat(ca.SX(0, 1), *(size for _, size in found))
 

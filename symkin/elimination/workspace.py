@@ -1,8 +1,9 @@
 """What is left to solve: rows, unknowns, and the formulas so far.
 
-Coefficients are compared at random known values: an expression that vanishes at all of them is zero, and one that is the same at all
-of them is constant, with probability one. It vanishes where it is rounding beside the terms that it was made of (`term_sizes`), so that
-neither the unit of length nor the place of the machine decides.
+Coefficients are compared at random known values: an expression that vanishes at all of them is
+zero, and one that is the same at all of them is constant, with probability one. It vanishes where
+it is rounding beside the terms that it was made of (`term_sizes`), so that neither the unit of
+length nor the place of the machine decides.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from symkin.elimination.polynomial import Monomial, Polynomial, Ring, add_term
 from symkin.elimination.term_sizes import sized_numbers
 
 ROUNDING = 1e-10
-"""Share of the terms that a value was made of, and of the largest coefficient of its row, below which it is rounding."""
+"""Share of the terms that a value was made of, and of the largest coefficient of its row, below
+which it is rounding.
+"""
 _SAME = 1e-12
 """Relative spread over the samples within which a coefficient is a constant."""
 _FEWEST = 2
@@ -27,8 +30,10 @@ _FEWEST = 2
 
 
 class Choice(NamedTuple):
-    """A formula with two values: symbols of its `sign`, +1 or -1, and of its `root`, the square root of the `discriminant`, below zero
-    where no value is real; `tells` is an expression of a solution's generators (`Workspace.own`) that equals sign times root."""
+    """A formula with two values: symbols of its `sign`, +1 or -1, and of its `root`, the square
+    root of the `discriminant`, below zero where no value is real; `tells` is an expression of a
+    solution's generators (`Workspace.own`) that equals sign times root.
+    """
 
     name: str
     sign: ca.SX
@@ -38,7 +43,9 @@ class Choice(NamedTuple):
 
 
 class Deferred(NamedTuple):
-    """Unknowns that have been taken out of the other rows: `rows` give them once the rest is known."""
+    """Unknowns that have been taken out of the other rows: `rows` give them once the rest is
+    known.
+    """
 
     unknowns: tuple[int, ...]
     rows: tuple[Polynomial, ...]
@@ -48,9 +55,11 @@ class Deferred(NamedTuple):
 class Workspace:
     """Rows in some unknowns, and what has been found of them.
 
-    `symbols` are the known values and what has been defined from them, with `samples` of both and their `sizes` (see `term_sizes`);
-    lengths are compared in units of `length`; `definitions` in their order; `values` are the symbols of solved generators; `divisors`
-    are what formulas divide by, `implied` those that a discriminant keeps above zero; `own` stand for a solution's generators.
+    `symbols` are the known values and what has been defined from them, with `samples` of both and
+    their `sizes` (see `term_sizes`); lengths are compared in units of `length`; `definitions` in
+    their order; `values` are the symbols of solved generators; `divisors` are what formulas divide
+    by, `implied` those that a discriminant keeps above zero; `own` stand for a solution's
+    generators.
     """
 
     ring: Ring
@@ -71,7 +80,9 @@ class Workspace:
 
     def __post_init__(self) -> None:
         self.sizes = np.abs(self.samples)
-        self.own = [ca.SX.sym(f"{part}_{self.name(number)}") for number, part in self.ring.generators]
+        self.own = [
+            ca.SX.sym(f"{part}_{self.name(number)}") for number, part in self.ring.generators
+        ]
 
     def name(self, unknown: int) -> str:
         return self.ring.unknowns[unknown].name
@@ -79,7 +90,7 @@ class Workspace:
     def names(self, unknowns: Iterable[int]) -> str:
         return ", ".join(self.name(k) for k in unknowns)
 
-    # --- numbers -----------------------------------------------------------------------------------------------------
+    # --- numbers ----------------------------------------------------------------------------------
 
     def numbers(self, expressions: Sequence[ca.SX]) -> np.ndarray:
         """Expressions (samples, expressions) at the sampled values."""
@@ -89,13 +100,19 @@ class Workspace:
         return np.array([np.asarray(function(sample)).ravel() for sample in self.samples])
 
     def _numbers_and_sizes(self, expressions: Sequence[ca.SX]) -> tuple[np.ndarray, np.ndarray]:
-        """Expressions (samples, expressions) at the sampled values, and the sizes of their terms."""
+        """Expressions (samples, expressions) at the sampled values, and the sizes of their
+        terms.
+        """
         if not expressions:
             return np.zeros((len(self.samples), 0)), np.zeros((len(self.samples), 0))
-        return sized_numbers(ca.vertcat(*expressions), ca.vertcat(*self.symbols), self.samples, self.sizes)
+        return sized_numbers(
+            ca.vertcat(*expressions), ca.vertcat(*self.symbols), self.samples, self.sizes
+        )
 
     def tidied(self, row: Polynomial) -> Polynomial:
-        """The same row without coefficients that are zero, and with numbers for those that are constant."""
+        """The same row without coefficients that are zero, and with numbers for those that are
+        constant.
+        """
         values, sizes = self._numbers_and_sizes(list(row.terms.values()))
         units = np.array([self._unit(monomial) for monomial in row.terms])
         largest = np.max(np.abs(values) * units, axis=1, initial=0.0, keepdims=True)
@@ -108,7 +125,9 @@ class Workspace:
 
     def _unit(self, monomial: Monomial) -> float:
         """What a monomial is where its lengths are as large as the system."""
-        parts = (self.ring.generators[place][1] for place, e in enumerate(monomial) for _ in range(e))
+        parts = (
+            self.ring.generators[place][1] for place, e in enumerate(monomial) for _ in range(e)
+        )
         return float(self.length ** sum(part == "value" for part in parts))
 
     def _plain(self, expression: ca.SX, column: np.ndarray, sizes: np.ndarray) -> ca.SX:
@@ -120,7 +139,10 @@ class Workspace:
     def is_parallel(self, first: Sequence[ca.SX], second: Sequence[ca.SX]) -> bool:
         """Whether two vectors of coefficients are parallel at all samples."""
         largest = int(np.argmax(np.min(np.abs(self.numbers(first)), axis=0)))
-        return all(bool(self.agree(a * second[largest], first[largest] * b).all()) for a, b in zip(first, second, strict=True))
+        return all(
+            bool(self.agree(a * second[largest], first[largest] * b).all())
+            for a, b in zip(first, second, strict=True)
+        )
 
     def agree(self, first: ca.SX, second: ca.SX) -> np.ndarray:
         """Samples at which two expressions differ by rounding only."""
@@ -128,14 +150,20 @@ class Workspace:
         return np.asarray(np.abs(values[:, 0] - values[:, 1]) <= ROUNDING * np.sum(sizes, axis=1))
 
     def multiple(self, expression: ca.SX, of: ca.SX) -> float | None:
-        """The constant by which an expression is a multiple of another, if it is one at all samples."""
+        """The constant by which an expression is a multiple of another, if it is one at all
+        samples.
+        """
         values = self.numbers([ca.SX(expression), ca.SX(of)])
         if np.any(values[:, 1] == 0.0):
             return None
         ratio = values[:, 0] / values[:, 1]
-        return snap(float(ratio[0])) if float(np.ptp(ratio)) <= _SAME * float(np.max(np.abs(ratio))) else None
+        return (
+            snap(float(ratio[0]))
+            if float(np.ptp(ratio)) <= _SAME * float(np.max(np.abs(ratio)))
+            else None
+        )
 
-    # --- formulas ----------------------------------------------------------------------------------------------------
+    # --- formulas ---------------------------------------------------------------------------------
 
     def define(self, expression: ca.SX, label: str) -> ca.SX:
         """A symbol for an expression, which later formulas read; constants stay numbers."""
@@ -168,11 +196,15 @@ class Workspace:
         return sign * root
 
     def _both_signs(self, root: ca.SX, sign: ca.SX, under: ca.SX) -> None:
-        """Each sample with both values of a choice: what holds for one of them need not hold for the other. Of samples without real
-        values, which take part as if they had some, none where others are left."""
+        """Each sample with both values of a choice: what holds for one of them need not hold for
+        the other. Of samples without real values, which take part as if they had some, none where
+        others are left.
+        """
         real = self.numbers([under])[:, 0] > 0.0
         kept = real if np.sum(real) >= _FEWEST else np.ones_like(real)
-        self.samples, self.sizes = (np.tile(part[kept], (2, 1)) for part in (self.samples, self.sizes))
+        self.samples, self.sizes = (
+            np.tile(part[kept], (2, 1)) for part in (self.samples, self.sizes)
+        )
         self._add(root, *self._numbers_and_sizes([ca.sqrt(ca.fabs(under))]))
         both = np.repeat([1.0, -1.0], len(self.samples) // 2)[:, None]
         self._add(sign, both, np.abs(both))
@@ -198,8 +230,9 @@ class Workspace:
         return self.tidied(Polynomial(terms))
 
     def without_repeats(self) -> None:
-        """Leave out rows that are multiples of others: of two parts of a turned one, put that together; else keep the later one where the
-        first comes nearer to zero by half."""
+        """Leave out rows that are multiples of others: of two parts of a turned one, put that
+        together; else keep the later one where the first comes nearer to zero by half.
+        """
         kept: list[Polynomial] = []
         for row in self.rows:
             if not self.ring.held(row):
@@ -221,10 +254,13 @@ class Workspace:
         )
 
     def _put_together(self, row: Polynomial, other: Polynomial) -> Polynomial | None:
-        """Of rows a F and b F with known a and b, of which a^2 + b^2 = c^2 is constant, and neither a nor b, the row c F, which is there
-        wherever F is; None where they are no such rows."""
+        """Of rows a F and b F with known a and b, of which a^2 + b^2 = c^2 is constant, and neither
+        a nor b, the row c F, which is there wherever F is; None where they are no such rows.
+        """
         held = [m for m in other.terms if m != self.ring.one]
-        monomial = held[int(np.argmax(np.max(np.abs(self.numbers([other.terms[m] for m in held])), axis=0)))]
+        monomial = held[
+            int(np.argmax(np.max(np.abs(self.numbers([other.terms[m] for m in held])), axis=0)))
+        ]
         a, b = row.terms[monomial], other.terms[monomial]
         if a.is_constant() or b.is_constant() or self.multiple(a, b) is not None:
             return None

@@ -1,6 +1,8 @@
-"""CSV files of measurements and trajectories: a header of names with units, `leg1[mm],theta[deg],group`, then rows.
+"""CSV files of measurements and trajectories: a header of names with units,
+`leg1[mm],theta[deg],group`, then rows.
 
-Lines that begin with # and empty lines are left out. Every mistake names file, row (the line of the file) and column.
+Lines that begin with # and empty lines are left out. Every mistake names file, row (the line of the
+file) and column.
 """
 
 from __future__ import annotations
@@ -30,16 +32,25 @@ from symkin.model.arithmetic import plain_number
 from symkin.text import code_point, refused_character
 
 UNITS: dict[str, tuple[str, float]] = {
-    "m": ("length", 1.0), "mm": ("length", 1e-3), "um": ("length", 1e-6), "in": ("length", 0.0254),
-    "rad": ("angle", 1.0), "mrad": ("angle", 1e-3), "deg": ("angle", math.pi / 180), "arcsec": ("angle", math.pi / 648000),
-    "s": ("time", 1.0), "ms": ("time", 1e-3),
-}  # fmt: skip
+    "m": ("length", 1.0),
+    "mm": ("length", 1e-3),
+    "um": ("length", 1e-6),
+    "in": ("length", 0.0254),
+    "rad": ("angle", 1.0),
+    "mrad": ("angle", 1e-3),
+    "deg": ("angle", math.pi / 180),
+    "arcsec": ("angle", math.pi / 648000),
+    "s": ("time", 1.0),
+    "ms": ("time", 1e-3),
+}
 """Units that a header may name, what they measure, and how many of the SI unit they are."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """One column: its name, the unit in its header (None without one), the text of each cell, and the header as it is written."""
+    """One column: its name, the unit in its header (None without one), the text of each cell, and
+    the header as it is written.
+    """
 
     name: str
     unit: str | None
@@ -57,8 +68,9 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """The columns of a file by name, the line on which each row stands, what separates the cells, notes on how it was read, and
-    the headers of columns that mean nothing."""
+    """The columns of a file by name, the line on which each row stands, what separates the cells,
+    notes on how it was read, and the headers of columns that mean nothing.
+    """
 
     path: str
     columns: dict[str, Column]
@@ -74,49 +86,84 @@ class Table:
         """The cells of a column as they are written."""
         return self._column(name).cells
 
-    def numbers(self, name: str, kind: str | None = None, unit: str | None = None, *, empty: bool = False) -> list[float]:
-        """The numbers of a column. With `kind` ("length", "angle", "time") the header must name a unit of that kind, and
-        values are converted to `unit`; without one, the header must name none. Empty cells are nan with `empty`, else refused."""
+    def numbers(
+        self, name: str, kind: str | None = None, unit: str | None = None, *, empty: bool = False
+    ) -> list[float]:
+        """The numbers of a column. With `kind` ("length", "angle", "time") the header must name a
+        unit of that kind, and values are converted to `unit`; without one, the header must name
+        none. Empty cells are nan with `empty`, else refused.
+        """
         column = self._column(name)
         factor = self._factor(column, kind, unit)
         return [self._number(column, k, empty) * factor for k in range(len(self))]
 
-    def matched(self, known: Sequence[str], *, text: Sequence[str] = (), aliases: Mapping[str, str] | None = None) -> Table:
-        """The known columns under their names (`aliases` are other names of some), blanks and decimal points as usual in all but
-        those of `text`; the notes say what was read otherwise than it stands there, and which columns were left out.
+    def matched(
+        self,
+        known: Sequence[str],
+        *,
+        text: Sequence[str] = (),
+        aliases: Mapping[str, str] | None = None,
+    ) -> Table:
+        """The known columns under their names (`aliases` are other names of some), blanks and
+        decimal points as usual in all but those of `text`; the notes say what was read otherwise
+        than it stands there, and which columns were left out.
 
-        Raises InputError for what can be read in two ways."""
-        names = matched_names(self.path, [n for n in self.columns if n not in (aliases or {})], known) | dict(aliases or {})
+        Raises InputError for what can be read in two ways.
+        """
+        names = matched_names(
+            self.path, [n for n in self.columns if n not in (aliases or {})], known
+        ) | dict(aliases or {})
         kept = {names[name]: column for name, column in self.columns.items() if name in names}
         blank = {name: blanked(column.cells) for name, column in kept.items()}
-        numbers = [(column.header, blank[name][0]) for name, column in kept.items() if name not in text]
+        numbers = [
+            (column.header, blank[name][0]) for name, column in kept.items() if name not in text
+        ]
         commas = has_decimal_commas(self.path, numbers, self.separator)
         columns = {
-            name: Column(name, column.unit, with_points(blank[name][0]) if commas and name not in text else blank[name][0])
+            name: Column(
+                name,
+                column.unit,
+                with_points(blank[name][0]) if commas and name not in text else blank[name][0],
+            )
             for name, column in kept.items()
         }
-        notes = [*self.notes, *self._notes(names, columns, sum(count for _, count in blank.values()))]
+        notes = [
+            *self.notes,
+            *self._notes(names, columns, sum(count for _, count in blank.values())),
+        ]
         if commas:
             notes.append("numbers were read with decimal commas")
         left_out = tuple(c.written for name, c in self.columns.items() if name not in names)
         return replace(self, columns=columns, notes=tuple(notes), left_out=left_out)
 
-    def _notes(self, names: Mapping[str, str], columns: Mapping[str, Column], blanks: int) -> Iterator[str]:
+    def _notes(
+        self, names: Mapping[str, str], columns: Mapping[str, Column], blanks: int
+    ) -> Iterator[str]:
         """What was read otherwise than it stands there."""
         if self.separator != ",":
-            yield f"cells were read as separated by {SEPARATORS.get(self.separator, repr(self.separator))}"
+            yield (
+                f"cells were read as separated by "
+                f"{SEPARATORS.get(self.separator, repr(self.separator))}"
+            )
         other = [
-            f"{c.written!r} as {columns[names[n]].header}" for n, c in self.columns.items() if n in names and c.loose(names[n])
+            f"{c.written!r} as {columns[names[n]].header}"
+            for n, c in self.columns.items()
+            if n in names and c.loose(names[n])
         ]
         if other:
             yield f"columns were read by other names or units than they bear: {', '.join(other)}"
         if left_out := [c.written for n, c in self.columns.items() if n not in names]:
             yield f"columns that mean nothing here were left out: {listed(left_out)}"
         if blanks:
-            yield f"{blanks} cell{'s' * (blanks != 1)} with NaN or its like {'were' if blanks != 1 else 'was'} read as blank"
+            yield (
+                f"{blanks} cell{'s' * (blanks != 1)} with NaN or its like "
+                f"{'were' if blanks != 1 else 'was'} read as blank"
+            )
 
     def copies(self) -> tuple[tuple[int, int], ...]:
-        """Rows (from 0) that repeat an earlier one in every cell, numbers by their values, with that one."""
+        """Rows (from 0) that repeat an earlier one in every cell, numbers by their values, with
+        that one.
+        """
         first: dict[tuple[object, ...], int] = {}
         found = []
         for k, row in enumerate(zip(*(c.cells for c in self.columns.values()), strict=True)):
@@ -138,15 +185,23 @@ class Table:
     def _factor(self, column: Column, kind: str | None, unit: str | None) -> float:
         if kind is None:
             if column.unit is not None:
-                raise InputError(f"{self.path}: column {column.header!r} has a unit; {column.name!r} is a plain number")
+                raise InputError(
+                    f"{self.path}: column {column.header!r} has a unit; {column.name!r} is a plain "
+                    f"number"
+                )
             return 1.0
         allowed = [name for name, (measured, _) in UNITS.items() if measured == kind]
         if column.unit not in allowed:
             raise InputError(
-                f"{self.path}: column {column.header!r} needs a unit of {kind}, as in {column.name}[{allowed[0]}]; "
+                f"{self.path}: column {column.header!r} needs a unit of {kind}, as in "
+                f"{column.name}[{allowed[0]}]; "
                 f"allowed: {', '.join(allowed)}"
             )
-        return 1.0 if column.unit == unit else UNITS[column.unit or ""][1] / UNITS[unit or allowed[0]][1]
+        return (
+            1.0
+            if column.unit == unit
+            else UNITS[column.unit or ""][1] / UNITS[unit or allowed[0]][1]
+        )
 
     def _number(self, column: Column, row: int, empty: bool) -> float:
         cell = column.cells[row].strip()
@@ -156,22 +211,33 @@ class Table:
         value = math.nan if number is None else number
         if not math.isfinite(value):
             raise InputError(
-                f"{self.path}, line {self.lines[row]}, column {column.header!r}: {repr(cell) if cell else 'an empty cell, or one of NaN or its like,'} is not a number; a finite number is needed"
+                f"{self.path}, line {self.lines[row]}, column {column.header!r}: "
+                f"{repr(cell) if cell else 'an empty cell, or one of NaN or its like,'} is not a "
+                f"number; a finite number is needed"
             )
         return value
 
 
 def read_table(path: str | Path) -> Table:
-    """Read a CSV file with a header of `name` or `name[unit]`, its cells separated by commas, semicolons or tabs."""
+    """Read a CSV file with a header of `name` or `name[unit]`, its cells separated by commas,
+    semicolons or tabs.
+    """
     text, notes = read_text(path)
     rows, separator = split_rows(str(path), text)
     _refuse_controls(str(path), rows)
     if not rows:
-        raise InputError(f"{path}: the file is empty; a header of names and units is needed, as in leg1[mm],theta[deg]")
+        raise InputError(
+            f"{path}: the file is empty; a header of names and units is needed, as in "
+            f"leg1[mm],theta[deg]"
+        )
     headers = [cell.strip() for cell in rows[0][1]]
     for line, row in rows[1:]:
         _check_width(str(path), line, row, len(headers), separator)
-    cells = list(zip(*(row[: len(headers)] for _, row in rows[1:]), strict=True)) if len(rows) > 1 else [()] * len(headers)
+    cells = (
+        list(zip(*(row[: len(headers)] for _, row in rows[1:]), strict=True))
+        if len(rows) > 1
+        else [()] * len(headers)
+    )
     columns: dict[str, Column] = {}
     for number, (header, held) in enumerate(zip(headers, cells, strict=True), start=1):
         name, unit = split_header(header or f"column {number}", UNITS)
@@ -183,11 +249,18 @@ def read_table(path: str | Path) -> Table:
 
 
 def _check_width(path: str, line: int, row: list[str], width: int, separator: str) -> None:
-    """Refuse a row of another number of cells than the header; empty ones at its end do not count."""
+    """Refuse a row of another number of cells than the header; empty ones at its end do not
+    count.
+    """
     if len(row) == width or (len(row) > width and not any(cell.strip() for cell in row[width:])):
         return
     other = next(
-        (name for mark, name in SEPARATORS.items() if mark != separator and any(mark in cell.strip() for cell in row)), None
+        (
+            name
+            for mark, name in SEPARATORS.items()
+            if mark != separator and any(mark in cell.strip() for cell in row)
+        ),
+        None,
     )
     hint = (
         "; decimal commas, as in 0,213? points are needed where commas separate the cells"
@@ -195,7 +268,8 @@ def _check_width(path: str, line: int, row: list[str], width: int, separator: st
         else ""
     )
     hint = (
-        f"; it looks separated by {other}, the header by {SEPARATORS.get(separator, repr(separator))}"
+        f"; it looks separated by {other}, the header by "
+        f"{SEPARATORS.get(separator, repr(separator))}"
         if other and len(row) < width
         else hint
     )
@@ -203,11 +277,15 @@ def _check_width(path: str, line: int, row: list[str], width: int, separator: st
 
 
 def write_table(path: str | Path, headers: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Write a CSV file; numbers with all their digits. A file that exists is replaced only when all is written."""
+    """Write a CSV file; numbers with all their digits. A file that exists is replaced only when all
+    is written.
+    """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(headers)
-    writer.writerows([repr(float(cell)) if isinstance(cell, float) else cell for cell in row] for row in rows)
+    writer.writerows(
+        [repr(float(cell)) if isinstance(cell, float) else cell for cell in row] for row in rows
+    )
     write_output(path, text.getvalue())
 
 
@@ -221,11 +299,14 @@ def _value(cell: str) -> float | str:
 
 
 def _refuse_controls(path: str, rows: list[tuple[int, list[str]]]) -> None:
-    """Refuse cells with control or bidirectional characters, which are no text of a header, a label or a number."""
+    """Refuse cells with control or bidirectional characters, which are no text of a header, a label
+    or a number.
+    """
     for line, row in rows:
         for k, cell in enumerate(row, start=1):
             refused = refused_character(cell.replace("\t", " "))
             if refused is not None:
                 raise InputError(
-                    f"{path}, line {line}: cell {k} holds {code_point(refused)}; control and bidirectional characters are not allowed"
+                    f"{path}, line {line}: cell {k} holds {code_point(refused)}; control and "
+                    f"bidirectional characters are not allowed"
                 )

@@ -1,4 +1,6 @@
-"""Columns of CSV files that hold orientations as three angles: `euler_ZYX_1` to `euler_ZYX_3` of any sequence, or roll, pitch, yaw."""
+"""Columns of CSV files that hold orientations as three angles: `euler_ZYX_1` to `euler_ZYX_3` of
+any sequence, or roll, pitch, yaw.
+"""
 
 from __future__ import annotations
 
@@ -22,9 +24,11 @@ _ROLL_PITCH_YAW = ("roll", "pitch", "yaw")
 
 
 def sequenced_columns(table: Table, names: Collection[str]) -> dict[str, str]:
-    """Map columns of Euler angles whose header names the sequence to their names as they are written here; roll, pitch and yaw too,
-    unless one of these is among the mechanism's `names`. Letters of the sequence say by their size which axes are meant; where the
-    whole header is in capitals they do not."""
+    """Map columns of Euler angles whose header names the sequence to their names as they are
+    written here; roll, pitch and yaw too, unless one of these is among the mechanism's `names`.
+    Letters of the sequence say by their size which axes are meant; where the whole header is in
+    capitals they do not.
+    """
     found = _roll_pitch_yaw(table, names)
     for name in table.columns:
         match = _EULER_HEADER.fullmatch(name)
@@ -33,24 +37,36 @@ def sequenced_columns(table: Table, names: Collection[str]) -> dict[str, str]:
         place, word, sequence, number = match.groups()
         if word.isupper() and sequence.isupper():
             raise InputError(
-                f"{table.path}: column {name!r} is in capitals, so that the letters do not say which axes are meant; write "
-                f"euler_{sequence}_{number} for moving axes, euler_{sequence.lower()}_{number} for fixed ones"
+                f"{table.path}: column {name!r} is in capitals, so that the letters do not say "
+                f"which axes are meant; write "
+                f"euler_{sequence}_{number} for moving axes, euler_{sequence.lower()}_{number} for "
+                f"fixed ones"
             )
         if sequence not in SEQUENCES:
             raise InputError(
-                f"{table.path}: column {name!r} names the sequence {sequence!r}; allowed: three letters x, y, z with "
-                "neighbours different, capitals about moving axes (ZYX), small letters about fixed ones (xyz)"
+                f"{table.path}: column {name!r} names the sequence {sequence!r}; allowed: three "
+                f"letters x, y, z with "
+                "neighbours different, capitals about moving axes (ZYX), small letters about fixed "
+                "ones (xyz)"
             )
         target = f"{'platform.' if place else ''}euler_{sequence}_{number}"
         twice = next((other for other, meant in found.items() if meant == target), None)
         if twice is not None:
-            raise InputError(f"{table.path}: the columns {twice!r} and {name!r} both mean {target!r}; leave one out")
+            raise InputError(
+                f"{table.path}: the columns {twice!r} and {name!r} both mean {target!r}; leave one "
+                f"out"
+            )
         found[name] = target
     return found
 
 
 def _roll_pitch_yaw(table: Table, names: Collection[str]) -> dict[str, str]:
     written = {name.casefold(): name for name in table.columns}
-    if not all(angle in written for angle in _ROLL_PITCH_YAW) or any(angle in names for angle in _ROLL_PITCH_YAW):
+    if not all(angle in written for angle in _ROLL_PITCH_YAW) or any(
+        angle in names for angle in _ROLL_PITCH_YAW
+    ):
         return {}
-    return {written[angle]: f"euler_xyz_{number}" for number, angle in enumerate(_ROLL_PITCH_YAW, start=1)}
+    return {
+        written[angle]: f"euler_xyz_{number}"
+        for number, angle in enumerate(_ROLL_PITCH_YAW, start=1)
+    }

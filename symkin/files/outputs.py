@@ -1,5 +1,6 @@
-"""Writing what a user asked for: a regular file whole or not at all, through symbolic links, into devices and pipes as they
-are."""
+"""Writing what a user asked for: a regular file whole or not at all, through symbolic links, into
+devices and pipes as they are.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +15,10 @@ from symkin.errors import InputError
 
 
 def write_output(path: str | Path, content: str | bytes) -> None:
-    """Write a file, text as UTF-8. A regular file is replaced once all is written, and keeps its permissions; a symbolic link
-    stays one, and what it leads to is written; a device, a pipe or this process's own output is written into. Raises
-    InputError."""
+    """Write a file, text as UTF-8. A regular file is replaced once all is written, and keeps its
+    permissions; a symbolic link stays one, and what it leads to is written; a device, a pipe or
+    this process's own output is written into. Raises InputError.
+    """
     data = content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content
     try:
         there = _status(path)
@@ -28,14 +30,23 @@ def write_output(path: str | Path, content: str | bytes) -> None:
         raise InputError(f"{path}: the file cannot be written ({error.strerror})") from None
 
 
-def check_output(path: str | Path, suffixes: Sequence[str], verb: str, reads: str | Path = "") -> None:
-    """Refuse, before the work, an output of a suffix that a verb does not write, one that cannot be written, and one that would replace
-    what is read. Raises InputError."""
+def check_output(
+    path: str | Path, suffixes: Sequence[str], verb: str, reads: str | Path = ""
+) -> None:
+    """Refuse, before the work, an output of a suffix that a verb does not write, one that cannot be
+    written, and one that would replace what is read. Raises InputError.
+    """
     output = Path(path)
     if output.suffix not in suffixes:
-        raise InputError(f"output {str(path)!r} has another suffix than {', '.join(suffixes)}, which {verb} writes")
+        raise InputError(
+            f"output {str(path)!r} has another suffix than {', '.join(suffixes)}, which {verb} "
+            f"writes"
+        )
     if output.is_dir() or not output.resolve().parent.is_dir():
-        raise InputError(f"output {str(path)!r} is a folder, or its folder does not exist; the name of a file is needed")
+        raise InputError(
+            f"output {str(path)!r} is a folder, or its folder does not exist; the name of a file "
+            f"is needed"
+        )
     if str(reads) and output.exists() and Path(reads).exists() and os.path.samefile(output, reads):
         raise InputError(f"output {str(path)!r} is read by this command; give another name")
 
@@ -60,12 +71,16 @@ def _write_into(path: str | Path, data: bytes, there: os.stat_result) -> None:
     """Write into what is there: nothing is made, cut off or replaced."""
     if sys.stdout is not None:
         sys.stdout.flush()
-    with os.fdopen(os.dup(1) if _is_own_output(there) else os.open(path, os.O_WRONLY), "wb") as file:
+    with os.fdopen(
+        os.dup(1) if _is_own_output(there) else os.open(path, os.O_WRONLY), "wb"
+    ) as file:
         file.write(data)
 
 
 def _replace(target: Path, data: bytes, there: os.stat_result | None) -> None:
-    """Write under a temporary name beside the file, then in its place; into a file whose folder takes no new ones."""
+    """Write under a temporary name beside the file, then in its place; into a file whose folder
+    takes no new ones.
+    """
     if there is not None and not os.access(target.parent, os.W_OK):
         target.write_bytes(data)
         return

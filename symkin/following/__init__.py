@@ -1,1 +1,3 @@
-"""One mode followed along a path of joints or poses, with proofs, and the graph of modes over a slice."""
+"""One mode followed along a path of joints or poses, with proofs, and the graph of modes over a
+slice.
+"""

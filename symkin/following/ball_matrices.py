@@ -30,13 +30,16 @@ def bounds(m: arb_mat) -> np.ndarray:
 
 
 def sum_rounding(n: int) -> float:
-    """Outward rounding of sums of n products of doubles that are not negative, and of a few operations more."""
+    """Outward rounding of sums of n products of doubles that are not negative, and of a few
+    operations more.
+    """
     return float(1.0 + (n + 8) * 2.0**-51)
 
 
 def fixed_point(error: arb_mat, first: np.ndarray) -> np.ndarray | None:
-    """Bounds (n,) of |x - c| where x = c + E x and first bounds |E c|: first + |E| max(first) / (1 - norm E); None where the
-    norm is not below 1."""
+    """Bounds (n,) of |x - c| where x = c + E x and first bounds |E c|: first + |E| max(first) /
+    (1 - norm E); None where the norm is not below 1.
+    """
     e = bounds(error)
     norm = float(np.max(e.sum(axis=1))) * sum_rounding(len(e))
     if not norm < 1.0:
@@ -46,8 +49,9 @@ def fixed_point(error: arb_mat, first: np.ndarray) -> np.ndarray | None:
 
 
 def inverse_with(jacobian: np.ndarray, direction: np.ndarray) -> np.ndarray | None:
-    """About the (pseudo-)inverse of [dG/dy; e], (n, m + 1); None where it is singular or not finite. Where e is the path
-    parameter's direction its last row is e exactly."""
+    """About the (pseudo-)inverse of [dG/dy; e], (n, m + 1); None where it is singular or not
+    finite. Where e is the path parameter's direction its last row is e exactly.
+    """
     if not np.isfinite(jacobian).all():
         return None
     try:

@@ -23,7 +23,14 @@ from symkin.following.last_tube import LastTube, prove_last_tube
 from symkin.following.path_system import PathSystem
 from symkin.following.series_tube import series_tube
 from symkin.following.singular_point import SingularPoint, find_singular_point
-from symkin.following.station import Station, along_parameter, interval_of, redundant_rows_bound, station_at, station_near
+from symkin.following.station import (
+    Station,
+    along_parameter,
+    interval_of,
+    redundant_rows_bound,
+    station_at,
+    station_near,
+)
 from symkin.following.step_certificate import Interval, Tube
 from symkin.following.trajectory import Trajectory
 from symkin.following.whole_turns import ClosedBranch, closed_branch, whole_turns
@@ -38,7 +45,9 @@ _FIRST_CHANGE = 0.05
 _SHORTEST_STEP = 1e-12
 """A step of less than this share of an interval is given up."""
 MOST_EFFORT = 20_000
-"""Steps on one interval after which it is given up; those with power series count `_SERIES_EFFORT`."""
+"""Steps on one interval after which it is given up; those with power series count
+`_SERIES_EFFORT`.
+"""
 _SERIES_EFFORT = 10
 """What a step with a proof by power series counts, about its time over a plain one's."""
 _GROWTH_WITH_ROOM, _GROWTH = 1.6, 1.1
@@ -46,19 +55,26 @@ _GROWTH_WITH_ROOM, _GROWTH = 1.6, 1.1
 _ROOM = 0.75
 """A tube whose image fills less of it than this leaves room to spare."""
 _SEARCH_AT = 0.3
-"""A singular point is looked for whenever the step is below this times the one of the last search."""
+"""A singular point is looked for whenever the step is below this times the one of the last
+search.
+"""
 _SHORT_CHANGE = 0.05
-"""Where steps that change the unknowns by less than this (over the size, or rad) have no plain tube, power series are tried."""
+"""Where steps that change the unknowns by less than this (over the size, or rad) have no plain
+tube, power series are tried.
+"""
 _HALVINGS = 40
 """Halvings of a step to the place where loops open: to 1e-12 of it."""
 _AT_TURNING_POINT = 1e-9
 """So near a turning point (share of an interval) it is taken without a last tube."""
 _AT_BIFURCATION = 1e-4
-"""So near a bifurcation (share of an interval, or change of the unknowns over the size or in rad), to which no tube leads, the
-branch stops."""
+"""So near a bifurcation (share of an interval, or change of the unknowns over the size or in rad),
+to which no tube leads, the branch stops.
+"""
 _MORE_MISFIT = 100.0
-"""A path that begins at a configuration of least squares, in loops of redundant constraints that close only to the digits of a file, is
-followed while its misfit is below this many times that of its start."""
+"""A path that begins at a configuration of least squares, in loops of redundant constraints that
+close only to the digits of a file, is followed while its misfit is below this many times that of
+its start.
+"""
 _ROUNDED_SHARE = 8 * np.finfo(float).eps
 """A share of an interval is told to this: times the slope of an unknown, what its place is told
 to."""
@@ -68,8 +84,10 @@ SAME_PLACE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class BlockStop:
-    """Why and where (u) a block's branch ends. `last_tube` leads to a turning point. `residual` (length unit) is what
-    is left open; `is_spent`: no step has failed, but as many as one interval may take are made."""
+    """Why and where (u) a block's branch ends. `last_tube` leads to a turning point. `residual`
+    (length unit) is what is left open; `is_spent`: no step has failed, but as many as one interval
+    may take are made.
+    """
 
     ending: Ending
     u: float
@@ -112,11 +130,20 @@ class BlockFollower:
     closed: float = 0.0
 
     @staticmethod
-    def begin(system: PathSystem, trajectory: Trajectory, watch: LimitWatch, unknown: np.ndarray) -> BlockFollower:
+    def begin(
+        system: PathSystem, trajectory: Trajectory, watch: LimitWatch, unknown: np.ndarray
+    ) -> BlockFollower:
         """Stand at the first sample, whose unknowns (in radians and the length unit) are given."""
-        interval, size = interval_of(system, trajectory, 0), system.problem.closure.characteristic_length
+        interval, size = (
+            interval_of(system, trajectory, 0),
+            system.problem.closure.characteristic_length,
+        )
         follower = BlockFollower(
-            system, trajectory, watch, interval, station_near(interval, 0, unknown[system.places] / system.scale, 0.0)
+            system,
+            trajectory,
+            watch,
+            interval,
+            station_near(interval, 0, unknown[system.places] / system.scale, 0.0),
         )
         left, follower.closed = follower._closure_error(follower.station), CLOSURE_TOLERANCE * size
         if follower.closed < left <= DIGITS * size:
@@ -148,7 +175,9 @@ class BlockFollower:
             station = self.station
             if h < _SHORTEST_STEP or effort > MOST_EFFORT or not station.is_regular:
                 if not (station.is_regular and self._meets_singular_point(until)):
-                    self.stop = BlockStop("unproved", station.u, is_spent=station.is_regular and h >= _SHORTEST_STEP)
+                    self.stop = BlockStop(
+                        "unproved", station.u, is_spent=station.is_regular and h >= _SHORTEST_STEP
+                    )
                 return
             if h < _SEARCH_AT * searched and h < 0.5 * (until - station.u):
                 searched = h
@@ -161,7 +190,11 @@ class BlockFollower:
                 continue
             self._accept(*found)
             effort += 1 if found[2].frame is None else _SERIES_EFFORT
-            h = (end - station.u) * (_GROWTH_WITH_ROOM if self.link is not None and self.link.tightness < _ROOM else _GROWTH)
+            h = (end - station.u) * (
+                _GROWTH_WITH_ROOM
+                if self.link is not None and self.link.tightness < _ROOM
+                else _GROWTH
+            )
             searched = max(searched, h)
             self.pace = h * self.station.speed
             if turn is not None and self.stop is None and end == mark < until:
@@ -179,7 +212,11 @@ class BlockFollower:
         away = np.abs(closed.moved(first.z, 1) - here.z) + _ROUNDED_SHARE * np.abs(here.slope)
         if not self.link.holds(first.half + np.append(away, 0.0)):
             return False
-        limited = [place for c, place in zip(self.system.system.unknowns, self.system.system.slices, strict=True) if c.limits]
+        limited = [
+            place
+            for c, place in zip(self.system.system.unknowns, self.system.system.slices, strict=True)
+            if c.limits
+        ]
         if not self.watch.off and any(closed.shift[place].any() for place in limited):
             return False
         self.closed_branches[here.row] = closed
@@ -197,7 +234,10 @@ class BlockFollower:
         if not there.is_regular or there.half is None:
             return False
         away = np.abs(there.z - guess) + _ROUNDED_SHARE * np.abs(there.slope)
-        if not tube.holds(there.half + np.append(away, 0.0)) or self._closure_error(there) > self.closed:
+        if (
+            not tube.holds(there.half + np.append(away, 0.0))
+            or self._closure_error(there) > self.closed
+        ):
             return False
         # what the next interval begins at is a box within this tube, moved by whole turns
         self.station, self.link = there, tube
@@ -211,7 +251,9 @@ class BlockFollower:
                 return point.y[:-1]
             if u > self.station.u:
                 share = (u - self.station.u) / (point.u - self.station.u)
-                return station_near(self.interval, 0, self.station.z + share * (point.y[:-1] - self.station.z), u).z
+                return station_near(
+                    self.interval, 0, self.station.z + share * (point.y[:-1] - self.station.z), u
+                ).z
         if u == self.station.u:
             return self.station.z
         closed, times = self.closed_branches.get(self.station.row), 0
@@ -219,20 +261,30 @@ class BlockFollower:
             u, times = closed.folded(u)
         for curve, _ in self.curves:
             if curve.control[0, -1] <= u < curve.control[-1, -1]:
-                z = station_near(self.interval, 0, curve.at((u - curve.control[0, -1]) / curve.length)[:-1], u).z
+                z = station_near(
+                    self.interval, 0, curve.at((u - curve.control[0, -1]) / curve.length)[:-1], u
+                ).z
                 return z if closed is None else closed.moved(z, times)
         return self.station.z
 
     def _accept(self, reached: Station, curve: Cubic, tube: Tube) -> None:
         """Accept a proved step, up to a limit or to the place where loops open."""
         before, self.station = self.station, reached
-        self.steps, self.link, self.tightest = self.steps + 1, tube, max(self.tightest, tube.tightness)
+        self.steps, self.link, self.tightest = (
+            self.steps + 1,
+            tube,
+            max(self.tightest, tube.tightness),
+        )
         self.curves.append((curve, tube))
         if not self.system.is_square:
-            self.redundant_bound = max(self.redundant_bound, redundant_rows_bound(self.interval, reached.y))
+            self.redundant_bound = max(
+                self.redundant_bound, redundant_rows_bound(self.interval, reached.y)
+            )
         met = self.watch.unknown(self.interval, curve)
         if met is not None:
-            self.station = station_near(self.interval, before.row, curve.at(met[0])[:-1], float(curve.at(met[0])[-1]))
+            self.station = station_near(
+                self.interval, before.row, curve.at(met[0])[:-1], float(curve.at(met[0])[-1])
+            )
             self.stop = BlockStop("limit", self.station.u, limit=met[1])
         left = self._closure_error(self.station)
         if left > self.closed:
@@ -246,8 +298,9 @@ class BlockFollower:
             self.passed.append(self.station)
 
     def _closure_error(self, station: Station) -> float:
-        """The largest closure error at a station (length unit), redundant rows and whole rotations included, and those that
-        given values alone must satisfy."""
+        """The largest closure error at a station (length unit), redundant rows and whole rotations
+        included, and those that given values alone must satisfy.
+        """
         known = self.trajectory.at(station.row, station.u)
         own = self.system.system.residual(self.system.unknown(station.z), known)
         return max(own, given_error(self.system.problem, known))
@@ -270,10 +323,16 @@ class BlockFollower:
         self.is_clear = found is None or found.u > until + SAME_PLACE
         if found is None or self.is_clear:
             return False
-        tube = prove_last_tube(self.interval, a.y, a.slope, a.half, found) if found.kind == "turning point" else None
+        tube = (
+            prove_last_tube(self.interval, a.y, a.slope, a.half, found)
+            if found.kind == "turning point"
+            else None
+        )
         away = found.u - a.u
         moves = away * min(1.0, float(np.max(np.abs(a.slope), initial=0.0)))
-        near = moves <= _AT_BIFURCATION if found.kind == "bifurcation" else away <= _AT_TURNING_POINT
+        near = (
+            moves <= _AT_BIFURCATION if found.kind == "bifurcation" else away <= _AT_TURNING_POINT
+        )
         if tube is None and not near:
             return False
         self.stop = BlockStop("singular", found.u, singular=found, last_tube=tube)
@@ -282,11 +341,19 @@ class BlockFollower:
 
 def given_error(problem: Problem, known: np.ndarray) -> float:
     """The largest error (length unit) of the conditions on given values alone."""
-    return problem.conditions.residual(np.zeros(0), known) if problem.conditions.errors.numel() else 0.0
+    return (
+        problem.conditions.residual(np.zeros(0), known)
+        if problem.conditions.errors.numel()
+        else 0.0
+    )
 
 
-def _step(interval: Interval, a: Station, end: float, *, with_series: bool) -> tuple[Station, Cubic, Tube] | None:
-    """A proved step to u = end, or None; with power series, where they are allowed and steps are short."""
+def _step(
+    interval: Interval, a: Station, end: float, *, with_series: bool
+) -> tuple[Station, Cubic, Tube] | None:
+    """A proved step to u = end, or None; with power series, where they are allowed and steps are
+    short.
+    """
     h = end - a.u
     b = station_near(interval, a.row, a.z + h * a.slope, end)
     if not b.is_regular:

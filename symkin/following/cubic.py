@@ -1,6 +1,8 @@
-"""Cubic curves with boxes that hold them and their derivatives in spite of rounding; a step is proved about one.
+"""Cubic curves with boxes that hold them and their derivatives in spite of rounding; a step is
+proved about one.
 
-With control points P_0 ... P_3 and s = t / length, in Bernstein's polynomials B (Farin, Curves and Surfaces for CAGD, 2002):
+With control points P_0 ... P_3 and s = t / length, in Bernstein's polynomials B (Farin, Curves and
+Surfaces for CAGD, 2002):
 
     p = sum B_k^3(s) P_k,
     p' = (3 / length) sum B_k^2(s) (P_k+1 - P_k),
@@ -23,14 +25,17 @@ _ROUNDING = 2.0**-48
 
 @dataclass(frozen=True, eq=False)
 class Cubic:
-    """A cubic over 0 <= t <= length by its control points (4, n): it lies in their hull, its derivative in the hull of their
-    scaled differences."""
+    """A cubic over 0 <= t <= length by its control points (4, n): it lies in their hull, its
+    derivative in the hull of their scaled differences.
+    """
 
     control: np.ndarray
     length: float
 
     @staticmethod
-    def hermite(a: np.ndarray, slope_a: np.ndarray, b: np.ndarray, slope_b: np.ndarray, length: float) -> Cubic:
+    def hermite(
+        a: np.ndarray, slope_a: np.ndarray, b: np.ndarray, slope_b: np.ndarray, length: float
+    ) -> Cubic:
         third = length / 3
         return Cubic(np.array([a, a + third * slope_a, b - third * slope_b, b]), length)
 
@@ -47,7 +52,10 @@ class Cubic:
     @property
     def acceleration(self) -> tuple[np.ndarray, np.ndarray]:
         """Centre and half width (n,) of a box that holds the second derivative."""
-        return _box(6.0 / self.length**2 * np.diff(self.control, 2, axis=0), 48.0 / self.length**2 * self.rounding)
+        return _box(
+            6.0 / self.length**2 * np.diff(self.control, 2, axis=0),
+            48.0 / self.length**2 * self.rounding,
+        )
 
     @property
     def rounding(self) -> float:
@@ -61,7 +69,9 @@ class Cubic:
     @property
     def velocity(self) -> tuple[np.ndarray, np.ndarray]:
         """Centre and half width (n,) of a box that holds the derivative."""
-        return _box(3.0 / self.length * np.diff(self.control, axis=0), 12.0 / self.length * self.rounding)
+        return _box(
+            3.0 / self.length * np.diff(self.control, axis=0), 12.0 / self.length * self.rounding
+        )
 
 
 def _box(points: np.ndarray, rounding: float) -> tuple[np.ndarray, np.ndarray]:

@@ -1,7 +1,9 @@
-"""Follow one configuration along a trajectory: its independent blocks one by one on each interval, up to the first stop.
+"""Follow one configuration along a trajectory: its independent blocks one by one on each interval,
+up to the first stop.
 
-Limbs whose platform pose is given are blocks of their own (see `Problem.blocks`); each has its own steps and proof (see
-`block_follower`). Blocks that stop at the same place stop the configuration together.
+Limbs whose platform pose is given are blocks of their own (see `Problem.blocks`); each has its own
+steps and proof (see `block_follower`). Blocks that stop at the same place stop the configuration
+together.
 """
 
 from __future__ import annotations
@@ -22,8 +24,10 @@ from symkin.position.problem import Problem
 
 @dataclass(frozen=True, eq=False)
 class PathPoint:
-    """A configuration of the path: its unknowns (in radians and the length unit) at u of interval `row`, and the radius (length
-    unit; angles times the size) of the box in which it is the only one, None where that is not proved."""
+    """A configuration of the path: its unknowns (in radians and the length unit) at u of interval
+    `row`, and the radius (length unit; angles times the size) of the box in which it is the only
+    one, None where that is not proved.
+    """
 
     row: int
     u: float
@@ -43,10 +47,11 @@ class Way:
 
 @dataclass(eq=False)
 class Branch:
-    """What was followed: `places` at the samples, `last` the end, and why it ended: `stopped` are the blocks that end there.
-    `followed` is the path parameter up to which steps lead; `steps` counts tubes, of which images fill at most `tightest`;
-    `proved`: every step, and the last one to a turning point, is proved; `formula`: no step is
-    needed (see `evaluate_formula`)."""
+    """What was followed: `places` at the samples, `last` the end, and why it ended: `stopped` are
+    the blocks that end there. `followed` is the path parameter up to which steps lead; `steps`
+    counts tubes, of which images fill at most `tightest`; `proved`: every step, and the last one to
+    a turning point, is proved; `formula`: no step is needed (see `evaluate_formula`).
+    """
 
     places: list[PathPoint]
     last: PathPoint
@@ -73,7 +78,9 @@ class Branch:
             return Way((), 0, ())
         closed = block.closed_branches.get(row)
         place, times = (u, 0) if closed is None else closed.folded(u)
-        first, last = (side(block.passed, row, key=lambda s: s.row) for side in (bisect_left, bisect_right))
+        first, last = (
+            side(block.passed, row, key=lambda s: s.row) for side in (bisect_left, bisect_right)
+        )
         ends = [(s.u, block.system.unknown(s.z)) for s in block.passed[first:last]]
         turn = [end for end in ends if closed is not None and end[0] <= closed.period]
         return Way(tuple(turn), times, tuple(end for end in ends if end[0] <= place))
@@ -87,9 +94,16 @@ class Branch:
         """Whether rows are as many as unknowns, and proofs lead to the end."""
         if self.formula:
             return True
-        if not self.is_square or self.places[0].radius is None or self.ending in ("open", "unproved"):
+        if (
+            not self.is_square
+            or self.places[0].radius is None
+            or self.ending in ("open", "unproved")
+        ):
             return False
-        return all(w.stop is not None and w.stop.last_tube is not None for w in self.stopped) or self.ending == "limit"
+        return (
+            all(w.stop is not None and w.stop.last_tube is not None for w in self.stopped)
+            or self.ending == "limit"
+        )
 
 
 def follow(
@@ -99,8 +113,12 @@ def follow(
     watch: LimitWatch,
     progress: Callable[[int, int], None] | None = None,
 ) -> Branch:
-    """Follow the branch through the unknowns at the first sample until the end or the first stop."""
-    blocks = tuple(BlockFollower.begin(system, trajectory, watch, unknown) for system in path_systems(problem))
+    """Follow the branch through the unknowns at the first sample until the end or the first
+    stop.
+    """
+    blocks = tuple(
+        BlockFollower.begin(system, trajectory, watch, unknown) for system in path_systems(problem)
+    )
     first = path_point(blocks, problem, 0, 0.0)
     branch = Branch([first], first, blocks)
     for row in range(len(trajectory) - 1):
@@ -115,7 +133,9 @@ def follow(
     return branch
 
 
-def _interval(branch: Branch, problem: Problem, trajectory: Trajectory, row: int, watch: LimitWatch) -> bool:
+def _interval(
+    branch: Branch, problem: Problem, trajectory: Trajectory, row: int, watch: LimitWatch
+) -> bool:
     """Follow all blocks over one interval; whether its end is reached."""
     given = watch.given(row)
     until = 1.0 if given is None else given[0]
@@ -125,29 +145,43 @@ def _interval(branch: Branch, problem: Problem, trajectory: Trajectory, row: int
         if block.stop is not None:
             until = min(until, block.stop.u)
     branch.last = path_point(branch.blocks, problem, row, until)
-    branch.stopped = [w for w in branch.blocks if w.stop is not None and w.stop.u <= until + SAME_PLACE]
+    branch.stopped = [
+        w for w in branch.blocks if w.stop is not None and w.stop.u <= until + SAME_PLACE
+    ]
     if not branch.stopped and given is None:
         return True
-    branch.followed = trajectory.parameter(row, min([until, *(w.station.u for w in branch.stopped)]))
+    branch.followed = trajectory.parameter(
+        row, min([until, *(w.station.u for w in branch.stopped)])
+    )
     stops = [w.stop for w in branch.stopped if w.stop is not None]
     order: tuple[Ending, ...] = ("open", "unproved", "limit", "singular")
     branch.ending = next((e for e in order if any(s.ending == e for s in stops)), "limit")
-    branch.limit = next((s.limit for s in stops if s.limit is not None), None if given is None else given[1])
+    branch.limit = next(
+        (s.limit for s in stops if s.limit is not None), None if given is None else given[1]
+    )
     return False
 
 
-def path_point(blocks: tuple[BlockFollower, ...], problem: Problem, row: int, u: float) -> PathPoint:
+def path_point(
+    blocks: tuple[BlockFollower, ...], problem: Problem, row: int, u: float
+) -> PathPoint:
     """The configuration of all blocks at a u that they have passed or at which they stop."""
     unknown = np.empty(problem.system.width)
     radius: float | None = 0.0
     for block in blocks:
         unknown[block.system.places] = block.system.unknown(block.at(u))
         half = block.station.half if block.station.u == u else None
-        radius = None if half is None or radius is None else max(radius, float(np.max(half[:-1], initial=0.0)))
-    return PathPoint(row, u, unknown, None if radius is None else radius * problem.closure.characteristic_length)
+        radius = (
+            None
+            if half is None or radius is None
+            else max(radius, float(np.max(half[:-1], initial=0.0)))
+        )
+    return PathPoint(
+        row, u, unknown, None if radius is None else radius * problem.closure.characteristic_length
+    )
 
 
-# --- on what ground ---------------------------------------------------------------------------------------------------
+# --- on what ground -------------------------------------------------------------------------------
 
 
 def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -> str:
@@ -155,23 +189,33 @@ def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -
     steps = f"{branch.steps} step{'s' if branch.steps != 1 else ''}"
     turns = _later_turns(branch)
     if branch.formula:
-        return "proved: the pose is a formula of the joints, one for every input; no steps are needed"
+        return (
+            "proved: the pose is a formula of the joints, one for every input; no steps are needed"
+        )
     if certified and not branch.steps:
         return "proved: ball arithmetic shows exactly one solution at the start"
     if certified:
-        return f"proved: {steps}, in each of which ball arithmetic shows exactly one solution for every input{_last_tube(branch)}{turns}"
+        return (
+            f"proved: {steps}, in each of which ball arithmetic shows exactly one solution for "
+            f"every input{_last_tube(branch)}{turns}"
+        )
     if not branch.blocks:
         return "checked: nothing was followed"
     if branch.is_square:
         return (
-            f"proved up to parameter {branch.followed:.9g} by {steps}, in each of which ball arithmetic shows exactly one "
+            f"proved up to parameter {branch.followed:.9g} by {steps}, in each of which ball "
+            f"arithmetic shows exactly one "
             f"solution for every input{turns}; beyond, checked in double precision only"
         )
-    rows, unknowns = (sum(n) for n in zip(*((b.system.count, b.system.width) for b in branch.blocks), strict=True))
+    rows, unknowns = (
+        sum(n) for n in zip(*((b.system.count, b.system.width) for b in branch.blocks), strict=True)
+    )
     return (
-        f"checked: rows are redundant ({rows} for {unknowns} unknowns; `symkin show` names the motion that removes some, where "
+        f"checked: rows are redundant ({rows} for {unknowns} unknowns; `symkin show` names the "
+        f"motion that removes some, where "
         f"there is one); in each of {steps} ball arithmetic shows at most one "
-        f"solution for every input (margin {1 - branch.tightest:.2g}), and {_existence(branch, residual, length_unit)}"
+        f"solution for every input (margin {1 - branch.tightest:.2g}), and "
+        f"{_existence(branch, residual, length_unit)}"
         + _redundant_rows(branch, length_unit)
         + turns
     )
@@ -181,13 +225,19 @@ def _later_turns(branch: Branch) -> str:
     """On what ground later turns are not followed."""
     if not any(block.closed_branches for block in branch.blocks):
         return ""
-    return "; after whole turns of the given angles the branch is where it began, and later turns are the same"
+    return (
+        "; after whole turns of the given angles the branch is where it began, and later turns are "
+        "the same"
+    )
 
 
 def _existence(branch: Branch, residual: float, length_unit: str) -> str:
     """What speaks for a solution where rows are redundant."""
     if any(block.is_of_least_squares for block in branch.blocks):
-        return f"it is one of least squares: loops that close only to the digits of the description stay open by up to {residual:.1e} {length_unit}"
+        return (
+            f"it is one of least squares: loops that close only to the digits of the description "
+            f"stay open by up to {residual:.1e} {length_unit}"
+        )
     return f"the residual, at most {residual:.1e} {length_unit}, that there is one"
 
 
@@ -197,7 +247,8 @@ def _redundant_rows(branch: Branch, length_unit: str) -> str:
     if not branch.steps or not math.isfinite(bound):
         return ""
     return (
-        "; proved at the end of each step: as many independent rows as unknowns vanish at exactly one point there, and no other "
+        "; proved at the end of each step: as many independent rows as unknowns vanish at exactly "
+        "one point there, and no other "
         f"row is more than {bound:.1e} {length_unit} at it"
     )
 
@@ -206,15 +257,18 @@ def _last_tube(branch: Branch) -> str:
     if branch.ending != "singular":
         return ""
     return (
-        ", and a last one in which it shows that the path parameter grows up to the turning point, which is the first singularity"
+        ", and a last one in which it shows that the path parameter grows up to the turning point, "
+        "which is the first singularity"
     )
 
 
-# --- serial arms: the pose is a formula of the joints ------------------------------------------------------------------
+# --- serial arms: the pose is a formula of the joints ---------------------------------------------
 
 
 def is_formula(problem: Problem, trajectory: Trajectory) -> bool:
-    """Whether the unknowns are a position and a quaternion alone, as a function of the given joints."""
+    """Whether the unknowns are a position and a quaternion alone, as a function of the given
+    joints.
+    """
     kinds = [c.kind for c in problem.system.unknowns]
     if kinds != ["length", "length", "length", "quaternion"]:
         return False
@@ -228,7 +282,9 @@ def evaluate_formula(
     watch: LimitWatch,
     progress: Callable[[int, int], None] | None = None,
 ) -> Branch:
-    """The poses at the samples, up to the first limit; the formula's quaternion is continuous, and has the start's sign."""
+    """The poses at the samples, up to the first limit; the formula's quaternion is continuous, and
+    has the start's sign.
+    """
     sign = 1.0 if _arm_pose(problem, trajectory.samples[0], 1.0)[3:] @ unknown[3:] >= 0.0 else -1.0
     first = PathPoint(0, 0.0, unknown, None)
     branch = Branch([first], first, (), formula=True)

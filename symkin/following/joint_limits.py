@@ -1,7 +1,7 @@
 """Find where a followed branch first meets a joint limit.
 
-As in `solve`, an angle's limits hold whole turns apart: the turns that bring it within its limits at the start, if any do, are
-subtracted along the whole path.
+As in `solve`, an angle's limits hold whole turns apart: the turns that bring it within its limits
+at the start, if any do, are subtracted along the whole path.
 """
 
 from __future__ import annotations
@@ -21,15 +21,19 @@ from symkin.numeric.tolerances import LIMIT_SLACK
 from symkin.position.problem import Problem
 
 _NEAR_LIMIT = 1e-4
-"""Values of the cubic nearer to their limits than this (of the size, or rad) are looked at on the branch itself."""
+"""Values of the cubic nearer to their limits than this (of the size, or rad) are looked at on the
+branch itself.
+"""
 _HALVINGS = 60
 """Halvings of a step to the place where a limit is met: beyond a double's digits."""
 
 
 @dataclass(frozen=True)
 class Limit:
-    """A limit of a joint that the branch meets: the coordinate's name and the value; `turns` (rad) are the whole turns that are
-    subtracted from the coordinate; `is_passed`: the start lies beyond it."""
+    """A limit of a joint that the branch meets: the coordinate's name and the value; `turns` (rad)
+    are the whole turns that are subtracted from the coordinate; `is_passed`: the start lies beyond
+    it.
+    """
 
     name: str
     value: float
@@ -41,15 +45,22 @@ class Limit:
         c = next(c for c in mechanism.coordinates if c.name == self.name)
         value = mechanism.angle_out(self.value) if c.is_angular else self.value
         unit = mechanism.angle_unit if c.is_angular else mechanism.length_unit
-        how, where = ("lies beyond its limit", " at the start") if self.is_passed else ("meets its limit", "")
+        how, where = (
+            ("lies beyond its limit", " at the start")
+            if self.is_passed
+            else ("meets its limit", "")
+        )
         turns = abs(round(self.turns / (2 * math.pi)))
-        return f"{self.name} {how} {value:g} {unit}{where}" + (f", {turns} whole turn{'s' * (turns > 1)} apart" if turns else "")
+        return f"{self.name} {how} {value:g} {unit}{where}" + (
+            f", {turns} whole turn{'s' * (turns > 1)} apart" if turns else ""
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class LimitWatch:
-    """Looks for the first limit that is passed, of given values and unknowns alike, extremes within a step included. `turns`
-    are what is subtracted from angles; `off` ignores all limits."""
+    """Looks for the first limit that is passed, of given values and unknowns alike, extremes within
+    a step included. `turns` are what is subtracted from angles; `off` ignores all limits.
+    """
 
     problem: Problem
     trajectory: Trajectory
@@ -67,15 +78,24 @@ class LimitWatch:
         return found
 
     def given(self, row: int) -> tuple[float, Limit] | None:
-        """The first share of an interval at which a given value, which moves straight, leaves its limits."""
+        """The first share of an interval at which a given value, which moves straight, leaves its
+        limits.
+        """
         found: tuple[float, Limit] | None = None
         samples, start = self.trajectory.samples, 0
         for c in self.problem.known_coordinates:
             if c.limits is not None and not self.off:
-                a, b = float(samples[row][start]), float(samples[min(row + 1, len(samples) - 1)][start])
+                a, b = (
+                    float(samples[row][start]),
+                    float(samples[min(row + 1, len(samples) - 1)][start]),
+                )
                 if self._excess(c, b) > 0.0:
                     limit = self._limit(c, b)
-                    share = min(max((limit.value + limit.turns - a) / (b - a), 0.0), 1.0) if a != b else 0.0
+                    share = (
+                        min(max((limit.value + limit.turns - a) / (b - a), 0.0), 1.0)
+                        if a != b
+                        else 0.0
+                    )
                     found = (share, limit) if found is None or share < found[0] else found
             start += c.width
         return found
@@ -83,18 +103,25 @@ class LimitWatch:
     def unknown(self, interval: Interval, curve: Cubic) -> tuple[float, Limit] | None:
         """The first share of a proved step at which an unknown of its block leaves its limits."""
         first: tuple[float, Limit] | None = None
-        for c, place in zip(interval.system.system.unknowns, interval.system.system.slices, strict=True):
+        for c, place in zip(
+            interval.system.system.unknowns, interval.system.system.slices, strict=True
+        ):
             if c.limits is None or self.off:
                 continue
             share = self._crossing(c, place.start, curve, interval)
             if share is not None and (first is None or share < first[0]):
-                first = (share, self._limit(c, _value(interval.system, place.start, curve.at(share))))
+                first = (
+                    share,
+                    self._limit(c, _value(interval.system, place.start, curve.at(share))),
+                )
         return first
 
     def _limited(self, coordinates: tuple[Coordinate, ...]) -> list[Coordinate]:
         return [c for c in coordinates if c.limits is not None and not self.off]
 
-    def _crossing(self, c: Coordinate, place: int, curve: Cubic, interval: Interval) -> float | None:
+    def _crossing(
+        self, c: Coordinate, place: int, curve: Cubic, interval: Interval
+    ) -> float | None:
         """The first share of the step at which the coordinate leaves its limits."""
         system = interval.system
 
@@ -126,14 +153,18 @@ class LimitWatch:
         """The limit that is nearest to a value."""
         low, high = c.limits or (-np.inf, np.inf)
         turns = self.turns.get(c.name, 0.0)
-        return Limit(c.name, low if abs(value - turns - low) < abs(value - turns - high) else high, turns)
+        return Limit(
+            c.name, low if abs(value - turns - low) < abs(value - turns - high) else high, turns
+        )
 
     def _unit(self, c: Coordinate) -> float:
         return 1.0 if c.is_angular else self.problem.closure.characteristic_length
 
 
 def _turns(c: Coordinate, value: float) -> float:
-    """The whole turns (rad) that bring an angle within its limits; zero where none do or none are needed."""
+    """The whole turns (rad) that bring an angle within its limits; zero where none do or none are
+    needed.
+    """
     low, high = c.limits or (-np.inf, np.inf)
     if not c.is_angular or low - LIMIT_SLACK <= value <= high + LIMIT_SLACK:
         return 0.0

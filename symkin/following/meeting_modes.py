@@ -1,4 +1,6 @@
-"""Name the modes that meet at a singular point of a branch, by the complete enumeration a little before it."""
+"""Name the modes that meet at a singular point of a branch, by the complete enumeration a little
+before it.
+"""
 
 from __future__ import annotations
 
@@ -24,19 +26,26 @@ from symkin.position.solution import pose_of
 from symkin.position.transfer import variables_elsewhere
 
 _LOOK_BACK = 1e-4
-"""Modes are enumerated this far before the singular point (share of an interval), or half way to its beginning."""
+"""Modes are enumerated this far before the singular point (share of an interval), or half way to
+its beginning.
+"""
 _NEAR_RATIO = 20.0
-"""At a bifurcation the modes nearer to the singular point than this times the followed one's distance are said to meet."""
+"""At a bifurcation the modes nearer to the singular point than this times the followed one's
+distance are said to meet.
+"""
 _MOST_COMBINED = 8
 """Blocks that turn together of which all combinations are looked for."""
 
 
 @dataclass(frozen=True)
 class Meeting:
-    """Numbers (from 1) of modes in the list that `modes` gives at `given` (joints, pose or values by name in the mechanism's units,
-    at `parameter` of the path): the followed one, None where the list lacks it, and those that meet it. `count` is the length
-    of the list and `completeness` what it is worth. `opposite_signs`: whether the determinants of the followed rows (of each
-    block that turns) have opposite signs on the two sides of the turning point; None where rows are redundant, or elsewhere."""
+    """Numbers (from 1) of modes in the list that `modes` gives at `given` (joints, pose or values
+    by name in the mechanism's units, at `parameter` of the path): the followed one, None where the
+    list lacks it, and those that meet it. `count` is the length of the list and `completeness` what
+    it is worth. `opposite_signs`: whether the determinants of the followed rows (of each block that
+    turns) have opposite signs on the two sides of the turning point; None where rows are redundant,
+    or elsewhere.
+    """
 
     parameter: float
     given: dict[str, Any]
@@ -62,24 +71,35 @@ class Meeting:
         """Which modes meet, in words."""
         place = f"at {self.parameter:.9g} of the path ({self.completeness})"
         if not self.count:
-            return f"`modes` lists no mode {place}, so that none is named that meets the mode followed"
+            return (
+                f"`modes` lists no mode {place}, so that none is named that meets the mode followed"
+            )
         listed = f"of the {self.count} that `modes` lists {place}"
         *most, last = [str(k) for k in self.others] or [""]
         several = f"modes {', '.join(most)} and {last}" if most else f"mode {last}"
         if self.own is None:
-            return f"the mode followed is none {listed}" + (f"; {several} {'are' if most else 'is'} near it" if last else "")
+            return f"the mode followed is none {listed}" + (
+                f"; {several} {'are' if most else 'is'} near it" if last else ""
+            )
         own = f"mode {self.own}"
         if not last:
             return f"{own} {listed} was followed, and no other one is listed near it"
         if most:
             return f"{own} {listed} meets {several}"
-        signs = {True: ", with determinants of opposite sign", False: ", with determinants of one sign", None: ""}
+        signs = {
+            True: ", with determinants of opposite sign",
+            False: ", with determinants of one sign",
+            None: "",
+        }
         return f"{own} {listed} meets mode {last}{signs[self.opposite_signs]}"
 
 
-def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch, seed: int = 0) -> Meeting | None:
-    """The modes that meet where a branch ends at a singular point. None where nothing lies before it or the enumeration
-    refuses."""
+def meeting_modes(
+    problem: Problem, trajectory: Trajectory, branch: Branch, seed: int = 0
+) -> Meeting | None:
+    """The modes that meet where a branch ends at a singular point. None where nothing lies before
+    it or the enumeration refuses.
+    """
     row, u = branch.last.row, branch.last.u
     back = min(_LOOK_BACK, 0.5 * u)
     if back <= 0.0:
@@ -107,9 +127,12 @@ def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch, seed
     )
 
 
-def _across_folds(problem: Problem, branch: Branch, found: Modes, u: float) -> tuple[int | None, list[int], bool | None]:
-    """Numbers (from 0) of the followed mode and of those on the other sides of the turning blocks' folds, in all combinations,
-    and whether the determinants' signs are opposite."""
+def _across_folds(
+    problem: Problem, branch: Branch, found: Modes, u: float
+) -> tuple[int | None, list[int], bool | None]:
+    """Numbers (from 0) of the followed mode and of those on the other sides of the turning blocks'
+    folds, in all combinations, and whether the determinants' signs are opposite.
+    """
     turning = [block for block in branch.stopped if _is_turning(block)]
     sides = {id(block): _sides(block, u) for block in turning}
     rest = {id(block): block.at(u) for block in branch.blocks if block not in turning}
@@ -117,19 +140,31 @@ def _across_folds(problem: Problem, branch: Branch, found: Modes, u: float) -> t
     for signs in product((0, 1), repeat=len(turning)):
         chosen = {id(block): sides[id(block)][k] for block, k in zip(turning, signs, strict=True)}
         numbers.append(mode_number(problem, found, _joined(problem, branch.blocks, rest | chosen)))
-    return numbers[0], [number for number in numbers if number is not None], _opposite(turning, sides, u)
+    return (
+        numbers[0],
+        [number for number in numbers if number is not None],
+        _opposite(turning, sides, u),
+    )
 
 
-def _near_by(problem: Problem, branch: Branch, found: Modes, u: float) -> tuple[int | None, list[int], None]:
-    """Numbers (from 0) of the followed mode and of those near the singular point, where branches cross."""
+def _near_by(
+    problem: Problem, branch: Branch, found: Modes, u: float
+) -> tuple[int | None, list[int], None]:
+    """Numbers (from 0) of the followed mode and of those near the singular point, where branches
+    cross.
+    """
     own = _joined(problem, branch.blocks, {id(block): block.at(u) for block in branch.blocks})
-    reach = _NEAR_RATIO * float(_distances(problem, own[None], branch.last.unknown)[0]) + DISTINCT_ROOTS
+    reach = (
+        _NEAR_RATIO * float(_distances(problem, own[None], branch.last.unknown)[0]) + DISTINCT_ROOTS
+    )
     near = np.flatnonzero(mode_distances(problem, found, branch.last.unknown) < reach)
     return mode_number(problem, found, own), near.tolist(), None
 
 
 def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, Any]:
-    """Known values as `modes` takes them, in the mechanism's units: joints, a pose, or values by name."""
+    """Known values as `modes` takes them, in the mechanism's units: joints, a pose, or values by
+    name.
+    """
     mechanism, problem = trajectory.mechanism, trajectory.problem
     values: dict[str, Any] = {}
     place = 0
@@ -143,53 +178,90 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, Any]:
     if any(c.role == "pose" for c in trajectory.coordinates):
         reference = problem.select_values(problem.closure.reference, problem.system.unknowns)
         pose = pose_of(problem.closure, problem.join_values(reference, known))
-        values["pose"] = [*np.asarray(pose.position).tolist(), *np.asarray(pose.quaternion).tolist()]
+        values["pose"] = [
+            *np.asarray(pose.position).tolist(),
+            *np.asarray(pose.quaternion).tolist(),
+        ]
     return {"pose": values["pose"]} if trajectory.kind == "inverse" else {"given": values}
 
 
 def mode_number(problem: Problem, modes: Modes, unknown: np.ndarray) -> int | None:
-    """The number (from 0) of the mode in a list that a configuration is, None where the list lacks it."""
+    """The number (from 0) of the mode in a list that a configuration is, None where the list lacks
+    it.
+    """
     distances = mode_distances(problem, modes, unknown)
-    return int(np.argmin(distances)) if len(distances) and np.min(distances) < DISTINCT_ROOTS else None
+    return (
+        int(np.argmin(distances)) if len(distances) and np.min(distances) < DISTINCT_ROOTS else None
+    )
 
 
 def mode_distances(problem: Problem, modes: Modes, unknown: np.ndarray) -> np.ndarray:
-    """How far each mode is from a configuration: the largest difference of their features, over the size."""
-    listed = [problem.select_values(variables_elsewhere(problem.closure, mode), problem.system.unknowns) for mode in modes]
+    """How far each mode is from a configuration: the largest difference of their features, over the
+    size.
+    """
+    listed = [
+        problem.select_values(variables_elsewhere(problem.closure, mode), problem.system.unknowns)
+        for mode in modes
+    ]
     return _distances(problem, np.array(listed).reshape(-1, len(unknown)), unknown)
 
 
 def _distances(problem: Problem, points: np.ndarray, unknown: np.ndarray) -> np.ndarray:
     away = features(problem.system, points) - features(problem.system, unknown[None])
-    return np.asarray(np.max(np.abs(away), axis=1, initial=0.0) / problem.closure.characteristic_length)
+    return np.asarray(
+        np.max(np.abs(away), axis=1, initial=0.0) / problem.closure.characteristic_length
+    )
 
 
 def _is_turning(block: BlockFollower) -> bool:
-    return block.stop is not None and block.stop.singular is not None and block.stop.singular.kind == "turning point"
+    return (
+        block.stop is not None
+        and block.stop.singular is not None
+        and block.stop.singular.kind == "turning point"
+    )
 
 
 def _sides(block: BlockFollower, u: float) -> tuple[np.ndarray, np.ndarray]:
-    """z of a turning block at a u before its turning point: on the followed side, and on the other one."""
+    """z of a turning block at a u before its turning point: on the followed side, and on the other
+    one.
+    """
     point: SingularPoint = block.stop.singular  # type: ignore[assignment, union-attr]
-    # u = u* + u'' t^2 / 2 about the turning point (see `singular_point`): t = +-sqrt(2 (u* - u) / |u''|) on its two sides
+    # u = u* + u'' t^2 / 2 about the turning point (see `singular_point`): t = +-sqrt(2 (u* - u) /
+    # |u''|) on its two sides
     reach = math.sqrt(2.0 * (point.u - u) / abs(point.curvature))
-    v = point.null[:, 0] * (1.0 if point.null[:, 0] @ (block.station.z - point.y[:-1]) > 0 else -1.0)
-    own, mate = (block.system.correct(np.append(point.y[:-1] + s * reach * v, u), block.interval.c)[0][:-1] for s in (1.0, -1.0))
+    v = point.null[:, 0] * (
+        1.0 if point.null[:, 0] @ (block.station.z - point.y[:-1]) > 0 else -1.0
+    )
+    own, mate = (
+        block.system.correct(np.append(point.y[:-1] + s * reach * v, u), block.interval.c)[0][:-1]
+        for s in (1.0, -1.0)
+    )
     return own, mate
 
 
-def _opposite(turning: list[BlockFollower], sides: dict[int, tuple[np.ndarray, np.ndarray]], u: float) -> bool | None:
-    """Whether det dG/dz has opposite signs on the two sides, in each block that turns; None where rows are redundant."""
+def _opposite(
+    turning: list[BlockFollower], sides: dict[int, tuple[np.ndarray, np.ndarray]], u: float
+) -> bool | None:
+    """Whether det dG/dz has opposite signs on the two sides, in each block that turns; None where
+    rows are redundant.
+    """
     if not all(block.system.is_square for block in turning):
         return None
-    return all(_sign(w.system, sides[id(w)][0], u, w) * _sign(w.system, sides[id(w)][1], u, w) < 0 for w in turning)
+    return all(
+        _sign(w.system, sides[id(w)][0], u, w) * _sign(w.system, sides[id(w)][1], u, w) < 0
+        for w in turning
+    )
 
 
 def _sign(system: PathSystem, z: np.ndarray, u: float, block: BlockFollower) -> float:
-    return float(np.linalg.slogdet(system.evaluate(np.append(z, u), block.interval.c)[1][:, :-1])[0])
+    return float(
+        np.linalg.slogdet(system.evaluate(np.append(z, u), block.interval.c)[1][:, :-1])[0]
+    )
 
 
-def _joined(problem: Problem, blocks: tuple[BlockFollower, ...], z: dict[int, np.ndarray]) -> np.ndarray:
+def _joined(
+    problem: Problem, blocks: tuple[BlockFollower, ...], z: dict[int, np.ndarray]
+) -> np.ndarray:
     """The unknowns (in radians and the length unit) that the blocks' z make."""
     unknown = np.empty(problem.system.width)
     for block in blocks:

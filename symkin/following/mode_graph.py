@@ -1,9 +1,11 @@
-"""Find which assembly modes connect without a singularity, over a slice of one or two inputs: a graph of modes at grid points.
+"""Find which assembly modes connect without a singularity, over a slice of one or two inputs: a
+graph of modes at grid points.
 
-At each point of a grid all modes are enumerated; each mode is followed along the grid's edges (see `track`). Modes that a path
-without singularity joins are of one sheet. Two modes of one input on one sheet are joined by a path that leaves the input and
-comes back to it on the other mode: it goes round a cusp of the singularity locus (Innocenti and Parenti-Castelli 1998).
-The graph says only what the grid's edges show: a finer grid can join more, and never parts what is joined.
+At each point of a grid all modes are enumerated; each mode is followed along the grid's edges (see
+`track`). Modes that a path without singularity joins are of one sheet. Two modes of one input on
+one sheet are joined by a path that leaves the input and comes back to it on the other mode: it goes
+round a cusp of the singularity locus (Innocenti and Parenti-Castelli 1998). The graph says only
+what the grid's edges show: a finer grid can join more, and never parts what is joined.
 """
 
 from __future__ import annotations
@@ -33,7 +35,9 @@ _MOST_POINTS = 10_000
 """Grid points at most."""
 
 Node = tuple[int, int]
-"""A grid point's number (row-major, the first axis slowest; the chosen input is the last one) and a mode's number there."""
+"""A grid point's number (row-major, the first axis slowest; the chosen input is the last one) and a
+mode's number there.
+"""
 
 
 @dataclass(frozen=True)
@@ -49,11 +53,14 @@ class Axis:
 class ModeGraph(Result):
     """Which modes connect without a singularity; made by `mode_graph`.
 
-    `found` holds the modes at each grid point and, last, at the chosen input; `names` are the known coordinates, the actuated joints
-    unless others are told by name, `inputs` (n * n + 1, names; n + 1 over one axis) their values in the mechanism's units; `edges` pairs of nodes that were joined; `sheets` the connected sets of nodes, largest first;
-    `certified` whether every joined edge is proved; `stopped` counts the modes that an edge did not carry on, `unmatched` those
-    that it carried to a configuration which the enumeration at its other end lacks (0 where the lists are complete). `path`
-    gives the joint values that lead from one mode to another, `plot()` draws the sheets.
+    `found` holds the modes at each grid point and, last, at the chosen input; `names` are the known
+    coordinates, the actuated joints unless others are told by name, `inputs` (n * n + 1, names; n +
+    1 over one axis) their values in the mechanism's units; `edges` pairs of nodes that were joined;
+    `sheets` the connected sets of nodes, largest first; `certified` whether every joined edge is
+    proved; `stopped` counts the modes that an edge did not carry on, `unmatched` those that it
+    carried to a configuration which the enumeration at its other end lacks (0 where the lists are
+    complete). `path` gives the joint values that lead from one mode to another, `plot()` draws the
+    sheets.
 
     >>> import symkin
     >>> platform = symkin.load("zhao2000")
@@ -84,7 +91,9 @@ class ModeGraph(Result):
 
     @property
     def groups(self) -> list[list[int]]:
-        """The numbers (from 0) of the chosen input's modes, those that connect without a singularity together."""
+        """The numbers (from 0) of the chosen input's modes, those that connect without a
+        singularity together.
+        """
         last = len(self.found) - 1
         groups: dict[int, list[int]] = {}
         for k in range(len(self.chosen)):
@@ -92,12 +101,15 @@ class ModeGraph(Result):
         return list(groups.values())
 
     def path(self, begin: int, end: int) -> np.ndarray | None:
-        """Known values (m, names) along edges from mode `begin` of the chosen input back to it on mode `end`; None where the
-        graph does not join them."""
+        """Known values (m, names) along edges from mode `begin` of the chosen input back to it on
+        mode `end`; None where the graph does not join them.
+        """
         last = len(self.found) - 1
         for k in (begin, end):
             if not 0 <= k < len(self.chosen):
-                raise InputError(f"mode {k} is unknown; the chosen input has modes 0 to {len(self.chosen) - 1}")
+                raise InputError(
+                    f"mode {k} is unknown; the chosen input has modes 0 to {len(self.chosen) - 1}"
+                )
         nodes = _shortest(self.edges, (last, begin), (last, end))
         if nodes is None:
             return None
@@ -109,11 +121,17 @@ class ModeGraph(Result):
         last = self.inputs[-1].tolist()
         plain = plain_kind(self.mechanism, self.names) is not None
         return {
-            "mechanism": self.mechanism.name, "axes": [[a.name, a.low, a.high] for a in self.axes], "n": self.n,
-            **({"joints": last} if plain else {"given": dict(zip(self.names, last, strict=True))}), "counts": [len(found) for found in self.found[:-1]],
-            "sheets": [[list(node) for node in sorted(sheet)] for sheet in self.sheets], "groups": self.groups, "certified": self.certified,
-            "stopped": self.stopped, "unmatched": self.unmatched,
-        }  # fmt: skip
+            "mechanism": self.mechanism.name,
+            "axes": [[a.name, a.low, a.high] for a in self.axes],
+            "n": self.n,
+            **({"joints": last} if plain else {"given": dict(zip(self.names, last, strict=True))}),
+            "counts": [len(found) for found in self.found[:-1]],
+            "sheets": [[list(node) for node in sorted(sheet)] for sheet in self.sheets],
+            "groups": self.groups,
+            "certified": self.certified,
+            "stopped": self.stopped,
+            "unmatched": self.unmatched,
+        }
 
     def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
         """Counts of points, modes, sheets and edges, and the chosen input's modes that connect."""
@@ -121,27 +139,43 @@ class ModeGraph(Result):
         groups = "; ".join(" and ".join(str(k + 1) for k in group) for group in self.groups)
         proved = "each proved in ball arithmetic" if self.certified else "not proved"
         text = (
-            f"{self.mechanism.name}: {' x '.join(str(self.n) for _ in self.axes)} points over {named}: {sum(map(len, self.found[:-1]))} modes on "
-            f"{len(self.sheets)} sheets, {len(self.edges)} edges without a singularity ({proved}); modes of the chosen input that "
+            f"{self.mechanism.name}: {' x '.join(str(self.n) for _ in self.axes)} points over "
+            f"{named}: {sum(map(len, self.found[:-1]))} modes on "
+            f"{len(self.sheets)} sheets, {len(self.edges)} edges without a singularity ({proved}); "
+            f"modes of the chosen input that "
             f"connect without a singularity: {groups or 'none'}"
         )
-        missing = f"; {self.unmatched} followed modes are missing in the enumeration" if self.unmatched else ""
+        missing = (
+            f"; {self.unmatched} followed modes are missing in the enumeration"
+            if self.unmatched
+            else ""
+        )
         return Summary([text + missing])
 
 
 def mode_graph(
-    mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int, *, joints: Joints | None = None,
-    given: Values | None = None, progress: Progress | None = None,
-) -> ModeGraph:  # fmt: skip
-    """Find which modes connect without a singularity over one or two known coordinates: their graph on n or n x n points.
+    mechanism: Mechanism,
+    axes: Sequence[Axis | tuple[str, float, float]],
+    n: int,
+    *,
+    joints: Joints | None = None,
+    given: Values | None = None,
+    progress: Progress | None = None,
+) -> ModeGraph:
+    """Find which modes connect without a singularity over one or two known coordinates: their graph
+    on n or n x n points.
 
-    Nodes are the modes at each point, found by complete enumeration; edges join those that `track` carries from one point to
-    its neighbour without a singularity. Modes of the chosen input that are on one connected set of nodes can be exchanged without
-    a singularity (Innocenti and Parenti-Castelli 1998); a finer grid can join more, and never parts what is joined.
+    Nodes are the modes at each point, found by complete enumeration; edges join those that `track`
+    carries from one point to its neighbour without a singularity. Modes of the chosen input that
+    are on one connected set of nodes can be exchanged without a singularity (Innocenti and
+    Parenti-Castelli 1998); a finer grid can join more, and never parts what is joined.
 
-    `axes` are one or two actuated joints, each with a range in its unit, `n` (2 to 100) the points along each. `joints` is the chosen
-    input, in file order or by name, and holds the other joints (default: the example's, else the reference's); or `given`, values of
-    any coordinates by name, as many as the mobility, of which the axes are then one or two. Joint limits are left out of account. `progress` is called with the points and edges done and their number. Raises InputError.
+    `axes` are one or two actuated joints, each with a range in its unit, `n` (2 to 100) the points
+    along each. `joints` is the chosen input, in file order or by name, and holds the other joints
+    (default: the example's, else the reference's); or `given`, values of any coordinates by name,
+    as many as the mobility, of which the axes are then one or two. Joint limits are left out of
+    account. `progress` is called with the points and edges done and their number. Raises
+    InputError.
 
         >>> from symkin import Joint, Limb, Mechanism, mode_graph
         >>> z = (0, 0, 1)
@@ -157,7 +191,8 @@ def mode_graph(
     require_mechanism(mechanism)
     if mechanism.serial and (given is None or plain_kind(mechanism, given) is not None):
         raise InputError(
-            f"{mechanism.name} is a serial arm: its joint values have one assembly mode, and there is nothing to join"
+            f"{mechanism.name} is a serial arm: its joint values have one assembly mode, and there "
+            f"is nothing to join"
         )
     names, chosen = _chosen_input(mechanism, joints, given)
     pair = _checked(mechanism, axes, n, names)
@@ -174,7 +209,10 @@ def mode_graph(
         for k, mode in enumerate(found[a]):
             followed = track(mechanism, given=path, start=mode, limits=False, name_modes=False)
             joined = _number_at_end(followed, found[b]) if followed.reached else None
-            stopped, unmatched = stopped + (not followed.reached), unmatched + (followed.reached and joined is None)
+            stopped, unmatched = (
+                stopped + (not followed.reached),
+                unmatched + (followed.reached and joined is None),
+            )
             if joined is not None:
                 edges.append(((a, k), (b, joined)))
                 certified = certified and followed.certified
@@ -202,37 +240,56 @@ def _number_at_end(followed: Track, there: Modes) -> int | None:
     return mode_number(problem, there, problem.select_values(end.values, problem.system.unknowns))
 
 
-def _chosen_input(mechanism: Mechanism, joints: Joints | None, given: Values | None) -> tuple[tuple[str, ...], np.ndarray]:
+def _chosen_input(
+    mechanism: Mechanism, joints: Joints | None, given: Values | None
+) -> tuple[tuple[str, ...], np.ndarray]:
     """The known coordinates and their values at the chosen input, in the mechanism's units."""
     if given is None:
         chosen = np.array(given_from(mechanism, joints, None).echo.get("joints", []))
         if not len(chosen):
-            raise InputError(f"joints: the example of {mechanism.name} gives a pose; give all actuated joints")
+            raise InputError(
+                f"joints: the example of {mechanism.name} gives a pose; give all actuated joints"
+            )
         return tuple(c.name for c in mechanism.actuated), chosen
     if joints is not None:
         raise InputError("given: values by name and joints beside them; give one of them")
     read = given_by_name(mechanism, given)
     if "pose" in read.echo:
-        raise InputError("given: a whole pose is no coordinate of a graph of modes; give x, y, z, azimuth, tilt and torsion")
+        raise InputError(
+            "given: a whole pose is no coordinate of a graph of modes; give x, y, z, azimuth, tilt "
+            "and torsion"
+        )
     return tuple(read.echo), np.array(list(read.echo.values()))
 
 
 def _checked(
-    mechanism: Mechanism, axes: Sequence[Axis | tuple[str, float, float]], n: int, names: tuple[str, ...]
+    mechanism: Mechanism,
+    axes: Sequence[Axis | tuple[str, float, float]],
+    n: int,
+    names: tuple[str, ...],
 ) -> tuple[Axis, ...]:
     for axis in axes:
         if not isinstance(axis, Axis) and len(axis) != 3:
-            raise InputError(f"axes: {axis!r}; a name and a range are needed, as in ('q1', 0.0, 90.0)")
+            raise InputError(
+                f"axes: {axis!r}; a name and a range are needed, as in ('q1', 0.0, 90.0)"
+            )
     chosen = tuple(axis if isinstance(axis, Axis) else Axis(*axis) for axis in axes)
     if len(chosen) not in (1, 2) or len({axis.name for axis in chosen}) < len(chosen):
-        raise InputError(f"axes: {len(chosen)} given; one or two different known coordinates are needed, each with a range")
+        raise InputError(
+            f"axes: {len(chosen)} given; one or two different known coordinates are needed, each "
+            f"with a range"
+        )
     for axis in chosen:
         if axis.name not in names:
             raise InputError(
-                f"axes: {axis.name!r} is no known coordinate of {mechanism.name}{meant(axis.name, names)}; allowed: {', '.join(names)}"
+                f"axes: {axis.name!r} is no known coordinate of "
+                f"{mechanism.name}{meant(axis.name, names)}; allowed: {', '.join(names)}"
             )
         if not (np.isfinite([axis.low, axis.high]).all() and axis.low < axis.high):
-            raise InputError(f"axes: the range {axis.low} to {axis.high} of {axis.name} is none; low below high is needed")
+            raise InputError(
+                f"axes: the range {axis.low} to {axis.high} of {axis.name} is none; low below high "
+                f"is needed"
+            )
     if n < 2 or n * n > _MOST_POINTS:
         raise InputError(f"n = {n}; allowed: 2 to {int(_MOST_POINTS**0.5)}")
     return chosen
@@ -246,7 +303,9 @@ def _grid(names: tuple[str, ...], axes: tuple[Axis, ...], n: int, chosen: np.nda
     return inputs
 
 
-def _grid_edges(n: int, inputs: np.ndarray, axes: tuple[Axis, ...], names: tuple[str, ...]) -> Iterator[tuple[int, int]]:
+def _grid_edges(
+    n: int, inputs: np.ndarray, axes: tuple[Axis, ...], names: tuple[str, ...]
+) -> Iterator[tuple[int, int]]:
     """The grid's edges, then one from the chosen input to the nearest grid point."""
     for k in range(len(inputs) - 1):
         if (k + 1) % n:
@@ -254,7 +313,9 @@ def _grid_edges(n: int, inputs: np.ndarray, axes: tuple[Axis, ...], names: tuple
         if len(axes) == 2 and k + n < len(inputs) - 1:
             yield k, k + n
     columns = [names.index(axis.name) for axis in axes]
-    away = np.abs(inputs[:-1, columns] - inputs[-1, columns]) / [axis.high - axis.low for axis in axes]
+    away = np.abs(inputs[:-1, columns] - inputs[-1, columns]) / [
+        axis.high - axis.low for axis in axes
+    ]
     yield len(inputs) - 1, int(np.argmin(away.sum(axis=1)))
 
 

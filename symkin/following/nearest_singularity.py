@@ -21,9 +21,13 @@ _SAME = 1e-9
 """Singular values that differ by less than this share are the same."""
 
 
-def nearest_to_singularity(branch: Branch, problem: Problem, trajectory: Trajectory) -> PathPoint | None:
-    """Where the smallest singular value of the blocks' unknowns is least among the ends of steps and, by golden section, between
-    the neighbours of the least one; the singular stop where there is one, None where no step was needed."""
+def nearest_to_singularity(
+    branch: Branch, problem: Problem, trajectory: Trajectory
+) -> PathPoint | None:
+    """Where the smallest singular value of the blocks' unknowns is least among the ends of steps
+    and, by golden section, between the neighbours of the least one; the singular stop where there
+    is one, None where no step was needed.
+    """
     blocks = [block for block in branch.blocks if block.passed]
     if not blocks:
         return None
@@ -33,18 +37,25 @@ def nearest_to_singularity(branch: Branch, problem: Problem, trajectory: Traject
     least = min(p.sigma for p in block.passed)
     # where a branch comes back to itself its first place is its last one too, with other neighbours
     equal = [k for k, p in enumerate(block.passed) if p.sigma <= least * (1.0 + _SAME)][:2]
-    there, u = min((_least_near(block, trajectory, k) for k in equal), key=lambda found: found[0])[1:]
+    there, u = min((_least_near(block, trajectory, k) for k in equal), key=lambda found: found[0])[
+        1:
+    ]
     unknown = np.empty(problem.system.width)
     for each in branch.blocks:
         unknown[each.system.places] = each.system.unknown(_between(each, trajectory, there.row, u))
     return PathPoint(there.row, u, unknown, None)
 
 
-def _least_near(block: BlockFollower, trajectory: Trajectory, k: int) -> tuple[float, Station, float]:
+def _least_near(
+    block: BlockFollower, trajectory: Trajectory, k: int
+) -> tuple[float, Station, float]:
     """The least singular value between the neighbours of the end of a step, this end, and where
     (u) it is."""
     there = block.passed[k]
-    low, high = (p if p is not None and p.row == there.row else there for p in (_at(block, k - 1), _at(block, k + 1)))
+    low, high = (
+        p if p is not None and p.row == there.row else there
+        for p in (_at(block, k - 1), _at(block, k + 1))
+    )
     value, u = _least(block, trajectory, (low, there, high))
     return value, there, u
 
@@ -53,7 +64,9 @@ def _at(block: BlockFollower, k: int) -> Station | None:
     return block.passed[k] if 0 <= k < len(block.passed) else None
 
 
-def _least(block: BlockFollower, trajectory: Trajectory, around: tuple[Station, Station, Station]) -> tuple[float, float]:
+def _least(
+    block: BlockFollower, trajectory: Trajectory, around: tuple[Station, Station, Station]
+) -> tuple[float, float]:
     """The least singular value between two ends of steps, not above that of the end between
     them, and its u."""
     a, b = around[0].u, around[2].u
@@ -88,7 +101,9 @@ def _between(block: BlockFollower, trajectory: Trajectory, row: int, u: float) -
     own = [p for p in block.passed if p.row == row] or block.passed[-1:]
     before = max((p for p in own if p.u <= u), key=lambda p: p.u, default=own[0])
     after = min((p for p in own if p.u >= u), key=lambda p: p.u, default=own[-1])
-    station = station_near(interval_of(block.system, trajectory, row), row, _interpolated(before, after, u), u)
+    station = station_near(
+        interval_of(block.system, trajectory, row), row, _interpolated(before, after, u), u
+    )
     return station.z if station.is_regular else _interpolated(before, after, u)
 
 

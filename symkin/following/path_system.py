@@ -1,8 +1,9 @@
-"""Write a block's rows along one interval of a path: G(y; c) = 0 for y = (z, u), the unknowns and the path parameter.
+"""Write a block's rows along one interval of a path: G(y; c) = 0 for y = (z, u), the unknowns and
+the path parameter.
 
-Lengths among the unknowns z are over the size, and so are the rows; angles and unit quaternions are as they are, and each
-quaternion has a row (q.q - 1) / 2 = 0 of its own. The coefficients c are the interval's ends (see `trajectory`), so that one
-graph serves all intervals.
+Lengths among the unknowns z are over the size, and so are the rows; angles and unit quaternions are
+as they are, and each quaternion has a row (q.q - 1) / 2 = 0 of its own. The coefficients c are the
+interval's ends (see `trajectory`), so that one graph serves all intervals.
 """
 
 from __future__ import annotations
@@ -24,16 +25,20 @@ from symkin.pool import Pool
 from symkin.position.problem import Problem
 
 NEWTON_ARRIVED = 1e-7
-"""A Newton step below this (over the size, or rad) is that of a root: the next one would be its square."""
+"""A Newton step below this (over the size, or rad) is that of a root: the next one would be its
+square.
+"""
 _NEWTON_STEPS = 8
 """Newton steps at most; from a good prediction two or three suffice."""
 
 
 @dataclass(frozen=True, eq=False)
 class PathSystem:
-    """Rows G (m,) in y (w + 1,) with coefficients c. `scale` (w,): an unknown is `scale` times its part of y.
-    `system` is the block, `places` (w,) where its unknowns stand among those of the problem.
-    `is_square`: as many rows as unknowns, so that a regular root of some combinations of rows is one of all."""
+    """Rows G (m,) in y (w + 1,) with coefficients c. `scale` (w,): an unknown is `scale` times its
+    part of y. `system` is the block, `places` (w,) where its unknowns stand among those of the
+    problem. `is_square`: as many rows as unknowns, so that a regular root of some combinations of
+    rows is one of all.
+    """
 
     problem: Problem
     system: System
@@ -60,7 +65,12 @@ class PathSystem:
     @cached_property
     def has_series(self) -> bool:
         """Whether the rows can be evaluated along power series over balls."""
-        operations = {op for op, *_ in instructions(ca.Function("rows", [self.y, self.c], [ca.densify(self.rows)]))}
+        operations = {
+            op
+            for op, *_ in instructions(
+                ca.Function("rows", [self.y, self.c], [ca.densify(self.rows)])
+            )
+        }
         return not operations & {ca.OP_SQRT, ca.OP_ATAN2}
 
     @cached_property
@@ -70,7 +80,9 @@ class PathSystem:
 
     @cached_property
     def second(self) -> tuple[BallFunction, tuple[float, ...]]:
-        """The derivative of dG/dy along d over balls, row by row in (y, d), and the constants that follow c as its knowns."""
+        """The derivative of dG/dy along d over balls, row by row in (y, d), and the constants that
+        follow c as its knowns.
+        """
         rows, constants, values = raise_constants(self.rows, self.y, self.c)
         d = ca.SX.sym("d", self.width + 1)
         along = ca.jtimes(ca.vec(ca.jacobian(rows, self.y).T), self.y, d)
@@ -93,7 +105,12 @@ class PathSystem:
     def _make_buffer(self) -> tuple[Any, ...]:
         """The function with its memory: y, c, values, jacobian (transposed), and the call."""
         buffer, call = self._function.buffer()
-        shapes = [(self.width + 1,), (int(self.c.shape[0]),), (self.count,), (self.width + 1, self.count)]
+        shapes = [
+            (self.width + 1,),
+            (int(self.c.shape[0]),),
+            (self.count,),
+            (self.width + 1, self.count),
+        ]
         arrays = [np.zeros(shape) for shape in shapes]
         for k in (0, 1):
             buffer.set_arg(k, arrays[k].data)
@@ -107,9 +124,13 @@ class PathSystem:
             call()
             return values.copy(), jacobian.T.copy()
 
-    def correct(self, y: np.ndarray, c: np.ndarray, direction: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray, float]:
-        """Newton (Gauss-Newton where rows are redundant) at a fixed u, or on the hyperplane through y across a direction: y and
-        dG/dy there, and the size of the last step (infinite where rows are not finite)."""
+    def correct(
+        self, y: np.ndarray, c: np.ndarray, direction: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray, float]:
+        """Newton (Gauss-Newton where rows are redundant) at a fixed u, or on the hyperplane through
+        y across a direction: y and dG/dy there, and the size of the last step (infinite where rows
+        are not finite).
+        """
         size = np.inf
         for _ in range(_NEWTON_STEPS):
             values, jacobian = self.evaluate(y, c)
@@ -131,7 +152,9 @@ class PathSystem:
 
 
 def least_squares(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """x with matrix x = right, by least squares where rows are redundant; NaN where there is none."""
+    """x with matrix x = right, by least squares where rows are redundant; NaN where there is
+    none.
+    """
     try:
         if matrix.shape[0] == matrix.shape[1]:
             return np.asarray(np.linalg.solve(matrix, right))
@@ -142,12 +165,16 @@ def least_squares(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=128)
 def path_systems(problem: Problem) -> tuple[PathSystem, ...]:
-    """The rows of each independent block of a problem along an interval; built once for each problem."""
+    """The rows of each independent block of a problem along an interval; built once for each
+    problem.
+    """
     return tuple(_path_system(problem, block) for block in _independent(problem))
 
 
 def _independent(problem: Problem) -> tuple[System, ...]:
-    """The independent parts of a problem; those of coordinates told by name are what rows and checks join."""
+    """The independent parts of a problem; those of coordinates told by name are what rows and
+    checks join.
+    """
     if problem.kind != "given":
         return problem.blocks
     return split_blocks(problem.system, incidence_of(problem.system.errors, problem.system))
@@ -156,13 +183,20 @@ def _independent(problem: Problem) -> tuple[System, ...]:
 def _path_system(problem: Problem, system: System) -> PathSystem:
     size = problem.closure.characteristic_length
     y = ca.SX.sym("y", system.width + 1)
-    scale = np.concatenate([np.full(c.width, size if c.kind == "length" else 1.0) for c in system.unknowns] or [np.zeros(0)])
+    scale = np.concatenate(
+        [np.full(c.width, size if c.kind == "length" else 1.0) for c in system.unknowns]
+        or [np.zeros(0)]
+    )
     known, coefficients = _known(problem.known_coordinates, y[system.width])
     rows = ca.substitute(
-        system.rows / size, ca.vertcat(system.unknown, system.known), ca.vertcat(ca.DM(scale) * y[: system.width], known)
+        system.rows / size,
+        ca.vertcat(system.unknown, system.known),
+        ca.vertcat(ca.DM(scale) * y[: system.width], known),
     )
     norms = [
-        0.5 * (ca.sumsqr(y[place]) - 1) for c, place in zip(system.unknowns, system.slices, strict=True) if c.kind == "quaternion"
+        0.5 * (ca.sumsqr(y[place]) - 1)
+        for c, place in zip(system.unknowns, system.slices, strict=True)
+        if c.kind == "quaternion"
     ]
     return PathSystem(problem, system, y, coefficients, ca.vertcat(rows, *norms), scale)
 
@@ -198,8 +232,14 @@ def coefficients(problem: Problem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def coefficient_scales(problem: Problem) -> np.ndarray:
-    """What rounding in each of the coefficients is relative to, beside its value: the size for lengths, 1 for others."""
+    """What rounding in each of the coefficients is relative to, beside its value: the size for
+    lengths, 1 for others.
+    """
     out: list[float] = []
     for c in problem.known_coordinates:
-        out += [1.0] * 9 if c.kind == "quaternion" else [problem.closure.characteristic_length if c.kind == "length" else 1.0] * 2
+        out += (
+            [1.0] * 9
+            if c.kind == "quaternion"
+            else [problem.closure.characteristic_length if c.kind == "length" else 1.0] * 2
+        )
     return np.array(out)

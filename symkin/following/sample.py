@@ -23,9 +23,12 @@ from symkin.spatial.pose import Pose
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """One configuration of the path. `values` are all variables of the closure, angles and quaternions continuing those
-    before, `readings` the coordinates of joints that a closure of coordinates by name leaves out; `parameter` runs from 0 to 1; `smallest_singular_value` is that of the unknowns' Jacobian (angles times the
-    size), zero at a singularity; `radius` (length unit) is proved to hold the one exact solution, None where it is not."""
+    """One configuration of the path. `values` are all variables of the closure, angles and
+    quaternions continuing those before, `readings` the coordinates of joints that a closure of
+    coordinates by name leaves out; `parameter` runs from 0 to 1; `smallest_singular_value` is that
+    of the unknowns' Jacobian (angles times the size), zero at a singularity; `radius` (length unit)
+    is proved to hold the one exact solution, None where it is not.
+    """
 
     problem: Problem
     parameter: float
@@ -40,11 +43,17 @@ class Sample:
 
     @cached_property
     def joints(self) -> dict[str, Any]:
-        """Joint coordinates in the mechanism's units, passive ones included; where values are told by name, those of all joints."""
+        """Joint coordinates in the mechanism's units, passive ones included; where values are told
+        by name, those of all joints.
+        """
         mechanism, closure = self.problem.mechanism, self.problem.closure
         out: dict[str, Any] = {}
         for c in listed_joints(self.problem):
-            part = self.readings[c.name] if c.name in self.readings else self.values[closure.slices[c.name]]
+            part = (
+                self.readings[c.name]
+                if c.name in self.readings
+                else self.values[closure.slices[c.name]]
+            )
             scalar = mechanism.angle_out(float(part[0])) if c.is_angular else float(part[0])
             out[c.name] = scalar if c.width == 1 else [float(v) for v in part]
         return out
@@ -97,12 +106,22 @@ class Sample:
 
 
 def listed_joints(problem: Problem) -> tuple[Coordinate, ...]:
-    """The joint coordinates of samples: of all joints in file order where values are told by name, else those of the closure."""
-    return problem.mechanism.coordinates if problem.kind == "given" else problem.closure.role("actuated", "passive")
+    """The joint coordinates of samples: of all joints in file order where values are told by name,
+    else those of the closure.
+    """
+    return (
+        problem.mechanism.coordinates
+        if problem.kind == "given"
+        else problem.closure.role("actuated", "passive")
+    )
 
 
 def make_sample(
-    trajectory: Trajectory, problem: Problem, place: PathPoint, before: Sample | None, way: Way | None = None
+    trajectory: Trajectory,
+    problem: Problem,
+    place: PathPoint,
+    before: Sample | None,
+    way: Way | None = None,
 ) -> Sample:
     """One configuration of the path with its checks; its quaternion continues the one before,
     and what angles of joints that the closure leaves out have turned is counted along the
@@ -124,11 +143,15 @@ def make_sample(
         condition=problem.system.condition(unknown, known),
         smallest_singular_value=float(singular[-1]) if singular.size else 1.0,
         radius=place.radius,
-        readings=_readings(problem, values, before, _turned(trajectory, problem, row, way)) if problem.kind == "given" else {},
+        readings=_readings(problem, values, before, _turned(trajectory, problem, row, way))
+        if problem.kind == "given"
+        else {},
     )
 
 
-def _readings(problem: Problem, values: np.ndarray, before: Sample | None, turned: dict[str, float]) -> dict[str, np.ndarray]:
+def _readings(
+    problem: Problem, values: np.ndarray, before: Sample | None, turned: dict[str, float]
+) -> dict[str, np.ndarray]:
     """Coordinates of joints that the closure leaves out, as near as possible to those before and
     what they have turned since."""
     read = {name: part[0] for name, part in readings_at(problem.closure, values[None]).items()}
@@ -138,11 +161,15 @@ def _readings(problem: Problem, values: np.ndarray, before: Sample | None, turne
             read[c.name] = read[c.name] if read[c.name] @ last >= 0.0 else -read[c.name]
         elif c.kind == "angle":
             near = last + turned.get(c.name, 0.0)
-            read[c.name] = near + np.array([math.remainder(v, 2 * math.pi) for v in read[c.name] - near])
+            read[c.name] = near + np.array(
+                [math.remainder(v, 2 * math.pi) for v in read[c.name] - near]
+            )
     return read
 
 
-def _turned(trajectory: Trajectory, problem: Problem, row: int, way: Way | None) -> dict[str, float]:
+def _turned(
+    trajectory: Trajectory, problem: Problem, row: int, way: Way | None
+) -> dict[str, float]:
     """What angles of joints that the closure leaves out turn by along a way."""
     angles = [c.name for c in left_out(problem.closure) if c.kind == "angle"]
     if way is None or not angles:
@@ -150,9 +177,13 @@ def _turned(trajectory: Trajectory, problem: Problem, row: int, way: Way | None)
     found = dict.fromkeys(angles, 0.0)
     for ends, times in ((way.turn, way.times), (way.rest, 1)):
         if len(ends) > 1 and times:
-            values = np.array([problem.join_values(unknown, trajectory.at(row, u)) for u, unknown in ends])
+            values = np.array(
+                [problem.join_values(unknown, trajectory.at(row, u)) for u, unknown in ends]
+            )
             read = readings_at(problem.closure, values)
             for name in angles:
                 steps = np.diff(read[name][:, 0])
-                found[name] += times * float(np.sum(steps - 2 * math.pi * np.round(steps / (2 * math.pi))))
+                found[name] += times * float(
+                    np.sum(steps - 2 * math.pi * np.round(steps / (2 * math.pi)))
+                )
     return found

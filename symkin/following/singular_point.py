@@ -1,13 +1,16 @@
-"""Locate singular points of a branch G(z, u) = 0 in doubles: where dG/dz loses rank ahead of a regular point of it.
+"""Locate singular points of a branch G(z, u) = 0 in doubles: where dG/dz loses rank ahead of a
+regular point of it.
 
-A turning point is a root of G = 0, dG/dz v = 0, v0.v = 1 (v0 an estimate of v), at which the branch turns back in u:
+A turning point is a root of G = 0, dG/dz v = 0, v0.v = 1 (v0 an estimate of v), at which the branch
+turns back in u:
 
     u = u* + (1/2) u'' t^2,    u'' = - w.(d2G/dz2 v v) / (w.dG/du),    w dG/dz = 0.
 
-At a bifurcation [dG/dz, dG/du] loses rank too: k >= 2 independent null vectors V of it, and G = 0, [dG/dz, dG/du] V = 0, V0.V = 1
-with V0 their estimate has more equations than unknowns, but a root; both are solved by Gauss-Newton on all rows (Moore and Spence
-1980; Seydel, Practical Bifurcation and Stability Analysis, 2010). The law of u follows by differentiating G(z(t), u(t)) = 0 twice
-at u' = 0: d2G/dz2 v v + dG/dz z'' + dG/du u'' = 0, times w.
+At a bifurcation [dG/dz, dG/du] loses rank too: k >= 2 independent null vectors V of it, and G = 0,
+[dG/dz, dG/du] V = 0, V0.V = 1 with V0 their estimate has more equations than unknowns, but a root;
+both are solved by Gauss-Newton on all rows (Moore and Spence 1980; Seydel, Practical Bifurcation
+and Stability Analysis, 2010). The law of u follows by differentiating G(z(t), u(t)) = 0 twice at
+u' = 0: d2G/dz2 v v + dG/dz z'' + dG/du u'' = 0, times w.
 """
 
 from __future__ import annotations
@@ -27,18 +30,24 @@ PointKind = Literal["turning point", "bifurcation", "degenerate"]
 _CONVERGED = 1e-11
 """Rows and null vectors of an accepted singular point, dimensionless, are below this."""
 _BIFURCATION_CONVERGED = 10 * np.finfo(float).eps
-"""The same for a bifurcation, whose equations are more than its unknowns: what is left there beyond rounding (2e-16 at most for
-parallelograms, deltas and five-bars that do branch) is the distance by which the path misses it."""
+"""The same for a bifurcation, whose equations are more than its unknowns: what is left there beyond
+rounding (2e-16 at most for parallelograms, deltas and five-bars that do branch) is the distance by
+which the path misses it.
+"""
 _MOST_STEPS = 25
 _LED_THERE = 0.3
 """The distance to a singular point may differ by this share from what the branch's slope says."""
 _LEAST_CURVATURE = 1e-6
-"""A turning point whose curvature u'' is below this is degenerate: three modes or more meet there."""
+"""A turning point whose curvature u'' is below this is degenerate: three modes or more meet
+there.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class SingularPoint:
-    """`y` = (z, u) there, `null` (w, k) the null vectors of dG/dz as columns, `curvature` d2u/dt2 along a single one."""
+    """`y` = (z, u) there, `null` (w, k) the null vectors of dG/dz as columns, `curvature` d2u/dt2
+    along a single one.
+    """
 
     kind: PointKind
     y: np.ndarray
@@ -50,13 +59,18 @@ class SingularPoint:
         return float(self.y[-1])
 
 
-def find_singular_point(system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.ndarray) -> SingularPoint | None:
-    """The singular point ahead of y on its branch, slope dz/du, or None where none is found or what is found does not lie
-    where the branch leads."""
+def find_singular_point(
+    system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.ndarray
+) -> SingularPoint | None:
+    """The singular point ahead of y on its branch, slope dz/du, or None where none is found or what
+    is found does not lie where the branch leads.
+    """
     return _turning_point(system, c, y, slope) or _bifurcation(system, c, y, slope)
 
 
-def _turning_point(system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.ndarray) -> SingularPoint | None:
+def _turning_point(
+    system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.ndarray
+) -> SingularPoint | None:
     _, jacobian = system.evaluate(y, c)
     null = np.linalg.svd(jacobian[:, :-1])[2][-1:].T
     found = _gauss_newton(system, c, y, null, whole=False)
@@ -68,7 +82,9 @@ def _turning_point(system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.n
     return _classified(system, c, there, null[:, 0] / np.linalg.norm(null))
 
 
-def _bifurcation(system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.ndarray) -> SingularPoint | None:
+def _bifurcation(
+    system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.ndarray
+) -> SingularPoint | None:
     _, jacobian = system.evaluate(y, c)
     _, singular, right = np.linalg.svd(jacobian)
     small = 1 + int(np.sum(singular[: system.width] < 3.0 * singular[system.width - 1]))
@@ -82,12 +98,19 @@ def _bifurcation(system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.nda
 
 
 def _is_where_led(actual: np.ndarray, expected: np.ndarray) -> bool:
-    return float(np.linalg.norm(actual - expected)) <= _LED_THERE * float(np.linalg.norm(actual)) + 1e-10
+    return (
+        float(np.linalg.norm(actual - expected))
+        <= _LED_THERE * float(np.linalg.norm(actual)) + 1e-10
+    )
 
 
-def _classified(system: PathSystem, c: np.ndarray, y: np.ndarray, null: np.ndarray | None) -> SingularPoint | None:
-    """Which kind it is, by the ranks of dG/dz and of [dG/dz, dG/du] and the curvature there. `null` is that of a turning point;
-    one at which the ranks are those of a bifurcation is none: whether branches meet, the equations of a bifurcation say."""
+def _classified(
+    system: PathSystem, c: np.ndarray, y: np.ndarray, null: np.ndarray | None
+) -> SingularPoint | None:
+    """Which kind it is, by the ranks of dG/dz and of [dG/dz, dG/du] and the curvature there. `null`
+    is that of a turning point; one at which the ranks are those of a bifurcation is none: whether
+    branches meet, the equations of a bifurcation say.
+    """
     _, jacobian = system.evaluate(y, c)
     _, singular, right = np.linalg.svd(jacobian[:, :-1])
     whole = np.linalg.svd(jacobian, compute_uv=False)
@@ -99,12 +122,20 @@ def _classified(system: PathSystem, c: np.ndarray, y: np.ndarray, null: np.ndarr
         return None if null is not None else SingularPoint("bifurcation", y, basis, 0.0)
     v = basis[:, 0] if null is None else null
     curvature = _curvature(system, c, y, v, jacobian)
-    return SingularPoint("turning point" if abs(curvature) > _LEAST_CURVATURE else "degenerate", y, v[:, None], curvature)
+    return SingularPoint(
+        "turning point" if abs(curvature) > _LEAST_CURVATURE else "degenerate",
+        y,
+        v[:, None],
+        curvature,
+    )
 
 
-def _curvature(system: PathSystem, c: np.ndarray, y: np.ndarray, v: np.ndarray, jacobian: np.ndarray) -> float:
-    """u'' with dz/dt = v: the second derivative of the rows by central differences of dG/dy, and least squares in
-    (z'', u'')."""
+def _curvature(
+    system: PathSystem, c: np.ndarray, y: np.ndarray, v: np.ndarray, jacobian: np.ndarray
+) -> float:
+    """u'' with dz/dt = v: the second derivative of the rows by central differences of dG/dy, and
+    least squares in (z'', u'').
+    """
     step = 1e-5 * np.append(v, 0.0)
     second = (system.evaluate(y + step, c)[1] - system.evaluate(y - step, c)[1])[:, :-1] @ v / 2e-5
     return float(np.linalg.lstsq(jacobian, -second, rcond=1e-9)[0][-1])
@@ -113,7 +144,9 @@ def _curvature(system: PathSystem, c: np.ndarray, y: np.ndarray, v: np.ndarray, 
 def _gauss_newton(
     system: PathSystem, c: np.ndarray, y: np.ndarray, null: np.ndarray, *, whole: bool
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """y and null vectors (as columns) at a root of the extended rows, None where the iteration does not settle."""
+    """y and null vectors (as columns) at a root of the extended rows, None where the iteration does
+    not settle.
+    """
     extended = _extended(system, null.shape[1], whole)
     fixed = null.ravel("F")
     n, x, size = system.width + 1, np.concatenate([y, fixed]), np.inf
@@ -129,13 +162,18 @@ def _gauss_newton(
         if size < 1e-14 or (size < 1e-9 and size > 0.3 * before):
             break
     left = float(np.max(np.abs(np.asarray(extended(x, c, fixed)[0]))))
-    return (x[:n], x[n:].reshape(null.shape, order="F")) if left < (_BIFURCATION_CONVERGED if whole else _CONVERGED) else None
+    return (
+        (x[:n], x[n:].reshape(null.shape, order="F"))
+        if left < (_BIFURCATION_CONVERGED if whole else _CONVERGED)
+        else None
+    )
 
 
 @lru_cache(maxsize=128)
 def _extended(system: PathSystem, count: int, whole: bool) -> ca.Function:
-    """(y, null vectors; c; their estimate) to the extended rows and their Jacobian. `whole`: null vectors of dG/dy, else of
-    dG/dz."""
+    """(y, null vectors; c; their estimate) to the extended rows and their Jacobian. `whole`: null
+    vectors of dG/dy, else of dG/dz.
+    """
     length = system.width + int(whole)
     vectors = ca.SX.sym("v", length, count)
     fixed = ca.SX.sym("v0", length, count)
@@ -149,7 +187,9 @@ def _extended(system: PathSystem, count: int, whole: bool) -> ca.Function:
 
 @lru_cache(maxsize=128)
 def turning_system(system: PathSystem) -> PathSystem:
-    """G = 0 and dG/dz v = 0 in (z, v, u): 2 w rows, to be completed by v0.v = 1, for a proof of a turning point."""
+    """G = 0 and dG/dz v = 0 in (z, v, u): 2 w rows, to be completed by v0.v = 1, for a proof of a
+    turning point.
+    """
     w = system.width
     v = ca.SX.sym("v", w)
     rows = ca.vertcat(system.rows, ca.mtimes(ca.jacobian(system.rows, system.y)[:, :w], v))

@@ -1,4 +1,6 @@
-"""Points of one block's branch: a root of its rows at a path parameter, the slope there, and the box that holds no other root."""
+"""Points of one block's branch: a root of its rows at a path parameter, the slope there, and the
+box that holds no other root.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,10 @@ from symkin.numeric.balls import UP, precision, upper
 
 @dataclass(frozen=True, eq=False)
 class Station:
-    """A point of the branch: y = (z, u) on interval `row`, the slope dz/du, and the half widths (w + 1,) of the box in which
-    it is the only root at its u, None where that is not proved; `sigma` is the smallest singular value of dG/dz."""
+    """A point of the branch: y = (z, u) on interval `row`, the slope dz/du, and the half widths
+    (w + 1,) of the box in which it is the only root at its u, None where that is not proved;
+    `sigma` is the smallest singular value of dG/dz.
+    """
 
     row: int
     y: np.ndarray
@@ -52,11 +56,15 @@ class Station:
 def interval_of(system: PathSystem, trajectory: Trajectory, row: int) -> Interval:
     """The rows along the interval after sample `row`; about the last sample they stand still."""
     samples = trajectory.samples
-    return Interval(system, coefficients(system.problem, samples[row], samples[min(row + 1, len(samples) - 1)]))
+    return Interval(
+        system, coefficients(system.problem, samples[row], samples[min(row + 1, len(samples) - 1)])
+    )
 
 
 def station_near(interval: Interval, row: int, z: np.ndarray, u: float) -> Station:
-    """The station that Newton reaches from z at a fixed u; its slope is NaN where it reaches none."""
+    """The station that Newton reaches from z at a fixed u; its slope is NaN where it reaches
+    none.
+    """
     y, jacobian, size = interval.system.correct(np.append(z, u), interval.c)
     if not size < NEWTON_ARRIVED:
         return Station(row, y, slope=np.full(len(z), np.nan), half=None)
@@ -66,7 +74,11 @@ def station_near(interval: Interval, row: int, z: np.ndarray, u: float) -> Stati
 def station_at(interval: Interval, row: int, y: np.ndarray, jacobian: np.ndarray) -> Station:
     """The station at a root y with dG/dy there: dz/du = -(dG/dz)^-1 dG/du."""
     slope = -least_squares(jacobian[:, :-1], jacobian[:, -1])
-    singular = np.linalg.svd(jacobian[:, :-1], compute_uv=False) if len(y) > 1 and np.isfinite(jacobian).all() else np.zeros(0)
+    singular = (
+        np.linalg.svd(jacobian[:, :-1], compute_uv=False)
+        if len(y) > 1 and np.isfinite(jacobian).all()
+        else np.zeros(0)
+    )
     sigma = float(singular[-1]) if len(singular) == len(y) - 1 and len(singular) else math.nan
     return Station(row, y, slope, interval.point(y, along_parameter(len(y)), jacobian), sigma)
 
@@ -77,14 +89,19 @@ def along_parameter(n: int) -> np.ndarray:
 
 
 def redundant_rows_bound(interval: Interval, y: np.ndarray) -> float:
-    """An upper bound (length unit) of every row at the one exact root near y, at its u, of as many independent rows as
-    unknowns; infinite where no such root is proved."""
+    """An upper bound (length unit) of every row at the one exact root near y, at its u, of as many
+    independent rows as unknowns; infinite where no such root is proved.
+    """
     system = interval.system
     jacobian = interval.evaluate(y)[1]
-    chosen = tuple(np.flatnonzero(most_independent(jacobian[None, :, :-1], system.width)[0]).tolist())
+    chosen = tuple(
+        np.flatnonzero(most_independent(jacobian[None, :, :-1], system.width)[0]).tolist()
+    )
     if len(chosen) < system.width:
         return float("inf")
-    half = Interval(_with_rows(system, chosen), interval.c).point(y, along_parameter(len(y)), jacobian[list(chosen)])
+    half = Interval(_with_rows(system, chosen), interval.c).point(
+        y, along_parameter(len(y)), jacobian[list(chosen)]
+    )
     if half is None:
         return float("inf")
     with precision(BITS):

@@ -1,16 +1,19 @@
-"""Prove that a branch of G(y; c) = 0 runs through a tube, by Krawczyk's operator in ball arithmetic (Krawczyk 1969; see
-`certificate.krawczyk`).
+"""Prove that a branch of G(y; c) = 0 runs through a tube, by Krawczyk's operator in ball arithmetic
+(Krawczyk 1969; see `certificate.krawczyk`).
 
-About a curve p(t), 0 <= t <= h, with the linear row e.(y - p(t)) = 0 added, and for a box B about zero,
+About a curve p(t), 0 <= t <= h, with the linear row e.(y - p(t)) = 0 added, and for a box B about
+zero,
 
     K = -M G(p(t)) + (1 - M [dG/dy (p(t) + B); e]) B,    M about the inverse of [dG/dy; e],
 
-is enclosed for all t at once, by Taylor's formula about the middle of the curve with remainders over the tube. If K lies in the
-interior of B, then for each t there is exactly one root in p(t) + B on that hyperplane, and the branch is regular there. With e
-the direction of the path parameter u this is one solution for every u of the step, and dG/dz is regular: no singularity.
+is enclosed for all t at once, by Taylor's formula about the middle of the curve with remainders
+over the tube. If K lies in the interior of B, then for each t there is exactly one root in p(t) + B
+on that hyperplane, and the branch is regular there. With e the direction of the path parameter u
+this is one solution for every u of the step, and dG/dz is regular: no singularity.
 
-Where rows are redundant M is a pseudo-inverse; then at most one solution is proved, and its existence rests on the residual.
-The path's coefficients are balls of a radius of about 2e-15 (of the size, or rad), in which the samples as given lie.
+Where rows are redundant M is a pseudo-inverse; then at most one solution is proved, and its
+existence rests on the residual. The path's coefficients are balls of a radius of about 2e-15 (of
+the size, or rad), in which the samples as given lie.
 """
 
 from __future__ import annotations
@@ -22,7 +25,15 @@ import numpy as np
 from flint import arb, arb_mat
 
 from symkin.computed_once import cached_property
-from symkin.following.ball_matrices import balls, bounds, fixed_point, identity, inverse_with, matrix, sum_rounding
+from symkin.following.ball_matrices import (
+    balls,
+    bounds,
+    fixed_point,
+    identity,
+    inverse_with,
+    matrix,
+    sum_rounding,
+)
 from symkin.following.cubic import Cubic
 from symkin.following.path_system import PathSystem, coefficient_scales
 from symkin.numeric.balls import REAL, UP, precision, upper
@@ -30,8 +41,9 @@ from symkin.numeric.balls import REAL, UP, precision, upper
 BITS = 64
 """Precision of the balls: eleven bits more than the doubles about which they lie."""
 COEFFICIENT_RADIUS = 2.0**-49
-"""Radius of the coefficients' balls, relative to their values, or to the size and 1: what interpolation in double precision
-leaves out at the samples."""
+"""Radius of the coefficients' balls, relative to their values, or to the size and 1: what
+interpolation in double precision leaves out at the samples.
+"""
 LARGEST_FILL = 0.99
 """The image must lie in the box shrunk by this factor."""
 _TRIALS = 3
@@ -48,19 +60,27 @@ HELD_WIDTH = 1e-15
 
 @dataclass(frozen=True, eq=False)
 class Tube:
-    """A proof for one step: half widths (n,) of the box about the curve, and the largest share of it that the image fills.
-    `frame` (n, n): the box is spanned by its orthonormal columns, None: by the axes."""
+    """A proof for one step: half widths (n,) of the box about the curve, and the largest share of
+    it that the image fills. `frame` (n, n): the box is spanned by its orthonormal columns, None: by
+    the axes.
+    """
 
     half: np.ndarray
     tightness: float
     frame: np.ndarray | None = None
 
     def holds(self, half: np.ndarray | None) -> bool:
-        """Whether a box of these half widths about a point of the curve lies in the tube there, the path parameter apart."""
+        """Whether a box of these half widths about a point of the curve lies in the tube there, the
+        path parameter apart.
+        """
         if half is None:
             return False
         # the frame's inverse is its transpose but for rounding
-        across = half if self.frame is None else (np.abs(self.frame.T) @ half + 1e-13 * float(np.max(half))) * UP
+        across = (
+            half
+            if self.frame is None
+            else (np.abs(self.frame.T) @ half + 1e-13 * float(np.max(half))) * UP
+        )
         return bool((across[:-1] <= self.half[:-1]).all())
 
 
@@ -74,7 +94,9 @@ class Interval:
     @cached_property
     def _prepared(self) -> list[Any]:
         with precision(BITS):
-            spread = COEFFICIENT_RADIUS * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
+            spread = COEFFICIENT_RADIUS * np.maximum(
+                np.abs(self.c), coefficient_scales(self.system.problem)
+            )
             return self.system.balls.prepare(REAL, balls(self.c, spread))
 
     def evaluate(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -89,12 +111,16 @@ class Interval:
     def _prepared_second(self) -> list[Any]:
         function, constants = self.system.second
         with precision(BITS):
-            spread = COEFFICIENT_RADIUS * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
+            spread = COEFFICIENT_RADIUS * np.maximum(
+                np.abs(self.c), coefficient_scales(self.system.problem)
+            )
             return function.prepare(REAL, [*balls(self.c, spread), *constants])
 
     def tube(self, curve: Cubic, direction: np.ndarray, *ends: np.ndarray | None) -> Tube | None:
-        """A tube about the curve, or None where no box of those tried holds its image. `direction` is e; `ends` are half widths
-        of boxes about points of the curve, the path parameter apart, which the tube must hold."""
+        """A tube about the curve, or None where no box of those tried holds its image. `direction`
+        is e; `ends` are half widths of boxes about points of the curve, the path parameter apart,
+        which the tube must hold.
+        """
         if any(half is None for half in ends):
             return None
         inverse = inverse_with(self.evaluate(curve.at(0.5))[1], direction)
@@ -117,8 +143,12 @@ class Interval:
                     return None
         return None
 
-    def point(self, y: np.ndarray, direction: np.ndarray, jacobian: np.ndarray) -> np.ndarray | None:
-        """Half widths (n,) of a box about y that holds exactly one root on the hyperplane e.(x - y) = 0, or None."""
+    def point(
+        self, y: np.ndarray, direction: np.ndarray, jacobian: np.ndarray
+    ) -> np.ndarray | None:
+        """Half widths (n,) of a box about y that holds exactly one root on the hyperplane e.(x -
+        y) = 0, or None.
+        """
         inverse = inverse_with(jacobian, direction)
         if inverse is None:
             return None
@@ -136,9 +166,13 @@ class Interval:
                 half = half * 8.0
         return None
 
-    def tangent(self, y: np.ndarray, half: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """Centre and half width (n,) of a box that holds the branch's tangent, e.dy/ds = 1, at every root in y + box; None
-        where none is proved. With M about the inverse of [dG/dy; e], m its last column, dy/ds = m + (1 - M [dG/dy; e]) dy/ds."""
+    def tangent(
+        self, y: np.ndarray, half: np.ndarray, direction: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray] | None:
+        """Centre and half width (n,) of a box that holds the branch's tangent, e.dy/ds = 1, at
+        every root in y + box; None where none is proved. With M about the inverse of [dG/dy; e], m
+        its last column, dy/ds = m + (1 - M [dG/dy; e]) dy/ds.
+        """
         inverse = inverse_with(self.evaluate(y)[1], direction)
         if inverse is None:
             return None
@@ -146,12 +180,16 @@ class Interval:
             m = matrix(inverse)
             slope = self.system.balls.evaluate(1, balls(y, half), self._prepared)
             error = identity(len(y)) - m * arb_mat(m.ncols(), len(y), [*slope, *direction.tolist()])
-            away = fixed_point(error, (bounds(error) @ np.abs(inverse[:, -1])) * sum_rounding(len(y)))
+            away = fixed_point(
+                error, (bounds(error) @ np.abs(inverse[:, -1])) * sum_rounding(len(y))
+            )
         return None if away is None else (inverse[:, -1], away)
 
     def folds_once(self, curve: Cubic, direction: np.ndarray, tube: Tube) -> bool:
-        """Whether d2u/ds2 < 0 is proved for the branch in a tube over s = e.y, so that u has at most one extreme there.
-        With T a box that holds all tangents, d2y/ds2 = -M [d2G/dy2 T T; 0] + (1 - M [dG/dy; e]) d2y/ds2."""
+        """Whether d2u/ds2 < 0 is proved for the branch in a tube over s = e.y, so that u has at
+        most one extreme there. With T a box that holds all tangents, d2y/ds2 = -M [d2G/dy2 T T;
+        0] + (1 - M [dG/dy; e]) d2y/ds2.
+        """
         inverse = inverse_with(self.evaluate(curve.at(0.5))[1], direction)
         if inverse is None:
             return False
@@ -175,7 +213,9 @@ class Interval:
         g = self.system.balls.evaluate(0, balls(y, np.full(len(y), rounding)), self._prepared)
         return m * arb_mat(m.ncols(), 1, [*g, arb(0)])
 
-    def _image(self, m: arb_mat, start: arb_mat, y: np.ndarray, half: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    def _image(
+        self, m: arb_mat, start: arb_mat, y: np.ndarray, half: np.ndarray, direction: np.ndarray
+    ) -> np.ndarray:
         """Upper bounds (n,) of |K| at a point."""
         n = len(half)
         slope = self.system.balls.evaluate(1, balls(y, half), self._prepared)
@@ -183,9 +223,12 @@ class Interval:
         total = (identity(n) - through) * REAL.column(balls(np.zeros(n), half)) - start
         return np.array([upper(v) for v in total.entries()])
 
-    def _image_along(self, m: arb_mat, start: arb_mat, curve: Cubic, half: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """Upper bounds (n,) of |K| over a curve: G(p(t)) to second order and dG/dy to first about the middle, with remainders
-        over the whole tube."""
+    def _image_along(
+        self, m: arb_mat, start: arb_mat, curve: Cubic, half: np.ndarray, direction: np.ndarray
+    ) -> np.ndarray:
+        """Upper bounds (n,) of |K| over a curve: G(p(t)) to second order and dG/dy to first about
+        the middle, with remainders over the whole tube.
+        """
         n, rows = len(half), m.ncols() - 1
         velocity = REAL.column(balls(*curve.velocity))
         ball = REAL.column(balls(np.zeros(n), half))
@@ -193,22 +236,34 @@ class Interval:
         through = m * arb_mat(rows + 1, n, [*there.entries(), *direction.tolist()])
         late, square = arb(0, 0.5 * curve.length * UP), arb(0, 0.125 * curve.length**2 * UP)
         total = (identity(n) - through) * ball - start + _lifted(m, bend * ball) * late
-        at_middle = REAL.column(balls(curve.middle_velocity, np.full(n, 12.0 / curve.length * curve.rounding)))
+        at_middle = REAL.column(
+            balls(curve.middle_velocity, np.full(n, 12.0 / curve.length * curve.rounding))
+        )
         total = total + _lifted(m, there * at_middle) * late
         rest = bend * velocity + (there + bend * late) * REAL.column(balls(*curve.acceleration))
         total = total + _lifted(m, rest) * square
         return np.array([upper(v) for v in total.entries()])
 
     def _slopes(self, curve: Cubic, half: np.ndarray) -> tuple[arb_mat, arb_mat]:
-        """dG/dy about the middle of a tube, and its derivative along the curve over the whole tube."""
-        slope = self.system.balls.evaluate(1, balls(curve.at(0.5), half + curve.rounding), self._prepared)
-        return arb_mat(self.system.count, len(half), slope), self._bend(curve, half, balls(*curve.velocity))
+        """dG/dy about the middle of a tube, and its derivative along the curve over the whole
+        tube.
+        """
+        slope = self.system.balls.evaluate(
+            1, balls(curve.at(0.5), half + curve.rounding), self._prepared
+        )
+        return arb_mat(self.system.count, len(half), slope), self._bend(
+            curve, half, balls(*curve.velocity)
+        )
 
     def _bend(self, curve: Cubic, half: np.ndarray, along: list[arb]) -> arb_mat:
         """The derivative of dG/dy along a box of vectors over the whole tube."""
         centre, extent = curve.hull
         arguments = [*balls(centre, extent + half), *along]
-        return arb_mat(self.system.count, len(half), self.system.second[0].evaluate(0, arguments, self._prepared_second))
+        return arb_mat(
+            self.system.count,
+            len(half),
+            self.system.second[0].evaluate(0, arguments, self._prepared_second),
+        )
 
 
 def _lifted(m: arb_mat, column: arb_mat) -> arb_mat:
@@ -218,9 +273,12 @@ def _lifted(m: arb_mat, column: arb_mat) -> arb_mat:
 
 
 def _first_box(extent: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """A part of the extent of the curve in each unknown, and a little of the largest; next to nothing along the path parameter
-    where that is e."""
-    half = _FIRST_WIDTH * extent + _LEAST_FIRST_WIDTH * float(np.max(extent[:-1], initial=0.0)) + 1e-13
+    """A part of the extent of the curve in each unknown, and a little of the largest; next to
+    nothing along the path parameter where that is e.
+    """
+    half = (
+        _FIRST_WIDTH * extent + _LEAST_FIRST_WIDTH * float(np.max(extent[:-1], initial=0.0)) + 1e-13
+    )
     if direction[-1] == 1.0:
         half[-1] = HELD_WIDTH
     return half

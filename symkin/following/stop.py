@@ -29,12 +29,13 @@ _SINGULAR_TEXT = "the start is singular: modes meet there, and which one to foll
 class Stop:
     """Where and why a track ended before the path.
 
-    `kind`: turning point, bifurcation, degenerate, limit, open loops, unproved, singular start, no start. `row` and `u` are the
-    interval and the share of it, `place` the configuration there, `text` a sentence where the stop is no singularity. `type` is
-    what the followed problem loses, `kinds` all that `symkin.singularity` names there, `meeting` the modes that meet there;
-    `error` bounds the place on its interval (share of it) where that is proved; `blocks` counts the independent parts (limbs
-    whose platform pose is given) that stop there together; `groups` are the structure groups, of coordinates told by name, that are
-    singular there.
+    `kind`: turning point, bifurcation, degenerate, limit, open loops, unproved, singular start, no
+    start. `row` and `u` are the interval and the share of it, `place` the configuration there,
+    `text` a sentence where the stop is no singularity. `type` is what the followed problem loses,
+    `kinds` all that `symkin.singularity` names there, `meeting` the modes that meet there; `error`
+    bounds the place on its interval (share of it) where that is proved; `blocks` counts the
+    independent parts (limbs whose platform pose is given) that stop there together; `groups` are
+    the structure groups, of coordinates told by name, that are singular there.
     """
 
     kind: str
@@ -82,8 +83,12 @@ class Stop:
         return f"{named}{place}: {what}" + (f"; {self.meeting}" if self.meeting is not None else "")
 
 
-def stop_of(trajectory: Trajectory, problem: Problem, branch: Branch, kept: list[Sample], name_modes: bool) -> Stop | None:
-    """Why a branch ends before its path; None where it does not. `kept` are the samples before the end."""
+def stop_of(
+    trajectory: Trajectory, problem: Problem, branch: Branch, kept: list[Sample], name_modes: bool
+) -> Stop | None:
+    """Why a branch ends before its path; None where it does not. `kept` are the samples before the
+    end.
+    """
     if branch.ending == "reached":
         return None
     last, singular = branch.last, branch.ending == "singular" and bool(branch.stopped)
@@ -91,7 +96,12 @@ def stop_of(trajectory: Trajectory, problem: Problem, branch: Branch, kept: list
         return _singular_stop(trajectory, problem, branch, kept, name_modes)
     last = branch.places[0] if singular else last
     place = make_sample(trajectory, problem, last, kept[-1], branch.way(last.row, last.u))
-    reasons = {"singular": "singular start", "limit": "limit", "open": "open loops", "unproved": "unproved"}
+    reasons = {
+        "singular": "singular start",
+        "limit": "limit",
+        "open": "open loops",
+        "unproved": "unproved",
+    }
     kind, text = reasons[branch.ending], _why(branch, trajectory)
     if branch.ending == "unproved" and branch.steps == 0 and place.condition > SUSPECT_CONDITION:
         kind, text = "singular start", _SINGULAR_TEXT
@@ -105,26 +115,40 @@ def _why(branch: Branch, trajectory: Trajectory) -> str:
             return _SINGULAR_TEXT
         case "open":
             left = max(b.stop.residual for b in branch.stopped if b.stop is not None)
-            return f"the loops open: a step further {left:.3g} {unit} are left; the mechanism cannot take what the path asks"
+            return (
+                f"the loops open: a step further {left:.3g} {unit} are left; the mechanism cannot "
+                f"take what the path asks"
+            )
         case "unproved" if all(b.stop is not None and b.stop.is_spent for b in branch.stopped):
             return (
-                f"{MOST_EFFORT} steps, as many as one interval between two samples may take, are made, and no singularity is near: give "
+                f"{MOST_EFFORT} steps, as many as one interval between two samples may take, are "
+                f"made, and no singularity is near: give "
                 "more samples (--samples N), and the path goes on from here"
             )
         case "unproved":
-            return "no further step could be proved, and no singular point was located: a singularity is very near"
+            return (
+                "no further step could be proved, and no singular point was located: a singularity "
+                "is very near"
+            )
         case _:
             return "" if branch.limit is None else branch.limit.text(trajectory.mechanism)
 
 
-def _singular_stop(trajectory: Trajectory, problem: Problem, branch: Branch, kept: list[Sample], name_modes: bool) -> Stop:
+def _singular_stop(
+    trajectory: Trajectory, problem: Problem, branch: Branch, kept: list[Sample], name_modes: bool
+) -> Stop:
     stops = [b.stop for b in branch.stopped if b.stop is not None]
     points = [s.singular for s in stops if s.singular is not None]
-    place = make_sample(trajectory, problem, branch.last, kept[-1], branch.way(branch.last.row, branch.last.u))
+    place = make_sample(
+        trajectory, problem, branch.last, kept[-1], branch.way(branch.last.row, branch.last.u)
+    )
     found = classify(place.solution, roles=roles_followed(problem))
     errors = [None if s.last_tube is None else s.last_tube.error for s in stops]
     return Stop(
-        kind=next((k for k in ("bifurcation", "degenerate") if any(p.kind == k for p in points)), "turning point"),
+        kind=next(
+            (k for k in ("bifurcation", "degenerate") if any(p.kind == k for p in points)),
+            "turning point",
+        ),
         row=branch.last.row,
         u=branch.last.u,
         place=place,
@@ -139,10 +163,14 @@ def _singular_stop(trajectory: Trajectory, problem: Problem, branch: Branch, kep
 
 
 def _groups(problem: Problem, place: Sample) -> tuple[SingularGroup, ...]:
-    """The structure groups of coordinates told by name that are singular at a stop, as `modes` numbers them."""
+    """The structure groups of coordinates told by name that are singular at a stop, as `modes`
+    numbers them.
+    """
     if problem.kind != "given":
         return ()
-    listed = build_problem(problem.mechanism, "given", tuple(c.name for c in problem.known_coordinates))
+    listed = build_problem(
+        problem.mechanism, "given", tuple(c.name for c in problem.known_coordinates)
+    )
     return singular_groups(listed, variables_elsewhere(listed.closure, place.solution))
 
 
@@ -153,8 +181,9 @@ def roles_followed(problem: Problem) -> Roles:
 
 
 def _type(branch: Branch) -> str:
-    """Type 2 (direct problem) or type 1 (inverse problem), or passive where neither platform nor actuated joints move. Of values by
-    name all others are the output."""
+    """Type 2 (direct problem) or type 1 (inverse problem), or passive where neither platform nor
+    actuated joints move. Of values by name all others are the output.
+    """
     followed = branch.blocks[0].system.problem
     if followed.kind == "given":
         return "type 1" if followed.name == "inverse" else "type 2"

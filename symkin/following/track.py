@@ -30,7 +30,9 @@ from symkin.position.transfer import variables_elsewhere
 from symkin.spatial.pose import Pose
 
 _OFF_START = 1e-6
-"""A start mode's given values may differ from the path's first sample by this (of the size, or rad)."""
+"""A start mode's given values may differ from the path's first sample by this (of the size, or
+rad).
+"""
 
 Start = Solution | Joints | Values | Pose | None
 
@@ -49,24 +51,28 @@ def track(
     notes: Sequence[str] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Track:
-    """Follow one assembly mode along rows of actuated joint values, one working mode along poses, or one mode along values by name.
+    """Follow one assembly mode along rows of actuated joint values, one working mode along poses,
+    or one mode along values by name.
 
-    The mode is a branch of F(z, k(u)) = 0 over the path k(u), z the unknowns. Each step is proved by Krawczyk's operator in ball
-    arithmetic: exactly one solution for every input of the step, and no singularity (Krawczyk 1969; see `step_certificate`).
+    The mode is a branch of F(z, k(u)) = 0 over the path k(u), z the unknowns. Each step is proved
+    by Krawczyk's operator in ball arithmetic: exactly one solution for every input of the step, and
+    no singularity (Krawczyk 1969; see `step_certificate`).
 
-    `joints` (n, actuated joints; or by name, rows or columns) or `poses` (n, 7: x, y, z, qw, qx, qy, qz) are in the mechanism's
-    units; `given` maps names of coordinates, as many as the mobility, to a column of n values, or to one value that stands: joints,
-    passive ones too, x, y, z, azimuth, tilt and torsion of the platform, or its whole "pose". Between two rows joint values and
-    positions move straight, rotations by the shortest way. `start` is the mode: a solution of `modes` or `solve` at the first row,
-    or what `solve` takes as its start.
+    `joints` (n, actuated joints; or by name, rows or columns) or `poses` (n, 7: x, y, z, qw, qx,
+    qy, qz) are in the mechanism's units; `given` maps names of coordinates, as many as the
+    mobility, to a column of n values, or to one value that stands: joints, passive ones too, x, y,
+    z, azimuth, tilt and torsion of the platform, or its whole "pose". Between two rows joint values
+    and positions move straight, rotations by the shortest way. `start` is the mode: a solution of
+    `modes` or `solve` at the first row, or what `solve` takes as its start.
 
-    `times` (s), one a row, are kept with the samples and must not go back; the path is divided into about `samples` samples, at least
-    its rows. `limits` False goes beyond joint limits; `name_modes` False leaves out the enumeration of all modes before a singular
-    stop, which says which of them meet there. `notes` are sentences that are kept with the result; `progress` is called with the
-    intervals that are done and their number.
+    `times` (s), one a row, are kept with the samples and must not go back; the path is divided into
+    about `samples` samples, at least its rows. `limits` False goes beyond joint limits;
+    `name_modes` False leaves out the enumeration of all modes before a singular stop, which says
+    which of them meet there. `notes` are sentences that are kept with the result; `progress` is
+    called with the intervals that are done and their number.
 
-    The track ends at the path's end or the first stop: a singularity, a limit, loops that open (`Track.stop`). Raises InputError
-    for a path, a start or options that do not fit.
+    The track ends at the path's end or the first stop: a singularity, a limit, loops that open
+    (`Track.stop`). Raises InputError for a path, a start or options that do not fit.
 
         >>> import symkin
         >>> arm = symkin.load("gluon_6l3")
@@ -78,7 +84,15 @@ def track(
         'turning point'
     """
     begin = time.perf_counter()
-    trajectory = make_trajectory(mechanism, joints=joints, poses=poses, given=given, times=times, count=samples, limits=limits)
+    trajectory = make_trajectory(
+        mechanism,
+        joints=joints,
+        poses=poses,
+        given=given,
+        times=times,
+        count=samples,
+        limits=limits,
+    )
     trajectory = replace(trajectory, notes=(*notes, *trajectory.notes))
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         found = _track(trajectory, start, limits, name_modes, progress)
@@ -86,7 +100,11 @@ def track(
 
 
 def _track(
-    trajectory: Trajectory, start: Start, limits: bool, name_modes: bool, progress: Callable[[int, int], None] | None
+    trajectory: Trajectory,
+    start: Start,
+    limits: bool,
+    name_modes: bool,
+    progress: Callable[[int, int], None] | None,
 ) -> Track:
     problem = trajectory.problem
     _check_isolated(problem)
@@ -94,19 +112,26 @@ def _track(
     if mode is None:
         return _not_begun(trajectory, problem, "; ".join(notes))
     trajectory = replace(trajectory, notes=(*trajectory.notes, *notes))
-    unknown = problem.select_values(variables_elsewhere(problem.closure, mode), problem.system.unknowns)
+    unknown = problem.select_values(
+        variables_elsewhere(problem.closure, mode), problem.system.unknowns
+    )
     watch = LimitWatch(problem, trajectory, off=not limits)
     limit = watch.start(problem.join_values(unknown, trajectory.samples[0]))
-    if problem.system.condition(unknown, trajectory.samples[0]) >= SINGULAR_CONDITION or limit is not None:
+    if (
+        problem.system.condition(unknown, trajectory.samples[0]) >= SINGULAR_CONDITION
+        or limit is not None
+    ):
         first = PathPoint(0, 0.0, unknown, radius=None)
-        branch = Branch([first], first, (), ending="singular" if limit is None else "limit", limit=limit)
+        branch = Branch(
+            [first], first, (), ending="singular" if limit is None else "limit", limit=limit
+        )
     else:
         go = evaluate_formula if is_formula(problem, trajectory) else follow
         branch = go(problem, trajectory, unknown, watch, progress)
     return _result(trajectory, problem, branch, name_modes)
 
 
-# --- the start -------------------------------------------------------------------------------------------------------
+# --- the start ------------------------------------------------------------------------------------
 
 
 def _check_isolated(problem: Problem) -> None:
@@ -116,32 +141,45 @@ def _check_isolated(problem: Problem) -> None:
     free = problem.system.freedom - problem.generic_rank
     if free > 0:
         raise InputError(
-            f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of {problem.system.freedom} unknowns free, so "
+            f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of "
+            f"{problem.system.freedom} unknowns free, so "
             "that there is no isolated mode to stay on"
         )
 
 
 def _start_mode(trajectory: Trajectory, start: Start) -> tuple[Solution | None, tuple[str, ...]]:
-    """Find the mode at the first sample and what is to be noted of it; or None and why there is none."""
+    """Find the mode at the first sample and what is to be noted of it; or None and why there is
+    none.
+    """
     if isinstance(start, Solution):
         _check_start(trajectory, start)
         return start, ()
     first = trajectory.given[0]
-    form = "given" if isinstance(first, dict) else "joints" if trajectory.kind == "direct" else "pose"
+    form = (
+        "given" if isinstance(first, dict) else "joints" if trajectory.kind == "direct" else "pose"
+    )
     result = solve(trajectory.mechanism, start=start, check=False, **{form: first})
     if result.solution is None:
         return None, (result.message, *(result.notes if trajectory.problem.kind == "given" else ()))
     if trajectory.problem.kind == "given":
         return result.solution, tuple(n for n in result.notes if n not in result.solution.notes)
-    return result.solution, () if start is None else start_notes(result.solution, trajectory.problem.kind, start)  # type: ignore[arg-type]
+    return result.solution, () if start is None else start_notes(
+        result.solution,
+        trajectory.problem.kind,
+        start,  # type: ignore[arg-type]
+    )
 
 
 def _check_start(trajectory: Trajectory, mode: Solution) -> None:
     """Raise InputError where a start mode is not one of the path's first sample."""
     mechanism, problem = trajectory.mechanism, trajectory.problem
     if mode.mechanism != mechanism:
-        raise InputError(f"start: the solution is one of {mode.mechanism.name}, the path one of {mechanism.name}")
-    values = problem.select_values(variables_elsewhere(problem.closure, mode), problem.known_coordinates)
+        raise InputError(
+            f"start: the solution is one of {mode.mechanism.name}, the path one of {mechanism.name}"
+        )
+    values = problem.select_values(
+        variables_elsewhere(problem.closure, mode), problem.known_coordinates
+    )
     place = 0
     for c in trajectory.coordinates:
         here = slice(place, place + c.width)
@@ -151,16 +189,22 @@ def _check_start(trajectory: Trajectory, mode: Solution) -> None:
         elif c.kind == "angle":
             off = abs(math.remainder(own[0] - wanted[0], 2 * math.pi))
         else:
-            off = abs(float(own[0] - wanted[0])) / (1.0 if c.is_angular else mechanism.characteristic_length)
+            off = abs(float(own[0] - wanted[0])) / (
+                1.0 if c.is_angular else mechanism.characteristic_length
+            )
         if not off <= _OFF_START:
-            shown = [mechanism.angle_out(float(v)) if c.is_angular else float(v) for v in (own[0], wanted[0])]
+            shown = [
+                mechanism.angle_out(float(v)) if c.is_angular else float(v)
+                for v in (own[0], wanted[0])
+            ]
             raise InputError(
-                f"start: the solution has {c.name} = {shown[0]:.9g}, the path begins at {shown[1]:.9g}; the start must be a "
+                f"start: the solution has {c.name} = {shown[0]:.9g}, the path begins at "
+                f"{shown[1]:.9g}; the start must be a "
                 "mode of the path's first sample"
             )
 
 
-# --- the result ------------------------------------------------------------------------------------------------------
+# --- the result -----------------------------------------------------------------------------------
 
 
 def _not_begun(trajectory: Trajectory, problem: Problem, failure: str) -> Track:
@@ -182,7 +226,15 @@ def _not_begun(trajectory: Trajectory, problem: Problem, failure: str) -> Track:
 def _result(trajectory: Trajectory, problem: Problem, branch: Branch, name_modes: bool) -> Track:
     kept: list[Sample] = []
     for place in branch.places:
-        kept.append(make_sample(trajectory, problem, place, kept[-1] if kept else None, branch.way(place.row, place.u)))
+        kept.append(
+            make_sample(
+                trajectory,
+                problem,
+                place,
+                kept[-1] if kept else None,
+                branch.way(place.row, place.u),
+            )
+        )
     stop = stop_of(trajectory, problem, branch, kept, name_modes)
     if stop is not None and stop.place is not None and stop.place.parameter > kept[-1].parameter:
         kept.append(stop.place)

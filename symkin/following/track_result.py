@@ -29,13 +29,15 @@ _MOST_ROWS = 11
 class Track(Result):
     """One mode along a path; made by `symkin.track`.
 
-    `samples` are its configurations, the last one `end`; `stop` is None where the path's end was reached. `certified`: ball
-    arithmetic has proved that all samples lie on one branch of solutions without a singularity, up to the end or to the turning
-    point that is its first singularity, or the pose is a formula of the joints; `ground` says so in words. `followed_to` is the
-    parameter (0 to 1) up to which steps lead, `steps` their count, of whose tubes images fill at most `tightest`. `residual` is
-    the largest closure error of the samples (length unit). `nearest` is the place nearest to a singularity of the followed
-    problem, between samples too (None where nothing is lost anywhere: the pose is a formula of the joints). `plot()` draws the
-    platform's motion or the joints, and the smallest singular value.
+    `samples` are its configurations, the last one `end`; `stop` is None where the path's end was
+    reached. `certified`: ball arithmetic has proved that all samples lie on one branch of solutions
+    without a singularity, up to the end or to the turning point that is its first singularity, or
+    the pose is a formula of the joints; `ground` says so in words. `followed_to` is the parameter
+    (0 to 1) up to which steps lead, `steps` their count, of whose tubes images fill at most
+    `tightest`. `residual` is the largest closure error of the samples (length unit). `nearest` is
+    the place nearest to a singularity of the followed problem, between samples too (None where
+    nothing is lost anywhere: the pose is a formula of the joints). `plot()` draws the platform's
+    motion or the joints, and the smallest singular value.
 
     >>> import symkin
     >>> platform = symkin.load("zhao2000")
@@ -60,8 +62,14 @@ class Track(Result):
 
     @cached_property
     def distances(self) -> dict[str, float]:
-        """Distances from singularities (see `Singularity.distances`) at `nearest`; empty where there is none."""
-        return {} if self.nearest is None else classify(self.nearest.solution, roles=roles_followed(self.problem)).distances
+        """Distances from singularities (see `Singularity.distances`) at `nearest`; empty where
+        there is none.
+        """
+        return (
+            {}
+            if self.nearest is None
+            else classify(self.nearest.solution, roles=roles_followed(self.problem)).distances
+        )
 
     @property
     def reached(self) -> bool:
@@ -76,7 +84,11 @@ class Track(Result):
     @property
     def statement(self) -> str:
         """How the track ended, in one sentence."""
-        return "reached the end of the path on one mode" if self.stop is None else f"stopped: {self.stop}"
+        return (
+            "reached the end of the path on one mode"
+            if self.stop is None
+            else f"stopped: {self.stop}"
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON of `symkin track`, with all samples."""
@@ -84,7 +96,11 @@ class Track(Result):
         return {
             "mechanism": trajectory.mechanism.name,
             "problem": trajectory.kind,
-            "given": {"from": _told(trajectory.given[0]), "to": _told(trajectory.given[1]), "rows": len(trajectory)},
+            "given": {
+                "from": _told(trajectory.given[0]),
+                "to": _told(trajectory.given[1]),
+                "rows": len(trajectory),
+            },
             "length_unit": trajectory.mechanism.length_unit,
             "angle_unit": trajectory.mechanism.angle_unit,
             "reached": self.reached,
@@ -109,11 +125,17 @@ class Track(Result):
         }
 
     def summary(self, most_rows: int | None = None) -> Summary:
-        """Some samples with pose, smallest singular value and residual; then how it ended and on what ground."""
+        """Some samples with pose, smallest singular value and residual; then how it ended and on
+        what ground.
+        """
         mechanism = self.trajectory.mechanism
         unit, size = mechanism.length_unit, mechanism.characteristic_length
         told = ", ".join(c.name for c in self.problem.known_coordinates)
-        what = f"given {told}" if self.trajectory.kind == "given" else f"{self.trajectory.kind} problem"
+        what = (
+            f"given {told}"
+            if self.trajectory.kind == "given"
+            else f"{self.trajectory.kind} problem"
+        )
         above = [f"{mechanism.name}, {what}, {len(self.samples)} samples"]
         below = [self.statement, f"ground: {self.ground}", *self.trajectory.notes]
         if self.nearest is not None:
@@ -124,8 +146,10 @@ class Track(Result):
         chosen = np.unique(np.linspace(0, len(self.samples) - 1, most).round().astype(int)).tolist()
         header = ["path", *self._header, "sigma", "residual"]
         legend = (
-            "path: share of the path, 0 to 1; sigma: smallest singular value of the unknowns' Jacobian (no unit; angles times the "
-            f"size {size:.6g} {unit}), 0 at a singularity; residual: largest closure error in {unit}"
+            "path: share of the path, 0 to 1; sigma: smallest singular value of the unknowns' "
+            "Jacobian (no unit; angles times the "
+            f"size {size:.6g} {unit}), 0 at a singularity; residual: largest closure error in "
+            f"{unit}"
         )
         return Summary(above, header, self._rows(chosen), [legend, *below])
 
@@ -136,22 +160,39 @@ class Track(Result):
 
     @property
     def _shown(self) -> list[tuple[str, np.ndarray, float]]:
-        """Title, values (samples,) and scale of the columns: what is told along the path, other joints, and where the platform is, as
-        many as a table takes."""
+        """Title, values (samples,) and scale of the columns: what is told along the path, other
+        joints, and where the platform is, as many as a table takes.
+        """
         mechanism, problem = self.trajectory.mechanism, self.problem
-        unit, angle, size = mechanism.length_unit, mechanism.angle_unit, mechanism.characteristic_length
+        unit, angle, size = (
+            mechanism.length_unit,
+            mechanism.angle_unit,
+            mechanism.characteristic_length,
+        )
         found: dict[str, tuple[str, np.ndarray, float]] = {}
         values = np.array([sample.values for sample in self.samples])
         for c in problem.known_coordinates:
             if c.role == "given":
                 column = values[:, problem.closure.slices[c.name].start]
-                shown = np.array([mechanism.angle_out(float(v)) for v in column]) if c.is_angular else column
-                found[c.name] = (f"{c.name} [{angle if c.is_angular else unit}]", shown, 1.0 if c.is_angular else size)
+                shown = (
+                    np.array([mechanism.angle_out(float(v)) for v in column])
+                    if c.is_angular
+                    else column
+                )
+                found[c.name] = (
+                    f"{c.name} [{angle if c.is_angular else unit}]",
+                    shown,
+                    1.0 if c.is_angular else size,
+                )
         known = {c.name for c in problem.known_coordinates}
         for c in sorted(listed_joints(problem), key=lambda c: c.name not in known):
             if c.kind != "quaternion":
                 column = np.array([sample.joints[c.name] for sample in self.samples])
-                found[c.name] = (f"{c.name} [{angle if c.is_angular else unit}]", column, 1.0 if c.is_angular else size)
+                found[c.name] = (
+                    f"{c.name} [{angle if c.is_angular else unit}]",
+                    column,
+                    1.0 if c.is_angular else size,
+                )
         if self.samples[0].has_platform:
             places = np.array([np.asarray(sample.pose.position) for sample in self.samples])
             for k, name in enumerate("xyz"):
@@ -170,30 +211,52 @@ class Track(Result):
             size = self.trajectory.mechanism.characteristic_length
             return [self._row(self.samples[k], _pose_cells(self.samples[k], size)) for k in chosen]
         shown = self._shown
-        return [self._row(self.samples[k], [f"{plain(float(v[k]), scale):.6g}" for _, v, scale in shown]) for k in chosen]
+        return [
+            self._row(
+                self.samples[k], [f"{plain(float(v[k]), scale):.6g}" for _, v, scale in shown]
+            )
+            for k in chosen
+        ]
 
     @cached_property
     def _motors_lines(self) -> list[str]:
-        """How near a path of poses comes to where the motors no longer tell the pose, at samples: it is not what is followed."""
+        """How near a path of poses comes to where the motors no longer tell the pose, at samples:
+        it is not what is followed.
+        """
         if self.trajectory.kind != "inverse" or "type 2" not in self.distances:
             return []
-        chosen = np.unique(np.linspace(0, len(self.samples) - 1, _MOST_JUDGED).round().astype(int)).tolist()
+        chosen = np.unique(
+            np.linspace(0, len(self.samples) - 1, _MOST_JUDGED).round().astype(int)
+        ).tolist()
         roles = roles_followed(self.problem)
-        values = [classify(self.samples[k].solution, roles=roles).distances.get("type 2", np.inf) for k in chosen]
+        values = [
+            classify(self.samples[k].solution, roles=roles).distances.get("type 2", np.inf)
+            for k in chosen
+        ]
         best = int(np.argmin(values))
         return [
-            f"of {len(chosen)} samples the one at {self.samples[chosen[best]].parameter:.4g} of the path is nearest to where the motors no "
-            f"longer tell the pose: type 2 {plain(values[best]):.3g}; between samples it may be less, and no stop is made there"
+            f"of {len(chosen)} samples the one at {self.samples[chosen[best]].parameter:.4g} of "
+            f"the path is nearest to where the motors no "
+            f"longer tell the pose: type 2 {plain(values[best]):.3g}; between samples it may be "
+            f"less, and no stop is made there"
         ]
 
     def _nearest_line(self, near: Sample) -> str:
         """How near the path comes to a singularity, between samples too."""
         sigma = plain(near.smallest_singular_value, 1.0)
-        distances = ", ".join(f"{kind} {plain(value):.3g}" for kind, value in self.distances.items())
-        return f"nearest to a singularity at {near.parameter:.9g} of the path: sigma {sigma:.3g}; distance: {distances}"
+        distances = ", ".join(
+            f"{kind} {plain(value):.3g}" for kind, value in self.distances.items()
+        )
+        return (
+            f"nearest to a singularity at {near.parameter:.9g} of the path: sigma {sigma:.3g}; "
+            f"distance: {distances}"
+        )
 
     def _row(self, sample: Sample, cells: list[str]) -> list[str]:
-        size, sigma = self.trajectory.mechanism.characteristic_length, sample.smallest_singular_value
+        size, sigma = (
+            self.trajectory.mechanism.characteristic_length,
+            sample.smallest_singular_value,
+        )
         return [
             f"{sample.parameter:.4g}",
             *cells,
@@ -204,7 +267,10 @@ class Track(Result):
 
 def _pose_cells(sample: Sample, size: float) -> list[str]:
     cells = [f"{plain(float(v), size):.6g}" for v in np.asarray(sample.pose.position)]
-    return [*cells, *(f"{plain(float(v), 1.0, 5e-6):.5f}" for v in np.asarray(sample.pose.quaternion))]
+    return [
+        *cells,
+        *(f"{plain(float(v), 1.0, 5e-6):.5f}" for v in np.asarray(sample.pose.quaternion)),
+    ]
 
 
 def _told(row: Any) -> Any:

@@ -1,11 +1,13 @@
-"""Make a path of inputs: joint values or poses from sample to sample, in the mechanism's units, with all turns of angles kept.
+"""Make a path of inputs: joint values or poses from sample to sample, in the mechanism's units,
+with all turns of angles kept.
 
-Between two samples each joint value and each position moves straight, a rotation by the shortest way about a fixed axis
-(slerp), an angle of a restricted motion by the shortest way:
+Between two samples each joint value and each position moves straight, a rotation by the shortest
+way about a fixed axis (slerp), an angle of a restricted motion by the shortest way:
 
     k(u) = a + u (b - a),    q(u) = cos(u h) a + sin(u h) n,    0 <= u <= 1,
 
-h half the angle between two orientations and n the unit quaternion orthogonal to a in their plane (slerp, Shoemake 1985).
+h half the angle between two orientations and n the unit quaternion orthogonal to a in their plane
+(slerp, Shoemake 1985).
 """
 
 from __future__ import annotations
@@ -27,7 +29,9 @@ from symkin.position.problem import Kind, Problem
 from symkin.spatial.pose import Pose
 
 Columns = Mapping[str, Any]
-"""Values along a path by the names of coordinates: a column for each, or one number for a coordinate that stands."""
+"""Values along a path by the names of coordinates: a column for each, or one number for a
+coordinate that stands.
+"""
 
 _ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this times the size is projected, as in `solve`."""
@@ -37,9 +41,11 @@ _MOST_SAMPLES = 10**6
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Samples (n, w) of the known coordinates of a problem, in radians and the length unit: angles continue over whole turns,
-    consecutive quaternions have a scalar product that is not negative. `times` (n,) or None. `given` are the first and the
-    last sample as the user wrote them: a row, or values by name."""
+    """Samples (n, w) of the known coordinates of a problem, in radians and the length unit: angles
+    continue over whole turns, consecutive quaternions have a scalar product that is not negative.
+    `times` (n,) or None. `given` are the first and the last sample as the user wrote them: a row,
+    or values by name.
+    """
 
     problem: Problem
     samples: np.ndarray
@@ -91,13 +97,16 @@ def make_trajectory(
     count: int | None = None,
     limits: bool = True,
 ) -> Trajectory:
-    """A path through rows of actuated joint values, poses, or values of coordinates by name, in the mechanism's units. With `count`,
-    each interval is divided so that about that many samples stand on the whole path. With `limits` the closure of coordinates by
-    name holds all joints that have some. Raises InputError."""
+    """A path through rows of actuated joint values, poses, or values of coordinates by name, in the
+    mechanism's units. With `count`, each interval is divided so that about that many samples stand
+    on the whole path. With `limits` the closure of coordinates by name holds all joints that have
+    some. Raises InputError.
+    """
     require_mechanism(mechanism)
     if sum(path is not None for path in (joints, poses, given)) != 1:
         raise InputError(
-            "a path is given either by joint values (direct problem) or by poses (inverse problem), or by values of coordinates by name "
+            "a path is given either by joint values (direct problem) or by poses (inverse "
+            "problem), or by values of coordinates by name "
             "(given)"
         )
     if given is not None:
@@ -109,7 +118,9 @@ def make_trajectory(
     return trajectory if count is None else _refined(trajectory, count)
 
 
-def _by_joints(mechanism: Mechanism, rows: list[Any], times: Sequence[float] | None, limits: bool) -> Trajectory:
+def _by_joints(
+    mechanism: Mechanism, rows: list[Any], times: Sequence[float] | None, limits: bool
+) -> Trajectory:
     _check_any(rows)
     samples = np.array([_joints(mechanism, row, k) for k, row in enumerate(rows, start=1)])
     first, last = (tuple(float(v) for v in row) for row in (rows[0], rows[-1]))
@@ -117,11 +128,14 @@ def _by_joints(mechanism: Mechanism, rows: list[Any], times: Sequence[float] | N
     return Trajectory(problem, samples, _times(times, len(rows)), (first, last))
 
 
-def _by_poses(mechanism: Mechanism, rows: list[Any], times: Sequence[float] | None, limits: bool) -> Trajectory:
+def _by_poses(
+    mechanism: Mechanism, rows: list[Any], times: Sequence[float] | None, limits: bool
+) -> Trajectory:
     _check_any(rows)
     if mechanism.platform_link is None:
         raise InputError(
-            f"poses: {mechanism.name} has no platform link; name it by [platform] link in its mechanism file, of a robot's file by --platform LINK, or give joints"
+            f"poses: {mechanism.name} has no platform link; name it by [platform] link in its "
+            f"mechanism file, of a robot's file by --platform LINK, or give joints"
         )
     problem = _problem(mechanism, pose_names(mechanism), limits)
     samples, notes = _poses(problem, rows)
@@ -129,8 +143,12 @@ def _by_poses(mechanism: Mechanism, rows: list[Any], times: Sequence[float] | No
     return Trajectory(problem, samples, _times(times, len(rows)), (first, last), notes)
 
 
-def _by_name(mechanism: Mechanism, rows: list[dict[str, Any]], times: Sequence[float] | None, limits: bool) -> Trajectory:
-    """A path of values by name; that of all actuated joints or the whole pose of limbs is the direct or the inverse problem's."""
+def _by_name(
+    mechanism: Mechanism, rows: list[dict[str, Any]], times: Sequence[float] | None, limits: bool
+) -> Trajectory:
+    """A path of values by name; that of all actuated joints or the whole pose of limbs is the
+    direct or the inverse problem's.
+    """
     match plain_kind(mechanism, list(rows[0])):
         case "direct":
             columns = {name: [row[name] for row in rows] for name in rows[0]}
@@ -148,33 +166,56 @@ def _by_name(mechanism: Mechanism, rows: list[dict[str, Any]], times: Sequence[f
     for k, values in enumerate(read, start=1):
         if values.off_motion > _ON_MOTION * mechanism.characteristic_length:
             raise InputError(_off_motion(mechanism, k, values.off_motion))
-        samples.append(_continued(problem.known_coordinates, samples[-1], values.values) if samples else values.values)
-    return Trajectory(problem, np.array(samples), _times(times, len(rows)), (read[0].echo, read[-1].echo))
+        samples.append(
+            _continued(problem.known_coordinates, samples[-1], values.values)
+            if samples
+            else values.values
+        )
+    return Trajectory(
+        problem, np.array(samples), _times(times, len(rows)), (read[0].echo, read[-1].echo)
+    )
 
 
 def _problem(mechanism: Mechanism, names: tuple[str, ...], limits: bool) -> Problem:
-    """The problem of known coordinates; one of coordinates by name holds those that have limits, so that these are seen."""
-    limited = (c.name for c in mechanism.coordinates if limits and c.limits is not None and c.name not in names)
+    """The problem of known coordinates; one of coordinates by name holds those that have limits, so
+    that these are seen.
+    """
+    limited = (
+        c.name
+        for c in mechanism.coordinates
+        if limits and c.limits is not None and c.name not in names
+    )
     return problem_of_names(mechanism, names, tuple(limited))
 
 
 def _named_rows(given: Columns) -> list[dict[str, Any]]:
-    """Rows of values by name from a column for each name; a single value stands for the whole path."""
+    """Rows of values by name from a column for each name; a single value stands for the whole
+    path.
+    """
     if not isinstance(given, Mapping) or not given:
-        raise InputError("given: columns of values by name are needed, as in given={'crank': [0.0, 90.0]}")
+        raise InputError(
+            "given: columns of values by name are needed, as in given={'crank': [0.0, 90.0]}"
+        )
     columns = {name: _column(name, column) for name, column in given.items()}
     lengths = {name: len(column) for name, column in columns.items() if column is not None}
     if not lengths:
-        raise InputError("given: every value stands alone; a path has values for at least one coordinate, one a sample")
+        raise InputError(
+            "given: every value stands alone; a path has values for at least one coordinate, one a "
+            "sample"
+        )
     if len(set(lengths.values())) > 1:
         counts = ", ".join(f"{name} {n}" for name, n in lengths.items())
         raise InputError(
-            f"given: the columns have different counts of values ({counts}); each needs one a sample, or one for all"
+            f"given: the columns have different counts of values ({counts}); each needs one a "
+            f"sample, or one for all"
         )
     count = next(iter(lengths.values()))
     if not count:
         _check_any([])
-    return [{name: given[name] if column is None else column[k] for name, column in columns.items()} for k in range(count)]
+    return [
+        {name: given[name] if column is None else column[k] for name, column in columns.items()}
+        for k in range(count)
+    ]
 
 
 def _column(name: str, values: Any) -> list[Any] | None:
@@ -191,7 +232,9 @@ def _check_any(rows: list[Any]) -> None:
         raise InputError("the path has no samples; at least one is needed")
 
 
-def interpolated(coordinates: tuple[Coordinate, ...], a: np.ndarray, b: np.ndarray, u: float) -> np.ndarray:
+def interpolated(
+    coordinates: tuple[Coordinate, ...], a: np.ndarray, b: np.ndarray, u: float
+) -> np.ndarray:
     """k(u) between two samples."""
     out, start = np.empty(len(a)), 0
     for c in coordinates:
@@ -206,8 +249,9 @@ def interpolated(coordinates: tuple[Coordinate, ...], a: np.ndarray, b: np.ndarr
 
 
 def great_circle(a: np.ndarray, b: np.ndarray) -> tuple[float, np.ndarray]:
-    """Half the angle of the rotation between unit quaternions (a.b not negative), and the unit quaternion n with
-    b = cos(half) a + sin(half) n; n is zero where they are equal."""
+    """Half the angle of the rotation between unit quaternions (a.b not negative), and the unit
+    quaternion n with b = cos(half) a + sin(half) n; n is zero where they are equal.
+    """
     across = b - (a @ b) * a
     across = across - (a @ across) * a
     length = float(np.linalg.norm(across))
@@ -219,12 +263,17 @@ def _joints(mechanism: Mechanism, row: Sequence[float], number: int) -> np.ndarr
     what = f"joints of sample {number}"
     once = joint_values(mechanism, row, what)
     whole = np.array(
-        [mechanism.angle_in(float(v)) if c.is_angular else float(v) for c, v in zip(mechanism.actuated, row, strict=True)]
+        [
+            mechanism.angle_in(float(v)) if c.is_angular else float(v)
+            for c, v in zip(mechanism.actuated, row, strict=True)
+        ]
     )
     return np.where(np.abs(whole - once) > 1.0, whole, once) if len(once) else once
 
 
-def _poses(problem: Problem, rows: Sequence[Sequence[float] | Pose]) -> tuple[np.ndarray, tuple[str, ...]]:
+def _poses(
+    problem: Problem, rows: Sequence[Sequence[float] | Pose]
+) -> tuple[np.ndarray, tuple[str, ...]]:
     mechanism, samples = problem.mechanism, list[np.ndarray]()
     furthest = 0.0
     for number, row in enumerate(rows, start=1):
@@ -232,9 +281,14 @@ def _poses(problem: Problem, rows: Sequence[Sequence[float] | Pose]) -> tuple[np
         if off > _ON_MOTION * mechanism.characteristic_length:
             raise InputError(_off_motion(mechanism, number, off))
         furthest = max(furthest, off)
-        samples.append(_continued(problem.known_coordinates, samples[-1], values) if samples else values)
+        samples.append(
+            _continued(problem.known_coordinates, samples[-1], values) if samples else values
+        )
     notes = (
-        (f"poses were projected onto the platform's {mechanism.motion} motion, by {furthest:.3g} {mechanism.length_unit}",)
+        (
+            f"poses were projected onto the platform's {mechanism.motion} motion, by "
+            f"{furthest:.3g} {mechanism.length_unit}",
+        )
         if furthest > 1e-12 * mechanism.characteristic_length
         else ()
     )
@@ -248,15 +302,21 @@ def _off_motion(mechanism: Mechanism, number: int, off: float) -> str:
     )
 
 
-def _continued(coordinates: tuple[Coordinate, ...], before: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """The same pose, its quaternion and angle written as near as possible to those before; other values as they are."""
+def _continued(
+    coordinates: tuple[Coordinate, ...], before: np.ndarray, values: np.ndarray
+) -> np.ndarray:
+    """The same pose, its quaternion and angle written as near as possible to those before; other
+    values as they are.
+    """
     out, start = values.copy(), 0
     for c in coordinates:
         place = slice(start, start + c.width)
         if c.kind == "quaternion":
             out[place] = values[place] if values[place] @ before[place] >= 0.0 else -values[place]
         elif c.kind == "angle" and c.role == "pose":
-            out[place] = before[place] + np.array([math.remainder(values[start] - before[start], 2 * math.pi)])
+            out[place] = before[place] + np.array(
+                [math.remainder(values[start] - before[start], 2 * math.pi)]
+            )
         start += c.width
     return out
 
@@ -278,7 +338,8 @@ def _times(times: Sequence[float] | None, count: int) -> np.ndarray | None:
     back = np.flatnonzero(np.diff(values) < 0)
     if back.size:
         raise InputError(
-            f"times: value {back[0] + 2} is {values[back[0] + 1]:g}, before {values[back[0]]:g}; times must not go back"
+            f"times: value {back[0] + 2} is {values[back[0] + 1]:g}, before {values[back[0]]:g}; "
+            f"times must not go back"
         )
     return values
 
@@ -290,13 +351,20 @@ def _refined(trajectory: Trajectory, count: int) -> Trajectory:
     if intervals < 1 or count < len(trajectory):
         have = f"{len(trajectory)} sample{'s' * (intervals > 0)}"
         reason = (
-            f"the path has {have} already, which {'can only be divided further' if intervals else 'leaves nothing to divide'}"
+            f"the path has {have} already, which "
+            f"{'can only be divided further' if intervals else 'leaves nothing to divide'}"
         )
         refuse_ignored({f"samples = {count}": count}, reason)
     if count == len(trajectory):
         return trajectory
     parts = math.ceil((count - 1) / intervals)
-    places = [(row, j / parts) for row in range(intervals) for j in range(parts)] + [(intervals - 1, 1.0)]
+    places = [(row, j / parts) for row in range(intervals) for j in range(parts)] + [
+        (intervals - 1, 1.0)
+    ]
     samples = np.array([trajectory.at(row, u) for row, u in places])
-    times = None if trajectory.times is None else np.array([trajectory.time(row, u) for row, u in places], dtype=float)
+    times = (
+        None
+        if trajectory.times is None
+        else np.array([trajectory.time(row, u) for row, u in places], dtype=float)
+    )
     return replace(trajectory, samples=samples, times=times)

@@ -63,12 +63,17 @@ def whole_turns(trajectory: Trajectory, row: int) -> float | None:
     for turns in range(1, min(_MOST_TURNS, int(slowest / _TURN)) + 1):
         # what is left beside whole turns lies within the balls of the path's coefficients
         wholes = [round(d * turns / slowest) for d in moves]
-        if all(abs(d - n * slowest / turns) <= COEFFICIENT_RADIUS * max(abs(d), 1.0) for d, n in zip(moves, wholes, strict=True)):
+        if all(
+            abs(d - n * slowest / turns) <= COEFFICIENT_RADIUS * max(abs(d), 1.0)
+            for d, n in zip(moves, wholes, strict=True)
+        ):
             return turns * _TURN / slowest
     return None
 
 
-def closed_branch(system: PathSystem, period: float, start: np.ndarray, end: np.ndarray) -> ClosedBranch:
+def closed_branch(
+    system: PathSystem, period: float, start: np.ndarray, end: np.ndarray
+) -> ClosedBranch:
     """What unknowns gain from `start` to `end`, if they come back: whole turns of angles, signs
     of quaternions."""
     shift, signs = np.zeros(len(start)), np.ones(len(start))

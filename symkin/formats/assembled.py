@@ -1,4 +1,6 @@
-"""Make a mechanism of a robot at a closed configuration: every joint of the tree and every closure becomes a joint between two links."""
+"""Make a mechanism of a robot at a closed configuration: every joint of the tree and every closure
+becomes a joint between two links.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +24,16 @@ from symkin.spatial.pose import Pose
 
 
 def mechanism_of(robot: Robot) -> Mechanism:
-    """Close a robot's loops and make the mechanism. Raises MechanismError where no configuration closes them."""
+    """Close a robot's loops and make the mechanism. Raises MechanismError where no configuration
+    closes them.
+    """
     return assembled(robot, require_closed(robot))
 
 
 def require_closed(robot: Robot) -> Closed:
-    """The closed configuration nearest to the file's own. Raises MechanismError, with the loop that resists, where there is none."""
+    """The closed configuration nearest to the file's own. Raises MechanismError, with the loop that
+    resists, where there is none.
+    """
     closed = nearest_closed(robot)
     if not closed.to_digits:
         raise MechanismError(f"{robot.source or robot.name}: {open_sentence(closed)}")
@@ -37,24 +43,34 @@ def require_closed(robot: Robot) -> Closed:
 def open_sentence(closed: Closed) -> str:
     """What is said of loops that no configuration found closes."""
     return (
-        f"no configuration was found that closes the loops: the best one leaves {closed.residual:.3g} m, most of it in the loop of "
+        f"no configuration was found that closes the loops: the best one leaves "
+        f"{closed.residual:.3g} m, most of it in the loop of "
         f"{_with_place(closed)}; check its frames and the types of the joints along it"
     )
 
 
 def _with_place(closed: Closed) -> str:
     """The closure that resists, with its place in the file."""
-    where = next((c.where for c in closed.tree.robot.closures if c.name == closed.resists and c.where), "")
+    where = next(
+        (c.where for c in closed.tree.robot.closures if c.name == closed.resists and c.where), ""
+    )
     return f"{closed.resists} ({where})" if where else closed.resists
 
 
 def assembled(robot: Robot, closed: Closed) -> Mechanism:
-    """The graph of links at a closed configuration, which is its reference; joints of one coordinate keep their values from there."""
+    """The graph of links at a closed configuration, which is its reference; joints of one
+    coordinate keep their values from there.
+    """
     joints = [_moved_joint(entry, closed) for entry in robot.joints]
     joints += [_closing_joint(closure, closed) for closure in robot.closures]
-    joints = [(turned(joint), links[::-1]) if joint.name in robot.turned else (joint, links) for joint, links in joints]
+    joints = [
+        (turned(joint), links[::-1]) if joint.name in robot.turned else (joint, links)
+        for joint, links in joints
+    ]
     if not joints:
-        raise MechanismError(f"{robot.source or robot.name}: no joint moves; a mechanism needs one at least")
+        raise MechanismError(
+            f"{robot.source or robot.name}: no joint moves; a mechanism needs one at least"
+        )
     found = Mechanism(
         identifier(robot.name),
         link_joints=[LinkJoint(joint, links) for joint, links in joints],
@@ -73,11 +89,15 @@ def _link_meshes(robot: Robot, closed: Closed) -> Iterator[LinkMesh]:
         link, frame = robot.merged[name] if name in robot.merged else (name, robot.links[name])
         for mesh in meshes:
             pose = closed.placed.displacement(link) @ frame @ mesh.pose
-            yield LinkMesh(link, mesh.file, tuple(pose.position), tuple(pose.quaternion), mesh.scale)
+            yield LinkMesh(
+                link, mesh.file, tuple(pose.position), tuple(pose.quaternion), mesh.scale
+            )
 
 
 def _moved_joint(entry: LinkJoint, closed: Closed) -> tuple[Joint, Sequence[str]]:
-    """A joint of the tree where its links are; `zero` is its value there, for joints of one coordinate."""
+    """A joint of the tree where its links are; `zero` is its value there, for joints of one
+    coordinate.
+    """
     joint, (carrier, link), placed = entry.joint, entry.links, closed.placed
     changes: dict[str, Any] = {"point": tuple(placed.point(carrier, np.array(joint.point))[0])}
     if joint.axis is not None:
@@ -101,7 +121,15 @@ def _closing_joint(closure: Closure, closed: Closed) -> tuple[Joint, Sequence[st
     if closure.type == "U":
         axis2 = tuple(second.rotation[:, 0])
     point = tuple(0.5 * (np.asarray(first.position) + np.asarray(second.position)))
-    joint = Joint(closure.name, closure.type, point, axis, axis2, pitch=closure.pitch, actuated=closure.actuated)
+    joint = Joint(
+        closure.name,
+        closure.type,
+        point,
+        axis,
+        axis2,
+        pitch=closure.pitch,
+        actuated=closure.actuated,
+    )
     if closure.type in ("R", "P", "H"):
         joint = replace(joint, zero=_closing_value(closure, first, second), limits=closure.limits)
     return joint, closure.links
@@ -113,4 +141,8 @@ def _closing_value(closure: Closure, first: Pose, second: Pose) -> float:
     slide, turn = float(between.position[2]), between.rotation
     if closure.type == "P":
         return slide
-    return slide * 2.0 * np.pi / closure.pitch if closure.type == "H" else float(np.arctan2(turn[1, 0], turn[0, 0]))
+    return (
+        slide * 2.0 * np.pi / closure.pitch
+        if closure.type == "H"
+        else float(np.arctan2(turn[1, 0], turn[0, 0]))
+    )

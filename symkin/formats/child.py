@@ -1,7 +1,9 @@
-"""Run what a foreign library makes of a file in a child process, which may take some time and memory and may end in any way.
+"""Run what a foreign library makes of a file in a child process, which may take some time and
+memory and may end in any way.
 
-This file is both ends: `answer_of` is called here, and the child runs the file itself. Task and answer are JSON, so that nothing in
-an answer is ever run. The child loads the worker by its file, and so imports no more than the worker needs.
+This file is both ends: `answer_of` is called here, and the child runs the file itself. Task and
+answer are JSON, so that nothing in an answer is ever run. The child loads the worker by its file,
+and so imports no more than the worker needs.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ from typing import Any
 SECONDS = 20.0
 """Time that a file may take: the largest robots that are published take less than two."""
 MEMORY = 2e9
-"""Bytes of address space of the child, where the system bounds it: what the libraries map themselves is a tenth."""
+"""Bytes of address space of the child, where the system bounds it: what the libraries map
+themselves is a tenth.
+"""
 _LONGEST = 50_000_000
 """Characters of an answer: bodies and joints of a thousand parts take a million."""
 _NO_MEMORY = 77
@@ -34,22 +38,37 @@ class ChildError(Exception):
 
 
 def answer_of(worker: Path, task: Mapping[str, Any]) -> Any:
-    """What the function `work` of the file `worker` returns for a task, worked out in a child process.
+    """What the function `work` of the file `worker` returns for a task, worked out in a child
+    process.
 
     Raises ChildError where the child takes too long or too much memory, or ends otherwise.
     """
-    order = {"path": sys.path, "worker": str(worker), "task": task, "seconds": SECONDS, "memory": MEMORY}
+    order = {
+        "path": sys.path,
+        "worker": str(worker),
+        "task": task,
+        "seconds": SECONDS,
+        "memory": MEMORY,
+    }
     command = [os.fsdecode(spawn.get_executable()), "-P", "-W", "ignore", __file__]
     try:
         done = subprocess.run(
-            command, input=json.dumps(order).encode(), capture_output=True, timeout=SECONDS, check=False,
+            command,
+            input=json.dumps(order).encode(),
+            capture_output=True,
+            timeout=SECONDS,
+            check=False,
             env=os.environ | _ONE_THREAD,
-        )  # fmt: skip
+        )
     except subprocess.TimeoutExpired:
         raise ChildError(f"gave no answer within {SECONDS:g} s") from None
     except (OSError, ValueError) as error:
         raise ChildError(f"could not be started ({error})") from None
-    if done.returncode == _NO_MEMORY or b"MemoryError" in done.stderr or b"bad_alloc" in done.stderr:
+    if (
+        done.returncode == _NO_MEMORY
+        or b"MemoryError" in done.stderr
+        or b"bad_alloc" in done.stderr
+    ):
         raise ChildError(f"needed more than {MEMORY / 1e9:g} GB of memory")
     try:
         if done.returncode == 0:
@@ -67,11 +86,13 @@ def _ending(status: int) -> str:
     return f"status {status}"
 
 
-# --- the child -------------------------------------------------------------------------------------------------------
+# --- the child ------------------------------------------------------------------------------------
 
 
 def _child() -> None:
-    """Read the order, bound this process, work, and write the answer where the worker's own prints do not go."""
+    """Read the order, bound this process, work, and write the answer where the worker's own prints
+    do not go.
+    """
     order = json.loads(sys.stdin.buffer.read())
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
@@ -89,12 +110,18 @@ def _child() -> None:
 
 
 def _bound_this_process(seconds: float, memory: float) -> None:
-    """Bound processor time (the parent may be gone), memory and core files, where the system knows such limits."""
+    """Bound processor time (the parent may be gone), memory and core files, where the system knows
+    such limits.
+    """
     try:
         import resource
     except ImportError:
         return
-    for kind, most in ((resource.RLIMIT_CPU, seconds + 1), (resource.RLIMIT_AS, memory), (resource.RLIMIT_CORE, 0)):
+    for kind, most in (
+        (resource.RLIMIT_CPU, seconds + 1),
+        (resource.RLIMIT_AS, memory),
+        (resource.RLIMIT_CORE, 0),
+    ):
         with suppress(ValueError, OSError):
             hard = resource.getrlimit(kind)[1]
             wanted = int(most) if hard == resource.RLIM_INFINITY else min(int(most), hard)

@@ -1,4 +1,6 @@
-"""Close the loops of a robot: the closed configuration nearest to the file's own, by Levenberg-Marquardt on all closures and couplings."""
+"""Close the loops of a robot: the closed configuration nearest to the file's own, by
+Levenberg-Marquardt on all closures and couplings.
+"""
 
 from __future__ import annotations
 
@@ -17,36 +19,50 @@ CLOSED = 1e-10
 DIGITS = 1e-5
 """Of the size: loops that stay open by less close to the digits that files are written with."""
 RANK_SHARE = 1e-8
-"""Share of the largest singular value below which others count as zero, as for every closure of symkin."""
+"""Share of the largest singular value below which others count as zero, as for every closure of
+symkin.
+"""
 _NOTHING = 1e-12
-"""Singular value (a length for a length) below which no motion is felt at all: rounding, as where two joints have one axis."""
+"""Singular value (a length for a length) below which no motion is felt at all: rounding, as where
+two joints have one axis.
+"""
 _ROUNDING = 1e-14
 """Of the size: loops of a file that stay open by less are left as they are."""
 _ITERATIONS = 300
 """Steps of one search; those that arrive take 10 to 100."""
 _STALLED = 25
-"""Steps in a row that shrink the gap by less than a tenth, after which a search has ended at a local minimum."""
+"""Steps in a row that shrink the gap by less than a tenth, after which a search has ended at a
+local minimum.
+"""
 _SEARCHES = ((0.05, 4), (0.3, 8), (1.0, 24))
-"""Further searches where the first does not close: radians (or shares of the size) of their random steps, and how many."""
+"""Further searches where the first does not close: radians (or shares of the size) of their random
+steps, and how many.
+"""
 _NEAREST_STEPS = 30
 """Steps along the closed configurations towards the file's own."""
 _NEIGHBOURS = 2
 _STEPS_ASIDE = (0.1, 0.01)
-"""How many closed configurations beside one its generic rank is taken at, and how far from it they are looked for (shares of the size)."""
+"""How many closed configurations beside one its generic rank is taken at, and how far from it they
+are looked for (shares of the size).
+"""
 _LEAST_KEPT, _GAP = 1e-6, 1e-3
 """Of the largest singular value, and of the smallest that counts: what makes a rank clear."""
 _NEIGHBOURS_TO_DIGITS, _STEP_TO_DIGITS, _GAP_TO_DIGITS = 4, 0.3, 2e-2
-"""The same where loops close only to the digits of a file: their misfit blurs what is zero, and steps are larger than it."""
+"""The same where loops close only to the digits of a file: their misfit blurs what is zero, and
+steps are larger than it.
+"""
 _SEED = 0
 
 
 @dataclass(frozen=True, eq=False)
 class Closed:
-    """The closed configuration of a robot that is nearest to the file's own, or what comes nearest to one.
+    """The closed configuration of a robot that is nearest to the file's own, or what comes nearest
+    to one.
 
-    `values` are of every coordinate (radians, metres; the quaternion of a ball from the file's configuration); `displacements` move
-    links from their places in the file. `gaps` tell what each closure and coupling leaves open in the file, `residuals` what it
-    leaves here (metres). `state` is the same configuration as `values`, for `tree`.
+    `values` are of every coordinate (radians, metres; the quaternion of a ball from the file's
+    configuration); `displacements` move links from their places in the file. `gaps` tell what each
+    closure and coupling leaves open in the file, `residuals` what it leaves here (metres). `state`
+    is the same configuration as `values`, for `tree`.
     """
 
     tree: Tree
@@ -81,7 +97,10 @@ class Closed:
 
     @property
     def values(self) -> dict[str, tuple[float, ...]]:
-        return {step.name: tuple(map(float, value)) for step, value in zip(self.tree.steps, self.state, strict=True)}
+        return {
+            step.name: tuple(map(float, value))
+            for step, value in zip(self.tree.steps, self.state, strict=True)
+        }
 
     @property
     def displacements(self) -> dict[str, Pose]:
@@ -93,8 +112,9 @@ class Closed:
 
 
 def nearest_closed(robot: Robot) -> Closed:
-    """Close the loops from the file's own configuration, and go along the closed ones to the nearest. Where the first search ends
-    open, others begin at random steps from there."""
+    """Close the loops from the file's own configuration, and go along the closed ones to the
+    nearest. Where the first search ends open, others begin at random steps from there.
+    """
     tree = Tree(robot)
     best = tree.own
     if _largest(tree, best) <= _ROUNDING * tree.size:
@@ -112,7 +132,9 @@ def nearest_closed(robot: Robot) -> Closed:
 
 
 def closed_neighbours(closed: Closed, count: int, seed: int, step: float = 0.1) -> list[State]:
-    """Closed configurations from random steps off a closed one; those searches that stay open are left out."""
+    """Closed configurations from random steps off a closed one; those searches that stay open are
+    left out.
+    """
     tree = closed.tree
     starts = _starts_aside(closed, count, seed, step, np.ones(tree.freedom, dtype=bool))
     bound = max(CLOSED * tree.size, closed.residual)
@@ -120,7 +142,9 @@ def closed_neighbours(closed: Closed, count: int, seed: int, step: float = 0.1) 
     return [end for end in ends if _largest(tree, end) <= bound]
 
 
-def _starts_aside(closed: Closed, count: int, seed: int, step: float, moved: np.ndarray) -> list[State]:
+def _starts_aside(
+    closed: Closed, count: int, seed: int, step: float, moved: np.ndarray
+) -> list[State]:
     """Random steps (share of the size) off a closed configuration, of some of the freedoms."""
     tree, rng = closed.tree, np.random.default_rng(seed)
     steps = [step * tree.size * rng.normal(size=tree.freedom) * moved for _ in range(count)]
@@ -128,37 +152,52 @@ def _starts_aside(closed: Closed, count: int, seed: int, step: float, moved: np.
 
 
 def rank_at(tree: Tree, state: State, share: float = RANK_SHARE) -> int:
-    """Rank of the derivative of all closures and couplings, lengths and angles times the size alike."""
+    """Rank of the derivative of all closures and couplings, lengths and angles times the size
+    alike.
+    """
     values = _singular_values(tree, state)
     return int(np.sum(values > share * max(values[:1], default=0.0)))
 
 
 @dataclass(frozen=True)
 class GenericRank:
-    """The rank at closed configurations beside one; `to_digits`: these close only to the digits of the file, and so the rank holds."""
+    """The rank at closed configurations beside one; `to_digits`: these close only to the digits of
+    the file, and so the rank holds.
+    """
 
     value: int
     to_digits: bool
 
 
 def generic_rank(closed: Closed, seed: int) -> GenericRank | None:
-    """The rank at closed configurations beside a closed one; None where no search finds one at which it is clear."""
+    """The rank at closed configurations beside a closed one; None where no search finds one at
+    which it is clear.
+    """
     tree = closed.tree
     if not row_count(tree.robot) or not tree.freedom:
         return GenericRank(0, False)
     for step in _STEPS_ASIDE if closed.closed else ():
-        ranks = _clear_ranks(tree, closed_neighbours(closed, _NEIGHBOURS, seed, step), RANK_SHARE, _GAP)
+        ranks = _clear_ranks(
+            tree, closed_neighbours(closed, _NEIGHBOURS, seed, step), RANK_SHARE, _GAP
+        )
         if ranks:
             return GenericRank(max(ranks), False)
-    # joints of one coordinate are moved alone: what a rounded file leaves to others is not their motion
+    # joints of one coordinate are moved alone: what a rounded file leaves to others is not their
+    # motion
     starts = _starts_aside(closed, _NEIGHBOURS_TO_DIGITS, seed, _STEP_TO_DIGITS, _single(tree))
-    ends = [end for start in starts if _largest(tree, end := _searched(tree, start)) <= DIGITS * tree.size]
+    ends = [
+        end
+        for start in starts
+        if _largest(tree, end := _searched(tree, start)) <= DIGITS * tree.size
+    ]
     ranks = _clear_ranks(tree, ends, DIGITS, _GAP_TO_DIGITS)
     return GenericRank(max(set(ranks), key=ranks.count), True) if ranks else None
 
 
 def _clear_ranks(tree: Tree, states: list[State], share: float, gap: float) -> list[int]:
-    """Ranks at those states at which the singular values that count are far from those that do not."""
+    """Ranks at those states at which the singular values that count are far from those that do
+    not.
+    """
     found = []
     for state in states:
         values = _singular_values(tree, state)
@@ -172,7 +211,13 @@ def _clear_ranks(tree: Tree, states: list[State], share: float, gap: float) -> l
 def _single(tree: Tree) -> np.ndarray:
     """Which freedoms are those of joints of one coordinate."""
     names = {entry.joint.name for entry in tree.robot.joints}
-    return np.array([step.name in names and step.freedom == 1 for step in tree.steps for _ in range(step.freedom)])
+    return np.array(
+        [
+            step.name in names and step.freedom == 1
+            for step in tree.steps
+            for _ in range(step.freedom)
+        ]
+    )
 
 
 def _singular_values(tree: Tree, state: State) -> np.ndarray:
@@ -194,11 +239,15 @@ def misfits(tree: Tree, state: State) -> dict[str, float]:
 
 
 def constraint_rows(tree: Tree, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """All rows of closures and couplings at a state, and their derivative by the freedoms of the tree."""
+    """All rows of closures and couplings at a state, and their derivative by the freedoms of the
+    tree.
+    """
     parts = [rows for _, rows in _parts(tree, state)]
     values = [values for values, _ in parts]
     rates = [rates for _, rates in parts]
-    return np.concatenate([np.zeros(0), *values]), np.concatenate([np.zeros((0, tree.freedom)), *rates])
+    return np.concatenate([np.zeros(0), *values]), np.concatenate(
+        [np.zeros((0, tree.freedom)), *rates]
+    )
 
 
 def _parts(tree: Tree, state: State) -> Iterator[tuple[str, tuple[np.ndarray, np.ndarray]]]:
@@ -209,7 +258,7 @@ def _parts(tree: Tree, state: State) -> Iterator[tuple[str, tuple[np.ndarray, np
         yield f"coupling of {coupling.joint}", coupling_rows(coupling, tree, state)
 
 
-# --- searches ------------------------------------------------------------------------------------------------------
+# --- searches -------------------------------------------------------------------------------------
 
 
 def _scales(tree: Tree) -> np.ndarray:
@@ -228,7 +277,9 @@ def _largest(tree: Tree, state: State) -> float:
 def _random_starts(tree: Tree, rng: np.random.Generator) -> Iterator[State]:
     for radius, count in _SEARCHES:
         for _ in range(count):
-            yield tree.moved(tree.own, _unscaled(tree, radius * tree.size * rng.normal(size=tree.freedom)))
+            yield tree.moved(
+                tree.own, _unscaled(tree, radius * tree.size * rng.normal(size=tree.freedom))
+            )
 
 
 def _searched(tree: Tree, start: State) -> State:
@@ -290,10 +341,13 @@ def _felt(jacobian: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 def _without_turns(tree: Tree, state: State) -> State:
-    """The same configuration with angles within half a turn of the file's, but those that a coupling or a screw counts."""
+    """The same configuration with angles within half a turn of the file's, but those that a
+    coupling or a screw counts.
+    """
     counted = {name for c in tree.robot.couplings for name in (c.joint, *c.names)}
     return tuple(
-        _wrapped(value, step.zero) if _turns(step, counted) else value for value, step in zip(state, tree.steps, strict=True)
+        _wrapped(value, step.zero) if _turns(step, counted) else value
+        for value, step in zip(state, tree.steps, strict=True)
     )
 
 

@@ -1,7 +1,9 @@
-"""The equations of a robot's closures and couplings at a configuration of its tree, with their derivatives, in numbers.
+"""The equations of a robot's closures and couplings at a configuration of its tree, with their
+derivatives, in numbers.
 
-Rows are lengths: directions and angles are multiplied by the robot's size. Directions are compared as vectors, so that some rows are
-redundant; the rank and the least squares of a closure are those of its constraint.
+Rows are lengths: directions and angles are multiplied by the robot's size. Directions are compared
+as vectors, so that some rows are redundant; the rank and the least squares of a closure are those
+of its constraint.
 """
 
 from __future__ import annotations
@@ -25,7 +27,9 @@ def closure_rows(closure: Closure, placed: Placed, size: float) -> Rows:
     """What is zero where a closure is closed."""
     builder = _Pair(closure, placed, size)
     parts = [part(builder) for part in _PARTS[closure.type]]
-    return np.concatenate([values for values, _ in parts]), np.concatenate([rates for _, rates in parts])
+    return np.concatenate([values for values, _ in parts]), np.concatenate(
+        [rates for _, rates in parts]
+    )
 
 
 def coupling_rows(coupling: Coupling, tree: Tree, state: State) -> Rows:
@@ -58,7 +62,9 @@ class _Pair:
 
     def gap(self) -> Rows:
         """From the first frame's origin to the second's."""
-        (a, da), (b, db) = (self.placed.point(link, np.asarray(frame.position)) for link, frame in self.ends)
+        (a, da), (b, db) = (
+            self.placed.point(link, np.asarray(frame.position)) for link, frame in self.ends
+        )
         return b - a, db - da
 
     def axis(self, end: int, number: int) -> Rows:
@@ -74,7 +80,9 @@ class _Pair:
     def across(self) -> Rows:
         """The gap square to the first frame's z axis."""
         (gap, rates), (z, dz) = self.gap(), self.axis(0, 2)
-        return np.cross(gap, z), np.cross(rates, z, axisa=0, axisc=0) + np.cross(gap, dz, axisb=0, axisc=0)
+        return np.cross(gap, z), np.cross(rates, z, axisa=0, axisc=0) + np.cross(
+            gap, dz, axisb=0, axisc=0
+        )
 
     def square(self) -> Rows:
         """Cosine of the angle between the first frame's z axis and the second's x axis."""

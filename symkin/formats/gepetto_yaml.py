@@ -1,4 +1,6 @@
-"""Read the YAML file that the Gepetto team writes beside a URDF: pairs of frames that close loops, motors, joints of another type."""
+"""Read the YAML file that the Gepetto team writes beside a URDF: pairs of frames that close loops,
+motors, joints of another type.
+"""
 
 from __future__ import annotations
 
@@ -22,17 +24,23 @@ _AXES: dict[str, Direction] = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": 
 _UNIVERSAL = re.compile(r"UJOINT_([XYZ])([XYZ])")
 _KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
 _LARGEST = 200_000
-"""Bytes of a YAML file: loops and motors take a few thousand, and PyYAML reads a tenth of a megabyte in a second."""
+"""Bytes of a YAML file: loops and motors take a few thousand, and PyYAML reads a tenth of a
+megabyte in a second.
+"""
 _MOST_VALUES = 100_000
 """Values that a YAML file may hold, its aliases written out."""
 
 Retyped = tuple[JointType, tuple[Direction, Direction] | None]
-"""A joint's type in place of that in the URDF, and the axes of a universal one in the joint's frame."""
+"""A joint's type in place of that in the URDF, and the axes of a universal one in the joint's
+frame.
+"""
 
 
 @dataclass(frozen=True)
 class LoopsBeside:
-    """What the YAML file says: `closures` (type and two links each), `motors` by name, joints that are of another type."""
+    """What the YAML file says: `closures` (type and two links each), `motors` by name, joints that
+    are of another type.
+    """
 
     file: Path | None = None
     closures: tuple[tuple[JointType, str, str], ...] = ()
@@ -47,15 +55,26 @@ class LoopsBeside:
 
 
 def loops_beside(path: Path) -> LoopsBeside:
-    """What stands in the YAML file of a URDF's name (leg.yaml of leg.urdf, and of leg.urdf.xacro); nothing where there is none, or it
-    closes no loop."""
+    """What stands in the YAML file of a URDF's name (leg.yaml of leg.urdf, and of leg.urdf.xacro);
+    nothing where there is none, or it closes no loop.
+    """
     names = [path, path.with_suffix("")] if path.with_suffix("").suffix == ".urdf" else [path]
-    file = next((f for name in names for ending in YAML_ENDINGS if (f := name.with_suffix(ending)).is_file()), None)
+    file = next(
+        (
+            f
+            for name in names
+            for ending in YAML_ENDINGS
+            if (f := name.with_suffix(ending)).is_file()
+        ),
+        None,
+    )
     if file is None:
         return LoopsBeside()
     text = _text(file)
     if re.search(r"^\s*[\"']?closed_loop[\"']?\s*:", text, re.M) is None:
-        return LoopsBeside(notes=(f"{file.name} beside the file tells no closed_loop, and is left out",))
+        return LoopsBeside(
+            notes=(f"{file.name} beside the file tells no closed_loop, and is left out",)
+        )
     try:
         return _loops(file, _mapping(text))
     except MechanismError as error:
@@ -68,11 +87,17 @@ def _loops(file: Path, data: Mapping[str, Any]) -> LoopsBeside:
         raise MechanismError(f"closed_loop = {shown(pairs)} is no list of pairs of links")
     kinds = _names(data, "type")
     if len(kinds) != len(pairs):
-        raise MechanismError(f"type has {len(kinds)} entries and closed_loop {len(pairs)}; one for each loop is needed")
+        raise MechanismError(
+            f"type has {len(kinds)} entries and closed_loop {len(pairs)}; one for each loop is "
+            f"needed"
+        )
     unknown = next((kind for kind in kinds if kind.lower() not in _CLOSURES), None)
     if unknown is not None:
         raise MechanismError(f"type: {not_among(unknown, _CLOSURES)}")
-    closures = tuple((_CLOSURES[kind.lower()], first, second) for kind, (first, second) in zip(kinds, pairs, strict=True))
+    closures = tuple(
+        (_CLOSURES[kind.lower()], first, second)
+        for kind, (first, second) in zip(kinds, pairs, strict=True)
+    )
     other = [key if isinstance(key, str) else shown(key) for key in data if key not in _KEYS]
     notes = (f"{file.name}: left out, of no meaning here: {first_of(other)}",) if other else ()
     return LoopsBeside(file, closures, tuple(_names(data, "name_mot")), _retyped(data), notes)
@@ -81,7 +106,10 @@ def _loops(file: Path, data: Mapping[str, Any]) -> LoopsBeside:
 def _retyped(data: Mapping[str, Any]) -> dict[str, Retyped]:
     names, types = _names(data, "joint_name"), _names(data, "joint_type")
     if len(names) != len(types):
-        raise MechanismError(f"joint_type has {len(types)} entries and joint_name {len(names)}; one for each joint is needed")
+        raise MechanismError(
+            f"joint_type has {len(types)} entries and joint_name {len(names)}; one for each joint "
+            f"is needed"
+        )
     return {name: _type(kind) for name, kind in zip(names, types, strict=True)}
 
 
@@ -93,7 +121,10 @@ def _type(kind: str) -> Retyped:
         return "S", None
     if kind.upper() == "FIXED":
         return "weld", None
-    raise MechanismError(f"joint_type: {shown(kind)} is unknown; allowed: SPHERICAL, FIXED, UJOINT_XY and other pairs of axes")
+    raise MechanismError(
+        f"joint_type: {shown(kind)} is unknown; allowed: SPHERICAL, FIXED, UJOINT_XY and other "
+        f"pairs of axes"
+    )
 
 
 def _names(data: Mapping[str, Any], key: str) -> Sequence[str]:
@@ -114,14 +145,17 @@ def _mapping(text: str) -> Mapping[str, Any]:
         yaml = import_module("yaml")
     except ImportError:
         raise InputError(
-            "loops written in YAML beside a URDF need the package PyYAML: pip install 'symkin[urdf]' installs it"
+            "loops written in YAML beside a URDF need the package PyYAML: pip install "
+            "'symkin[urdf]' installs it"
         ) from None
     try:
         data = _loaded(yaml, text)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         mark = getattr(error, "problem_mark", None)
         line = "" if mark is None else f"line {mark.line + 1}: "
-        raise MechanismError(f"{line}not YAML: {getattr(error, 'problem', None) or ' '.join(str(error).split())}") from None
+        raise MechanismError(
+            f"{line}not YAML: {getattr(error, 'problem', None) or ' '.join(str(error).split())}"
+        ) from None
     if not isinstance(data, dict):
         raise MechanismError("not a YAML mapping of closed_loop, type, name_mot")
     return data
@@ -134,7 +168,8 @@ def _loaded(yaml: Any, text: str) -> Any:
         node = loader.get_single_node()
         if node is not None and _size(node, {}) > _MOST_VALUES:
             raise MechanismError(
-                f"its aliases (*name) make more than {_MOST_VALUES} values of it; write out the few that are needed"
+                f"its aliases (*name) make more than {_MOST_VALUES} values of it; write out the "
+                f"few that are needed"
             )
         return None if node is None else loader.construct_document(node)
     finally:
@@ -142,11 +177,15 @@ def _loaded(yaml: Any, text: str) -> Any:
 
 
 def _size(node: Any, known: dict[int, float]) -> float:
-    """How many values a node of YAML holds with its aliases written out; infinitely many where it holds itself."""
+    """How many values a node of YAML holds with its aliases written out; infinitely many where it
+    holds itself.
+    """
     if id(node) not in known:
         known[id(node)] = math.inf
         parts = node.value if isinstance(node.value, list) else []
-        flat = [part for entry in parts for part in (entry if isinstance(entry, tuple) else (entry,))]
+        flat = [
+            part for entry in parts for part in (entry if isinstance(entry, tuple) else (entry,))
+        ]
         known[id(node)] = 1.0 + sum(_size(part, known) for part in flat)
     return known[id(node)]
 
@@ -158,7 +197,10 @@ def _text(file: Path) -> str:
     except OSError as error:
         raise InputError(f"{file}: the file cannot be read ({error.strerror or error})") from None
     if len(content) > _LARGEST:
-        raise MechanismError(f"{file}: the file has more than {_LARGEST / 1e6:g} MB, which are allowed for loops beside a URDF")
+        raise MechanismError(
+            f"{file}: the file has more than {_LARGEST / 1e6:g} MB, which are allowed for loops "
+            f"beside a URDF"
+        )
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:

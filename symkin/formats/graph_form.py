@@ -1,4 +1,6 @@
-"""Any mechanism as a graph of links in metres and radians, as files of other formats hold it: limbs become joints and rods between links."""
+"""Any mechanism as a graph of links in metres and radians, as files of other formats hold it: limbs
+become joints and rods between links.
+"""
 
 from __future__ import annotations
 
@@ -26,14 +28,17 @@ _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0), "gamm
 def as_graph(mechanism: Mechanism) -> Mechanism:
     """The same mechanism with joints and rods between named links alone.
 
-    Links within a limb are called leg1.1, leg1.2, ... from its first link on. A platform of restricted motion is carried from the base
-    by passive joints (platform.x, platform.gamma, ...) that leave it this motion.
+    Links within a limb are called leg1.1, leg1.2, ... from its first link on. A platform of
+    restricted motion is carried from the base by passive joints (platform.x, platform.gamma, ...)
+    that leave it this motion.
     """
     metres = _METRES[mechanism.length_unit]
     carriers = list(_carriers(mechanism))
     joints = [entry for limb in mechanism.limbs if isinstance(limb, Limb) for entry in _chain(limb)]
     joints += [*carriers, *mechanism.link_joints]
-    rods = [rod for limb in mechanism.limbs for rod in _rods(mechanism, limb)] + list(mechanism.link_rods)
+    rods = [rod for limb in mechanism.limbs for rod in _rods(mechanism, limb)] + list(
+        mechanism.link_rods
+    )
     points = [replace(p, point=_scaled(p.point, metres)) for p in mechanism.link_points]
     return Mechanism(
         mechanism.name,
@@ -52,11 +57,16 @@ def as_graph(mechanism: Mechanism) -> Mechanism:
 
 
 def links_along(limb: Limb) -> list[str]:
-    """The links of a limb in order: its first, those between its joints, and behind the last joint its last or the one that carries
-    its rods."""
+    """The links of a limb in order: its first, those between its joints, and behind the last joint
+    its last or the one that carries its rods.
+    """
     first, last = limb.links
     inner = len(limb.joints) - (0 if limb.rods else 1)
-    return [first, *(f"{limb.name}.{k}" for k in range(1, inner + 1)), *([] if limb.rods else [last])]
+    return [
+        first,
+        *(f"{limb.name}.{k}" for k in range(1, inner + 1)),
+        *([] if limb.rods else [last]),
+    ]
 
 
 def _chain(limb: Limb) -> Iterator[LinkJoint]:
@@ -104,7 +114,7 @@ def _carriers(mechanism: Mechanism) -> Iterator[LinkJoint]:
         link = to
 
 
-# --- in metres -----------------------------------------------------------------------------------------------------
+# --- in metres ------------------------------------------------------------------------------------
 
 
 def _scaled(vector: Sequence[float], factor: float) -> tuple[float, ...]:
@@ -114,7 +124,13 @@ def _scaled(vector: Sequence[float], factor: float) -> tuple[float, ...]:
 def _joint(joint: Joint, metres: float) -> Joint:
     own = metres if joint.type == "P" else 1.0
     limits = None if joint.limits is None else _scaled(joint.limits, own)
-    return replace(joint, point=_scaled(joint.point, metres), pitch=metres * joint.pitch, zero=own * joint.zero, limits=limits)
+    return replace(
+        joint,
+        point=_scaled(joint.point, metres),
+        pitch=metres * joint.pitch,
+        zero=own * joint.zero,
+        limits=limits,
+    )
 
 
 def _rod(rod: LinkRod, metres: float) -> LinkRod:
@@ -136,12 +152,16 @@ def _coupling(mechanism: Mechanism, coupling: Coupling, metres: float) -> Coupli
         (name,) = coupling.names
         powers = [c * coupling_scale(own, unit[name], k) for k, c in enumerate(coupling.polynomial)]
         return replace(coupling, polynomial=powers)
-    factors = tuple((name, factor * coupling_scale(own, unit[name], 1)) for name, factor in coupling.terms)
+    factors = tuple(
+        (name, factor * coupling_scale(own, unit[name], 1)) for name, factor in coupling.terms
+    )
     return replace(coupling, of=factors, offset=own * coupling.offset)
 
 
 def is_closed_at_reference(graph: Mechanism, share: float) -> bool:
-    """Whether the rods of a graph have their lengths at the reference, and its couplings hold there, to a share of its size."""
+    """Whether the rods of a graph have their lengths at the reference, and its couplings hold
+    there, to a share of its size.
+    """
     size = graph.characteristic_length
     values = {c.name: c.reference[0] for c in graph.coordinates}
     gaps = [rod.reference_length - rod.length for rod in graph.link_rods if rod.length is not None]
@@ -150,6 +170,8 @@ def is_closed_at_reference(graph: Mechanism, share: float) -> bool:
             (name,) = coupling.names
             told = math.fsum(c * values[name] ** k for k, c in enumerate(coupling.polynomial))
         else:
-            told = coupling.offset + math.fsum(factor * values[name] for name, factor in coupling.terms)
+            told = coupling.offset + math.fsum(
+                factor * values[name] for name, factor in coupling.terms
+            )
         gaps.append(values[coupling.joint] - told)
     return all(abs(gap) <= share * size for gap in gaps)

@@ -1,4 +1,6 @@
-"""What the readers of joints as a graph share: notes on what is left out, ranges, meshes, elements of no meaning."""
+"""What the readers of joints as a graph share: notes on what is left out, ranges, meshes, elements
+of no meaning.
+"""
 
 from __future__ import annotations
 
@@ -15,37 +17,58 @@ from symkin.spatial.pose import Pose
 
 
 class GraphReader:
-    """A reader of one file: where it is, what is told beside it, and the notes that it makes on the way."""
+    """A reader of one file: where it is, what is told beside it, and the notes that it makes on the
+    way.
+    """
 
     def __init__(self, path: Path, read: ReadOptions) -> None:
         self.path, self.read = path, read
         self.packages = Packages(path, read.folders)
         self.notes: list[str] = []
 
-    def range_of(self, limits: tuple[float, float] | None, element: Element, line: int) -> tuple[float, float] | None:
+    def range_of(
+        self, limits: tuple[float, float] | None, element: Element, line: int
+    ) -> tuple[float, float] | None:
         """Bounds that are a range; None for others, with a note where they bound anything."""
         if limits is None or is_range(*limits):
             return limits
         low, high = limits
         if is_bounded(low, high):
-            why = "its upper end is not above its lower one" if low >= high else "it has no two ends"
-            self.notes.append(f"line {line}: the range [{low:g}, {high:g}] of {element.label} is left out; {why}")
+            why = (
+                "its upper end is not above its lower one" if low >= high else "it has no two ends"
+            )
+            self.notes.append(
+                f"line {line}: the range [{low:g}, {high:g}] of {element.label} is left out; {why}"
+            )
         return None
 
     def mesh(self, element: Element, uri: str, pose: Pose, scale: tuple[float, ...]) -> Mesh:
-        """A reference to a mesh, which need not be there. Raises MechanismError for a scale of 0."""
+        """A reference to a mesh, which need not be there. Raises MechanismError for a scale of
+        0.
+        """
         if 0.0 in scale:
-            raise element.error(f"scale = {list(scale)} makes nothing of the mesh; numbers other than 0 are needed")
+            raise element.error(
+                f"scale = {list(scale)} makes nothing of the mesh; numbers other than 0 are needed"
+            )
         x, y, z = scale
         return Mesh(self.packages.written(uri), pose, (x, y, z))
 
-    def left_out(self, elements: Iterable[Element], meanings: Mapping[str, str], names: set[str], within: str = "") -> list[str]:
-        """A note on elements of no meaning here. Raises MechanismError for an unknown one that names links or joints."""
+    def left_out(
+        self,
+        elements: Iterable[Element],
+        meanings: Mapping[str, str],
+        names: set[str],
+        within: str = "",
+    ) -> list[str]:
+        """A note on elements of no meaning here. Raises MechanismError for an unknown one that
+        names links or joints.
+        """
         found: dict[str, None] = {}
         for element in elements:
             if element.tag not in meanings and names_any(element, names):
                 raise element.error(
-                    f"<{element.tag}> is unknown{within}, and it names links or joints of the robot; remove it if it is no constraint"
+                    f"<{element.tag}> is unknown{within}, and it names links or joints of the "
+                    f"robot; remove it if it is no constraint"
                 )
             found[meanings.get(element.tag, f"<{element.tag}>")] = None
         return [f"left out, of no meaning here: {', '.join(found)}"] if found else []

@@ -1,8 +1,10 @@
-"""Joints as a graph: choose the tree that places all links at the file's own configuration; the other joints close loops.
+"""Joints as a graph: choose the tree that places all links at the file's own configuration; the
+other joints close loops.
 
-A reader tells every joint by its frames on both links. The tree takes fixed joints first, then those that no closure says as well
-(screws, universal joints, coupled ones), then those with a range or a motor, then the others in the file's order; joints that the file
-writes as closures come last, and join the tree only where nothing else reaches.
+A reader tells every joint by its frames on both links. The tree takes fixed joints first, then
+those that no closure says as well (screws, universal joints, coupled ones), then those with a range
+or a motor, then the others in the file's order; joints that the file writes as closures come last,
+and join the tree only where nothing else reaches.
 """
 
 from __future__ import annotations
@@ -35,8 +37,10 @@ _SQUARE = 1e-6
 
 @dataclass(frozen=True)
 class GraphJoint:
-    """A joint as a file tells it: its frame on each of its two `links` (in the links' own frames), `axis` and `axis2` in the first of
-    them. The frames coincide at the value 0. `closing`: the file writes it as a closure; `where` is its place for messages."""
+    """A joint as a file tells it: its frame on each of its two `links` (in the links' own frames),
+    `axis` and `axis2` in the first of them. The frames coincide at the value 0. `closing`: the file
+    writes it as a closure; `where` is its place for messages.
+    """
 
     name: str
     type: JointType
@@ -53,7 +57,9 @@ class GraphJoint:
 
 @dataclass(frozen=True)
 class JointGraph:
-    """What a file says of a robot: its links in order, the `root` among them, joints of any graph, couplings of joints by name."""
+    """What a file says of a robot: its links in order, the `root` among them, joints of any graph,
+    couplings of joints by name.
+    """
 
     name: str
     links: Sequence[str]
@@ -67,16 +73,22 @@ class JointGraph:
 
 
 def robot_of(graph: JointGraph) -> Robot:
-    """The robot with its root as "base", placed where all joints of the tree are 0, or at the values that `parts` tells; what the root does not reach is left out."""
+    """The robot with its root as "base", placed where all joints of the tree are 0, or at the
+    values that `parts` tells; what the root does not reach is left out.
+    """
     graph = _uniquely_named(graph)
     tree = spanning_tree(graph)
     placed, in_tree = place(graph, tree), {joint.name for joint in tree}
-    rest = [joint for joint in graph.joints if joint.links[0] in placed and joint.name not in in_tree]
+    rest = [
+        joint for joint in graph.joints if joint.links[0] in placed and joint.name not in in_tree
+    ]
     return _Assembly(graph, placed).robot(rest, _unreached_note(graph, placed))
 
 
 def spanning_tree(graph: JointGraph) -> list[GraphJoint]:
-    """The joints that place every link that the root reaches, each once (Kruskal's choice in the order of preference)."""
+    """The joints that place every link that the root reaches, each once (Kruskal's choice in the
+    order of preference).
+    """
     heads = {link: link for link in graph.links}
     coupled = {name.partition(".")[0] for c in graph.couplings for name in (c.joint, *c.names)}
     coupled |= {name for c in graph.couplings for name in (c.joint, *c.names)}
@@ -89,8 +101,12 @@ def spanning_tree(graph: JointGraph) -> list[GraphJoint]:
     return chosen
 
 
-def place(graph: JointGraph, tree: Sequence[GraphJoint]) -> dict[str, tuple[Pose, GraphJoint | None]]:
-    """Every link that the root reaches, in an order from the root: its pose in the root's frame, and the joint that carries it."""
+def place(
+    graph: JointGraph, tree: Sequence[GraphJoint]
+) -> dict[str, tuple[Pose, GraphJoint | None]]:
+    """Every link that the root reaches, in an order from the root: its pose in the root's frame,
+    and the joint that carries it.
+    """
     at: dict[str, list[GraphJoint]] = {link: [] for link in graph.links}
     for joint in tree:
         for link in joint.links:
@@ -104,7 +120,12 @@ def place(graph: JointGraph, tree: Sequence[GraphJoint]) -> dict[str, tuple[Pose
             if other not in placed:
                 moved = _moved(joint, graph.parts.reference.get(joint.name, 0.0))
                 between = moved if here == 0 else moved.inverse()
-                pose = placed[link][0] @ joint.frames[here] @ between @ joint.frames[1 - here].inverse()
+                pose = (
+                    placed[link][0]
+                    @ joint.frames[here]
+                    @ between
+                    @ joint.frames[1 - here].inverse()
+                )
                 placed[other] = (Pose(np.asarray(pose.position), _unit(pose.quaternion)), joint)
                 todo.append(other)
     return placed
@@ -120,7 +141,9 @@ def _moved(joint: GraphJoint, value: float) -> Pose:
 
 
 def frame_along(z: Sequence[float], x: Sequence[float] | None = None) -> Pose:
-    """A turned frame whose z axis has a direction, and whose x axis is nearest to another where one is given."""
+    """A turned frame whose z axis has a direction, and whose x axis is nearest to another where one
+    is given.
+    """
     third = np.asarray(z, dtype=float) / np.linalg.norm(z)
     near = np.eye(3)[int(np.argmin(np.abs(third)))] if x is None else np.asarray(x, dtype=float)
     if x is None and third[2] == 1.0:
@@ -133,12 +156,18 @@ def frame_along(z: Sequence[float], x: Sequence[float] | None = None) -> Pose:
 class _Assembly:
     """The robot's parts in the base frame, under names that mechanisms may have."""
 
-    def __init__(self, graph: JointGraph, placed: Mapping[str, tuple[Pose, GraphJoint | None]]) -> None:
+    def __init__(
+        self, graph: JointGraph, placed: Mapping[str, tuple[Pose, GraphJoint | None]]
+    ) -> None:
         self.graph, self.placed = graph, placed
         self.part_of: dict[str, str] = {}
         self.carried: list[tuple[str, str, GraphJoint]] = []
         for link, (_, joint) in placed.items():
-            carrier = None if joint is None else self.part_of[next(other for other in joint.links if other != link)]
+            carrier = (
+                None
+                if joint is None
+                else self.part_of[next(other for other in joint.links if other != link)]
+            )
             if joint is None or carrier is None or joint.type != "weld":
                 self.part_of[link] = link
             else:
@@ -153,14 +182,20 @@ class _Assembly:
         closures, dropped = self._closures(rest)
         kept = {joint.name for _, _, joint in self.carried}
         parts = [link for link in self.placed if self.part_of[link] == link]
-        root = () if self.graph.root == BASE else (f"the root link {self.graph.root!r} is held, as the link {BASE!r}",)
+        root = (
+            ()
+            if self.graph.root == BASE
+            else (f"the root link {self.graph.root!r} is held, as the link {BASE!r}",)
+        )
         below = {old: new for old, new in self.link_names.items() if old != self.graph.root}
         return Robot(
             name=self.graph.name,
             links={self.link_names[link]: self.placed[link][0] for link in parts},
             joints=tuple(self._link_joint(*entry) for entry in self.carried),
             closures=tuple(closures),
-            couplings=tuple(self._coupling(c) for c in self.graph.couplings if self._is_kept(c, kept)),
+            couplings=tuple(
+                self._coupling(c) for c in self.graph.couplings if self._is_kept(c, kept)
+            ),
             notes=(
                 *root,
                 *renamed("links", below),
@@ -183,13 +218,17 @@ class _Assembly:
 
     @cached_property
     def _turned(self) -> set[str]:
-        """Joints that the mechanism has from the link that the tree carries, by their names in the file:
-        a joint leads as the file tells it, or the other way about where the file's parts say so."""
+        """Joints that the mechanism has from the link that the tree carries, by their names in the
+        file: a joint leads as the file tells it, or the other way about where the file's parts say
+        so.
+        """
         backward = {joint.name for _, link, joint in self.carried if joint.links[0] == link}
         return backward ^ (set(self.graph.parts.turned) & self.joint_names.keys())
 
     def _link_joint(self, carrier: str, link: str, joint: GraphJoint) -> LinkJoint:
-        """The joint in the base frame, from the link nearer to the root; turned about where the file tells it from the other."""
+        """The joint in the base frame, from the link nearer to the root; turned about where the
+        file tells it from the other.
+        """
         backward = joint.links[0] == link
         frame = self.placed[joint.links[0]][0] @ joint.frames[0]
         axis = None if joint.axis is None else np.asarray(frame.turn(np.asarray(joint.axis)))
@@ -202,10 +241,14 @@ class _Assembly:
             axis2=None if axis2 is None else _numbers(axis2),
             pitch=joint.pitch,
             actuated=joint.actuated or self.graph.parts.drives(joint.name, joint.type),
-            zero=self.graph.parts.reference.get(joint.name, 0.0) if FREEDOMS[joint.type] == 1 else 0.0,
+            zero=self.graph.parts.reference.get(joint.name, 0.0)
+            if FREEDOMS[joint.type] == 1
+            else 0.0,
             limits=joint.limits if FREEDOMS[joint.type] == 1 else None,
         )
-        return LinkJoint(turned(made) if backward else made, (self.link_names[carrier], self.link_names[link]))
+        return LinkJoint(
+            turned(made) if backward else made, (self.link_names[carrier], self.link_names[link])
+        )
 
     def _closures(self, rest: Sequence[GraphJoint]) -> tuple[list[Closure], list[str]]:
         """The closures, and notes on what of them is left out."""
@@ -219,25 +262,52 @@ class _Assembly:
         return found, notes
 
     def _closure(self, joint: GraphJoint) -> Closure:
-        """The joint's two frames in the base frame, z along its axis, and of a universal joint x along the second axis."""
+        """The joint's two frames in the base frame, z along its axis, and of a universal joint x
+        along the second axis.
+        """
         turn = Pose.identity() if joint.axis is None else frame_along(joint.axis, joint.axis2)
-        if joint.axis is not None and joint.axis2 is not None and abs(float(np.dot(joint.axis, joint.axis2))) > _SQUARE:
+        if (
+            joint.axis is not None
+            and joint.axis2 is not None
+            and abs(float(np.dot(joint.axis, joint.axis2))) > _SQUARE
+        ):
             raise MechanismError(
-                f"{joint.where}: the axes of the universal joint are not square to each other, and it closes a loop of such joints; "
+                f"{joint.where}: the axes of the universal joint are not square to each other, and "
+                f"it closes a loop of such joints; "
                 "write it as two revolute joints with a link between them"
             )
-        first, second = (self.placed[link][0] @ frame @ turn for link, frame in zip(joint.links, joint.frames, strict=True))
-        parts = (self.link_names[self.part_of[joint.links[0]]], self.link_names[self.part_of[joint.links[1]]])
+        first, second = (
+            self.placed[link][0] @ frame @ turn
+            for link, frame in zip(joint.links, joint.frames, strict=True)
+        )
+        parts = (
+            self.link_names[self.part_of[joint.links[0]]],
+            self.link_names[self.part_of[joint.links[1]]],
+        )
         kind: ClosureType = joint.type
         limits = joint.limits if FREEDOMS[joint.type] == 1 else None
         driven = joint.actuated or self.graph.parts.drives(joint.name, joint.type)
-        return Closure(self.joint_names[joint.name], kind, parts, first, second, joint.where, joint.pitch, limits, driven)
+        return Closure(
+            self.joint_names[joint.name],
+            kind,
+            parts,
+            first,
+            second,
+            joint.where,
+            joint.pitch,
+            limits,
+            driven,
+        )
 
     def _coupling(self, coupling: Coupling) -> Coupling:
         new = self._coordinate
         if isinstance(coupling.of, str):
             return replace(coupling, joint=new(coupling.joint), of=new(coupling.of))
-        return replace(coupling, joint=new(coupling.joint), of=tuple((new(name), factor) for name, factor in coupling.terms))
+        return replace(
+            coupling,
+            joint=new(coupling.joint),
+            of=tuple((new(name), factor) for name, factor in coupling.terms),
+        )
 
     def _coordinate(self, name: str) -> str:
         """The name of a coordinate under its joint's new name."""
@@ -249,17 +319,25 @@ class _Assembly:
         return f"{self.joint_names[stem]}{dot}{ending}"
 
     def _is_kept(self, coupling: Coupling, kept: set[str]) -> bool:
-        return all(name in kept or name.rpartition(".")[0] in kept for name in (coupling.joint, *coupling.names))
+        return all(
+            name in kept or name.rpartition(".")[0] in kept
+            for name in (coupling.joint, *coupling.names)
+        )
 
     def _lost_couplings(self, kept: set[str]) -> list[str]:
         return [
-            f"the coupling of {coupling.joint!r} is left out: not all of its joints move links of the robot"
+            f"the coupling of {coupling.joint!r} is left out: not all of its joints move links of "
+            f"the robot"
             for coupling in self.graph.couplings
             if not self._is_kept(coupling, kept)
         ]
 
     def _meshes(self) -> dict[str, tuple[Mesh, ...]]:
-        return {self.link_names[link]: meshes for link, meshes in self.graph.meshes.items() if link in self.placed}
+        return {
+            self.link_names[link]: meshes
+            for link, meshes in self.graph.meshes.items()
+            if link in self.placed
+        }
 
 
 def _preference(joint: GraphJoint, coupled: bool) -> int:
@@ -273,13 +351,17 @@ def _preference(joint: GraphJoint, coupled: bool) -> int:
 
 
 def _uniquely_named(graph: JointGraph) -> JointGraph:
-    """The graph with a number behind the name of a closing joint that another joint has. Raises MechanismError for others."""
+    """The graph with a number behind the name of a closing joint that another joint has. Raises
+    MechanismError for others.
+    """
     used = {joint.name for joint in graph.joints if not joint.closing}
     joints, seen = [], set()
     for joint in graph.joints:
         name, number = joint.name, 2
         if not joint.closing and name in seen:
-            raise MechanismError(f"{joint.where}: two joints are named {name!r}; names must be unique in the file")
+            raise MechanismError(
+                f"{joint.where}: two joints are named {name!r}; names must be unique in the file"
+            )
         while joint.closing and name in used:
             name, number = f"{joint.name}_{number}", number + 1
         used.add(name)
@@ -301,25 +383,39 @@ def _head(heads: dict[str, str], link: str) -> str:
 
 
 def _within_a_link(closure: Closure) -> str:
-    """A note on a closure between two parts of one link, which moves nothing. Raises MechanismError where it cannot close."""
-    gap = float(np.linalg.norm(np.asarray(closure.second.position) - np.asarray(closure.first.position)))
+    """A note on a closure between two parts of one link, which moves nothing. Raises MechanismError
+    where it cannot close.
+    """
+    gap = float(
+        np.linalg.norm(np.asarray(closure.second.position) - np.asarray(closure.first.position))
+    )
     away = closure.first.inverse() @ closure.second
     turn = np.asarray(away.rotation)
     match closure.type:
         case "S":
             open_by = gap
         case "R" | "U":
-            open_by = max(gap, float(np.linalg.norm(turn[:, 2] - np.eye(3)[2]))) if closure.type == "R" else gap
+            open_by = (
+                max(gap, float(np.linalg.norm(turn[:, 2] - np.eye(3)[2])))
+                if closure.type == "R"
+                else gap
+            )
         case "C" | "H" | "P":
-            open_by = math.hypot(*np.asarray(away.position)[:2]) + float(np.linalg.norm(turn[:, 2] - np.eye(3)[2]))
+            open_by = math.hypot(*np.asarray(away.position)[:2]) + float(
+                np.linalg.norm(turn[:, 2] - np.eye(3)[2])
+            )
         case _:
             open_by = max(gap, float(np.linalg.norm(turn - np.eye(3))))
     if open_by > _COINCIDE:
         raise MechanismError(
-            f"{closure.where}: it closes a loop within the one link {closure.links[0]!r}, whose two frames are {open_by:.3g} apart (m, "
+            f"{closure.where}: it closes a loop within the one link {closure.links[0]!r}, whose "
+            f"two frames are {open_by:.3g} apart (m, "
             "rad); no configuration closes it"
         )
-    return f"the closure {closure.name!r} is within the one link {closure.links[0]!r}, closed, and left out"
+    return (
+        f"the closure {closure.name!r} is within the one link {closure.links[0]!r}, closed, and "
+        f"left out"
+    )
 
 
 def _unit(quaternion: np.ndarray) -> np.ndarray:

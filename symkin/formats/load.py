@@ -1,4 +1,6 @@
-"""Load a mechanism by name or path: symkin's own file format, and those in which robots are described elsewhere."""
+"""Load a mechanism by name or path: symkin's own file format, and those in which robots are
+described elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +19,15 @@ from symkin.text import meant, shown
 
 
 def load(name_or_path: str | Path, read: ReadOptions = AS_IT_IS) -> Mechanism:
-    """Load a shipped mechanism by name, or a mechanism by path: .toml, or a robot in MJCF (.xml), URDF (.urdf, .xacro) or SDF (.sdf).
+    """Load a shipped mechanism by name, or a mechanism by path: .toml, or a robot in MJCF (.xml),
+    URDF (.urdf, .xacro) or SDF (.sdf).
 
-    A robot becomes a graph of links at the closed configuration that is nearest to the file's own, in metres and radians, its root
-    held as the link "base"; `close` tells the rest. `read` tells what the robot's file does not: kinds of closures, actuated joints,
-    the link of the platform frame, arguments of xacro, packages. Raises InputError when there is no such mechanism or file, MechanismError for a file that is not
-    right: one line with file, key path or line and element, value and what is allowed.
+    A robot becomes a graph of links at the closed configuration that is nearest to the file's own,
+    in metres and radians, its root held as the link "base"; `close` tells the rest. `read` tells
+    what the robot's file does not: kinds of closures, actuated joints, the link of the platform
+    frame, arguments of xacro, packages. Raises InputError when there is no such mechanism or file,
+    MechanismError for a file that is not right: one line with file, key path or line and element,
+    value and what is allowed.
 
     >>> import symkin
     >>> hexapod = symkin.load("zhang2009")
@@ -46,22 +51,36 @@ def _no_mechanism(text: str, path: Path) -> str:
     """Why a text is neither the name of a shipped mechanism nor the path of a file that is read."""
     suffixes = ", ".join((".toml", *_READERS))
     if not text.strip():
-        return "the mechanism is an empty text; a name from `symkin list` or the path of a file is needed"
+        return (
+            "the mechanism is an empty text; a name from `symkin list` or the path of a file is "
+            "needed"
+        )
     if path.is_dir():
         return f"{path}: is a folder; the path of a file in it is needed ({suffixes})"
     if path.suffix.lower() in _OTHER_SUFFIXES and path.exists():
         return f"{path}: {_OTHER_SUFFIXES[path.suffix.lower()]}; allowed: {suffixes}"
     if path.exists():
         ending = f"the suffix {path.suffix!r}" if path.suffix else "no suffix"
-        return f"{path}: the file has {ending}, which tells no format of a mechanism; allowed: {suffixes}"
-    beside = [name for name in (f"{text}{suffix}" for suffix in (".toml", *_READERS)) if Path(name).exists()]
+        return (
+            f"{path}: the file has {ending}, which tells no format of a mechanism; allowed: "
+            f"{suffixes}"
+        )
+    beside = [
+        name
+        for name in (f"{text}{suffix}" for suffix in (".toml", *_READERS))
+        if Path(name).exists()
+    ]
     if beside:
         return f"mechanism {shown(text)} is unknown; the file is named {beside[0]}"
     if path.suffix or len(path.parts) > 1:
-        return f"{path}: there is no such file; allowed: a name from `symkin list`, or a path to a file ({suffixes})"
+        return (
+            f"{path}: there is no such file; allowed: a name from `symkin list`, or a path to a "
+            f"file ({suffixes})"
+        )
     names = shipped_names()
     return (
-        f"mechanism {shown(text)} is unknown{meant(text, names)}; allowed: {', '.join(names)}, or a path to a file ({suffixes})"
+        f"mechanism {shown(text)} is unknown{meant(text, names)}; allowed: {', '.join(names)}, or "
+        f"a path to a file ({suffixes})"
     )
 
 
@@ -85,11 +104,17 @@ def _naming(path: Path) -> Iterator[None]:
         yield
     except MechanismError as error:
         text = str(error)
-        raise error if str(path) in text or path.name in text else MechanismError(f"{path}: {text}") from None
+        raise (
+            error if str(path) in text or path.name in text else MechanismError(f"{path}: {text}")
+        ) from None
 
 
 def _refuse_for_files_of_ours(read: ReadOptions, text: str) -> None:
-    read.refuse_but((), text, "it is told of robots in MJCF, URDF and SDF, and a mechanism file says everything itself")
+    read.refuse_but(
+        (),
+        text,
+        "it is told of robots in MJCF, URDF and SDF, and a mechanism file says everything itself",
+    )
 
 
 def _mjcf(path: Path, read: ReadOptions) -> Robot:
@@ -122,7 +147,11 @@ _OTHER_SUFFIXES = {
     ".stl": "an STL file has no joints; describe them in a .toml",
 }
 """By suffix: what files are that are no mechanisms."""
-_URDF = (_urdf, ("loop", "actuated", "platform", "arguments", "packages"), "a URDF file describes one robot")
+_URDF = (
+    _urdf,
+    ("loop", "actuated", "platform", "arguments", "packages"),
+    "a URDF file describes one robot",
+)
 _READERS: dict[str, tuple[Callable[[Path, ReadOptions], Robot], tuple[str, ...], str]] = {
     ".xml": (
         _mjcf,
@@ -131,6 +160,10 @@ _READERS: dict[str, tuple[Callable[[Path, ReadOptions], Robot], tuple[str, ...],
     ),
     ".urdf": _URDF,
     ".xacro": _URDF,
-    ".sdf": (_sdf, ("loop", "actuated", "platform", "packages", "model"), "SDF has no macros that are expanded here"),
+    ".sdf": (
+        _sdf,
+        ("loop", "actuated", "platform", "packages", "model"),
+        "SDF has no macros that are expanded here",
+    ),
 }
 """By suffix: the reader, the options that mean something there, and why the others do not."""

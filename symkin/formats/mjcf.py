@@ -1,8 +1,10 @@
-"""Read MJCF, the XML of MuJoCo, as a robot: bodies, joints, equality constraints, fixed tendons, and which joints actuators drive.
+"""Read MJCF, the XML of MuJoCo, as a robot: bodies, joints, equality constraints, fixed tendons,
+and which joints actuators drive.
 
-MuJoCo's own compiler resolves defaults, classes, includes, frames and angles, in a process of its own (`formats/mujoco_worker.py`);
-what is read is the compiled model at qpos0. Meshes and inertias are never needed: the first need not be there, the second are replaced. What constraints and tendons mean is MuJoCo's
-documentation, "XML reference: equality", and `mj_instantiateEqual` of its source.
+MuJoCo's own compiler resolves defaults, classes, includes, frames and angles, in a process of its
+own (`formats/mujoco_worker.py`); what is read is the compiled model at qpos0. Meshes and inertias
+are never needed: the first need not be there, the second are replaced. What constraints and tendons
+mean is MuJoCo's documentation, "XML reference: equality", and `mj_instantiateEqual` of its source.
 """
 
 from __future__ import annotations
@@ -26,27 +28,41 @@ from symkin.formats.xml_text import Element, read_xml
 from symkin.spatial.pose import Pose
 
 _WORKER = Path(__file__).with_name("mujoco_worker.py")
-_INSTALL = "reading MJCF takes MuJoCo's compiler, which is not installed; pip install 'symkin[mjcf]' brings it"
+_INSTALL = (
+    "reading MJCF takes MuJoCo's compiler, which is not installed; pip install 'symkin[mjcf]' "
+    "brings it"
+)
 
 
 def read_mjcf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
     """The robot that an MJCF file describes, at the file's own configuration (qpos0).
 
-    Raises InputError for a file that cannot be read or without the package `mujoco`, MechanismError for a file that is not right:
-    file, line and element as MuJoCo's compiler tells them.
+    Raises InputError for a file that cannot be read or without the package `mujoco`, MechanismError
+    for a file that is not right: file, line and element as MuJoCo's compiler tells them.
     """
     return _reader(path, read).robot()
 
 
-def with_keyframe(path: Path, joints: Mapping[str, float | Sequence[float]], poses: Mapping[str, Pose]) -> str:
-    """The text of an MJCF file with one more keyframe, "closed": the values of its joints, and poses of links that hang on no joint."""
+def with_keyframe(
+    path: Path, joints: Mapping[str, float | Sequence[float]], poses: Mapping[str, Pose]
+) -> str:
+    """The text of an MJCF file with one more keyframe, "closed": the values of its joints, and
+    poses of links that hang on no joint.
+    """
     reader = _reader(path)
     text = path.read_text(encoding="utf-8-sig")
     used = {e.attributes.get("name", "") for e in reader.compiled.root.walk() if e.tag == "key"}
-    name = next(name for k in range(1, len(used) + 3) if (name := "closed" if k == 1 else f"closed_{k}") not in used)
+    name = next(
+        name
+        for k in range(1, len(used) + 3)
+        if (name := "closed" if k == 1 else f"closed_{k}") not in used
+    )
     numbers = " ".join(repr(float(value) + 0.0) for value in reader.positions(joints, poses))
     before, _, after = text.rpartition("</mujoco")
-    return f'{before}  <keyframe>\n    <key name="{name}" qpos="{numbers}"/>\n  </keyframe>\n</mujoco{after}'
+    return (
+        f'{before}  <keyframe>\n    <key name="{name}" qpos="{numbers}"/>\n  </keyframe>\n'
+        f"</mujoco{after}"
+    )
 
 
 def _reader(path: Path, read: ReadOptions = AS_IT_IS) -> Reader:
@@ -56,7 +72,9 @@ def _reader(path: Path, read: ReadOptions = AS_IT_IS) -> Reader:
     count = told["numbers"]
     refuse_too_many(str(path), max(count["nbody"], count["njnt"], count["neq"]), count["njnt"])
     meshes = {mesh["name"]: _mesh(mesh, root, Packages(path)) for mesh in told["meshes"]}
-    compiled = compiled_model(told, root, path, {geom: meshes[name] for geom, name in told["mesh_of_geom"]})
+    compiled = compiled_model(
+        told, root, path, {geom: meshes[name] for geom, name in told["mesh_of_geom"]}
+    )
     _check_finite(compiled)
     return Reader(compiled, motors_told=bool(read.actuated))
 
@@ -75,13 +93,17 @@ def _told(path: Path) -> dict[str, Any]:
 
 
 def _mesh(told: Mapping[str, Any], root: Element, packages: Packages) -> Mesh:
-    """A mesh in the frame of its geom: refpos and refquat move it before its scale. Raises MechanismError for a scale of 0."""
+    """A mesh in the frame of its geom: refpos and refquat move it before its scale. Raises
+    MechanismError for a scale of 0.
+    """
     scale = np.array(told["scale"])
     if not np.all(np.isfinite(scale)) or 0.0 in scale:
         elements = [e for e in root.walk() if e.tag == "mesh" and "scale" in e.attributes]
         named = (e for e in elements if told["named"] and told["name"] == e.attributes.get("name"))
         guilty = next(named, elements[0] if elements else root)
-        raise guilty.error(f"scale = {scale.tolist()} makes nothing of the mesh; numbers other than 0 are needed")
+        raise guilty.error(
+            f"scale = {scale.tolist()} makes nothing of the mesh; numbers other than 0 are needed"
+        )
     turn = np.array(told["refquat"])
     back = Pose(np.zeros(3), turn / np.linalg.norm(turn)).inverse()
     at = -scale * np.asarray(back.turn(np.array(told["refpos"])))
@@ -99,12 +121,25 @@ def _check_finite(compiled: CompiledModel) -> None:
     """Raises MechanismError for numbers that are none, which the compiler lets through."""
     model, root = compiled.model, compiled.root
     arrays: Sequence[Any] = (
-        model.body_pos, model.body_quat, model.jnt_pos, model.jnt_axis, model.qpos0, model.eq_data, model.site_pos, model.wrap_prm
-    )  # fmt: skip
+        model.body_pos,
+        model.body_quat,
+        model.jnt_pos,
+        model.jnt_axis,
+        model.qpos0,
+        model.eq_data,
+        model.site_pos,
+        model.wrap_prm,
+    )
     if all(np.all(np.isfinite(array)) for array in arrays):
         return
     guilty = next(
-        (e for e in root.walk() for v in e.attributes.values() if {"nan", "inf", "-inf"} & set(v.lower().split())), None
+        (
+            e
+            for e in root.walk()
+            for v in e.attributes.values()
+            if {"nan", "inf", "-inf"} & set(v.lower().split())
+        ),
+        None,
     )
     place = str(compiled.path) if guilty is None else guilty.where
     raise MechanismError(f"{place}: a number is not finite; allowed: numbers such as 0.25 or 1e-3")

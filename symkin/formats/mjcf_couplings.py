@@ -17,9 +17,14 @@ Terms = list[tuple[int, float]]
 
 
 def couplings_of(
-    compiled: CompiledModel, equalities: list[Equality], held: Mapping[int, float], names: Mapping[int, str]
+    compiled: CompiledModel,
+    equalities: list[Equality],
+    held: Mapping[int, float],
+    names: Mapping[int, str],
 ) -> CouplingSet:
-    """The couplings of joint and tendon equalities; `held` joints stand at a value, and are no part of them."""
+    """The couplings of joint and tendon equalities; `held` joints stand at a value, and are no part
+    of them.
+    """
     found = CouplingSet()
     for equality in equalities:
         if equality.kind == "joint" and equality.objects[1] >= 0:
@@ -33,16 +38,24 @@ def couplings_of(
 
 
 class _Pair:
-    """first - first0 = c0 + c1 d + c2 d^2 + ..., d = second - second0, both from qpos0; sums of joints."""
+    """first - first0 = c0 + c1 d + c2 d^2 + ..., d = second - second0, both from qpos0; sums of
+    joints.
+    """
 
-    def __init__(self, compiled: CompiledModel, equality: Equality, first: Terms, second: Terms) -> None:
+    def __init__(
+        self, compiled: CompiledModel, equality: Equality, first: Terms, second: Terms
+    ) -> None:
         self.equality, self.first, self.second = equality, first, second
         self.coefficients = [float(c) for c in compiled.model.eq_data[equality.number][:5]]
         while len(self.coefficients) > 2 and self.coefficients[-1] == 0.0:
             self.coefficients.pop()
-        self.start, self.other = (sum(f * compiled.at_qpos0(j) for j, f in terms) for terms in (first, second))
+        self.start, self.other = (
+            sum(f * compiled.at_qpos0(j) for j, f in terms) for terms in (first, second)
+        )
 
-    def couple(self, found: CouplingSet, held: Mapping[int, float], names: Mapping[int, str]) -> None:
+    def couple(
+        self, found: CouplingSet, held: Mapping[int, float], names: Mapping[int, str]
+    ) -> None:
         moving = [j for j, _ in (*self.first, *self.second) if j not in held]
         if len(self.coefficients) <= 2:
             self._linear(found, held, names)
@@ -50,13 +63,18 @@ class _Pair:
             (joint, own), (of, factor) = self.first[0], self.second[0]
             inner = np.polynomial.Polynomial([-self.other, factor])
             polynomial = (np.polynomial.Polynomial(self.coefficients)(inner) + self.start) / own
-            found.add_polynomial(names[joint], names[of], [float(c) for c in polynomial.coef], self.equality.where)
+            found.add_polynomial(
+                names[joint], names[of], [float(c) for c in polynomial.coef], self.equality.where
+            )
         else:
             raise MechanismError(
-                f"{self.equality.where}: a polynomial of more than one joint, or of a held one, is not read; write it linearly"
+                f"{self.equality.where}: a polynomial of more than one joint, or of a held one, is "
+                f"not read; write it linearly"
             )
 
-    def _linear(self, found: CouplingSet, held: Mapping[int, float], names: Mapping[int, str]) -> None:
+    def _linear(
+        self, found: CouplingSet, held: Mapping[int, float], names: Mapping[int, str]
+    ) -> None:
         slope = self.coefficients[1] if self.second else 0.0
         constant = self.coefficients[0] + self.start - slope * self.other
         terms: dict[str, float] = {}
@@ -77,14 +95,18 @@ def _tendon_of(compiled: CompiledModel, equality: Equality, end: int) -> Terms:
     found = compiled.tendon(number)
     if found is None:
         raise MechanismError(
-            f"{equality.where}: its tendon {compiled.names['tendon'][number]!r} is a spatial one; only fixed tendons are read"
+            f"{equality.where}: its tendon {compiled.names['tendon'][number]!r} is a spatial one; "
+            f"only fixed tendons are read"
         )
     return found
 
 
 def driven_by(compiled: CompiledModel, actuator: int) -> list[int]:
     """Hinges and slides that an actuator drives, directly or through a fixed tendon."""
-    kind, target = compiled.kinds["actuator"][actuator], int(compiled.model.actuator_trnid[actuator][0])
+    kind, target = (
+        compiled.kinds["actuator"][actuator],
+        int(compiled.model.actuator_trnid[actuator][0]),
+    )
     joints: list[int] = []
     if kind in ("joint", "jointinparent"):
         joints = [target]
@@ -102,8 +124,15 @@ def without_kinematics(compiled: CompiledModel) -> Iterator[str]:
     """Notes on what of the file moves no link by itself."""
     model = compiled.model
     spatial = sum(compiled.tendon(k) is None for k in range(model.ntendon))
-    counts = {"spatial tendon": spatial, "contact pair": model.npair, "flex": model.nflex, "sensor": model.nsensor}
-    named = [f"{count} {what}{'' if count == 1 else 's'}" for what, count in counts.items() if count]
+    counts = {
+        "spatial tendon": spatial,
+        "contact pair": model.npair,
+        "flex": model.nflex,
+        "sensor": model.nsensor,
+    }
+    named = [
+        f"{count} {what}{'' if count == 1 else 's'}" for what, count in counts.items() if count
+    ]
     if named:
         yield f"left out, since it moves no link by itself: {', '.join(named)}"
 
@@ -111,8 +140,15 @@ def without_kinematics(compiled: CompiledModel) -> Iterator[str]:
 def idle_actuators(compiled: CompiledModel) -> Iterator[str]:
     """Notes on actuators that drive no joint, and on a file without any."""
     model = compiled.model
-    idle = [compiled.names["actuator"][k] or f"number {k + 1}" for k in range(model.nu) if not driven_by(compiled, k)]
+    idle = [
+        compiled.names["actuator"][k] or f"number {k + 1}"
+        for k in range(model.nu)
+        if not driven_by(compiled, k)
+    ]
     if idle:
-        yield f"actuators that drive no hinge or slide, directly or by a fixed tendon, are left out: {first_of(idle)}"
+        yield (
+            f"actuators that drive no hinge or slide, directly or by a fixed tendon, are left out: "
+            f"{first_of(idle)}"
+        )
     if not model.nu:
         yield "the file has no actuator: no joint is actuated, and values are given by name"

@@ -1,4 +1,6 @@
-"""The model that MuJoCo compiled of a file, as numbers and names, and where its parts stand in the file."""
+"""The model that MuJoCo compiled of a file, as numbers and names, and where its parts stand in the
+file.
+"""
 
 from __future__ import annotations
 
@@ -20,9 +22,11 @@ _NO_NAME = "MuJoCo Model"
 
 @dataclass(frozen=True, eq=False)
 class CompiledModel:
-    """What `formats/mujoco_worker.py` tells of a model: its numbers and arrays under MuJoCo's names (`model`); bodies and joints as
-    they are `placed`; words for kinds, and names, of its joints, equalities, actuators and so on, by their numbers; the file's root
-    element and path; and meshes by the number of their geom (their poses in the geom's frame)."""
+    """What `formats/mujoco_worker.py` tells of a model: its numbers and arrays under MuJoCo's names
+    (`model`); bodies and joints as they are `placed`; words for kinds, and names, of its joints,
+    equalities, actuators and so on, by their numbers; the file's root element and path; and meshes
+    by the number of their geom (their poses in the geom's frame).
+    """
 
     model: SimpleNamespace
     placed: SimpleNamespace
@@ -66,7 +70,10 @@ class CompiledModel:
         first, count = int(model.tendon_adr[number]), int(model.tendon_num[number])
         if any(self.kinds["wrap"][k] != "joint" for k in range(first, first + count)):
             return None
-        return [(int(model.wrap_objid[k]), float(model.wrap_prm[k])) for k in range(first, first + count)]
+        return [
+            (int(model.wrap_objid[k]), float(model.wrap_prm[k]))
+            for k in range(first, first + count)
+        ]
 
     def geom_pose(self, geom: int) -> Pose:
         """A geom's frame in its body's."""
@@ -77,10 +84,14 @@ class CompiledModel:
         return Pose(self.model.site_pos[site].copy(), self.model.site_quat[site].copy())
 
 
-def compiled_model(told: Mapping[str, Any], root: Element, path: Path, meshes: Mapping[int, Mesh]) -> CompiledModel:
+def compiled_model(
+    told: Mapping[str, Any], root: Element, path: Path, meshes: Mapping[int, Mesh]
+) -> CompiledModel:
     """The model of a worker's answer."""
     return CompiledModel(
-        model=SimpleNamespace(**told["numbers"], **{key: np.array(values) for key, values in told["arrays"].items()}),
+        model=SimpleNamespace(
+            **told["numbers"], **{key: np.array(values) for key, values in told["arrays"].items()}
+        ),
         placed=SimpleNamespace(**{key: np.array(values) for key, values in told["placed"].items()}),
         kinds=told["kinds"],
         names=told["names"],

@@ -1,4 +1,6 @@
-"""From MuJoCo's compiled model to a robot: bodies and joints at qpos0, joints that are held at a value moved there."""
+"""From MuJoCo's compiled model to a robot: bodies and joints at qpos0, joints that are held at a
+value moved there.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,14 @@ import numpy as np
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.mjcf_couplings import couplings_of, driven, idle_actuators, without_kinematics
-from symkin.formats.mjcf_equalities import Equality, active_equalities, body_of, frames_on_bodies, held_values, is_rigid
+from symkin.formats.mjcf_equalities import (
+    Equality,
+    active_equalities,
+    body_of,
+    frames_on_bodies,
+    held_values,
+    is_rigid,
+)
 from symkin.formats.mjcf_model import CompiledModel
 from symkin.formats.naming import allowed_names, renamed, robot_name
 from symkin.formats.parts import KEY, Parts, parts_from
@@ -26,7 +35,9 @@ _COINCIDE = 1e-9
 
 
 class Reader:
-    """The parts of a robot from a compiled model; `motors_told`: which joints are actuated is told elsewhere."""
+    """The parts of a robot from a compiled model; `motors_told`: which joints are actuated is told
+    elsewhere.
+    """
 
     def __init__(self, compiled: CompiledModel, *, motors_told: bool = False) -> None:
         self.compiled, self.model, self.motors_told = compiled, compiled.model, motors_told
@@ -34,7 +45,9 @@ class Reader:
         self.equalities = active_equalities(compiled, self.notes)
         self.held = held_values(compiled, self.equalities, self.notes)
         self.data = compiled.placed
-        self.free = {int(self.model.jnt_bodyid[j]) for j in range(self.model.njnt) if self._type(j) == "free"}
+        self.free = {
+            int(self.model.jnt_bodyid[j]) for j in range(self.model.njnt) if self._type(j) == "free"
+        }
         self.floating = self._floating()
         self.part_of = self._parts()
         self._name_everything()
@@ -53,7 +66,9 @@ class Reader:
         frames = {**links, **{name: frame for name, (_, frame) in merged.items()}}
         couplings = couplings_of(self.compiled, self.equalities, self.held, self.joint_names)
         follows = {c.joint for c in couplings.found.values()}
-        joints = [entry for body in range(1, model.nbody) for entry in self._joints(body, links, follows)]
+        joints = [
+            entry for body in range(1, model.nbody) for entry in self._joints(body, links, follows)
+        ]
         closures = [closure for equality in self.equalities for closure in self._closure(equality)]
         motors = () if self.motors_told else idle_actuators(self.compiled)
         return Robot(
@@ -76,19 +91,23 @@ class Reader:
         """What the file's text tells of joints."""
         return parts_from(self.compiled.text(KEY), f"{self.compiled.path}: <text name={KEY!r}>")
 
-    # --- bodies --------------------------------------------------------------------------------------------------------
+    # --- bodies -----------------------------------------------------------------------------------
 
     def _body_joints(self, body: int) -> list[int]:
         """The joints that carry a body, in their order, but held and free ones."""
         first, count = int(self.model.body_jntadr[body]), int(self.model.body_jntnum[body])
-        return [j for j in range(first, first + count) if j not in self.held and self._type(j) != "free"]
+        return [
+            j for j in range(first, first + count) if j not in self.held and self._type(j) != "free"
+        ]
 
     def _type(self, joint: int) -> str:
         return self.compiled.joint_type(joint)
 
     def _floating(self) -> list[int]:
-        """Bodies with a free joint that closures join to the base, or to a body that is held: of bodies that hang together, the first
-        with a free joint is held, for a robot stands somewhere."""
+        """Bodies with a free joint that closures join to the base, or to a body that is held: of
+        bodies that hang together, the first with a free joint is held, for a robot stands
+        somewhere.
+        """
         model = self.model
         heads = list(range(model.nbody))
 
@@ -113,7 +132,10 @@ class Reader:
                 heads[head(body)] = head(0)
         if still:
             names = first_of([self.compiled.body_name(body) for body in still])
-            self.notes.append(f"free joints are held where the file has them, and their bodies are part of the base: {names}")
+            self.notes.append(
+                f"free joints are held where the file has them, and their bodies are part of the "
+                f"base: {names}"
+            )
         return floating
 
     def _parts(self) -> list[int]:
@@ -130,8 +152,15 @@ class Reader:
         fixed = [body for body, name in bodies.items() if name == BASE and self.part_of[body] == 0]
         others = {body: name for body, name in bodies.items() if body not in fixed}
         names = allowed_names(others.values(), taken=[BASE])
-        self.link_names = {0: BASE, **dict.fromkeys(fixed, BASE), **{body: names[name] for body, name in others.items()}}
-        joints = {j: self.compiled.joint_name(j) or f"{bodies[int(model.jnt_bodyid[j])]}_joint{j}" for j in range(model.njnt)}
+        self.link_names = {
+            0: BASE,
+            **dict.fromkeys(fixed, BASE),
+            **{body: names[name] for body, name in others.items()},
+        }
+        joints = {
+            j: self.compiled.joint_name(j) or f"{bodies[int(model.jnt_bodyid[j])]}_joint{j}"
+            for j in range(model.njnt)
+        }
         joint_names = allowed_names(joints.values())
         self.joint_names = {j: joint_names[name] for j, name in joints.items()}
         self.notes += [*renamed("links", names), *renamed("joints", joint_names)]
@@ -140,7 +169,10 @@ class Reader:
         for equality in self.equalities:
             if equality.kind in ("connect", "weld"):
                 ends = [self.link_names[body_of(self.compiled, equality, end)] for end in (0, 1)]
-                own = self.compiled.names["equality"][equality.number] or f"{equality.kind}_{ends[0]}_{ends[1]}"
+                own = (
+                    self.compiled.names["equality"][equality.number]
+                    or f"{equality.kind}_{ends[0]}_{ends[1]}"
+                )
                 number, name = 2, own
                 while name in used:
                     number, name = number + 1, f"{own}_{number}"
@@ -159,7 +191,9 @@ class Reader:
         named = [body for body, name in self.link_names.items() if name == BASE and body]
         return self._frame(named[0]) if named else Pose.identity()
 
-    def positions(self, joints: Mapping[str, float | Sequence[float]], poses: Mapping[str, Pose]) -> np.ndarray:
+    def positions(
+        self, joints: Mapping[str, float | Sequence[float]], poses: Mapping[str, Pose]
+    ) -> np.ndarray:
         """MuJoCo's qpos for values of the robot's joints, and poses of the links that float."""
         model, found = self.model, np.array(self.data.qpos)
         for number, name in self.joint_names.items():
@@ -184,23 +218,32 @@ class Reader:
         for geom, mesh in self.compiled.meshes.items():
             body = int(self.model.geom_bodyid[geom])
             name = self.link_names[body]
-            pose = frames[name].inverse() @ self._frame(body) @ self.compiled.geom_pose(geom) @ mesh.pose
+            pose = (
+                frames[name].inverse()
+                @ self._frame(body)
+                @ self.compiled.geom_pose(geom)
+                @ mesh.pose
+            )
             numbers = tuple(
-                float(x) for part in (pose.position, pose.quaternion, mesh.scale) for x in np.round(np.asarray(part), 9)
+                float(x)
+                for part in (pose.position, pose.quaternion, mesh.scale)
+                for x in np.round(np.asarray(part), 9)
             )
             if (name, mesh.file, numbers) not in shown:
                 shown.add((name, mesh.file, numbers))
                 found.setdefault(name, []).append(replace(mesh, pose=pose))
         return {name: tuple(meshes) for name, meshes in found.items()}
 
-    # --- joints --------------------------------------------------------------------------------------------------------
+    # --- joints -----------------------------------------------------------------------------------
 
     def _joints(self, body: int, links: dict[str, Pose], follows: set[str]) -> Iterator[LinkJoint]:
         """The joints of a body, with a link between each two of them."""
         numbers = self._body_joints(body)
         carrier = self._link(int(self.model.body_parentid[body]))
         for joint in numbers[:-1]:
-            (between,) = allowed_names([f"{self.link_names[body]}_{self.joint_names[joint]}"], set(links)).values()
+            (between,) = allowed_names(
+                [f"{self.link_names[body]}_{self.joint_names[joint]}"], set(links)
+            ).values()
             links[between] = self._frame(body)
             yield LinkJoint(self._joint(joint, follows), (carrier, between))
             carrier = between
@@ -230,7 +273,10 @@ class Reader:
     def _limits(self, number: int, name: str, scalar: bool) -> tuple[float, float] | None:
         low, high = map(float, self.model.jnt_range[number])
         if not scalar:
-            self.notes.append(f"the cone of the ball joint {name!r} is left out: spherical joints have no limits here")
+            self.notes.append(
+                f"the cone of the ball joint {name!r} is left out: spherical joints have no limits "
+                f"here"
+            )
             return None
         return (low, high) if low < high else None
 
@@ -239,7 +285,7 @@ class Reader:
         """Joints that actuators drive."""
         return driven(self.compiled)
 
-    # --- closures --------------------------------------------------------------------------------------------------------
+    # --- closures ---------------------------------------------------------------------------------
 
     def _closure(self, equality: Equality) -> Iterator[Closure]:
         """The closure of a connect or a weld; none of one within a link."""
@@ -248,7 +294,8 @@ class Reader:
         bodies = [body_of(self.compiled, equality, end) for end in (0, 1)]
         links = (self._link(bodies[0]), self._link(bodies[1]))
         first, second = (
-            self._frame(body) @ frame for body, frame in zip(bodies, frames_on_bodies(self.compiled, equality), strict=True)
+            self._frame(body) @ frame
+            for body, frame in zip(bodies, frames_on_bodies(self.compiled, equality), strict=True)
         )
         rigid = is_rigid(self.compiled, equality)
         if links[0] != links[1]:
@@ -256,9 +303,15 @@ class Reader:
             yield Closure(name, "weld" if rigid else "S", links, first, second, equality.where)
             return
         gap = first.inverse() @ second
-        open_by = float(np.linalg.norm(gap.position)) + (float(np.linalg.norm(gap.quaternion[1:])) if rigid else 0.0)
+        open_by = float(np.linalg.norm(gap.position)) + (
+            float(np.linalg.norm(gap.quaternion[1:])) if rigid else 0.0
+        )
         if open_by > _COINCIDE:
             raise MechanismError(
-                f"{equality.where}: both of its bodies are part of the link {links[0]!r}, and {open_by:.3g} apart; nothing closes it"
+                f"{equality.where}: both of its bodies are part of the link {links[0]!r}, and "
+                f"{open_by:.3g} apart; nothing closes it"
             )
-        self.notes.append(f"{equality.where}: both of its bodies are part of the link {links[0]!r}, and it is left out")
+        self.notes.append(
+            f"{equality.where}: both of its bodies are part of the link {links[0]!r}, and it is "
+            f"left out"
+        )

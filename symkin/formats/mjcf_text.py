@@ -1,8 +1,9 @@
-"""Write a mechanism as MJCF, the XML of MuJoCo: bodies whose frames are parallel to the base's at the reference, equality constraints,
-and a keyframe there.
+"""Write a mechanism as MJCF, the XML of MuJoCo: bodies whose frames are parallel to the base's at
+the reference, equality constraints, and a keyframe there.
 
-Joint values are the mechanism's own in metres and radians (`ref`). Loops are closed by `connect` and `weld`, couplings are `joint`
-equalities, or fixed tendons where a joint follows several. Masses are plain: they have no meaning for the kinematics.
+Joint values are the mechanism's own in metres and radians (`ref`). Loops are closed by `connect`
+and `weld`, couplings are `joint` equalities, or fixed tendons where a joint follows several. Masses
+are plain: they have no meaning for the kinematics.
 """
 
 from __future__ import annotations
@@ -43,7 +44,10 @@ class _Text:
     def __init__(self, tree: WrittenTree) -> None:
         self.tree = tree
         if _WORLD in (*links_of(tree.graph), *(entry.link for entry in tree.carried)):
-            raise MechanismError(f"{tree.graph.name}: a link is named {_WORLD!r}, which is the base of MJCF; rename it")
+            raise MechanismError(
+                f"{tree.graph.name}: a link is named {_WORLD!r}, which is the base of MJCF; rename "
+                f"it"
+            )
         self.places: dict[str, np.ndarray] = {BASE: np.zeros(3)}
         self.bodies: dict[str, Element] = {}
         self.values = {joint.name: joint.zero for joint in tree.joints}
@@ -68,15 +72,22 @@ class _Text:
         frame = inside(root, "keyframe")
         positions = [value for joint in self._joints_in_order() for value in _position(joint)]
         inside(frame, "key", name="reference", qpos=positions)
-        return document(root, f"{graph.name}, written by symkin: metres and radians; masses have no meaning")
+        return document(
+            root, f"{graph.name}, written by symkin: metres and radians; masses have no meaning"
+        )
 
-    # --- bodies --------------------------------------------------------------------------------------------------------
+    # --- bodies -----------------------------------------------------------------------------------
 
     def _body(self, entry: Carried) -> None:
         """A body with its joints, at the first of them."""
         place = np.array(entry.joints[0].point)
         self.places[entry.link] = place
-        body = inside(self.bodies[entry.carrier], "body", name=entry.link, pos=place - self.places[entry.carrier])
+        body = inside(
+            self.bodies[entry.carrier],
+            "body",
+            name=entry.link,
+            pos=place - self.places[entry.carrier],
+        )
         self.bodies[entry.link] = body
         inside(body, "inertial", pos=[0, 0, 0], mass=_MASS, diaginertia=[_INERTIA] * 3)
         for joint in entry.joints:
@@ -95,7 +106,9 @@ class _Text:
     def _bars(self) -> None:
         """What viewers show of a body: bars from its origin to the joints that it carries."""
         ends = {
-            link: [self.places[e.link] for e in self.tree.carried if e.carrier == link] for link in self.bodies if link != BASE
+            link: [self.places[e.link] for e in self.tree.carried if e.carrier == link]
+            for link in self.bodies
+            if link != BASE
         }
         for entry in self.tree.closures:
             for link in set(entry.links) - {BASE}:
@@ -115,16 +128,22 @@ class _Text:
             inside(self.bodies[point.link], "site", name=point.name, pos=away)
         link = graph.platform_link
         if link is not None:
-            name = next(n for n in ("platform", "platform_frame", "platform frame", "platform frame 2") if n not in taken)
+            name = next(
+                n
+                for n in ("platform", "platform_frame", "platform frame", "platform frame 2")
+                if n not in taken
+            )
             away = np.array(graph.platform_position) - self.places[link]
             inside(self.bodies[link], "site", name=name, pos=away, quat=graph.platform_quaternion)
 
     def _joints_in_order(self) -> Sequence[Joint]:
-        """The joints as the compiler counts them: those of a body, then those of the bodies within it."""
+        """The joints as the compiler counts them: those of a body, then those of the bodies within
+        it.
+        """
         joints = {joint.name: joint for joint in self.tree.joints}
         return [joints[e.attrib["name"]] for e in self.bodies[BASE].iter("joint")]
 
-    # --- the rest ------------------------------------------------------------------------------------------------------
+    # --- the rest ---------------------------------------------------------------------------------
 
     def _equality(self, root: Element) -> None:
         closures, couplings = self.tree.closures, self.tree.couplings
@@ -157,7 +176,9 @@ class _Text:
             inside(section, "weld", name=joint.name, body1=first, body2=second, anchor=anchor)
 
     def _coupling(self, section: Element, tendon: Element, coupling: Coupling, name: str) -> None:
-        """y - y0 = c0 + c1 (x - x0) + ...; of several joints the length of a tendon, y - sum f x, is held."""
+        """y - y0 = c0 + c1 (x - x0) + ...; of several joints the length of a tendon, y - sum f x,
+        is held.
+        """
         own = self.values[coupling.joint]
         if coupling.polynomial is not None or len(coupling.terms) == 1:
             (other,) = coupling.names
@@ -165,7 +186,12 @@ class _Text:
             told = coupling.polynomial or (coupling.offset, coupling.terms[0][1])
             powers = [float(c) for c in (np.polynomial.Polynomial(told)(inner) - own).coef]
             inside(
-                section, "joint", name=name, joint1=coupling.joint, joint2=other, polycoef=[*powers, *[0.0] * (5 - len(powers))]
+                section,
+                "joint",
+                name=name,
+                joint1=coupling.joint,
+                joint2=other,
+                polycoef=[*powers, *[0.0] * (5 - len(powers))],
             )
             return
         fixed = inside(tendon, "fixed", name=name)

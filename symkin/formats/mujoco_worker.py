@@ -1,8 +1,9 @@
-"""Compile an MJCF file with MuJoCo, in a child process (`formats/child.py`): its model as plain numbers and names.
+"""Compile an MJCF file with MuJoCo, in a child process (`formats/child.py`): its model as plain
+numbers and names.
 
-MuJoCo's own compiler resolves defaults, classes, includes, frames and angles. What files beside the MJCF may lack and kinematics does
-not need is taken out before: meshes and textures by name, inertias replaced. This file imports nothing of symkin, so that the child
-starts quickly.
+MuJoCo's own compiler resolves defaults, classes, includes, frames and angles. What files beside the
+MJCF may lack and kinematics does not need is taken out before: meshes and textures by name,
+inertias replaced. This file imports nothing of symkin, so that the child starts quickly.
 """
 
 import math
@@ -14,18 +15,45 @@ import numpy as np
 
 _COUNTS = ("nbody", "njnt", "neq", "nu", "ntendon", "npair", "nflex", "nsensor")
 _ARRAYS = (
-    "body_parentid", "body_jntadr", "body_jntnum", "body_mocapid", "body_pos", "body_quat",
-    "jnt_type", "jnt_qposadr", "jnt_bodyid", "jnt_limited", "jnt_range", "jnt_pos", "jnt_axis", "qpos0",
-    "eq_obj1id", "eq_obj2id", "eq_active0", "eq_data", "site_bodyid", "site_pos", "site_quat",
-    "tendon_adr", "tendon_num", "wrap_objid", "wrap_prm", "actuator_trnid", "geom_bodyid", "geom_pos", "geom_quat",
-)  # fmt: skip
+    "body_parentid",
+    "body_jntadr",
+    "body_jntnum",
+    "body_mocapid",
+    "body_pos",
+    "body_quat",
+    "jnt_type",
+    "jnt_qposadr",
+    "jnt_bodyid",
+    "jnt_limited",
+    "jnt_range",
+    "jnt_pos",
+    "jnt_axis",
+    "qpos0",
+    "eq_obj1id",
+    "eq_obj2id",
+    "eq_active0",
+    "eq_data",
+    "site_bodyid",
+    "site_pos",
+    "site_quat",
+    "tendon_adr",
+    "tendon_num",
+    "wrap_objid",
+    "wrap_prm",
+    "actuator_trnid",
+    "geom_bodyid",
+    "geom_pos",
+    "geom_quat",
+)
 _PLACED = ("qpos", "xpos", "xquat", "xanchor", "xaxis")
 _NO_NAME = (
     "Caught an unknown exception!",
     "MuJoCo's compiler failed and tells no reason; a size or a count may be too large for memory",
 )
 MOST_BODIES = 20_000
-"""Bodies, joints or constraints of a model that are sent: a mechanism may have a thousand moving parts."""
+"""Bodies, joints or constraints of a model that are sent: a mechanism may have a thousand moving
+parts.
+"""
 
 
 def work(task: dict[str, Any]) -> dict[str, Any]:
@@ -42,19 +70,28 @@ def work(task: dict[str, Any]) -> dict[str, Any]:
     except (ValueError, RuntimeError, KeyError, mujoco.FatalError) as error:
         return {"error": str(error).replace(*_NO_NAME)}
     if max(model.nbody, model.njnt, model.neq, model.nu) > MOST_BODIES:
-        return {"error": f"the model has more than {MOST_BODIES} bodies, joints, constraints or actuators"}
+        return {
+            "error": (
+                f"the model has more than {MOST_BODIES} bodies, joints, constraints or actuators"
+            )
+        }
     shown = [(int(geom.id), mesh) for geom, mesh in of_geoms]
     return _told(mujoco, model) | {"meshes": meshes, "mesh_of_geom": shown}
 
 
 def _plain(mujoco: Any, spec: Any) -> tuple[list[dict[str, Any]], list[tuple[Any, str]]]:
-    """Take out of a description what kinematics does not need; its meshes, and geoms with the names of theirs."""
+    """Take out of a description what kinematics does not need; its meshes, and geoms with the names
+    of theirs.
+    """
     meshes = [
         {
             "name": mesh.name or Path(mesh.file).stem,
             "named": bool(mesh.name),
             "file": str(Path(spec.meshdir) / mesh.file) if mesh.file else mesh.name,
-            **{key: [float(x) for x in getattr(mesh, key)] for key in ("scale", "refpos", "refquat")},
+            **{
+                key: [float(x) for x in getattr(mesh, key)]
+                for key in ("scale", "refpos", "refquat")
+            },
         }
         for mesh in spec.meshes
     ]
@@ -69,8 +106,16 @@ def _plain(mujoco: Any, spec: Any) -> tuple[list[dict[str, Any]], list[tuple[Any
     for shown in (*spec.sites, *spec.tendons):
         shown.material = ""
     for entries in (
-        spec.keys, spec.skins, spec.meshes, spec.hfields, spec.materials, spec.textures, spec.pairs, spec.excludes, spec.sensors
-    ):  # fmt: skip
+        spec.keys,
+        spec.skins,
+        spec.meshes,
+        spec.hfields,
+        spec.materials,
+        spec.textures,
+        spec.pairs,
+        spec.excludes,
+        spec.sensors,
+    ):
         for entry in list(entries):
             spec.delete(entry)
     for body in spec.bodies:
@@ -82,7 +127,9 @@ def _plain(mujoco: Any, spec: Any) -> tuple[list[dict[str, Any]], list[tuple[Any
 
 
 def _told(mujoco: Any, model: Any) -> dict[str, Any]:
-    """Numbers, kinds and names of a compiled model, and its bodies where joints that one equality holds stand at their values."""
+    """Numbers, kinds and names of a compiled model, and its bodies where joints that one equality
+    holds stand at their values.
+    """
     kinds = {
         "joint": _words(mujoco.mjtJoint, model.jnt_type),
         "equality": _words(mujoco.mjtEq, model.eq_type),
@@ -93,11 +140,14 @@ def _told(mujoco: Any, model: Any) -> dict[str, Any]:
     names = {
         word: [mujoco.mj_id2name(model, kind, k) or "" for k in range(count)]
         for word, kind, count in (
-            ("body", objects.mjOBJ_BODY, model.nbody), ("joint", objects.mjOBJ_JOINT, model.njnt),
-            ("equality", objects.mjOBJ_EQUALITY, model.neq), ("actuator", objects.mjOBJ_ACTUATOR, model.nu),
-            ("tendon", objects.mjOBJ_TENDON, model.ntendon), ("flex", objects.mjOBJ_FLEX, model.nflex),
+            ("body", objects.mjOBJ_BODY, model.nbody),
+            ("joint", objects.mjOBJ_JOINT, model.njnt),
+            ("equality", objects.mjOBJ_EQUALITY, model.neq),
+            ("actuator", objects.mjOBJ_ACTUATOR, model.nu),
+            ("tendon", objects.mjOBJ_TENDON, model.ntendon),
+            ("flex", objects.mjOBJ_FLEX, model.nflex),
         )
-    }  # fmt: skip
+    }
     data = mujoco.MjData(model)
     for k, kind in enumerate(kinds["equality"]):
         if kind == "joint" and model.eq_active0[k] and model.eq_obj2id[k] < 0:
@@ -118,7 +168,9 @@ def _told(mujoco: Any, model: Any) -> dict[str, Any]:
 
 
 def _words(enumeration: Any, values: Any) -> list[str]:
-    """The names of an enumeration's values, without what all of them begin with: hinge for mjJNT_HINGE."""
+    """The names of an enumeration's values, without what all of them begin with: hinge for
+    mjJNT_HINGE.
+    """
     return [str(enumeration(int(value)).name).split("_", 1)[1].lower() for value in values]
 
 
@@ -128,5 +180,7 @@ def _texts(model: Any) -> dict[str, str]:
     names, data = bytes(model.names), bytes(model.text_data)
     for place, first, size in zip(model.name_textadr, model.text_adr, model.text_size, strict=True):
         name = names[int(place) :].split(b"\0", 1)[0].decode("utf-8", "replace")
-        found.setdefault(name, data[int(first) : int(first) + int(size)].rstrip(b"\0").decode("utf-8", "replace"))
+        found.setdefault(
+            name, data[int(first) : int(first) + int(size)].rstrip(b"\0").decode("utf-8", "replace")
+        )
     return found

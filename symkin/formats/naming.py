@@ -1,4 +1,6 @@
-"""Change the names of other formats as little as possible into names that mechanisms may have, each of them unique."""
+"""Change the names of other formats as little as possible into names that mechanisms may have, each
+of them unique.
+"""
 
 from __future__ import annotations
 
@@ -32,11 +34,15 @@ def allowed_names(names: Iterable[str], taken: Collection[str] = ()) -> dict[str
 def renamed(what: str, names: dict[str, str]) -> tuple[str, ...]:
     """A note on the names that were changed; none where none was."""
     changed = [f"{shown(old)} is {new!r}" for old, new in names.items() if old != new]
-    return (f"names of {what} were changed to allowed ones: {first_of(changed)}",) if changed else ()
+    return (
+        (f"names of {what} were changed to allowed ones: {first_of(changed)}",) if changed else ()
+    )
 
 
 def robot_name(written: str | None, path: Path) -> str:
-    """The name that mechanisms ask for, an identifier of C, from that in the file or the file's own."""
+    """The name that mechanisms ask for, an identifier of C, from that in the file or the file's
+    own.
+    """
     name = identifier((written or "").strip() or path.stem)[:_CUT].strip("_")
     return f"{name}_robot" if is_device(name) else name
 

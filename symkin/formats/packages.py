@@ -1,4 +1,6 @@
-"""Find the files that a robot's file names by a package: package://NAME/..., model://NAME/..., $(find NAME)."""
+"""Find the files that a robot's file names by a package: package://NAME/..., model://NAME/...,
+$(find NAME).
+"""
 
 from __future__ import annotations
 
@@ -8,12 +10,16 @@ from pathlib import Path
 
 _SCHEMES = ("package://", "model://")
 _LEVELS_ABOVE = 4
-"""Folders above a file in which packages are looked for: that of the file is mostly PACKAGE/urdf or PACKAGE/models/NAME."""
+"""Folders above a file in which packages are looked for: that of the file is mostly PACKAGE/urdf or
+PACKAGE/models/NAME.
+"""
 
 
 @dataclass(frozen=True)
 class Packages:
-    """Where packages are looked for: the `folders` that are told, each a package or a folder of packages, then those above the file."""
+    """Where packages are looked for: the `folders` that are told, each a package or a folder of
+    packages, then those above the file.
+    """
 
     file: Path
     folders: tuple[Path, ...] = ()
@@ -23,16 +29,22 @@ class Packages:
         return next((path for path in self._candidates(name) if path.is_dir()), None)
 
     def find(self, uri: str) -> Path | None:
-        """The file that a robot's file names, by a package or beside itself; None where there is none."""
+        """The file that a robot's file names, by a package or beside itself; None where there is
+        none.
+        """
         scheme = next((scheme for scheme in _SCHEMES if uri.startswith(scheme)), None)
         if scheme is None:
             path = self.file.parent / uri.removeprefix("file://")
             return path if _is_file(path) else None
         name, _, rest = uri.removeprefix(scheme).partition("/")
-        return next((path for folder in self._candidates(name) if _is_file(path := folder / rest)), None)
+        return next(
+            (path for folder in self._candidates(name) if _is_file(path := folder / rest)), None
+        )
 
     def written(self, uri: str) -> str:
-        """The path of the file that is named, or the name as it is written where no file is found."""
+        """The path of the file that is named, or the name as it is written where no file is
+        found.
+        """
         found = self.find(uri)
         return uri if found is None else str(found)
 

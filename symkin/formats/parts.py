@@ -1,7 +1,8 @@
 """Joints that a format writes in parts, and how they are made whole again when the file is read.
 
-A universal joint is two revolute ones with a link between them, a rod two spherical ones, a joint that closes a loop may be a joint to a
-leaf that is welded to the link. Such parts are named in one text of the file, which others pass over:
+A universal joint is two revolute ones with a link between them, a rod two spherical ones, a joint
+that closes a loop may be a joint to a leaf that is welded to the link. Such parts are named in one
+text of the file, which others pass over:
 
     knee = U: knee.1, knee.2; rod1 = rod: rod1.from, rod1.to; actuated: hip; turned: wrist
 
@@ -34,9 +35,10 @@ _KINDS = ("R", "P", "H", "C", "U", "S", "weld", "rod")
 
 @dataclass(frozen=True)
 class Whole:
-    """A joint or rod that is written in `parts`, joints by name in order from its first link to its second; welds among them join
-    leaves to their links. `number` is the pitch of an H (metres a turn), the offset of an actuated rod, the length of another one where
-    it is told."""
+    """A joint or rod that is written in `parts`, joints by name in order from its first link to its
+    second; welds among them join leaves to their links. `number` is the pitch of an H (metres a
+    turn), the offset of an actuated rod, the length of another one where it is told.
+    """
 
     name: str
     kind: str
@@ -46,11 +48,13 @@ class Whole:
 
 @dataclass(frozen=True)
 class Parts:
-    """What a file tells of joints beyond its format: those in parts; which joints are actuated (None: not told); values that are added
-    to those of the file (`zeros`), or at which the file's loops are closed (`reference`); welds that are joints, not parts of a link
-    (`welds`); joints that lead from the file's second link to its first (`turned`); the order of
-    joints and rods; the link that carries the platform frame, with the frame's pose, and named points
-    of links, in the base frame at the file's configuration."""
+    """What a file tells of joints beyond its format: those in parts; which joints are actuated
+    (None: not told); values that are added to those of the file (`zeros`), or at which the file's
+    loops are closed (`reference`); welds that are joints, not parts of a link (`welds`); joints
+    that lead from the file's second link to its first (`turned`); the order of joints and rods; the
+    link that carries the platform frame, with the frame's pose, and named points of links, in the
+    base frame at the file's configuration.
+    """
 
     wholes: tuple[Whole, ...] = ()
     actuated: tuple[str, ...] | None = None
@@ -63,12 +67,20 @@ class Parts:
     points: tuple[LinkPoint, ...] = ()
 
     def drives(self, joint: str, kind: str) -> bool:
-        """Whether a joint of the file is actuated, or what it is a part of: of a rod the slide, of a screw the turn."""
+        """Whether a joint of the file is actuated, or what it is a part of: of a rod the slide, of
+        a screw the turn.
+        """
         driven = self.actuated or ()
         whole = next((w for w in self.wholes if joint in w.parts and w.name in driven), None)
         if whole is None:
             return joint in driven
-        return kind == "P" if whole.kind == "rod" else joint == whole.parts[0] if whole.kind == "H" else kind != "weld"
+        return (
+            kind == "P"
+            if whole.kind == "rod"
+            else joint == whole.parts[0]
+            if whole.kind == "H"
+            else kind != "weld"
+        )
 
     def hold(self, joint: str) -> bool:
         """Whether a joint is written in parts, or is one."""
@@ -78,14 +90,20 @@ class Parts:
         """The same with the values at which the loops are closed."""
         return replace(self, reference=reference)
 
-    def in_file(self, zeros: Mapping[str, float], welds: tuple[str, ...], turned: tuple[str, ...]) -> Parts:
-        """The same with what is added to the file's values, and welds and turned joints by their names there."""
+    def in_file(
+        self, zeros: Mapping[str, float], welds: tuple[str, ...], turned: tuple[str, ...]
+    ) -> Parts:
+        """The same with what is added to the file's values, and welds and turned joints by their
+        names there.
+        """
         return replace(self, zeros=zeros, welds=welds, turned=turned)
 
     def moved(self, displacements: Mapping[str, Pose]) -> Parts:
         """The same where links are displaced."""
         points = [
-            replace(p, point=displacements[p.link].apply(np.array(p.point))) for p in self.points if p.link in displacements
+            replace(p, point=displacements[p.link].apply(np.array(p.point)))
+            for p in self.points
+            if p.link in displacements
         ]
         platform = self.platform
         if platform is not None and platform[0] in displacements:
@@ -94,7 +112,10 @@ class Parts:
 
     def renamed(self, old: str, new: str) -> Parts:
         """The same where a part is called otherwise."""
-        wholes = [replace(w, parts=tuple(new if part == old else part for part in w.parts)) for w in self.wholes]
+        wholes = [
+            replace(w, parts=tuple(new if part == old else part for part in w.parts))
+            for w in self.wholes
+        ]
         return replace(self, wholes=tuple(wholes))
 
     def with_whole(self, whole: Whole) -> Parts:
@@ -104,13 +125,18 @@ class Parts:
 
 def parts_text(parts: Parts) -> str:
     """The statements of a file."""
-    lines = [f"{w.name} = {w.kind}{f' {w.number!r}' if w.number else ''}: {', '.join(w.parts)}" for w in parts.wholes]
+    lines = [
+        f"{w.name} = {w.kind}{f' {w.number!r}' if w.number else ''}: {', '.join(w.parts)}"
+        for w in parts.wholes
+    ]
     if parts.actuated is not None:
         lines.append(f"actuated: {', '.join(parts.actuated)}")
     for key in ("zeros", "reference"):
         values: Mapping[str, float] = getattr(parts, key)
         if values:
-            lines.append(f"{key}: " + ", ".join(f"{name} = {value!r}" for name, value in values.items()))
+            lines.append(
+                f"{key}: " + ", ".join(f"{name} = {value!r}" for name, value in values.items())
+            )
     for key in ("welds", "turned", "order"):
         names: tuple[str, ...] = getattr(parts, key)
         if names:
@@ -124,7 +150,9 @@ def parts_text(parts: Parts) -> str:
 
 
 def parts_from(text: str, where: str) -> Parts:
-    """The statements of a text. Raises MechanismError, which begins with `where`, for one that is not right."""
+    """The statements of a text. Raises MechanismError, which begins with `where`, for one that is
+    not right.
+    """
     wholes: list[Whole] = []
     found: dict[str, tuple[str, ...]] = {}
     for statement in filter(None, (" ".join(piece.split()) for piece in text.split(";"))):
@@ -138,7 +166,8 @@ def parts_from(text: str, where: str) -> Parts:
             wholes.append(Whole(name, word, entries, _number(number or "0", statement, where)))
         else:
             raise MechanismError(
-                f"{where}: {shown(statement)} is no statement on joints in parts; remove it, or write it as symkin does"
+                f"{where}: {shown(statement)} is no statement on joints in parts; remove it, or "
+                f"write it as symkin does"
             )
     return Parts(
         tuple(wholes),
@@ -172,9 +201,14 @@ def _platform(entries: Sequence[str], where: str) -> tuple[str, Pose] | None:
         return None
     words = [word.strip() for word in entries[0].split("|")]
     if len(entries) > 1 or len(words) != 8:
-        raise MechanismError(f"{where}: platform: {shown(', '.join(entries))} is no LINK | X | Y | Z | QW | QX | QY | QZ")
+        raise MechanismError(
+            f"{where}: platform: {shown(', '.join(entries))} is no LINK | X | Y | Z | QW | QX | QY "
+            f"| QZ"
+        )
     numbers = [_number(word, entries[0], where) for word in words[1:]]
-    return words[0], Pose(np.array(numbers[:3]), np.array(unit_quaternion(numbers[3:], f"{where}: platform")))
+    return words[0], Pose(
+        np.array(numbers[:3]), np.array(unit_quaternion(numbers[3:], f"{where}: platform"))
+    )
 
 
 def _values(entries: Sequence[str], where: str) -> dict[str, float]:
@@ -188,11 +222,19 @@ def _number(text: str, statement: str, where: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise MechanismError(f"{where}: {shown(statement)} holds no finite number where one is needed")
+        raise MechanismError(
+            f"{where}: {shown(statement)} holds no finite number where one is needed"
+        )
     return value
 
 
 def turned(joint: Joint) -> Joint:
-    """A joint as it is seen from its second link, which its coordinate moves the other way about."""
-    axis, axis2 = (None if a is None else tuple(-c + 0.0 for c in a) for a in (joint.axis, joint.axis2))
-    return replace(joint, axis=axis2, axis2=axis) if joint.type == "U" else replace(joint, axis=axis)
+    """A joint as it is seen from its second link, which its coordinate moves the other way
+    about.
+    """
+    axis, axis2 = (
+        None if a is None else tuple(-c + 0.0 for c in a) for a in (joint.axis, joint.axis2)
+    )
+    return (
+        replace(joint, axis=axis2, axis2=axis) if joint.type == "U" else replace(joint, axis=axis)
+    )

@@ -1,4 +1,6 @@
-"""What is told of a robot beside its file: kinds of closures, actuated joints, the platform's link, arguments of xacro, packages, the model."""
+"""What is told of a robot beside its file: kinds of closures, actuated joints, the platform's link,
+arguments of xacro, packages, the model.
+"""
 
 from __future__ import annotations
 
@@ -16,20 +18,25 @@ from symkin.text import first_of, meant, shown
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _KINDS = {kind.lower(): kind for kind in get_args(ClosureType) if kind != "H"}
-"""Kinds of closures that a word tells: a screw takes its pitch as well, which the file must tell."""
+"""Kinds of closures that a word tells: a screw takes its pitch as well, which the file must
+tell.
+"""
 _DRIVEN = ("R", "P", "H", "C", "U")
 """Joints that may be actuated."""
 
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What is told of a robot in a format of others, beside its file, to `load`, `close` and `convert`.
+    """What is told of a robot in a format of others, beside its file, to `load`, `close` and
+    `convert`.
 
-    `loop`: the kind of closures by name, R, S, C, P, U or weld, about or along the z axis of their frames; "R:x" names another of
-    its axes (x, y, z). `actuated`: names of the joints that motors drive, in place of what the file tells. `platform`: the link (or
-    a body that a fixed joint makes part of one) whose own frame is the platform frame, so that poses can be given and told; its
-    `[platform]`. `arguments`: those of a file in xacro. `packages`: folders that are packages or hold them, for `package://NAME`, `model://NAME` and `$(find NAME)`.
-    `model`: which model of an SDF file. Raises InputError, when the file is read, for what does not fit it.
+    `loop`: the kind of closures by name, R, S, C, P, U or weld, about or along the z axis of their
+    frames; "R:x" names another of its axes (x, y, z). `actuated`: names of the joints that motors
+    drive, in place of what the file tells. `platform`: the link (or a body that a fixed joint makes
+    part of one) whose own frame is the platform frame, so that poses can be given and told; its
+    `[platform]`. `arguments`: those of a file in xacro. `packages`: folders that are packages or
+    hold them, for `package://NAME`, `model://NAME` and `$(find NAME)`. `model`: which model of an
+    SDF file. Raises InputError, when the file is read, for what does not fit it.
 
     >>> import symkin
     >>> symkin.ReadOptions(loop={"closing_knee": "R:x"}, actuated=["hip"]).actuated
@@ -60,18 +67,25 @@ class ReadOptions:
         found = tuple(Path(folder) for folder in self.packages)
         missing = next((folder for folder in found if not folder.is_dir()), None)
         if missing is not None:
-            raise InputError(f"packages: {shown(str(missing))} is no folder; name a package, or a folder that holds packages")
+            raise InputError(
+                f"packages: {shown(str(missing))} is no folder; name a package, or a folder that "
+                f"holds packages"
+            )
         return found
 
     def refuse_but(self, allowed: Sequence[str], what: str, because: str) -> None:
-        """Raise InputError for options that are given and mean nothing for a file; `because` says why."""
+        """Raise InputError for options that are given and mean nothing for a file; `because` says
+        why.
+        """
         given = [option.name for option in fields(self) if getattr(self, option.name)]
         wrong = next((key for key in given if key not in allowed), None)
         if wrong is not None:
             raise InputError(f"{wrong} (--{wrong}) has no meaning for {what}: {because}")
 
     def told(self, robot: Robot) -> Robot:
-        """The robot with the closures' kinds, actuated joints and platform that are told. Raises InputError for unknown names."""
+        """The robot with the closures' kinds, actuated joints and platform that are told. Raises
+        InputError for unknown names.
+        """
         if self.loop:
             robot = _with_kinds(robot, self.loop)
         if self.platform is not None:
@@ -89,11 +103,14 @@ def _closure_kind(name: str, told: str) -> tuple[ClosureType, str]:
     kind = _KINDS.get(word.strip().lower())
     if kind is None or (colon and axis.strip().lower() not in _AXES):
         raise InputError(
-            f"loop: {name} = {shown(told)} is no kind of closure; allowed: {', '.join(_KINDS.values())}, and behind them :x, :y or :z "
+            f"loop: {name} = {shown(told)} is no kind of closure; allowed: "
+            f"{', '.join(_KINDS.values())}, and behind them :x, :y or :z "
             "for the axis in its frames"
         )
     if colon and kind in ("S", "weld"):
-        raise InputError(f"loop: {name} = {shown(told)} names an axis, and {kind} has none; write {kind}")
+        raise InputError(
+            f"loop: {name} = {shown(told)} names an axis, and {kind} has none; write {kind}"
+        )
     return kind, axis.strip().lower() or "z"
 
 
@@ -103,20 +120,35 @@ def _with_kinds(robot: Robot, told: Mapping[str, str]) -> Robot:
         if name in names:
             continue
         if any(entry.joint.name == name for entry in robot.joints):
-            raise InputError(f"loop: {name!r} is a joint of the tree and closes no loop; closures: {first_of(names) or 'none'}")
+            raise InputError(
+                f"loop: {name!r} is a joint of the tree and closes no loop; closures: "
+                f"{first_of(names) or 'none'}"
+            )
         raise InputError(
-            f"loop: no closure is named {shown(name)}{meant(name, names)}; closures: {first_of(names, 20) or 'none'}"
+            f"loop: no closure is named {shown(name)}{meant(name, names)}; closures: "
+            f"{first_of(names, 20) or 'none'}"
         )
-    closures = [_of_kind(c, *_closure_kind(c.name, told[c.name])) if c.name in told else c for c in robot.closures]
-    notes = [f"the closure {c.name!r} is of type {c.type}, as told" for c in closures if c.name in told]
+    closures = [
+        _of_kind(c, *_closure_kind(c.name, told[c.name])) if c.name in told else c
+        for c in robot.closures
+    ]
+    notes = [
+        f"the closure {c.name!r} is of type {c.type}, as told" for c in closures if c.name in told
+    ]
     return replace(robot, closures=tuple(closures), notes=(*robot.notes, *notes))
 
 
 def _of_kind(closure: Closure, kind: ClosureType, axis: str) -> Closure:
-    """The closure as one of another kind, about or along an axis of its frames; ranges and motors were those of the other kind."""
+    """The closure as one of another kind, about or along an axis of its frames; ranges and motors
+    were those of the other kind.
+    """
     turn = frame_along(_AXES[axis])
     turned = replace(closure, first=closure.first @ turn, second=closure.second @ turn)
-    return turned if kind == closure.type else replace(turned, type=kind, pitch=0.0, limits=None, actuated=False)
+    return (
+        turned
+        if kind == closure.type
+        else replace(turned, type=kind, pitch=0.0, limits=None, actuated=False)
+    )
 
 
 def _with_platform(robot: Robot, name: str) -> Robot:
@@ -124,26 +156,45 @@ def _with_platform(robot: Robot, name: str) -> Robot:
     frames = {link: (link, frame) for link, frame in robot.links.items()} | dict(robot.merged)
     moved = [body for body, (link, _) in frames.items() if link != BASE]
     if name not in moved:
-        if name in frames or any(note.startswith(f"the root link {name!r} ") for note in robot.notes):
-            raise InputError(f"platform: {name!r} is part of the base, which is held; links that move: {first_of(moved, 20)}")
-        raise InputError(f"platform: no link is named {shown(name)}{meant(name, moved)}; links that move: {first_of(moved, 20)}")
+        if name in frames or any(
+            note.startswith(f"the root link {name!r} ") for note in robot.notes
+        ):
+            raise InputError(
+                f"platform: {name!r} is part of the base, which is held; links that move: "
+                f"{first_of(moved, 20)}"
+            )
+        raise InputError(
+            f"platform: no link is named {shown(name)}{meant(name, moved)}; links that move: "
+            f"{first_of(moved, 20)}"
+        )
     return replace(robot, parts=replace(robot.parts, platform=frames[name]))
 
 
 def _with_motors(robot: Robot, names: Sequence[str]) -> Robot:
-    kinds = {entry.joint.name: entry.joint.type for entry in robot.joints} | {c.name: c.type for c in robot.closures}
+    kinds = {entry.joint.name: entry.joint.type for entry in robot.joints} | {
+        c.name: c.type for c in robot.closures
+    }
     able = [name for name, kind in kinds.items() if kind in _DRIVEN]
     for name in names:
         if name not in kinds:
             raise InputError(
-                f"actuated: no joint is named {shown(name)}{meant(name, able)}; joints that may be: {first_of(able, 20)}"
+                f"actuated: no joint is named {shown(name)}{meant(name, able)}; joints that may "
+                f"be: {first_of(able, 20)}"
             )
         if name not in able:
             raise InputError(
-                f"actuated: {name!r} is of type {kinds[name]}, which no one motor drives; joints that may be: {first_of(able, 20)}"
+                f"actuated: {name!r} is of type {kinds[name]}, which no one motor drives; joints "
+                f"that may be: {first_of(able, 20)}"
             )
         if names.count(name) > 1:
             raise InputError(f"actuated: {name!r} is given twice")
-    joints = [LinkJoint(replace(e.joint, actuated=e.joint.name in names), e.links) for e in robot.joints]
+    joints = [
+        LinkJoint(replace(e.joint, actuated=e.joint.name in names), e.links) for e in robot.joints
+    ]
     closures = [replace(closure, actuated=closure.name in names) for closure in robot.closures]
-    return replace(robot, joints=tuple(joints), closures=tuple(closures), parts=replace(robot.parts, actuated=None))
+    return replace(
+        robot,
+        joints=tuple(joints),
+        closures=tuple(closures),
+        parts=replace(robot.parts, actuated=None),
+    )

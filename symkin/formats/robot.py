@@ -1,8 +1,10 @@
-"""A robot as a file of another format describes it: a tree of joints at the file's own configuration, and closures that may be open.
+"""A robot as a file of another format describes it: a tree of joints at the file's own
+configuration, and closures that may be open.
 
-Every reader makes a `Robot`. Points and axes are in the base frame at the file's configuration (all of it placed by the tree's joints), so
-that a link's displacement is the product of the exponentials of the joints before it. A closure holds two frames, one on each of its
-links, which coincide as its type says where the loop is closed.
+Every reader makes a `Robot`. Points and axes are in the base frame at the file's configuration (all
+of it placed by the tree's joints), so that a link's displacement is the product of the exponentials
+of the joints before it. A closure holds two frames, one on each of its links, which coincide as its
+type says where the loop is closed.
 """
 
 from __future__ import annotations
@@ -18,26 +20,36 @@ from symkin.model.mechanism import MOST_PARTS
 from symkin.spatial.pose import Pose
 
 ClosureType = Literal["S", "U", "R", "C", "P", "H", "weld"]
-"""What a closure leaves free: S holds a point, weld all; R, C, P and H have the z axis of both frames in common; U turns about the z
-axis of the first frame and about the x axis of the second, which stay square to each other."""
+"""What a closure leaves free: S holds a point, weld all; R, C, P and H have the z axis of both
+frames in common; U turns about the z axis of the first frame and about the x axis of the second,
+which stay square to each other.
+"""
 
 MOST_JOINTS = 3 * MOST_PARTS
-"""Joints or bodies of a file at most, fixed ones too, which become part of a link: each takes two milliseconds."""
+"""Joints or bodies of a file at most, fixed ones too, which become part of a link: each takes two
+milliseconds.
+"""
 
 
 def refuse_too_many(where: str, joints: int, movable: int) -> None:
-    """Raise MechanismError for a robot of more joints than a mechanism may have, before they are placed; `joints` counts fixed ones too."""
+    """Raise MechanismError for a robot of more joints than a mechanism may have, before they are
+    placed; `joints` counts fixed ones too.
+    """
     if movable > MOST_PARTS or joints > MOST_JOINTS:
-        told = f"{joints} joints or bodies" + (f", {movable} joints of which move" if movable > MOST_PARTS else "")
+        told = f"{joints} joints or bodies" + (
+            f", {movable} joints of which move" if movable > MOST_PARTS else ""
+        )
         raise MechanismError(f"{where}: {told}; allowed: {MOST_JOINTS}, of which {MOST_PARTS} move")
 
 
 @dataclass(frozen=True)
 class Closure:
-    """A constraint between two `links` that the tree joins in another way: `first` is its frame on the first link, `second` on the
-    other, both in the base frame at the file's configuration; `pitch` is the length a turn of an H; `where` names element and line
-    of the file. R, P and H closures have a coordinate, which is 0 where the frames coincide: `limits` are its range, and `actuated`
-    tells whether a motor drives it."""
+    """A constraint between two `links` that the tree joins in another way: `first` is its frame on
+    the first link, `second` on the other, both in the base frame at the file's configuration;
+    `pitch` is the length a turn of an H; `where` names element and line of the file. R, P and H
+    closures have a coordinate, which is 0 where the frames coincide: `limits` are its range, and
+    `actuated` tells whether a motor drives it.
+    """
 
     name: str
     type: ClosureType
@@ -52,8 +64,9 @@ class Closure:
 
 @dataclass(frozen=True)
 class Mesh:
-    """A mesh by its file (the path where it is found, else as it is written), its pose in the frame of the link or merged body that
-    it shows, and the scale of its own numbers."""
+    """A mesh by its file (the path where it is found, else as it is written), its pose in the frame
+    of the link or merged body that it shows, and the scale of its own numbers.
+    """
 
     file: str
     pose: Pose
@@ -62,13 +75,16 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Robot:
-    """Links by name with their frames at the file's configuration, the tree's `joints` (each from the link that is nearer to the root
-    to the other; their `zero` is the value at the file's configuration, in radians and metres), closures, couplings of joints, and what
-    was left out of the file, a sentence each (`notes`). The root link is "base". Links that are `floating` hang on no joint, only on
-    closures. Bodies that fixed joints make part of a link are `merged`: by their name in the file, the link and their frame. `meshes` show
-    links and merged bodies, by name. `parts` tells which joints are parts of one. Joints
-    and closures that are `turned` lead from the second of their links to the first in the mechanism: their
-    coordinates have the names that they have there."""
+    """Links by name with their frames at the file's configuration, the tree's `joints` (each from
+    the link that is nearer to the root to the other; their `zero` is the value at the file's
+    configuration, in radians and metres), closures, couplings of joints, and what was left out of
+    the file, a sentence each (`notes`). The root link is "base". Links that are `floating` hang on
+    no joint, only on closures. Bodies that fixed joints make part of a link are `merged`: by their
+    name in the file, the link and their frame. `meshes` show links and merged bodies, by name.
+    `parts` tells which joints are parts of one. Joints and closures that are `turned` lead from the
+    second of their links to the first in the mechanism: their coordinates have the names that they
+    have there.
+    """
 
     name: str
     links: Mapping[str, Pose]

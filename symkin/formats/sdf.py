@@ -10,13 +10,27 @@ import numpy as np
 
 from symkin.formats.couplings import ToldCoupling, couplings_told
 from symkin.formats.graph_reader import GraphReader
-from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, place, robot_of, spanning_tree
+from symkin.formats.joint_graph import (
+    Direction,
+    GraphJoint,
+    JointGraph,
+    place,
+    robot_of,
+    spanning_tree,
+)
 from symkin.formats.naming import robot_name
 from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot, refuse_too_many
 from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
-from symkin.formats.sdf_joint import TYPES, refuse_model_frame, sdf_axis, sdf_limits, sdf_pitch, sdf_type
+from symkin.formats.sdf_joint import (
+    TYPES,
+    refuse_model_frame,
+    sdf_axis,
+    sdf_limits,
+    sdf_pitch,
+    sdf_type,
+)
 from symkin.formats.sdf_world import robot_model
 from symkin.formats.urdf_parts import parts_within, unit
 from symkin.formats.xml_text import Element, read_xml
@@ -52,12 +66,20 @@ class _Reader(GraphReader):
         scope = Scope("", "__model__", sdf_version(root), self.model, (path,))
         self.frames.add_model(self.model, scope)
         elements = [element for element, _ in self.frames.joints]
-        refuse_too_many(self.model.where, len(elements), sum(e.attributes.get("type") != "fixed" for e in elements))
+        refuse_too_many(
+            self.model.where,
+            len(elements),
+            sum(e.attributes.get("type") != "fixed" for e in elements),
+        )
         self.poses = {link: self.frames.pose(link) for link in self.frames.links}
         self.poses[WORLD] = Pose.identity()
 
     def graph(self) -> JointGraph:
-        joints = [self._joint(*entry) for entry in self.frames.joints if entry[0].attributes.get("type") != "gearbox"]
+        joints = [
+            self._joint(*entry)
+            for entry in self.frames.joints
+            if entry[0].attributes.get("type") != "gearbox"
+        ]
         couplings = couplings_told([*self._mimics(joints), *self._gears(joints)])
         on_world = any(WORLD in joint.links for joint in joints)
         links = [WORLD, *self.frames.links] if on_world else list(self.frames.links)
@@ -68,7 +90,10 @@ class _Reader(GraphReader):
             name=robot_name(self.model.attributes.get("name"), self.path),
             links=[_plain(link) for link in links],
             root=_plain(root),
-            joints=[replace(j, name=_plain(j.name), links=(_plain(j.links[0]), _plain(j.links[1]))) for j in joints],
+            joints=[
+                replace(j, name=_plain(j.name), links=(_plain(j.links[0]), _plain(j.links[1])))
+                for j in joints
+            ],
             couplings=couplings,
             source=str(self.path),
             meshes=self._meshes(),
@@ -76,12 +101,16 @@ class _Reader(GraphReader):
         )
         graph = self._with_motors(graph)
         if self.unlimited:
-            self.notes.append(f"ranges of joints of two coordinates are left out: {first_of(self.unlimited)}")
+            self.notes.append(
+                f"ranges of joints of two coordinates are left out: {first_of(self.unlimited)}"
+            )
         left_out = self._left_out()
         return replace(graph, notes=(*self.frames.notes, *self.notes, *left_out))
 
     def _root(self, links: Sequence[str], joints: Sequence[GraphJoint]) -> str:
-        """The model's canonical link, or the first link of the part that has most joints where nothing joins to that one."""
+        """The model's canonical link, or the first link of the part that has most joints where
+        nothing joins to that one.
+        """
         canonical = self.frames.link_of(self.frames.frames["__model__"].attached)
         if any(canonical in joint.links for joint in joints):
             return canonical
@@ -91,7 +120,7 @@ class _Reader(GraphReader):
         tree = spanning_tree(graph)
         return max(links, key=lambda link: len(place(replace(graph, root=link), tree)))
 
-    # --- joints ----------------------------------------------------------------------------------------------------
+    # --- joints -----------------------------------------------------------------------------------
 
     def _joint(self, element: Element, scope: Scope) -> GraphJoint:
         name = scope.prefix + element.attribute("name")
@@ -99,24 +128,44 @@ class _Reader(GraphReader):
         if child == WORLD:
             raise element.error("the child is the world, which does not move; make it the parent")
         if parent == child:
-            raise element.error(f"joins the link {_plain(parent)!r} to itself; two links are needed")
+            raise element.error(
+                f"joins the link {_plain(parent)!r} to itself; two links are needed"
+            )
         at = self._joint_pose(element, scope)
         self._note_parent_frame(element, scope, at)
         frames = (self.poses[parent].inverse() @ at, self.poses[child].inverse() @ at)
-        made = GraphJoint(name, "weld", (parent, child), frames, closing=name in self.parts.welds, where=element.where)
+        made = GraphJoint(
+            name,
+            "weld",
+            (parent, child),
+            frames,
+            closing=name in self.parts.welds,
+            where=element.where,
+        )
         if element.attributes.get("type") in ("revolute2", "universal"):
-            return replace(made, type="U", axis=self._axis(element, "axis", scope, at), axis2=self._second(element, scope, at))
+            return replace(
+                made,
+                type="U",
+                axis=self._axis(element, "axis", scope, at),
+                axis2=self._second(element, scope, at),
+            )
         kind = sdf_type(element, (*TYPES, "revolute2", "gearbox"))
         if kind in ("weld", "S"):
             return replace(made, type=kind)
         pitch = sdf_pitch(element) if kind == "H" else 0.0
         limits = (
-            None if element.attributes.get("type") == "continuous" else self.range_of(sdf_limits(element), element, element.line)
+            None
+            if element.attributes.get("type") == "continuous"
+            else self.range_of(sdf_limits(element), element, element.line)
         )
-        return replace(made, type=kind, axis=self._axis(element, "axis", scope, at), pitch=pitch, limits=limits)
+        return replace(
+            made, type=kind, axis=self._axis(element, "axis", scope, at), pitch=pitch, limits=limits
+        )
 
     def _note_parent_frame(self, element: Element, scope: Scope, at: Pose) -> None:
-        """Say where the parent is a frame away from the joint: it only names the link, and the poses of the file hold."""
+        """Say where the parent is a frame away from the joint: it only names the link, and the
+        poses of the file hold.
+        """
         name = element.needed("parent").text.strip()
         full = WORLD if name == WORLD else self.frames.find(name, scope, element)
         if full == WORLD or full in self.frames.links:
@@ -124,7 +173,8 @@ class _Reader(GraphReader):
         away = float(np.linalg.norm(np.asarray((self.frames.pose(full).inverse() @ at).position)))
         if away > _APART:
             self.notes.append(
-                f"line {element.line}: the parent frame {name!r} of {element.label} is {away:.3g} m from the joint, which stands at its child; "
+                f"line {element.line}: the parent frame {name!r} of {element.label} is {away:.3g} "
+                f"m from the joint, which stands at its child; "
                 "the frame names a link, and the poses of the file hold"
             )
 
@@ -140,7 +190,9 @@ class _Reader(GraphReader):
         return link
 
     def _joint_pose(self, element: Element, scope: Scope) -> Pose:
-        """The joint's frame in the world: told in the frame that is its child unless it says otherwise."""
+        """The joint's frame in the world: told in the frame that is its child unless it says
+        otherwise.
+        """
         child = self.frames.find(element.needed("child").text.strip(), scope, element)
         pose, told_in = self.frames.relative(element, scope, child)
         return self.frames.pose(told_in) @ pose
@@ -161,14 +213,17 @@ class _Reader(GraphReader):
         return unit(xyz, tuple(float(c) for c in turned))
 
     def _second(self, element: Element, scope: Scope, at: Pose) -> Direction:
-        first, second = self._axis(element, "axis", scope, at), self._axis(element, "axis2", scope, at)
+        first, second = (
+            self._axis(element, "axis", scope, at),
+            self._axis(element, "axis2", scope, at),
+        )
         if np.linalg.norm(np.cross(first, second)) < _PARALLEL:
             raise element.error("axis and axis2 are parallel; two directions are needed")
         if any(sdf_limits(element, tag) is not None for tag in ("axis", "axis2")):
             self.unlimited.append(scope.prefix + element.attribute("name"))
         return second
 
-    # --- couplings -------------------------------------------------------------------------------------------------
+    # --- couplings --------------------------------------------------------------------------------
 
     def _mimics(self, joints: Sequence[GraphJoint]) -> Iterator[ToldCoupling]:
         """follower = multiplier x (leader - reference) + offset."""
@@ -179,23 +234,35 @@ class _Reader(GraphReader):
                 mimic = None if axis is None else axis.one("mimic")
                 if mimic is None:
                     continue
-                follower = self._coordinate(made, scope.prefix + element.attribute("name"), own, mimic)
+                follower = self._coordinate(
+                    made, scope.prefix + element.attribute("name"), own, mimic
+                )
                 number = 2 if mimic.attributes.get("axis", "axis").strip() == "axis2" else 1
-                leader = self._coordinate(made, scope.prefix + mimic.attribute("joint"), number, mimic)
+                leader = self._coordinate(
+                    made, scope.prefix + mimic.attribute("joint"), number, mimic
+                )
                 if leader == follower:
                     raise mimic.error("the joint mimics itself; name another joint")
                 factor, offset, reference = (
-                    _value(mimic, word, default) for word, default in (("multiplier", 1.0), ("offset", 0.0), ("reference", 0.0))
+                    _value(mimic, word, default)
+                    for word, default in (("multiplier", 1.0), ("offset", 0.0), ("reference", 0.0))
                 )
                 yield Coupling(follower, {leader: factor}, offset - factor * reference), mimic
 
-    def _coordinate(self, made: dict[str, GraphJoint], name: str, axis: int, element: Element) -> str:
+    def _coordinate(
+        self, made: dict[str, GraphJoint], name: str, axis: int, element: Element
+    ) -> str:
         if name not in made or made[name].type not in ("R", "P", "H", "U"):
-            raise element.error(f"the joint {_plain(name)!r} is {'unknown' if name not in made else 'without an axis'}")
+            raise element.error(
+                f"the joint {_plain(name)!r} is "
+                f"{'unknown' if name not in made else 'without an axis'}"
+            )
         return _plain(name) + (f".{axis}" if made[name].type == "U" else "")
 
     def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[ToldCoupling]:
-        """theta_2 = -ratio theta_1: the angles of parent and child against the reference body, about axis and axis2."""
+        """theta_2 = -ratio theta_1: the angles of parent and child against the reference body,
+        about axis and axis2.
+        """
         for element, scope in self.frames.joints:
             if element.attributes.get("type") != "gearbox":
                 continue
@@ -205,17 +272,34 @@ class _Reader(GraphReader):
             ratio = element.needed("gearbox_ratio").text_number()
             for tag, axis, weight in (("parent", "axis", ratio), ("child", "axis2", 1.0)):
                 about = np.asarray(at.turn(np.asarray(self._axis(element, axis, scope, at))))
-                for name, sign in self._turns(element, joints, reference, self._body(element, tag, scope), about).items():
+                for name, sign in self._turns(
+                    element, joints, reference, self._body(element, tag, scope), about
+                ).items():
                     factors[name] = factors.get(name, 0.0) + weight * sign
             free = [name for name, factor in factors.items() if factor != 0.0]
             if len(free) < 2:
                 raise element.error("the gearbox couples no two joints")
             name = free[-1]
             own = factors.pop(name)
-            yield Coupling(_plain(name), {_plain(other): -factor / own for other, factor in factors.items()}), element
+            yield (
+                Coupling(
+                    _plain(name),
+                    {_plain(other): -factor / own for other, factor in factors.items()},
+                ),
+                element,
+            )
 
-    def _turns(self, element: Element, joints: Sequence[GraphJoint], start: str, end: str, about: np.ndarray) -> dict[str, float]:
-        """The revolute joints from one link to another about a direction, with the sense in which each turns the second link."""
+    def _turns(
+        self,
+        element: Element,
+        joints: Sequence[GraphJoint],
+        start: str,
+        end: str,
+        about: np.ndarray,
+    ) -> dict[str, float]:
+        """The revolute joints from one link to another about a direction, with the sense in which
+        each turns the second link.
+        """
         paths: dict[str, dict[str, float]] = {start: {}}
         todo = [start]
         for link in todo:
@@ -228,37 +312,62 @@ class _Reader(GraphReader):
                     continue
                 turn = 0.0
                 if joint.type == "R" and joint.axis is not None:
-                    axis = np.asarray((self.poses[joint.links[0]] @ joint.frames[0]).turn(np.asarray(joint.axis)))
+                    axis = np.asarray(
+                        (self.poses[joint.links[0]] @ joint.frames[0]).turn(np.asarray(joint.axis))
+                    )
                     turn = float(axis @ about) * (1 if here == 0 else -1)
                     if abs(abs(turn) - 1.0) > _PARALLEL:
                         continue
                 paths[other] = paths[link] | ({joint.name: float(round(turn))} if turn else {})
                 todo.append(other)
         if end not in paths:
-            raise element.error(f"no revolute joints about its axis lead from the reference body to {_plain(end)!r}")
+            raise element.error(
+                f"no revolute joints about its axis lead from the reference body to {_plain(end)!r}"
+            )
         return paths[end]
 
-    # --- the rest --------------------------------------------------------------------------------------------------
+    # --- the rest ---------------------------------------------------------------------------------
 
     def _with_motors(self, graph: JointGraph) -> JointGraph:
         """The joints that plugins name actuated, else all of the tree that move."""
         if self.read.actuated or self.parts.actuated is not None:
             return graph
-        named = {e.text.strip() for p in self.model.walk() if p.tag == "plugin" for e in p.walk() if e.tag == "joint_name"}
+        named = {
+            e.text.strip()
+            for p in self.model.walk()
+            if p.tag == "plugin"
+            for e in p.walk()
+            if e.tag == "joint_name"
+        }
         able = [joint for joint in graph.joints if joint.type in ("R", "P", "H", "U")]
         driven = {joint.name for joint in able if joint.name in named}
         if not driven:
             followers = {coupling.joint for coupling in graph.couplings}
             tree = {joint.name for joint in spanning_tree(graph)}
-            driven = {joint.name for joint in able if joint.name in tree and joint.type != "U" and joint.name not in followers}
+            driven = {
+                joint.name
+                for joint in able
+                if joint.name in tree and joint.type != "U" and joint.name not in followers
+            }
             if driven:
-                self.notes.append("no motors are told: all movable joints of the tree of one coordinate are actuated")
-        return replace(graph, joints=[replace(j, actuated=True) if j.name in driven else j for j in graph.joints])
+                self.notes.append(
+                    "no motors are told: all movable joints of the tree of one coordinate are "
+                    "actuated"
+                )
+        return replace(
+            graph,
+            joints=[replace(j, actuated=True) if j.name in driven else j for j in graph.joints],
+        )
 
     def _meshes(self) -> dict[str, tuple[Mesh, ...]]:
         found: dict[str, tuple[Mesh, ...]] = {}
         for link, (element, scope) in self.frames.links.items():
-            meshes = [self._mesh(link, v, mesh, scope) for v in element.all("visual") for mesh in v.walk() if mesh.tag == "mesh"]
+            meshes = [
+                self._mesh(link, v, mesh, scope)
+                for v in element.all("visual")
+                for mesh in v.walk()
+                if mesh.tag == "mesh"
+            ]
             if meshes:
                 found[_plain(link)] = tuple(meshes)
         return found
@@ -274,12 +383,24 @@ class _Reader(GraphReader):
     def _left_out(self) -> list[str]:
         """Notes on elements of models that have no meaning here."""
         names = {*self.frames.links, *(e.attribute("name") for e, _ in self.frames.joints)}
-        others = [child for scope in self.frames.scopes for child in scope.element.children if child.tag not in _KNOWN]
-        run_time = [e for e in others if e.tag == "plugin" and "DetachableJoint" in e.attributes.get("name", "")]
+        others = [
+            child
+            for scope in self.frames.scopes
+            for child in scope.element.children
+            if child.tag not in _KNOWN
+        ]
+        run_time = [
+            e
+            for e in others
+            if e.tag == "plugin" and "DetachableJoint" in e.attributes.get("name", "")
+        ]
         for plugin in run_time:
-            ends = [e.text.strip() for tag in ("parent_link", "child_link") for e in plugin.all(tag)]
+            ends = [
+                e.text.strip() for tag in ("parent_link", "child_link") for e in plugin.all(tag)
+            ]
             self.notes.append(
-                f"line {plugin.line}: a plugin joins {' and '.join(ends)} when the simulation runs; write a joint to have the loop"
+                f"line {plugin.line}: a plugin joins {' and '.join(ends)} when the simulation "
+                f"runs; write a joint to have the loop"
             )
         return self.left_out(others, _OF_NO_MEANING, names, " in a model")
 

@@ -1,7 +1,9 @@
-"""Frames of an SDF file: links, joints, named frames and nested models, each told in another one; where all of them are in the world.
+"""Frames of an SDF file: links, joints, named frames and nested models, each told in another one;
+where all of them are in the world.
 
-A name within a nested model is `model::name`. What a pose is told in, where it does not say: a link, a frame or a nested model in its
-model's frame, a frame that is attached in the frame it is attached to, a joint in its child.
+A name within a nested model is `model::name`. What a pose is told in, where it does not say: a
+link, a frame or a nested model in its model's frame, a frame that is attached in the frame it is
+attached to, a joint in its child.
 """
 
 from __future__ import annotations
@@ -24,18 +26,24 @@ Version = tuple[int, int]
 OLDEST, NEWEST = (1, 4), (1, 12)
 """Versions of SDF whose rules are known here."""
 FIRST_WITH_FRAMES = (1, 7)
-"""From this version on relative_to and expressed_in name frames; before it `frame` on a pose had no meaning."""
+"""From this version on relative_to and expressed_in name frames; before it `frame` on a pose had no
+meaning.
+"""
 WORLD = "world"
 _MODEL = "__model__"
 _MOST_FRAMES = 3 * MOST_JOINTS
-"""Links, joints, models and frames of a file and those that it includes: as many of each as joints may be."""
+"""Links, joints, models and frames of a file and those that it includes: as many of each as joints
+may be.
+"""
 _MOST_FILES = 20
 """Files within each other."""
 
 
 @dataclass(frozen=True)
 class Scope:
-    """A model: what its names begin with, its own frame, and the version of the file that tells it."""
+    """A model: what its names begin with, its own frame, and the version of the file that tells
+    it.
+    """
 
     prefix: str
     model: str
@@ -46,7 +54,9 @@ class Scope:
 
 @dataclass(frozen=True)
 class _Frame:
-    """A frame: its pose in another one, what it is attached to, and for a model placed by one of its frames that frame."""
+    """A frame: its pose in another one, what it is attached to, and for a model placed by one of
+    its frames that frame.
+    """
 
     pose: Pose
     told_in: str
@@ -57,7 +67,9 @@ class _Frame:
 
 @dataclass
 class SdfFrames:
-    """All frames of a file by their full names; links and joints in order with the model in which they stand."""
+    """All frames of a file by their full names; links and joints in order with the model in which
+    they stand.
+    """
 
     packages: Packages
     frames: dict[str, _Frame] = field(default_factory=dict)
@@ -69,18 +81,27 @@ class SdfFrames:
     known: dict[str, Pose] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
-    def add_model(self, element: Element, scope: Scope, told_in: str = WORLD, placed: Element | None = None) -> None:
+    def add_model(
+        self, element: Element, scope: Scope, told_in: str = WORLD, placed: Element | None = None
+    ) -> None:
         """A model and all within it; `placed` is the include that places it in another way."""
         self.scopes.append(scope)
         links = element.all("link")
         nested = element.all("model")
-        pose, name = sdf_pose(placed if placed is not None and placed.one("pose") is not None else element, scope.version)
+        pose, name = sdf_pose(
+            placed if placed is not None and placed.one("pose") is not None else element,
+            scope.version,
+        )
         base = told_in if name is None else name
         canonical = element.attributes.get("canonical_link") or next(
             (name for e in (*links, *nested) if (name := e.attribute("name")) != WORLD), _MODEL
         )
         placement = (placed.one("placement_frame") if placed is not None else None) or None
-        word = placement.text.strip() if placement is not None else element.attributes.get("placement_frame")
+        word = (
+            placement.text.strip()
+            if placement is not None
+            else element.attributes.get("placement_frame")
+        )
         attached = scope.prefix + canonical if canonical != _MODEL else WORLD
         frame = _Frame(pose, base, attached, element, None if word is None else scope.prefix + word)
         self.frames[scope.model] = frame
@@ -118,13 +139,17 @@ class SdfFrames:
         while name != WORLD and name not in self.links:
             name = self._full(name)
             if name in seen:
-                raise self.frames[name].element.error("the frames are attached to each other in a circle")
+                raise self.frames[name].element.error(
+                    "the frames are attached to each other in a circle"
+                )
             seen.append(name)
             name = self.frames[name].attached if name != WORLD and name not in self.links else name
         return name
 
     def find(self, name: str, scope: Scope, element: Element) -> str:
-        """The full name of what a model calls `name`. Raises MechanismError where there is nothing."""
+        """The full name of what a model calls `name`. Raises MechanismError where there is
+        nothing.
+        """
         if name == WORLD:
             return WORLD
         if name == _MODEL:
@@ -140,7 +165,7 @@ class SdfFrames:
         pose, name = sdf_pose(element, scope.version)
         return pose, default if name is None else self.find(name, scope, element)
 
-    # --- parts -----------------------------------------------------------------------------------------------------
+    # --- parts ------------------------------------------------------------------------------------
 
     def _placed(self, element: Element, scope: Scope, default: str, attached: str) -> _Frame:
         pose, name = sdf_pose(element, scope.version)
@@ -148,13 +173,20 @@ class SdfFrames:
         return _Frame(pose, told_in, attached, element)
 
     def _is_the_world(self, link: Element, scope: Scope) -> bool:
-        """Whether a link is what the model stands in, which only files before 1.7 write. Raises MechanismError for later ones."""
+        """Whether a link is what the model stands in, which only files before 1.7 write. Raises
+        MechanismError for later ones.
+        """
         if link.attribute("name") != WORLD or scope.prefix:
             return False
         pose, _ = sdf_pose(link, scope.version)
         if scope.version >= FIRST_WITH_FRAMES or pose.position.any() or pose.quaternion[1:].any():
-            raise link.error(f"the name {WORLD!r} is reserved for what the model stands in; give the link another name")
-        self.notes.append(f"line {link.line}: the link {WORLD!r} is what the model stands in, and is held")
+            raise link.error(
+                f"the name {WORLD!r} is reserved for what the model stands in; give the link "
+                f"another name"
+            )
+        self.notes.append(
+            f"line {link.line}: the link {WORLD!r} is what the model stands in, and is held"
+        )
         return True
 
     def _written(self, name: str, scope: Scope) -> str:
@@ -178,25 +210,34 @@ class SdfFrames:
 
     def _add_nested(self, element: Element, scope: Scope) -> None:
         prefix = f"{scope.prefix}{element.attribute('name')}::"
-        inner = Scope(prefix, self._new(prefix + _MODEL, element), scope.version, element, scope.files)
+        inner = Scope(
+            prefix, self._new(prefix + _MODEL, element), scope.version, element, scope.files
+        )
         _, name = sdf_pose(element, scope.version)
         self.add_model(element, inner, scope.model)
         if name is not None:
             self._retell(inner.model, self._written(name, scope))
 
     def _include(self, element: Element, scope: Scope) -> None:
-        """The model of another file, under its own name or that of the include, or merged into this model."""
+        """The model of another file, under its own name or that of the include, or merged into this
+        model.
+        """
         path = _included(element, scope.files, self.packages)
         self.includes += 1
         if self.includes > MOST_PARTS:
-            raise element.error(f"it is include number {self.includes}, with those of included files; allowed: {MOST_PARTS}")
+            raise element.error(
+                f"it is include number {self.includes}, with those of included files; allowed: "
+                f"{MOST_PARTS}"
+            )
         root = self.roots[path] = self.roots.get(path) or read_xml(path, "sdf")
         model = root.needed("model")
         given = element.one("name")
         name = given.text.strip() if given is not None else model.attribute("name")
         merged = element.attributes.get("merge", "").strip().lower() in ("1", "true")
         prefix = scope.prefix if merged else f"{scope.prefix}{name}::"
-        key = self._new(f"{scope.prefix}_merged__{name}__model__" if merged else prefix + _MODEL, element)
+        key = self._new(
+            f"{scope.prefix}_merged__{name}__model__" if merged else prefix + _MODEL, element
+        )
         inner = Scope(prefix, key, sdf_version(root), model, (*scope.files, path))
         _, told_in = sdf_pose(element, scope.version)
         self.add_model(model, inner, scope.model, placed=element)
@@ -204,18 +245,29 @@ class SdfFrames:
 
     def _retell(self, model: str, told_in: str) -> None:
         frame = self.frames[model]
-        self.frames[model] = _Frame(frame.pose, told_in, frame.attached, frame.element, frame.placement)
+        self.frames[model] = _Frame(
+            frame.pose, told_in, frame.attached, frame.element, frame.placement
+        )
 
     def _new(self, key: str, element: Element) -> str:
         if len(self.frames) >= _MOST_FRAMES:
-            raise element.error(f"the file has more than {_MOST_FRAMES} links, frames and models; no robot has so many")
+            raise element.error(
+                f"the file has more than {_MOST_FRAMES} links, frames and models; no robot has so "
+                f"many"
+            )
         if key in self.frames or key == WORLD:
-            raise element.error(f"the name {key!r} is taken; names of links, frames and models must be unique")
+            raise element.error(
+                f"the name {key!r} is taken; names of links, frames and models must be unique"
+            )
         return key
 
     def _full(self, key: str) -> str:
         """The frame of a nested model, by the model's name."""
-        return f"{key}::{_MODEL}" if key not in self.frames and f"{key}::{_MODEL}" in self.frames else key
+        return (
+            f"{key}::{_MODEL}"
+            if key not in self.frames and f"{key}::{_MODEL}" in self.frames
+            else key
+        )
 
     def _chain(self, name: str, end: str) -> Pose:
         """The pose of a frame in one above it."""
@@ -226,13 +278,19 @@ class SdfFrames:
             path.append(at)
             total, at = self._own(at) @ total, self._full(self.frames[at].told_in)
             if at == WORLD and end != WORLD:
-                raise self.frames[path[-1]].element.error(f"the frame {name!r} does not stand within the model that it places")
+                raise self.frames[path[-1]].element.error(
+                    f"the frame {name!r} does not stand within the model that it places"
+                )
         return total
 
     def _own(self, key: str) -> Pose:
         """A frame's pose in the one in which it is told."""
         frame = self.frames[key]
-        return frame.pose if frame.placement is None else frame.pose @ self._chain(frame.placement, key).inverse()
+        return (
+            frame.pose
+            if frame.placement is None
+            else frame.pose @ self._chain(frame.placement, key).inverse()
+        )
 
     def _refuse_circle(self, at: str, path: Sequence[str], name: str) -> None:
         """Raise MechanismError for a frame that is unknown, or has been passed."""
@@ -255,12 +313,17 @@ def sdf_version(root: Element) -> Version:
     )
     found = (version[0], version[1])
     if not OLDEST <= found <= NEWEST:
-        raise root.error(f"version = {text!r} is unknown; allowed: {OLDEST[0]}.{OLDEST[1]} to {NEWEST[0]}.{NEWEST[1]}")
+        raise root.error(
+            f"version = {text!r} is unknown; allowed: {OLDEST[0]}.{OLDEST[1]} to "
+            f"{NEWEST[0]}.{NEWEST[1]}"
+        )
     return found
 
 
 def sdf_pose(element: Element, version: Version) -> tuple[Pose, str | None]:
-    """The child <pose>, and the name of the frame in which it is told where it names one; the identity where there is none."""
+    """The child <pose>, and the name of the frame in which it is told where it names one; the
+    identity where there is none.
+    """
     pose = element.one("pose")
     if pose is None:
         return Pose.identity(), None
@@ -268,7 +331,8 @@ def sdf_pose(element: Element, version: Version) -> tuple[Pose, str | None]:
     old = pose.attributes.get("frame", "").strip()
     if old or (told_in is not None and version < FIRST_WITH_FRAMES):
         raise pose.error(
-            f"poses of version {version[0]}.{version[1]} are not told in the frame {old or told_in!r}; version 1.7 has relative_to"
+            f"poses of version {version[0]}.{version[1]} are not told in the frame "
+            f"{old or told_in!r}; version 1.7 has relative_to"
         )
     if not pose.text.strip():
         return Pose.identity(), told_in
@@ -276,22 +340,39 @@ def sdf_pose(element: Element, version: Version) -> tuple[Pose, str | None]:
         x, y, z, i, j, k, w = pose.text_numbers(7)
         return Pose.from_quaternion((x, y, z), (w, i, j, k)), told_in
     x, y, z, *angles = pose.text_numbers(6)
-    scale = math.pi / 180 if pose.attributes.get("degrees", "").strip().lower() in ("1", "true") else 1.0
+    scale = (
+        math.pi / 180
+        if pose.attributes.get("degrees", "").strip().lower() in ("1", "true")
+        else 1.0
+    )
     return Pose.from_euler((x, y, z), [scale * angle for angle in angles], "xyz"), told_in
 
 
 def _included(element: Element, files: Sequence[Path], packages: Packages) -> Path:
-    """The file that an include names: in a folder of packages, beside this file or above it, a folder with model.sdf or a file."""
+    """The file that an include names: in a folder of packages, beside this file or above it, a
+    folder with model.sdf or a file.
+    """
     uri = element.needed("uri").text.strip()
     name = uri.removeprefix("model://").removeprefix("package://").removeprefix("file://")
     here = files[-1].parent
-    own = [folder.parent for folder in packages.folders if folder.resolve().name == Path(name).parts[0]] if name else []
+    own = (
+        [
+            folder.parent
+            for folder in packages.folders
+            if folder.resolve().name == Path(name).parts[0]
+        ]
+        if name
+        else []
+    )
     folders = [*packages.folders, *own, here, *list(here.parents)[:2]]
-    tries = [folder / name for folder in folders] + [folder / name / "model.sdf" for folder in folders]
+    tries = [folder / name for folder in folders] + [
+        folder / name / "model.sdf" for folder in folders
+    ]
     found = next((path.resolve() for path in tries if path.is_file()), None)
     if found is None:
         raise InputError(
-            f"{element.where}: the included model {uri!r} is not found beside the file, in the two folders above it or in a folder of "
+            f"{element.where}: the included model {uri!r} is not found beside the file, in the two "
+            f"folders above it or in a folder of "
             "packages (--packages)"
         )
     if found in [file.resolve() for file in files]:

@@ -1,4 +1,6 @@
-"""What a joint of SDF tells of itself: its type, its axes, its range and its pitch, by the version of the file."""
+"""What a joint of SDF tells of itself: its type, its axes, its range and its pitch, by the version
+of the file.
+"""
 
 from __future__ import annotations
 
@@ -38,25 +40,40 @@ def sdf_type(element: Element, allowed: Collection[str] = tuple(TYPES)) -> Joint
     return TYPES[word]
 
 
-def sdf_axis(element: Element, tag: str, joint_pose: Pose, version: tuple[int, int] = (1, 6)) -> Direction:
-    """The child <axis> or <axis2> in the joint's frame, which has the pose `joint_pose` in the model's frame.
+def sdf_axis(
+    element: Element, tag: str, joint_pose: Pose, version: tuple[int, int] = (1, 6)
+) -> Direction:
+    """The child <axis> or <axis2> in the joint's frame, which has the pose `joint_pose` in the
+    model's frame.
 
-    Before version 1.5 an axis is in the model's frame; from then on in the joint's, unless use_parent_model_frame is true.
+    Before version 1.5 an axis is in the model's frame; from then on in the joint's, unless
+    use_parent_model_frame is true.
     """
     axis = element.needed(tag)
     xyz = axis.needed("xyz")
     vector = xyz.text_numbers(3)
     in_model = version < (1, 5) or _model_frame(axis) is not None
-    turned = np.asarray(joint_pose.inverse().turn(np.asarray(vector))) if in_model else np.asarray(vector)
+    turned = (
+        np.asarray(joint_pose.inverse().turn(np.asarray(vector)))
+        if in_model
+        else np.asarray(vector)
+    )
     return unit(xyz, tuple(float(c) for c in turned))
 
 
 def refuse_model_frame(axis: Element, vector: tuple[float, ...], joint_pose: Pose) -> None:
-    """Raise MechanismError where an axis of version 1.7 or later would be another one by use_parent_model_frame of versions before."""
+    """Raise MechanismError where an axis of version 1.7 or later would be another one by
+    use_parent_model_frame of versions before.
+    """
     flag = _model_frame(axis)
     turned = np.asarray(joint_pose.inverse().turn(np.asarray(vector)))
-    if flag is not None and np.linalg.norm(turned - np.asarray(vector)) > _ONE_AXIS * np.linalg.norm(vector):
-        raise flag.error('is of versions before 1.7, and would turn the axis; write <xyz expressed_in="__model__">')
+    if flag is not None and np.linalg.norm(
+        turned - np.asarray(vector)
+    ) > _ONE_AXIS * np.linalg.norm(vector):
+        raise flag.error(
+            "is of versions before 1.7, and would turn the axis; write <xyz "
+            'expressed_in="__model__">'
+        )
 
 
 def _model_frame(axis: Element) -> Element | None:
@@ -66,14 +83,17 @@ def _model_frame(axis: Element) -> Element | None:
 
 
 def sdf_limits(element: Element, tag: str = "axis") -> tuple[float, float] | None:
-    """The bounds in <axis><limit>, not always a range; None where there are none, or both are infinite."""
+    """The bounds in <axis><limit>, not always a range; None where there are none, or both are
+    infinite.
+    """
     axis = element.one(tag)
     limit = None if axis is None else axis.one("limit")
     if limit is None:
         return None
     ends = [limit.one(word) for word in ("lower", "upper")]
     low, high = (
-        math.inf * side if end is None else end.text_number(infinite=True) for end, side in zip(ends, (-1, 1), strict=True)
+        math.inf * side if end is None else end.text_number(infinite=True)
+        for end, side in zip(ends, (-1, 1), strict=True)
     )
     return None if low <= -UNLIMITED and high >= UNLIMITED else (low, high)
 
@@ -89,7 +109,9 @@ def is_range(low: float, high: float) -> bool:
 
 
 def sdf_pitch(element: Element) -> float:
-    """The length a turn of a screw, right-handed: screw_thread_pitch, or -2 pi / thread_pitch (radians a metre, left-handed)."""
+    """The length a turn of a screw, right-handed: screw_thread_pitch, or -2 pi / thread_pitch
+    (radians a metre, left-handed).
+    """
     new, old = element.one("screw_thread_pitch"), element.one("thread_pitch")
     told = new or old
     if told is None:

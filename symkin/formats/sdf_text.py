@@ -1,7 +1,8 @@
 """Write a mechanism as SDF: links at the reference, and its joints as the graph that they are.
 
-Joints of SDF are 0 where the file has the links: what is added to their values is told in the text <symkin:joints>, with which joints are
-parts of one. The base is the world. Couplings are `mimic`. Masses are plain: they have no meaning for the kinematics.
+Joints of SDF are 0 where the file has the links: what is added to their values is told in the text
+<symkin:joints>, with which joints are parts of one. The base is the world. Couplings are `mimic`.
+Masses are plain: they have no meaning for the kinematics.
 """
 
 from __future__ import annotations
@@ -21,9 +22,19 @@ from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import BASE, FREEDOMS, Coordinate, Joint
 from symkin.model.mechanism import Mechanism
 
-_TYPES = {"R": "revolute", "P": "prismatic", "H": "screw", "U": "universal", "S": "ball", "weld": "fixed"}
+_TYPES = {
+    "R": "revolute",
+    "P": "prismatic",
+    "H": "screw",
+    "U": "universal",
+    "S": "ball",
+    "weld": "fixed",
+}
 FORM = Form(
-    "SDF", carry=frozenset({"R", "P", "H", "U", "S"}), close=frozenset({"R", "P", "H", "U", "S", "weld"}), free_only=False
+    "SDF",
+    carry=frozenset({"R", "P", "H", "U", "S"}),
+    close=frozenset({"R", "P", "H", "U", "S", "weld"}),
+    free_only=False,
 )
 _MASS, _INERTIA = 0.1, 1e-3
 """Kilograms and kilogram square metres of every link: any that are not zero do."""
@@ -48,13 +59,26 @@ class _Text:
             self.joints.append(LinkJoint(joint, (entry.carrier, entry.link)))
         closures = [_towards_links(entry) for entry in tree.closures]
         self.joints += closures
-        backward = [made.joint.name for made, entry in zip(closures, tree.closures, strict=True) if made is not entry]
-        self.turned = {*tree.parts.turned, *(name for name in backward if not tree.parts.hold(name))}
+        backward = [
+            made.joint.name
+            for made, entry in zip(closures, tree.closures, strict=True)
+            if made is not entry
+        ]
+        self.turned = {
+            *tree.parts.turned,
+            *(name for name in backward if not tree.parts.hold(name)),
+        }
         self._refuse_names()
         self.names = self._joint_names()
-        self.zeros = {e.joint.name: e.joint.zero for e in self.joints if FREEDOMS[e.joint.type] == 1 and e.joint.zero}
+        self.zeros = {
+            e.joint.name: e.joint.zero
+            for e in self.joints
+            if FREEDOMS[e.joint.type] == 1 and e.joint.zero
+        }
         self.couplings = {coupling.joint: coupling for coupling in tree.couplings}
-        self.axes = {c.name: (e.joint, tag) for e in self.joints for c, tag in self._tagged(e.joint)}
+        self.axes = {
+            c.name: (e.joint, tag) for e in self.joints for c, tag in self._tagged(e.joint)
+        }
 
     def document(self) -> str:
         root = element("sdf", version=".".join(str(part) for part in NEWEST))
@@ -65,20 +89,29 @@ class _Text:
                 self._link(model, link, place)
         # coupled joints stand in the tree of whoever reads
         coupled = {name for c in self.couplings.values() for name in (c.joint, *c.names)}
-        for entry in sorted(self.joints, key=lambda e: not {c.name for c in e.joint.coordinates} & coupled):
+        for entry in sorted(
+            self.joints, key=lambda e: not {c.name for c in e.joint.coordinates} & coupled
+        ):
             self._joint(model, entry)
         for entry in self.joints:
             if entry.joint.actuated:
                 plugin = inside(model, "plugin", filename=_MOTOR[0], name=_MOTOR[1])
                 inside(plugin, "joint_name", self.names[entry.joint.name])
         inside(model, JOINTS_TAG, self._parts())
-        return document(root, f"{self.name}, written by symkin: metres and radians; masses have no meaning")
+        return document(
+            root, f"{self.name}, written by symkin: metres and radians; masses have no meaning"
+        )
 
     def _refuse_names(self) -> None:
         for what, names in (("link", self.places), ("joint", [e.joint.name for e in self.joints])):
-            wrong = next((n for n in names if n == WORLD or (n.startswith("__") and n.endswith("__"))), None)
+            wrong = next(
+                (n for n in names if n == WORLD or (n.startswith("__") and n.endswith("__"))), None
+            )
             if wrong is not None:
-                raise MechanismError(f"{self.name}: a {what} is named {wrong!r}, which SDF keeps for itself; rename it")
+                raise MechanismError(
+                    f"{self.name}: a {what} is named {wrong!r}, which SDF keeps for itself; rename "
+                    f"it"
+                )
 
     def _joint_names(self) -> dict[str, str]:
         """Names of joints in the file, where links and joints have none in common."""
@@ -102,15 +135,21 @@ class _Text:
             elif old != new:
                 parts = parts.with_whole(Whole(old, kinds[old].type, (new,), kinds[old].pitch))
         welds = tuple(self.names[name] for name in parts.welds)
-        other_way = tuple(self.names[e.joint.name] for e in self.joints if e.joint.name in self.turned)
-        return parts_text(parts.in_file({self.names[n]: z for n, z in self.zeros.items()}, welds, other_way))
+        other_way = tuple(
+            self.names[e.joint.name] for e in self.joints if e.joint.name in self.turned
+        )
+        return parts_text(
+            parts.in_file({self.names[n]: z for n, z in self.zeros.items()}, welds, other_way)
+        )
 
     def _tagged(self, joint: Joint) -> Iterator[tuple[Coordinate, str]]:
-        """The coordinates with the elements of their axes in the file; of a universal joint that is turned the last comes first."""
+        """The coordinates with the elements of their axes in the file; of a universal joint that is
+        turned the last comes first.
+        """
         coordinates = joint.coordinates[::-1] if joint.name in self.turned else joint.coordinates
         return zip(coordinates, _TAGS, strict=False)
 
-    # --- links and joints ----------------------------------------------------------------------------------------------
+    # --- links and joints -------------------------------------------------------------------------
 
     def _link(self, model: Element, name: str, place: np.ndarray) -> None:
         link = inside(model, "link", name=name)
@@ -129,7 +168,9 @@ class _Text:
         inside(made, "child", child)
         if joint.type == "H":
             inside(made, "screw_thread_pitch", joint.pitch)
-        for (coordinate, tag), vector in zip(self._tagged(joint), (joint.axis, joint.axis2), strict=False):
+        for (coordinate, tag), vector in zip(
+            self._tagged(joint), (joint.axis, joint.axis2), strict=False
+        ):
             if vector is not None:
                 axis = inside(made, tag)
                 inside(axis, "xyz", vector)

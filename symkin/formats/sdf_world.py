@@ -1,4 +1,6 @@
-"""Choose what of an SDF file is the robot: its one model, that which is named, or the models of a world that joints join."""
+"""Choose what of an SDF file is the robot: its one model, that which is named, or the models of a
+world that joints join.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +12,12 @@ from symkin.text import first_of, meant, shown
 
 
 def robot_model(root: Element, named: str | None, notes: list[str]) -> Element:
-    """The model to read; `named` is the one that is asked for, `notes` tell what of a world is left out.
+    """The model to read; `named` is the one that is asked for, `notes` tell what of a world is left
+    out.
 
-    A world whose models are joined by its own joints is one model, its models being nested ones. Raises MechanismError where it is
-    open which model is meant, InputError for a name that none has.
+    A world whose models are joined by its own joints is one model, its models being nested ones.
+    Raises MechanismError where it is open which model is meant, InputError for a name that none
+    has.
     """
     worlds = root.all("world")
     candidates = [e for part in (root, *worlds) for e in part.all("model", "include")]
@@ -22,17 +26,26 @@ def robot_model(root: Element, named: str | None, notes: list[str]) -> Element:
         if chosen is None:
             names = [_name(e) for e in candidates]
             raise InputError(
-                f"model: {root.file} has no model {shown(named)}{meant(named, names)}; its models: {first_of(names, 20) or 'none'}"
+                f"model: {root.file} has no model {shown(named)}{meant(named, names)}; its models: "
+                f"{first_of(names, 20) or 'none'}"
             )
         return _alone(chosen, worlds, notes)
     joined = next((world for world in worlds if world.all("joint")), None)
     if joined is not None:
         return _whole(joined)
     models = [e for e in candidates if e.tag == "model"]
-    moving = [e for e in models if any(part.tag in ("joint", "include") for part in e.walk())] or models or candidates
+    moving = (
+        [e for e in models if any(part.tag in ("joint", "include") for part in e.walk())]
+        or models
+        or candidates
+    )
     if len(moving) != 1:
         names = [_name(e) for e in moving]
-        remedy = f": {first_of(names)}; name one of them by model (--model {names[0]})" if names else "; one is needed"
+        remedy = (
+            f": {first_of(names)}; name one of them by model (--model {names[0]})"
+            if names
+            else "; one is needed"
+        )
         raise root.error(f"{len(moving)} models are found{remedy}")
     return _alone(moving[0], worlds, notes)
 
@@ -45,7 +58,10 @@ def _alone(model: Element, worlds: Sequence[Element], notes: list[str]) -> Eleme
     for world in worlds:
         for other in world.all("include", "joint"):
             if other is not model:
-                notes.append(f"line {other.line}: <{other.tag}> of the world is left out; the model is read alone")
+                notes.append(
+                    f"line {other.line}: <{other.tag}> of the world is left out; the model is read "
+                    f"alone"
+                )
     return model if model.tag == "model" else _wrapped(_name(model), model, [model])
 
 
@@ -53,7 +69,10 @@ def _whole(world: Element) -> Element:
     """All models of a world as one; static ones are fixed to it."""
     parts = world.all("model", "include", "joint", "frame")
     fixed = [
-        joint for model in world.all("model") if (s := model.one("static")) is not None and _is_true(s) for joint in _held(model)
+        joint
+        for model in world.all("model")
+        if (s := model.one("static")) is not None and _is_true(s)
+        for joint in _held(model)
     ]
     return _wrapped(world.attributes.get("name", "world"), world, [*parts, *fixed])
 

@@ -1,7 +1,9 @@
-"""Where the links of a robot's tree are for given joint values, and the screw of every freedom: products of exponentials, in numbers.
+"""Where the links of a robot's tree are for given joint values, and the screw of every freedom:
+products of exponentials, in numbers.
 
-A joint is one or two steps (a turn, a slide, a screw) or a ball; a link that hangs on no joint moves freely, as a ball and three slides.
-The state of a ball is its unit quaternion, of every other step a number.
+A joint is one or two steps (a turn, a slide, a screw) or a ball; a link that hangs on no joint
+moves freely, as a ball and three slides. The state of a ball is its unit quaternion, of every other
+step a number.
 """
 
 from __future__ import annotations
@@ -33,8 +35,10 @@ _ONE_POINT = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One elementary motion, in the base frame at the file's configuration: a turn about an axis with a slide of `lead` a radian, a
-    slide along it, or a ball about its point. `name` is its coordinate's, `zero` its value at the file's configuration."""
+    """One elementary motion, in the base frame at the file's configuration: a turn about an axis
+    with a slide of `lead` a radian, a slide along it, or a ball about its point. `name` is its
+    coordinate's, `zero` its value at the file's configuration.
+    """
 
     name: str
     kind: Literal["turn", "slide", "ball"]
@@ -60,7 +64,9 @@ class Step:
 
 
 def steps_of(joint: Joint) -> list[Step]:
-    """The elementary motions of a joint in their order, the first nearest to the joint's first link."""
+    """The elementary motions of a joint in their order, the first nearest to the joint's first
+    link.
+    """
     point = np.array(joint.point)
     axis, axis2 = (np.zeros(3) if a is None else np.array(a) for a in (joint.axis, joint.axis2))
     names = [c.name for c in joint.coordinates]
@@ -95,8 +101,10 @@ State = tuple[np.ndarray, ...]
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """Where all links are displaced to from the file's configuration (`rotations`, `translations`), and the twists (6, freedoms:
-    angular velocity, velocity at the origin) of all freedoms; `moved_by` tells which of them move a link."""
+    """Where all links are displaced to from the file's configuration (`rotations`, `translations`),
+    and the twists (6, freedoms: angular velocity, velocity at the origin) of all freedoms;
+    `moved_by` tells which of them move a link.
+    """
 
     rotations: Mapping[str, np.ndarray]
     translations: Mapping[str, np.ndarray]
@@ -124,13 +132,17 @@ class Placed:
 
 @dataclass(frozen=True, eq=False)
 class Tree:
-    """The tree of a robot: its links behind the base in an order in which each stands after the one that carries it."""
+    """The tree of a robot: its links behind the base in an order in which each stands after the one
+    that carries it.
+    """
 
     robot: Robot
 
     @cached_property
     def chains(self) -> tuple[tuple[str, str, tuple[int, ...]], ...]:
-        """The link that carries, the link that is carried, and the numbers of the steps between them."""
+        """The link that carries, the link that is carried, and the numbers of the steps between
+        them.
+        """
         found: list[tuple[str, str, tuple[int, ...]]] = []
         numbers = iter(range(len(self.steps)))
         for carrier, link, steps in self._hung:
@@ -150,7 +162,8 @@ class Tree:
             ready = [entry for entry in waiting if entry.links[0] in placed]
             if not ready:
                 raise MechanismError(
-                    f"joint {waiting[0].joint.name!r}: its link {waiting[0].links[0]!r} hangs on nothing; the tree begins at {BASE!r}"
+                    f"joint {waiting[0].joint.name!r}: its link {waiting[0].links[0]!r} hangs on "
+                    f"nothing; the tree begins at {BASE!r}"
                 )
             for entry in ready:
                 backward = entry.joint.name in robot.turned
@@ -158,7 +171,8 @@ class Tree:
                 found.append((entry.links[0], entry.links[1], steps))
                 if entry.links[1] in placed:
                     raise MechanismError(
-                        f"joint {entry.joint.name!r}: the link {entry.links[1]!r} hangs on two joints of the tree; a loop is a closure"
+                        f"joint {entry.joint.name!r}: the link {entry.links[1]!r} hangs on two "
+                        f"joints of the tree; a loop is a closure"
                     )
                 placed.add(entry.links[1])
             waiting = [entry for entry in waiting if entry not in ready]
@@ -168,7 +182,10 @@ class Tree:
     def places(self) -> tuple[slice, ...]:
         """The freedoms of each step."""
         ends = np.cumsum([step.freedom for step in self.steps])
-        return tuple(slice(int(end) - step.freedom, int(end)) for end, step in zip(ends, self.steps, strict=True))
+        return tuple(
+            slice(int(end) - step.freedom, int(end))
+            for end, step in zip(ends, self.steps, strict=True)
+        )
 
     @cached_property
     def freedom(self) -> int:
@@ -177,17 +194,23 @@ class Tree:
     @cached_property
     def own(self) -> State:
         """The file's own configuration."""
-        return tuple(np.array([1.0, 0.0, 0.0, 0.0]) if s.kind == "ball" else np.array([s.zero]) for s in self.steps)
+        return tuple(
+            np.array([1.0, 0.0, 0.0, 0.0]) if s.kind == "ball" else np.array([s.zero])
+            for s in self.steps
+        )
 
     @cached_property
     def angular(self) -> np.ndarray:
         """Which freedoms are angles."""
-        return np.array([step.kind != "slide" for step in self.steps for _ in range(step.freedom)], dtype=bool)
+        return np.array(
+            [step.kind != "slide" for step in self.steps for _ in range(step.freedom)], dtype=bool
+        )
 
     @cached_property
     def size(self) -> float:
-        """The diagonal of the box around joints, closures and frames at the file's configuration (metres), by which angles become
-        lengths; 1 where all of them are one point."""
+        """The diagonal of the box around joints, closures and frames at the file's configuration
+        (metres), by which angles become lengths; 1 where all of them are one point.
+        """
         points = np.array([*self._points]).reshape(-1, 3)
         if not len(points):
             return 1.0
@@ -197,15 +220,21 @@ class Tree:
     @property
     def _points(self) -> list[np.ndarray]:
         robot = self.robot
-        points = [np.array(e.joint.point) for e in robot.joints if e.joint.type not in ("P", "weld")]
-        return points + [np.asarray(frame.position) for c in robot.closures for frame in (c.first, c.second)]
+        points = [
+            np.array(e.joint.point) for e in robot.joints if e.joint.type not in ("P", "weld")
+        ]
+        return points + [
+            np.asarray(frame.position) for c in robot.closures for frame in (c.first, c.second)
+        ]
 
     def moved(self, state: State, step: np.ndarray) -> State:
         """A state after a step of all freedoms; a ball turns in the frame that carries it."""
         found = []
         for value, place, motion in zip(state, self.places, self.steps, strict=True):
             if motion.kind == "ball":
-                found.append(normalized(multiply(quaternion_from_rotation_vector(step[place]), value)))
+                found.append(
+                    normalized(multiply(quaternion_from_rotation_vector(step[place]), value))
+                )
             else:
                 found.append(value + step[place])
         return tuple(found)
@@ -215,7 +244,9 @@ class Tree:
         found = np.zeros(self.freedom)
         for a, b, place, motion in zip(start, end, self.places, self.steps, strict=True):
             if motion.kind == "ball":
-                found[place] = rotation_vector_from_quaternion(multiply(b, a * np.array([1.0, -1.0, -1.0, -1.0])))
+                found[place] = rotation_vector_from_quaternion(
+                    multiply(b, a * np.array([1.0, -1.0, -1.0, -1.0]))
+                )
             else:
                 found[place] = b - a
         return found
@@ -241,12 +272,17 @@ class Tree:
 def _free_steps(link: str, frame: Pose) -> list[Step]:
     """Three slides and a ball about the link's origin."""
     point = np.asarray(frame.position)
-    slides = [Step(f"{link}.{name}", "slide", point, axis) for name, axis in zip("xyz", _AXES, strict=True)]
+    slides = [
+        Step(f"{link}.{name}", "slide", point, axis)
+        for name, axis in zip("xyz", _AXES, strict=True)
+    ]
     return [*slides, Step(f"{link}.turn", "ball", point, np.zeros(3))]
 
 
 def _twists(step: Step, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
-    """Twists (6, freedom) of a step in the base frame, what carries it displaced by a rotation and a translation."""
+    """Twists (6, freedom) of a step in the base frame, what carries it displaced by a rotation and
+    a translation.
+    """
     if step.kind == "slide":
         return np.concatenate([np.zeros(3), turn @ step.axis])[:, None]
     axes = turn if step.kind == "ball" else (turn @ step.axis)[:, None]

@@ -1,4 +1,6 @@
-"""Read URDF: a tree of links at the configuration where all joints are 0, and the loops that are written into it or beside it."""
+"""Read URDF: a tree of links at the configuration where all joints are 0, and the loops that are
+written into it or beside it.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,15 @@ from symkin.errors import MechanismError
 from symkin.formats.couplings import couplings_told
 from symkin.formats.gepetto_yaml import loops_beside
 from symkin.formats.graph_reader import GraphReader
-from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, frame_along, place, robot_of, spanning_tree
+from symkin.formats.joint_graph import (
+    Direction,
+    GraphJoint,
+    JointGraph,
+    frame_along,
+    place,
+    robot_of,
+    spanning_tree,
+)
 from symkin.formats.naming import robot_name
 from symkin.formats.packages import Packages
 from symkin.formats.parts import JOINTS_TAG
@@ -64,7 +74,8 @@ _OF_NO_MEANING = {
 
 
 def read_urdf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
-    """The robot that a URDF file describes, at the configuration where all joints are 0; macros of xacro are expanded.
+    """The robot that a URDF file describes, at the configuration where all joints are 0; macros of
+    xacro are expanded.
 
     Raises InputError and MechanismError with file, line and element for what is not right.
     """
@@ -76,12 +87,19 @@ def _root(path: Path, read: ReadOptions) -> Element:
     """The root element, of a file in xacro the expanded one."""
     root = read_xml(path, "robot")
     if not is_xacro(root):
-        read.refuse_but(("loop", "actuated", "platform", "packages"), str(path), "the file has no macros of xacro")
+        read.refuse_but(
+            ("loop", "actuated", "platform", "packages"),
+            str(path),
+            "the file has no macros of xacro",
+        )
         return root
     root = expanded(path, read.arguments, Packages(path, read.folders))
     left = next(macros(root), None)
     if left is not None:
-        raise left.error('is xacro that is left as it is; the root element needs xmlns:xacro="http://www.ros.org/wiki/xacro"')
+        raise left.error(
+            "is xacro that is left as it is; the root element needs "
+            'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+        )
     return root
 
 
@@ -93,20 +111,30 @@ class _Reader(GraphReader):
         self.root, self.parts = root, parts_within(root)
         self.links = self._links()
         self.elements = root.all("joint", "drake:joint")
-        count = max(len(self.links), sum(e.tag in ("joint", "drake:joint", *LOOP_TAGS) for e in root.children))
-        refuse_too_many(root.where, count, sum(e.attributes.get("type") != "fixed" for e in self.elements))
+        count = max(
+            len(self.links),
+            sum(e.tag in ("joint", "drake:joint", *LOOP_TAGS) for e in root.children),
+        )
+        refuse_too_many(
+            root.where, count, sum(e.attributes.get("type") != "fixed" for e in self.elements)
+        )
         self.beside = loops_beside(path)
 
     def graph(self) -> JointGraph:
         joints = self._joints()
         root = self._root_link(joints)
         joints = self._hold_the_root(joints, root)
-        loops = loops_within(self.root, self._zero_poses(joints, root), self.beside.frames, self.read.loop)
+        loops = loops_within(
+            self.root, self._zero_poses(joints, root), self.beside.frames, self.read.loop
+        )
         joints = [*joints, *self._beside(), *loops.joints]
         told = self.read.actuated or self.parts.actuated is not None
         joints, of_motors = (joints, []) if told else with_motors(self.root, self.beside, joints)
         couplings = couplings_told([*mimics(self.elements, joints), *loops.couplings(joints)])
-        links = [*self.links, *(link for joint in joints for link in joint.links if link not in self.links)]
+        links = [
+            *self.links,
+            *(link for joint in joints for link in joint.links if link not in self.links),
+        ]
         self._refuse_lost(links, root, joints)
         return JointGraph(
             name=robot_name(self.root.attributes.get("name"), self.path),
@@ -120,20 +148,29 @@ class _Reader(GraphReader):
             parts=self.parts,
         )
 
-    # --- links -----------------------------------------------------------------------------------------------------
+    # --- links ------------------------------------------------------------------------------------
 
     def _links(self) -> dict[str, Element]:
         links: dict[str, Element] = {}
         for element in self.root.all("link"):
             name = element.attribute("name")
             if name in links:
-                raise element.error(f"two links are named {name!r} (the first on line {links[name].line}); names must be unique")
+                raise element.error(
+                    f"two links are named {name!r} (the first on line {links[name].line}); names "
+                    f"must be unique"
+                )
             links[name] = element
         if not links:
             raise self.root.error("no <link> is found; a robot has links and joints")
-        parents = {parent.attribute("link") for joint in self.root.all("joint", "drake:joint") for parent in joint.all("parent")}
+        parents = {
+            parent.attribute("link")
+            for joint in self.root.all("joint", "drake:joint")
+            for parent in joint.all("parent")
+        }
         if _WORLD in parents and _WORLD not in links:
-            self.notes.append(f"the link {_WORLD!r}, which no <link> writes, is what the robot stands on")
+            self.notes.append(
+                f"the link {_WORLD!r}, which no <link> writes, is what the robot stands on"
+            )
             return {_WORLD: self.root, **links}
         return links
 
@@ -143,19 +180,24 @@ class _Reader(GraphReader):
         return name
 
     def _root_link(self, joints: Sequence[GraphJoint]) -> str:
-        """The link that is no joint's child. Raises MechanismError where two joints carry one link, or no link is the root."""
+        """The link that is no joint's child. Raises MechanismError where two joints carry one link,
+        or no link is the root.
+        """
         carried: dict[str, GraphJoint] = {}
         for joint in joints:
             child = joint.links[1]
             if child in carried:
                 raise MechanismError(
-                    f"{joint.where}: the link {child!r} is the child of two joints, of {carried[child].name!r} as well; a URDF is a tree, write the loop "
+                    f"{joint.where}: the link {child!r} is the child of two joints, of "
+                    f"{carried[child].name!r} as well; a URDF is a tree, write the loop "
                     "as a closure, such as <loop_joint>"
                 )
             carried[child] = joint
         roots = [link for link in self.links if link not in carried]
         if not roots:
-            raise self.root.error("every link is a joint's child; one is needed that is not, the root of the tree")
+            raise self.root.error(
+                "every link is a joint's child; one is needed that is not, the root of the tree"
+            )
         return roots[0]
 
     def _refuse_lost(self, links: Sequence[str], root: str, joints: Sequence[GraphJoint]) -> None:
@@ -164,7 +206,8 @@ class _Reader(GraphReader):
         lost = [link for link in self.links if link not in reached]
         if lost:
             raise self.links[lost[0]].error(
-                f"neither joints nor closures join it to the root link {root!r}{f', nor {len(lost) - 1} more' if lost[1:] else ''}; a "
+                f"neither joints nor closures join it to the root link "
+                f"{root!r}{f', nor {len(lost) - 1} more' if lost[1:] else ''}; a "
                 "URDF is one tree"
             )
 
@@ -177,7 +220,12 @@ class _Reader(GraphReader):
         found = {}
         for name, element in self.links.items():
             meshes = [
-                self.mesh(mesh, mesh.attribute("filename"), origin(visual), mesh.numbers("scale", 3, (1.0, 1.0, 1.0)))
+                self.mesh(
+                    mesh,
+                    mesh.attribute("filename"),
+                    origin(visual),
+                    mesh.numbers("scale", 3, (1.0, 1.0, 1.0)),
+                )
                 for visual in element.all("visual")
                 for mesh in visual.walk()
                 if mesh.tag == "mesh"
@@ -186,7 +234,7 @@ class _Reader(GraphReader):
                 found[name] = tuple(meshes)
         return found
 
-    # --- joints ----------------------------------------------------------------------------------------------------
+    # --- joints -----------------------------------------------------------------------------------
 
     def _joints(self) -> list[GraphJoint]:
         joints: list[GraphJoint] = []
@@ -194,25 +242,45 @@ class _Reader(GraphReader):
         for element in self.elements:
             name = element.attribute("name")
             if name in seen:
-                raise element.error(f"two joints are named {name!r} (the first on line {seen[name]}); names must be unique")
+                raise element.error(
+                    f"two joints are named {name!r} (the first on line {seen[name]}); names must "
+                    f"be unique"
+                )
             seen[name] = element.line
             joints += self._joint(element, name)
         for name in self.beside.retyped:
             if name not in seen:
-                raise MechanismError(f"{self.beside.file}: joint_name: {name!r} is no joint of {self.path.name}")
+                raise MechanismError(
+                    f"{self.beside.file}: joint_name: {name!r} is no joint of {self.path.name}"
+                )
         return joints
 
     def _joint(self, element: Element, name: str) -> list[GraphJoint]:
         kind = element.attribute("type")
-        links = tuple(self._known_link(element.needed(tag).attribute("link"), element.needed(tag)) for tag in ("parent", "child"))
+        links = tuple(
+            self._known_link(element.needed(tag).attribute("link"), element.needed(tag))
+            for tag in ("parent", "child")
+        )
         if links[0] == links[1]:
             raise element.error(f"joins the link {links[0]!r} to itself; two links are needed")
-        made = GraphJoint(name, "weld", (links[0], links[1]), (origin(element), Pose.identity()), where=element.where)
+        made = GraphJoint(
+            name,
+            "weld",
+            (links[0], links[1]),
+            (origin(element), Pose.identity()),
+            where=element.where,
+        )
         if name in self.beside.retyped:
             word, axes = self.beside.retyped[name]
-            return [replace(made, type=word, axis=axes[0] if axes else None, axis2=axes[1] if axes else None)]
+            return [
+                replace(
+                    made, type=word, axis=axes[0] if axes else None, axis2=axes[1] if axes else None
+                )
+            ]
         if kind == "floating":
-            return _chain(made, [("x", "P", _X), ("y", "P", _Y), ("z", "P", _W), ("turn", "S", None)])
+            return _chain(
+                made, [("x", "P", _X), ("y", "P", _Y), ("z", "P", _W), ("turn", "S", None)]
+            )
         if kind == "planar":
             return _chain(made, _planar(direction(element)))
         if kind not in _TYPES:
@@ -239,21 +307,32 @@ class _Reader(GraphReader):
         return self.range_of((low, high), element, limit.line)
 
     def _hold_the_root(self, joints: Sequence[GraphJoint], root: str) -> list[GraphJoint]:
-        """Without the floating joint under the root, where the root carries nothing else: the base is held."""
+        """Without the floating joint under the root, where the root carries nothing else: the base
+        is held.
+        """
         first = [joint for joint in joints if joint.links[0] == root]
         if len(first) != 1 or first[0].type != "P" or not first[0].name.endswith(".x"):
             return list(joints)
         element = next(
-            (e for e in self.elements if e.attributes.get("type") == "floating" and first[0].name == f"{e.attribute('name')}.x"),
+            (
+                e
+                for e in self.elements
+                if e.attributes.get("type") == "floating"
+                and first[0].name == f"{e.attribute('name')}.x"
+            ),
             None,
         )
         if element is None:
             return list(joints)
         name = element.attribute("name")
         body = element.needed("child").attribute("link")
-        self.notes.append(f"the floating joint {name!r} of the root is held, the link {body!r} with it")
+        self.notes.append(
+            f"the floating joint {name!r} of the root is held, the link {body!r} with it"
+        )
         ends = {f"{name}.{word}" for word in ("x", "y", "z", "turn")}
-        held = GraphJoint(name, "weld", (root, body), (origin(element), Pose.identity()), where=element.where)
+        held = GraphJoint(
+            name, "weld", (root, body), (origin(element), Pose.identity()), where=element.where
+        )
         return [held, *(joint for joint in joints if joint.name not in ends)]
 
     def _beside(self) -> list[GraphJoint]:
@@ -262,11 +341,15 @@ class _Reader(GraphReader):
         for k, (kind, *names) in enumerate(self.beside.closures, start=1):
             where = f"{self.beside.file}: closed_loop[{k - 1}]"
             first, second = (self._frame_beside(name, where) for name in names)
-            made.append(GraphJoint(f"loop{k}", kind, (first, second), frames, closing=True, where=where))
+            made.append(
+                GraphJoint(f"loop{k}", kind, (first, second), frames, closing=True, where=where)
+            )
         return made
 
     def _frame_beside(self, name: str, where: str) -> str:
-        """The link whose frame is meant: one by its name, or the child of the joint of that name."""
+        """The link whose frame is meant: one by its name, or the child of the joint of that
+        name.
+        """
         children = {e.attribute("name"): e.needed("child").attribute("link") for e in self.elements}
         if name not in self.links and name not in children:
             raise MechanismError(
@@ -275,13 +358,17 @@ class _Reader(GraphReader):
             )
         return name if name in self.links else children[name]
 
-    # --- what is left out -------------------------------------------------------------------------------------------
+    # --- what is left out -------------------------------------------------------------------------
 
     def _left_out(self) -> list[str]:
         """Notes on elements of no meaning here."""
         known = {"link", "joint", "drake:joint", JOINTS_TAG, *LOOP_TAGS}
         names = {*self.links, *(e.attribute("name") for e in self.elements)}
-        others = [e for e in self.root.children if e.tag not in known and plain_tag(e.tag) not in LOOP_TAGS]
+        others = [
+            e
+            for e in self.root.children
+            if e.tag not in known and plain_tag(e.tag) not in LOOP_TAGS
+        ]
         return self.left_out(others, _OF_NO_MEANING, names)
 
 
@@ -289,10 +376,16 @@ def _planar(normal: Direction) -> list[tuple[str, JointType, Direction | None]]:
     """Two slides in the plane and a turn about its normal."""
     turn = frame_along(normal).rotation
     first, second = (tuple(float(c) for c in turn[:, k]) for k in (0, 1))
-    return [("1", "P", (first[0], first[1], first[2])), ("2", "P", (second[0], second[1], second[2])), ("angle", "R", normal)]
+    return [
+        ("1", "P", (first[0], first[1], first[2])),
+        ("2", "P", (second[0], second[1], second[2])),
+        ("angle", "R", normal),
+    ]
 
 
-def _chain(joint: GraphJoint, parts: Sequence[tuple[str, JointType, Direction | None]]) -> list[GraphJoint]:
+def _chain(
+    joint: GraphJoint, parts: Sequence[tuple[str, JointType, Direction | None]]
+) -> list[GraphJoint]:
     """A joint of many freedoms as joints of one type each, with links of their own between them."""
     middle = [f"{joint.name}.{word}.link" for word, _, _ in parts[:-1]]
     links = [joint.links[0], *middle, joint.links[1]]

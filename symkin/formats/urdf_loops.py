@@ -1,5 +1,6 @@
-"""Read the loops that are written into a URDF: closing frames, <loop_joint>, <loop>, <coupling>, <constraint>, <gazebo><joint>,
-<drake:ball_constraint>."""
+"""Read the loops that are written into a URDF: closing frames, <loop_joint>, <loop>, <coupling>,
+<constraint>, <gazebo><joint>, <drake:ball_constraint>.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +38,9 @@ _CLOSING = re.compile(r"closing_(.+)_([12])")
 
 @dataclass(frozen=True)
 class GearPair:
-    """ratio x (sum of the joints from the common ancestor to the predecessor) = the same sum to the successor."""
+    """ratio x (sum of the joints from the common ancestor to the predecessor) = the same sum to the
+    successor.
+    """
 
     element: Element
     predecessor: str
@@ -57,21 +60,32 @@ class Loops:
         """The couplings of joints that the pairs of links mean."""
         found: list[ToldCoupling] = []
         for gear in self.gears:
-            found.append((_coupling(gear, joints, {coupling.joint for coupling, _ in found}), gear.element))
+            found.append(
+                (_coupling(gear, joints, {coupling.joint for coupling, _ in found}), gear.element)
+            )
         return found
 
 
-def loops_within(root: Element, zero: Mapping[str, Pose], taken: Collection[str], told: Collection[str] = ()) -> Loops:
-    """The loops of a robot; `zero` are the poses of its links where all joints are 0 (of those that joints place), `taken` links whose
-    frames are told beside the file, `told` names of closures whose kind is."""
+def loops_within(
+    root: Element, zero: Mapping[str, Pose], taken: Collection[str], told: Collection[str] = ()
+) -> Loops:
+    """The loops of a robot; `zero` are the poses of its links where all joints are 0 (of those that
+    joints place), `taken` links whose frames are told beside the file, `told` names of closures
+    whose kind is.
+    """
     reader = _Reader(root, zero)
     pairs = reader.closing_pairs(taken)
     joints = [*pairs, *(reader.joint(element) for element in reader.elements)]
     points = [joint.name for joint in pairs if joint.name not in told]
-    notes = [
-        f"the kind of the mates is not written in the file: {', '.join(points)} hold a point, as ball joints; `loop` (--loop "
-        f"{points[0]}=R) tells another"
-    ] if points else []  # fmt: skip
+    notes = (
+        [
+            f"the kind of the mates is not written in the file: {', '.join(points)} hold a point, "
+            f"as ball joints; `loop` (--loop "
+            f"{points[0]}=R) tells another"
+        ]
+        if points
+        else []
+    )
     return Loops(tuple(joints), tuple(reader.gears()), tuple(notes))
 
 
@@ -81,8 +95,14 @@ class _Reader:
     def __init__(self, root: Element, zero: Mapping[str, Pose]) -> None:
         self.root, self.zero = root, zero
         self.links = [link.attribute("name") for link in root.all("link")]
-        own = [e for e in root.children if e.tag.rpartition(":")[2] in LOOP_TAGS and e.tag != "coupling"]
-        self.elements = own + [joint for gazebo in root.all("gazebo") for joint in gazebo.all("joint")]
+        own = [
+            e
+            for e in root.children
+            if e.tag.rpartition(":")[2] in LOOP_TAGS and e.tag != "coupling"
+        ]
+        self.elements = own + [
+            joint for gazebo in root.all("gazebo") for joint in gazebo.all("joint")
+        ]
 
     def joint(self, element: Element) -> GraphJoint:
         """The closing joint that an element tells."""
@@ -111,11 +131,18 @@ class _Reader:
                 ((end, name),) = links.items()
                 other = "2" if end == "1" else "1"
                 link = next(e for e in self.root.all("link") if e.attribute("name") == name)
-                raise link.error(f"the loop's other frame, the link 'closing_{mate}_{other}', is missing")
+                raise link.error(
+                    f"the loop's other frame, the link 'closing_{mate}_{other}', is missing"
+                )
         still = (Pose.identity(), Pose.identity())
         return [
             GraphJoint(
-                f"closing_{mate}", "S", (links["1"], links["2"]), still, closing=True, where=f"{self.root.file}: closing_{mate}"
+                f"closing_{mate}",
+                "S",
+                (links["1"], links["2"]),
+                still,
+                closing=True,
+                where=f"{self.root.file}: closing_{mate}",
             )
             for mate, links in found.items()
         ]
@@ -132,7 +159,7 @@ class _Reader:
             for element in self.root.all("coupling")
         ]
 
-    # --- one form each ---------------------------------------------------------------------------------------------
+    # --- one form each ----------------------------------------------------------------------------
 
     def _loop_joint(self, element: Element) -> GraphJoint:
         """Two frames by their links, and an axis in the first of them."""
@@ -158,7 +185,11 @@ class _Reader:
         kind = self._type(element)
         ends = []
         for tag, other in (("parent", "child"), ("child", "parent")):
-            axis = direction(element, f"{tag}_axis", f"{other}_axis", "axis") if _has_axis(kind) else None
+            axis = (
+                direction(element, f"{tag}_axis", f"{other}_axis", "axis")
+                if _has_axis(kind)
+                else None
+            )
             ends.append((self._link(element.needed(tag)), origin(element, f"{tag}_origin"), axis))
         return self._made(element, kind, ends)
 
@@ -167,7 +198,13 @@ class _Reader:
         ends: list[tuple[str, Pose, Direction | None]] = []
         for body, point in (("body_A", "p_AP"), ("body_B", "p_BQ")):
             at = element.needed(f"drake:ball_constraint_{point}").numbers("value", 3)
-            ends.append((self._link(element.needed(f"drake:ball_constraint_{body}")), Pose.from_euler(at, (0.0, 0.0, 0.0)), None))
+            ends.append(
+                (
+                    self._link(element.needed(f"drake:ball_constraint_{body}")),
+                    Pose.from_euler(at, (0.0, 0.0, 0.0)),
+                    None,
+                )
+            )
         return self._made(element, "S", ends)
 
     def _gazebo_joint(self, element: Element) -> GraphJoint:
@@ -182,7 +219,8 @@ class _Reader:
         lost = next((link for link in (parent, child) if link not in self.zero), None)
         if lost is not None:
             raise element.error(
-                f"no joint places the link {lost!r}, and so neither this one, whose frame is told in one link only"
+                f"no joint places the link {lost!r}, and so neither this one, whose frame is told "
+                f"in one link only"
             )
         at = self.zero[child] @ frame
         kind = sdf_type(element, ("revolute", "prismatic", "ball", "fixed"))
@@ -190,16 +228,28 @@ class _Reader:
         turn = Pose.identity() if axis is None else frame_along(axis)
         frames = (self.zero[parent].inverse() @ at @ turn, frame @ turn)
         name = element.attribute("name")
-        return GraphJoint(name, kind, (parent, child), frames, None if axis is None else Z, closing=True, where=element.where)
+        return GraphJoint(
+            name,
+            kind,
+            (parent, child),
+            frames,
+            None if axis is None else Z,
+            closing=True,
+            where=element.where,
+        )
 
-    # --- parts -----------------------------------------------------------------------------------------------------
+    # --- parts ------------------------------------------------------------------------------------
 
-    def _made(self, element: Element, kind: JointType, ends: Sequence[tuple[str, Pose, Direction | None]]) -> GraphJoint:
+    def _made(
+        self, element: Element, kind: JointType, ends: Sequence[tuple[str, Pose, Direction | None]]
+    ) -> GraphJoint:
         """A closing joint whose axis is the z axis of both frames."""
         links = (ends[0][0], ends[1][0])
         if links[0] == links[1]:
             raise element.error(f"joins the link {links[0]!r} to itself; two links are needed")
-        first, second = (frame if axis is None else frame @ frame_along(axis) for _, frame, axis in ends)
+        first, second = (
+            frame if axis is None else frame @ frame_along(axis) for _, frame, axis in ends
+        )
         axis = Z if _has_axis(kind) else None
         return GraphJoint(
             element.attribute("name") if "name" in element.attributes else f"loop{element.line}",
@@ -231,12 +281,20 @@ def _has_axis(kind: JointType) -> bool:
 
 
 def _coupling(gear: GearPair, joints: Sequence[GraphJoint], coupled: Collection[str]) -> Coupling:
-    """The coupling of joints that a pair of links means, told for the last joint before the successor that is not coupled yet."""
+    """The coupling of joints that a pair of links means, told for the last joint before the
+    successor that is not coupled yet.
+    """
     carrier = {joint.links[1]: joint for joint in joints if not joint.closing}
     first, second = (_path(link, carrier) for link in (gear.predecessor, gear.successor))
     common = {joint.name for joint in first} & {joint.name for joint in second}
-    factors = {joint.name: gear.ratio for joint in first if joint.name not in common and joint.type != "weld"}
-    factors |= {joint.name: -1.0 for joint in second if joint.name not in common and joint.type != "weld"}
+    factors = {
+        joint.name: gear.ratio
+        for joint in first
+        if joint.name not in common and joint.type != "weld"
+    }
+    factors |= {
+        joint.name: -1.0 for joint in second if joint.name not in common and joint.type != "weld"
+    }
     kinds = {joint.name: joint.type for joint in (*first, *second)}
     wrong = next((name for name in factors if kinds[name] not in ("R", "P", "H")), None)
     if wrong is not None:

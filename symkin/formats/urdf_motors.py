@@ -16,20 +16,39 @@ ONE_COORDINATE = ("R", "P", "H")
 """Joints that a mimic may follow, and that are driven where nothing says which are."""
 
 
-def with_motors(root: Element, beside: LoopsBeside, joints: Sequence[GraphJoint]) -> tuple[list[GraphJoint], list[str]]:
-    """The joints, those that motors drive actuated (as the YAML file, transmissions or URDF+ say, else all that move but mimics), and
-    notes."""
+def with_motors(
+    root: Element, beside: LoopsBeside, joints: Sequence[GraphJoint]
+) -> tuple[list[GraphJoint], list[str]]:
+    """The joints, those that motors drive actuated (as the YAML file, transmissions or URDF+ say,
+    else all that move but mimics), and notes.
+    """
     told, source = _told(root, beside)
     notes = []
     unknown = [name for name in told if name not in {joint.name for joint in joints}]
     if unknown:
         notes.append(f"{source} name joints that the file has not: {first_of(unknown)}")
-    driven = {j.name for j in joints if j.name in told and not j.closing and j.type in (*ONE_COORDINATE, "U")}
+    driven = {
+        j.name
+        for j in joints
+        if j.name in told and not j.closing and j.type in (*ONE_COORDINATE, "U")
+    }
     if not driven:
-        followers = {e.attribute("name") for e in root.all("joint", "drake:joint") if e.one("mimic") is not None}
-        driven = {j.name for j in joints if j.type in ONE_COORDINATE and not j.closing and j.name not in followers}
-        notes += ["no motors are told: all movable joints of the tree are actuated"] if driven else []
-    return [replace(joint, actuated=True) if joint.name in driven else joint for joint in joints], notes
+        followers = {
+            e.attribute("name")
+            for e in root.all("joint", "drake:joint")
+            if e.one("mimic") is not None
+        }
+        driven = {
+            j.name
+            for j in joints
+            if j.type in ONE_COORDINATE and not j.closing and j.name not in followers
+        }
+        notes += (
+            ["no motors are told: all movable joints of the tree are actuated"] if driven else []
+        )
+    return [
+        replace(joint, actuated=True) if joint.name in driven else joint for joint in joints
+    ], notes
 
 
 def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[ToldCoupling]:
@@ -44,30 +63,59 @@ def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[To
         if other == name:
             raise mimic.error(f"the joint {name!r} mimics itself; name another joint")
         if other not in made:
-            raise mimic.error(f"the joint {other!r} that {name!r} mimics is unknown{meant(other, made)}")
+            raise mimic.error(
+                f"the joint {other!r} that {name!r} mimics is unknown{meant(other, made)}"
+            )
         if name in made and made[name].type == "weld":
             continue
-        wrong = next((n for n in (name, other) if n not in made or made[n].type not in ONE_COORDINATE), None)
+        wrong = next(
+            (n for n in (name, other) if n not in made or made[n].type not in ONE_COORDINATE), None
+        )
         if wrong is not None:
-            raise mimic.error(f"{wrong!r} has no one coordinate; joints that mimic are revolute, continuous or prismatic")
-        found.append((Coupling(name, {other: mimic.number("multiplier", 1.0)}, mimic.number("offset", 0.0)), mimic))
+            raise mimic.error(
+                f"{wrong!r} has no one coordinate; joints that mimic are revolute, continuous or "
+                f"prismatic"
+            )
+        found.append(
+            (
+                Coupling(
+                    name, {other: mimic.number("multiplier", 1.0)}, mimic.number("offset", 0.0)
+                ),
+                mimic,
+            )
+        )
     return found
 
 
 def _is_passive(joint: Element) -> bool:
     """Whether a transmission's joint has an interface that only reads it."""
     interfaces = [e.text for e in joint.all("hardwareInterface")]
-    return bool(interfaces) and all("PassiveJoint" in text or "JointStateInterface" in text for text in interfaces)
+    return bool(interfaces) and all(
+        "PassiveJoint" in text or "JointStateInterface" in text for text in interfaces
+    )
 
 
 def _told(root: Element, beside: LoopsBeside) -> tuple[frozenset[str], str]:
     """The driven joints that are told, and where."""
     if beside.motors:
         return frozenset(beside.motors), str(beside.file)
-    driven = [joint for t in root.all("transmission") for joint in t.all("joint") if not _is_passive(joint)]
-    controlled = [j for c in root.all("ros2_control") for j in c.all("joint") if j.all("command_interface")]
-    named = frozenset(e.attributes.get("name", e.text).strip() for e in (driven or controlled)) - {""}
+    driven = [
+        joint
+        for t in root.all("transmission")
+        for joint in t.all("joint")
+        if not _is_passive(joint)
+    ]
+    controlled = [
+        j for c in root.all("ros2_control") for j in c.all("joint") if j.all("command_interface")
+    ]
+    named = frozenset(e.attributes.get("name", e.text).strip() for e in (driven or controlled)) - {
+        ""
+    }
     if named:
         return named, "transmissions" if driven else "controllers"
     elements = root.all("joint", "drake:joint")
-    return frozenset(e.attribute("name") for e in elements if e.attributes.get("independent", "").lower() == "true"), "joints"
+    return frozenset(
+        e.attribute("name")
+        for e in elements
+        if e.attributes.get("independent", "").lower() == "true"
+    ), "joints"

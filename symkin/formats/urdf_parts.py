@@ -17,7 +17,9 @@ def origin(element: Element, tag: str = "origin") -> Pose:
 
 
 def pose_of(element: Element) -> Pose:
-    """The pose in the attributes xyz and rpy (or quat_xyzw) of an element; 0 where they are missing."""
+    """The pose in the attributes xyz and rpy (or quat_xyzw) of an element; 0 where they are
+    missing.
+    """
     position = element.numbers("xyz", 3, (0.0, 0.0, 0.0))
     if "quat_xyzw" in element.attributes:
         if "rpy" in element.attributes:
@@ -28,11 +30,16 @@ def pose_of(element: Element) -> Pose:
 
 
 def direction(element: Element, *tags: str) -> Direction:
-    """The unit vector in the child <axis xyz>, or the first of other tags that is there. Raises MechanismError where it is missing
-    or zero."""
-    found = next((axis for tag in (tags or ("axis",)) if (axis := element.one(tag)) is not None), None)
+    """The unit vector in the child <axis xyz>, or the first of other tags that is there. Raises
+    MechanismError where it is missing or zero.
+    """
+    found = next(
+        (axis for tag in (tags or ("axis",)) if (axis := element.one(tag)) is not None), None
+    )
     if found is None:
-        raise element.error('<axis> is missing; write it, as in <axis xyz="1 0 0"/>, which is the default of URDF')
+        raise element.error(
+            '<axis> is missing; write it, as in <axis xyz="1 0 0"/>, which is the default of URDF'
+        )
     return unit(found, found.numbers("xyz", 3))
 
 
@@ -58,4 +65,7 @@ def parts_within(element: Element) -> Parts:
 
 def names_any(element: Element, names: set[str]) -> bool:
     """Whether an attribute or text within the element is one of the names."""
-    return any(e.text.strip() in names or names & {v.strip() for v in e.attributes.values()} for e in element.walk())
+    return any(
+        e.text.strip() in names or names & {v.strip() for v in e.attributes.values()}
+        for e in element.walk()
+    )

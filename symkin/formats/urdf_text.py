@@ -1,7 +1,9 @@
-"""Write a mechanism as URDF: a tree at the configuration where all joints are 0, and its loops as <loop> of URDF+ or in YAML beside it.
+"""Write a mechanism as URDF: a tree at the configuration where all joints are 0, and its loops as
+<loop> of URDF+ or in YAML beside it.
 
-Frames of links are parallel to the base's where all joints are 0. Couplings are `mimic`. The text <symkin:joints> tells at which values the
-loops are closed, and which joints are parts of one. Masses are plain: they have no meaning for the kinematics.
+Frames of links are parallel to the base's where all joints are 0. Couplings are `mimic`. The text
+<symkin:joints> tells at which values the loops are closed, and which joints are parts of one.
+Masses are plain: they have no meaning for the kinematics.
 """
 
 from __future__ import annotations
@@ -34,12 +36,16 @@ _MASS, _INERTIA = 0.1, 1e-3
 
 
 def urdf_text(mechanism: Mechanism) -> str:
-    """The URDF file of a mechanism, with its loops. Raises MechanismError for what URDF cannot hold."""
+    """The URDF file of a mechanism, with its loops. Raises MechanismError for what URDF cannot
+    hold.
+    """
     return _Text(written_tree(mechanism, _FORMS["loop"])).document()
 
 
 def urdf_and_yaml(mechanism: Mechanism) -> tuple[str, str]:
-    """The URDF file of a mechanism, and the YAML file with its loops. Raises MechanismError for what they cannot hold."""
+    """The URDF file of a mechanism, and the YAML file with its loops. Raises MechanismError for
+    what they cannot hold.
+    """
     text = _Text(written_tree(mechanism, _FORMS["yaml"]), beside=True)
     return text.document(), text.yaml()
 
@@ -55,7 +61,9 @@ class _Text:
         for entry in self.carried:
             (joint,) = entry.joints
             places[entry.link] = np.asarray(moved[entry.carrier].apply(np.array(joint.point)))
-        self.zero = {link: Pose(place, Pose.identity().quaternion) for link, place in places.items()}
+        self.zero = {
+            link: Pose(place, Pose.identity().quaternion) for link, place in places.items()
+        }
         self.moved = moved
         self.reference = {link: moved[link].inverse() @ frame for link, frame in self.zero.items()}
         self.closing: list[tuple[str, str, str]] = []
@@ -80,7 +88,9 @@ class _Text:
                 self._transmission(root, joint)
         reference = {joint.name: joint.zero for joint in self.tree.joints if joint.zero}
         inside(root, JOINTS_TAG, parts_text(parts.at(reference)))
-        return document(root, f"{graph.name}, written by symkin: metres and radians; masses have no meaning")
+        return document(
+            root, f"{graph.name}, written by symkin: metres and radians; masses have no meaning"
+        )
 
     def yaml(self) -> str:
         """The loops, once the document is made."""
@@ -90,19 +100,31 @@ class _Text:
             "type": [kind for kind, _, _ in self.closing],
             "name_mot": motors,
         }
-        return "".join(f"{key}: {json.dumps(value, ensure_ascii=False)}\n" for key, value in lines.items())
+        return "".join(
+            f"{key}: {json.dumps(value, ensure_ascii=False)}\n" for key, value in lines.items()
+        )
 
-    # --- the tree ------------------------------------------------------------------------------------------------------
+    # --- the tree ---------------------------------------------------------------------------------
 
     def _link(self, root: Element, name: str) -> None:
         link = inside(root, "link", name=name)
         if name != BASE:
             inertial = inside(link, "inertial")
             inside(inertial, "mass", value=_MASS)
-            inside(inertial, "inertia", ixx=_INERTIA, ixy=0, ixz=0, iyy=_INERTIA, iyz=0, izz=_INERTIA)
+            inside(
+                inertial, "inertia", ixx=_INERTIA, ixy=0, ixz=0, iyy=_INERTIA, iyz=0, izz=_INERTIA
+            )
 
-    def _joint(self, root: Element, entry: Carried, joint: Joint, coupling: Coupling | None) -> None:
-        kind = "prismatic" if joint.type == "P" else "continuous" if joint.limits is None else "revolute"
+    def _joint(
+        self, root: Element, entry: Carried, joint: Joint, coupling: Coupling | None
+    ) -> None:
+        kind = (
+            "prismatic"
+            if joint.type == "P"
+            else "continuous"
+            if joint.limits is None
+            else "revolute"
+        )
         made = inside(root, "joint", name=joint.name, type_=kind)
         inside(made, "parent", link=entry.carrier)
         inside(made, "child", link=entry.link)
@@ -122,22 +144,35 @@ class _Text:
     def _transmission(self, root: Element, joint: Joint) -> None:
         made = inside(root, "transmission", name=f"{joint.name}.transmission")
         inside(made, "type", "transmission_interface/SimpleTransmission")
-        inside(inside(made, "joint", name=joint.name), "hardwareInterface", "hardware_interface/PositionJointInterface")
+        inside(
+            inside(made, "joint", name=joint.name),
+            "hardwareInterface",
+            "hardware_interface/PositionJointInterface",
+        )
         inside(made, "actuator", name=f"{joint.name}.motor")
 
-    # --- loops ---------------------------------------------------------------------------------------------------------
+    # --- loops ------------------------------------------------------------------------------------
 
     def _frames_on_links(self, closure: LinkJoint) -> list[Pose]:
         frames = closing_frames(closure.joint)
-        found = [self.reference[link].inverse() @ frame for link, frame in zip(closure.links, frames, strict=True)]
+        found = [
+            self.reference[link].inverse() @ frame
+            for link, frame in zip(closure.links, frames, strict=True)
+        ]
         # a ball joint has no direction
-        return [Pose(f.position, Pose.identity().quaternion) for f in found] if closure.joint.type == "S" else found
+        return (
+            [Pose(f.position, Pose.identity().quaternion) for f in found]
+            if closure.joint.type == "S"
+            else found
+        )
 
     def _loop(self, root: Element, closure: LinkJoint) -> None:
         """A closing joint of URDF+, about or along the z axis of both frames."""
         joint = closure.joint
         made = inside(root, "loop", name=joint.name, type_=_CLOSURES[joint.type])
-        for tag, link, frame in zip(("predecessor", "successor"), closure.links, self._frames_on_links(closure), strict=True):
+        for tag, link, frame in zip(
+            ("predecessor", "successor"), closure.links, self._frames_on_links(closure), strict=True
+        ):
             inside(inside(made, tag, link=link), "origin", **xyz_rpy(frame))
         if joint.axis is not None:
             inside(made, "axis", xyz=[0, 0, 1])
@@ -145,7 +180,9 @@ class _Text:
     def _frames(self, root: Element, closure: LinkJoint, parts: Parts) -> Parts:
         """Links on fixed joints, which the YAML file names; the reader numbers the closures."""
         joint, names = closure.joint, []
-        for k, (link, frame) in enumerate(zip(closure.links, self._frames_on_links(closure), strict=True), start=1):
+        for k, (link, frame) in enumerate(
+            zip(closure.links, self._frames_on_links(closure), strict=True), start=1
+        ):
             name = f"{joint.name}.{k}.frame"
             self._link(root, name)
             made = inside(root, "joint", name=f"{name}.fixed", type_="fixed")

@@ -15,7 +15,9 @@ from symkin.text import shown
 
 
 def whole_again(mechanism: Mechanism, parts: Parts) -> Mechanism:
-    """The mechanism with joints and rods in place of their parts. Raises MechanismError for parts that are not there, or not so."""
+    """The mechanism with joints and rods in place of their parts. Raises MechanismError for parts
+    that are not there, or not so.
+    """
     if parts == Parts() and parts.platform is None:
         return mechanism
     made = _Made(mechanism, parts)
@@ -36,13 +38,23 @@ class _Made:
         self.couplings = {coupling.joint: coupling for coupling in mechanism.couplings}
 
     def shift(self, zeros: Mapping[str, float]) -> None:
-        """Add to values what the file leaves out: y' = b + sum f x' becomes y = b + y0 + sum f (x - x0)."""
+        """Add to values what the file leaves out: y' = b + sum f x' becomes y = b + y0 + sum f (x -
+        x0).
+        """
         for name, value in zeros.items():
             entry = self._known(name)
-            limits = None if entry.joint.limits is None else [end + value for end in entry.joint.limits]
-            self.joints[name] = replace(entry, joint=replace(entry.joint, zero=entry.joint.zero + value, limits=limits))
+            limits = (
+                None if entry.joint.limits is None else [end + value for end in entry.joint.limits]
+            )
+            self.joints[name] = replace(
+                entry, joint=replace(entry.joint, zero=entry.joint.zero + value, limits=limits)
+            )
         for name, coupling in self.couplings.items():
-            offset = coupling.offset + zeros.get(name, 0.0) - sum(f * zeros.get(other, 0.0) for other, f in coupling.terms)
+            offset = (
+                coupling.offset
+                + zeros.get(name, 0.0)
+                - sum(f * zeros.get(other, 0.0) for other, f in coupling.terms)
+            )
             if coupling.polynomial is None:
                 self.couplings[name] = replace(coupling, offset=offset)
 
@@ -68,7 +80,11 @@ class _Made:
             return
         found = {}
         for c in self.couplings.values():
-            of = new.get(c.of, c.of) if isinstance(c.of, str) else tuple((new.get(n, n), f) for n, f in c.terms)
+            of = (
+                new.get(c.of, c.of)
+                if isinstance(c.of, str)
+                else tuple((new.get(n, n), f) for n, f in c.terms)
+            )
             found[new.get(c.joint, c.joint)] = replace(c, joint=new.get(c.joint, c.joint), of=of)
         self.couplings = found
 
@@ -77,13 +93,24 @@ class _Made:
         driven = self.parts.actuated
         self.check_known(name for name in driven or () if name not in self.rods)
         places = {name: k for k, name in enumerate(self.parts.order)}
-        joints = sorted(self.joints.values(), key=lambda entry: places.get(entry.joint.name, len(places)))
+        joints = sorted(
+            self.joints.values(), key=lambda entry: places.get(entry.joint.name, len(places))
+        )
         rods = sorted(self.rods.values(), key=lambda rod: places.get(rod.name, len(places)))
         if driven is not None:
-            joints = [replace(entry, joint=replace(entry.joint, actuated=entry.joint.name in driven)) for entry in joints]
+            joints = [
+                replace(entry, joint=replace(entry.joint, actuated=entry.joint.name in driven))
+                for entry in joints
+            ]
         couplings = tuple(self.couplings.values())
         try:
-            made = replace(self.given, link_joints=joints, link_rods=rods, couplings=couplings, link_points=self.parts.points)
+            made = replace(
+                self.given,
+                link_joints=joints,
+                link_rods=rods,
+                couplings=couplings,
+                link_points=self.parts.points,
+            )
             return made if self.parts.platform is None else _with_frame(made, *self.parts.platform)
         except MechanismError as error:
             raise self._error(str(error)) from None
@@ -95,12 +122,15 @@ class _Made:
 
     def _known(self, name: str) -> LinkJoint:
         if name not in self.joints:
-            raise self._error(f"the text {KEY!r} names the joint {shown(name)}, which the file has not")
+            raise self._error(
+                f"the text {KEY!r} names the joint {shown(name)}, which the file has not"
+            )
         return self.joints[name]
 
     def _error(self, message: str) -> MechanismError:
         return MechanismError(
-            f"{self.given.source or self.given.name}: {message}; remove the text, or what was changed beside it"
+            f"{self.given.source or self.given.name}: {message}; remove the text, or what was "
+            f"changed beside it"
         )
 
     def _path(self, whole: Whole) -> tuple[list[Joint], tuple[str, str]]:
@@ -124,7 +154,14 @@ class _Made:
             case ("R" | "P" | "S", kind) if kind == whole.kind:
                 return replace(first, name=whole.name)
             case "U", "RR":
-                return Joint(whole.name, "U", first.point, first.axis, moving[1].axis, actuated=first.actuated)
+                return Joint(
+                    whole.name,
+                    "U",
+                    first.point,
+                    first.axis,
+                    moving[1].axis,
+                    actuated=first.actuated,
+                )
             case "C", "RP":
                 return Joint(whole.name, "C", first.point, first.axis, actuated=first.actuated)
             case "S", "RRR":
@@ -138,7 +175,9 @@ class _Made:
                 raise self._unfit(whole)
 
     def _rod_of(self, whole: Whole, moving: Sequence[Joint], links: tuple[str, str]) -> LinkRod:
-        """A rod between the centres of its first and last part; a prismatic joint between them drives it."""
+        """A rod between the centres of its first and last part; a prismatic joint between them
+        drives it.
+        """
         types = [joint.type for joint in moving]
         balls = len(types) > 1 and types[0] in ("S", "R") and types[-1] in ("S", "R")
         drives = [joint for joint in moving if joint.type == "P"]
@@ -147,12 +186,26 @@ class _Made:
         start, end = moving[0].point, moving[-1].point
         if not drives:
             return LinkRod(whole.name, links, start, end, length=whole.number or None)
-        return LinkRod(whole.name, links, start, end, actuated=True, offset=whole.number, limits=drives[0].limits)
+        return LinkRod(
+            whole.name,
+            links,
+            start,
+            end,
+            actuated=True,
+            offset=whole.number,
+            limits=drives[0].limits,
+        )
 
     def _unfit(self, whole: Whole) -> MechanismError:
-        return self._error(f"the parts of {whole.name!r}, {', '.join(whole.parts)}, make no {whole.kind}")
+        return self._error(
+            f"the parts of {whole.name!r}, {', '.join(whole.parts)}, make no {whole.kind}"
+        )
 
 
 def _with_frame(mechanism: Mechanism, link: str, pose: Pose) -> Mechanism:
-    position, quaternion = (tuple(float(v) for v in values) for values in (pose.position, pose.quaternion))
-    return replace(mechanism, platform_link=link, platform_position=position, platform_quaternion=quaternion)
+    position, quaternion = (
+        tuple(float(v) for v in values) for values in (pose.position, pose.quaternion)
+    )
+    return replace(
+        mechanism, platform_link=link, platform_position=position, platform_quaternion=quaternion
+    )

@@ -1,7 +1,9 @@
-"""What a format can write of a mechanism: joints of its own types, a tree of them from the base, and closures between its links.
+"""What a format can write of a mechanism: joints of its own types, a tree of them from the base,
+and closures between its links.
 
-Joints of other types, rods, and closing joints that the format has no closure for are written in parts (`Parts`): a universal joint as two
-revolute ones, a rod as a link between spherical joints, a closing joint as a joint to a leaf that is welded to the link.
+Joints of other types, rods, and closing joints that the format has no closure for are written in
+parts (`Parts`): a universal joint as two revolute ones, a rod as a link between spherical joints, a
+closing joint as a joint to a leaf that is welded to the link.
 """
 
 from __future__ import annotations
@@ -22,14 +24,19 @@ from symkin.model.joint import BASE, Joint, JointType
 from symkin.model.mechanism import Mechanism
 
 Loops = Literal["loop", "yaml"]
-"""How loops are written that a format has two forms for: as <loop> of URDF+ in the file, or in the YAML file of the Gepetto team beside it."""
+"""How loops are written that a format has two forms for: as <loop> of URDF+ in the file, or in the
+YAML file of the Gepetto team beside it.
+"""
 LOOPS: tuple[Loops, ...] = ("loop", "yaml")
 _CLOSED = 1e-5
-"""Of the size: rods and couplings that miss their lengths and values by less are closed at the reference, if only to the digits of a
-file; what they miss is told in the text."""
+"""Of the size: rods and couplings that miss their lengths and values by less are closed at the
+reference, if only to the digits of a file; what they miss is told in the text.
+"""
 
 _TURNED = 3.0
-"""Radians: closing joints have their values between half turns either way, and those nearer to one are joints of the tree."""
+"""Radians: closing joints have their values between half turns either way, and those nearer to one
+are joints of the tree.
+"""
 
 _SQUARE = 1e-14
 """Cosine between the axes of a universal joint that is zero to rounding."""
@@ -37,10 +44,11 @@ _SQUARE = 1e-14
 
 @dataclass(frozen=True)
 class Form:
-    """What a format holds, which is called `name`: types of joints that carry a link (`carry`) and that close a loop (`close`).
+    """What a format holds, which is called `name`: types of joints that carry a link (`carry`) and
+    that close a loop (`close`).
 
-    `free_only`: its closing joints hold neither range nor motor nor turns, so that those with any of them are joints of the tree, as
-    joints that are coupled are in every format.
+    `free_only`: its closing joints hold neither range nor motor nor turns, so that those with any
+    of them are joints of the tree, as joints that are coupled are in every format.
     """
 
     name: str
@@ -60,8 +68,10 @@ class Carried:
 
 @dataclass(frozen=True)
 class WrittenTree:
-    """A mechanism as a format writes it, in metres and radians: `graph` has its points and its platform frame; the links of the tree,
-    each behind the one that carries it; closing joints; couplings of joints of one coordinate; and what makes parts whole again."""
+    """A mechanism as a format writes it, in metres and radians: `graph` has its points and its
+    platform frame; the links of the tree, each behind the one that carries it; closing joints;
+    couplings of joints of one coordinate; and what makes parts whole again.
+    """
 
     graph: Mechanism
     carried: tuple[Carried, ...]
@@ -88,11 +98,14 @@ class WrittenTree:
 
 
 def written_tree(mechanism: Mechanism, form: Form) -> WrittenTree:
-    """The mechanism in what a format holds. Raises MechanismError for a reference that is not closed, and for welds in no loop."""
+    """The mechanism in what a format holds. Raises MechanismError for a reference that is not
+    closed, and for welds in no loop.
+    """
     graph = as_graph(mechanism)
     if not is_closed_at_reference(graph, _CLOSED):
         raise MechanismError(
-            f"{mechanism.name}: rods or couplings are open at the reference, and {form.name} is written of closed ones"
+            f"{mechanism.name}: rods or couplings are open at the reference, and {form.name} is "
+            f"written of closed ones"
         )
     return _Writer(graph, form).tree()
 
@@ -103,7 +116,9 @@ class _Writer:
     def __init__(self, graph: Mechanism, form: Form) -> None:
         self.graph, self.form = graph, form
         self.links = set(links_of(graph))
-        self.names = {c.name for c in graph.coordinates} | {joint.name for joint in graph.all_joints}
+        self.names = {c.name for c in graph.coordinates} | {
+            joint.name for joint in graph.all_joints
+        }
         self.coupled = {name for c in graph.couplings for name in (c.joint, *c.names)}
         self.couplings = list(graph.couplings)
         self.wholes: list[Whole] = []
@@ -120,7 +135,10 @@ class _Writer:
         closures = [self._closed(entry, inside) for entry in self.entries if entry not in inside]
         carried = self._carried(inside)
         graph = self.graph
-        parts: list[Joint | LinkRod] = [*(entry.joint for entry in graph.link_joints), *graph.link_rods]
+        parts: list[Joint | LinkRod] = [
+            *(entry.joint for entry in graph.link_joints),
+            *graph.link_rods,
+        ]
         actuated = tuple(part.name for part in parts if part.actuated)
         welds = tuple(entry.joint.name for entry in closures if entry.joint.type == "weld")
         told = Parts(
@@ -129,12 +147,14 @@ class _Writer:
             welds=welds,
             turned=tuple(self.turned),
             order=tuple(part.name for part in parts),
-            platform=None if graph.platform_link is None else (graph.platform_link, graph.reference_pose),
+            platform=None
+            if graph.platform_link is None
+            else (graph.platform_link, graph.reference_pose),
             points=tuple(graph.link_points),
         )
         return WrittenTree(graph, tuple(carried), tuple(closures), tuple(self.couplings), told)
 
-    # --- rods --------------------------------------------------------------------------------------------------------
+    # --- rods -------------------------------------------------------------------------------------
 
     def _add_rod(self, rod: LinkRod) -> None:
         """A rod as links between spherical joints, a slide between them where it is actuated."""
@@ -142,21 +162,30 @@ class _Writer:
         first, second = Joint(ends[0], "S", rod.start), Joint(ends[1], "S", rod.end)
         if not rod.actuated:
             link = _fresh(rod.name, self.links)
-            self.entries += [LinkJoint(first, (rod.links[0], link)), LinkJoint(second, (link, rod.links[1]))]
+            self.entries += [
+                LinkJoint(first, (rod.links[0], link)),
+                LinkJoint(second, (link, rod.links[1])),
+            ]
             self.wholes.append(Whole(rod.name, "rod", (ends[0], ends[1]), rod.length or 0.0))
             return
         near, far = (_fresh(f"{rod.name}.{word}", self.links) for word in ("cylinder", "piston"))
-        along = np.subtract(rod.end, rod.start) if rod.reference_length else np.array([0.0, 0.0, 1.0])
+        along = (
+            np.subtract(rod.end, rod.start) if rod.reference_length else np.array([0.0, 0.0, 1.0])
+        )
         value = rod.reference_length - rod.offset
-        slide = Joint(rod.name, "P", rod.end, tuple(along), actuated=True, zero=value, limits=rod.limits)
+        slide = Joint(
+            rod.name, "P", rod.end, tuple(along), actuated=True, zero=value, limits=rod.limits
+        )
         chain = [(first, rod.links[0], near), (slide, near, far), (second, far, rod.links[1])]
         self.entries += [LinkJoint(joint, (start, end)) for joint, start, end in chain]
         self.wholes.append(Whole(rod.name, "rod", (ends[0], rod.name, ends[1]), rod.offset))
 
-    # --- the tree ----------------------------------------------------------------------------------------------------
+    # --- the tree ---------------------------------------------------------------------------------
 
     def _rank(self, entry: LinkJoint) -> int:
-        """Joints of low rank carry links; those of high rank close loops where there is a choice."""
+        """Joints of low rank carry links; those of high rank close loops where there is a
+        choice.
+        """
         joint = entry.joint
         if joint.type == "weld":
             return 5
@@ -168,9 +197,17 @@ class _Writer:
 
     def _closes(self, joint: Joint) -> bool:
         """Whether the format has a closure for it."""
-        if joint.type not in self.form.close or not _is_plain(joint) or {c.name for c in joint.coordinates} & self.coupled:
+        if (
+            joint.type not in self.form.close
+            or not _is_plain(joint)
+            or {c.name for c in joint.coordinates} & self.coupled
+        ):
             return False
-        free = not joint.actuated and joint.limits is None and (joint.type == "P" or abs(joint.zero) < _TURNED)
+        free = (
+            not joint.actuated
+            and joint.limits is None
+            and (joint.type == "P" or abs(joint.zero) < _TURNED)
+        )
         return free or not self.form.free_only
 
     def _carries(self, joint: Joint) -> bool:
@@ -182,12 +219,15 @@ class _Writer:
             if entry.joint.type == "weld":
                 first, second = entry.links
                 raise MechanismError(
-                    f"{self.graph.name}: the weld {entry.joint.name!r} alone joins the links {first!r} and {second!r}, which are one link in "
+                    f"{self.graph.name}: the weld {entry.joint.name!r} alone joins the links "
+                    f"{first!r} and {second!r}, which are one link in "
                     f"{self.form.name}; a .toml holds it, or make them one link"
                 )
 
     def _closed(self, entry: LinkJoint, inside: list[LinkJoint]) -> LinkJoint:
-        """The closure of a joint outside the tree: itself, the second of its parts, or a weld of the leaf that it carries."""
+        """The closure of a joint outside the tree: itself, the second of its parts, or a weld of
+        the leaf that it carries.
+        """
         joint, (first, second) = entry.joint, entry.links
         if self._closes(joint):
             return entry
@@ -196,7 +236,9 @@ class _Writer:
             if self._closes(made[1]) and not {part.name for part in made} & self.coupled:
                 middle = _fresh(f"{made[0].name}.link", self.links)
                 inside.append(LinkJoint(made[0], (first, middle)))
-                self.wholes.append(Whole(joint.name, joint.type, (made[0].name, made[1].name), number))
+                self.wholes.append(
+                    Whole(joint.name, joint.type, (made[0].name, made[1].name), number)
+                )
                 return LinkJoint(made[1], (middle, second))
         leaf = _fresh(f"{joint.name}.leaf", self.links)
         weld = _fresh(f"{joint.name}.weld", self.names)
@@ -225,12 +267,16 @@ class _Writer:
                 if entry.links[0] != link:
                     parts = [turned(part) for part in reversed(parts)]
                     # of joints in parts the order of these tells it
-                    self.turned += [] if Parts(tuple(self.wholes)).hold(entry.joint.name) else [entry.joint.name]
+                    self.turned += (
+                        []
+                        if Parts(tuple(self.wholes)).hold(entry.joint.name)
+                        else [entry.joint.name]
+                    )
                 found.append(Carried(link, other, tuple(parts)))
             todo += reversed(behind)
         return found
 
-    # --- joints in parts ---------------------------------------------------------------------------------------------
+    # --- joints in parts --------------------------------------------------------------------------
 
     def _in_parts(self, joint: Joint) -> list[Joint]:
         """The joint by joints that the format has; the list of wholes is told."""
@@ -244,7 +290,9 @@ class _Writer:
         else:
             whole = self.wholes[at]
             place = whole.parts.index(joint.name)
-            self.wholes[at] = replace(whole, parts=(*whole.parts[:place], *names, *whole.parts[place + 1 :]))
+            self.wholes[at] = replace(
+                whole, parts=(*whole.parts[:place], *names, *whole.parts[place + 1 :])
+            )
         return made
 
     def _parts_of(self, joint: Joint) -> tuple[list[Joint], float]:
@@ -261,19 +309,33 @@ class _Writer:
                 ], 0.0
             case "S":
                 words = [_fresh(f"{name}.{word}", self.names) for word in "xyz"]
-                return [Joint(word, "R", point, axis) for word, axis in zip(words, np.eye(3).tolist(), strict=True)], 0.0
+                return [
+                    Joint(word, "R", point, axis)
+                    for word, axis in zip(words, np.eye(3).tolist(), strict=True)
+                ], 0.0
             case "H":
                 slide = _fresh(f"{name}.slide", self.names)
                 lead = joint.pitch / (2.0 * math.pi)
                 self.couplings.append(Coupling(slide, {name: lead}, -lead * joint.zero))
-                return [replace(joint, type="R", pitch=0.0), Joint(slide, "P", point, joint.axis)], joint.pitch
+                return [
+                    replace(joint, type="R", pitch=0.0),
+                    Joint(slide, "P", point, joint.axis),
+                ], joint.pitch
             case _:
-                raise MechanismError(f"joint {name!r}: {self.form.name} has no joint of type {joint.type}")
+                raise MechanismError(
+                    f"joint {name!r}: {self.form.name} has no joint of type {joint.type}"
+                )
 
 
 def _is_plain(joint: Joint) -> bool:
-    """Whether formats that have its type have it so: axes of universal joints are square to each other there."""
-    return joint.axis is None or joint.axis2 is None or abs(float(np.dot(joint.axis, joint.axis2))) <= _SQUARE
+    """Whether formats that have its type have it so: axes of universal joints are square to each
+    other there.
+    """
+    return (
+        joint.axis is None
+        or joint.axis2 is None
+        or abs(float(np.dot(joint.axis, joint.axis2))) <= _SQUARE
+    )
 
 
 def _fresh(name: str, taken: set[str]) -> str:

@@ -1,4 +1,6 @@
-"""Expand xacro by its own package, in a child process (`formats/child.py`): macros may call each other without end."""
+"""Expand xacro by its own package, in a child process (`formats/child.py`): macros may call each
+other without end.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ from symkin.text import one_line, shown
 
 
 def work(task: dict[str, Any]) -> dict[str, Any]:
-    """The expanded text of the file `task["path"]` and the files that it includes; or `error`, what is wrong with it."""
+    """The expanded text of the file `task["path"]` and the files that it includes; or `error`, what
+    is wrong with it.
+    """
     sys.stdout = sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - xacro prints, until the process ends
     path = Path(task["path"])
     try:
@@ -26,7 +30,10 @@ def work(task: dict[str, Any]) -> dict[str, Any]:
     _tell(xacro, Packages(path, tuple(map(Path, task["folders"]))))
     try:
         document = xacro.process_file(str(path), mappings=task["arguments"], verbosity=0)
-        return {"text": document.toprettyxml(indent="  "), "files": [str(file) for file in xacro.all_includes]}
+        return {
+            "text": document.toprettyxml(indent="  "),
+            "files": [str(file) for file in xacro.all_includes],
+        }
     except MemoryError:
         raise
     except Exception as error:
@@ -35,7 +42,9 @@ def work(task: dict[str, Any]) -> dict[str, Any]:
 
 
 def _tell(xacro: Any, packages: Packages) -> None:
-    """Let xacro find packages where they are told, and read files of no entities and of bounded size only."""
+    """Let xacro find packages where they are told, and read files of no entities and of bounded
+    size only.
+    """
     substitutions: Any = import_module("xacro.substitution_args")
     parse = xacro.parse
 
@@ -43,7 +52,8 @@ def _tell(xacro: Any, packages: Packages) -> None:
         folder = packages.folder(name)
         if folder is None:
             raise MechanismError(
-                f"{_place(xacro, packages.file)}: the package {name!r} of $(find {name}) is not found; name the folder that holds it by "
+                f"{_place(xacro, packages.file)}: the package {name!r} of $(find {name}) is not "
+                f"found; name the folder that holds it by "
                 "packages (--packages)"
             )
         return str(folder)
@@ -77,7 +87,14 @@ def _said(error: Exception, place: str) -> str:
 def _sentence(error: Exception) -> str:
     if type(error).__name__ == "ArgException" or "Undefined substitution argument" in str(error):
         name = str(error).rpartition(" ")[2]
-        return f"its argument {shown(name)} is not told and has no default; give arguments (--arguments {name}=VALUE)"
+        return (
+            f"its argument {shown(name)} is not told and has no default; give arguments "
+            f"(--arguments {name}=VALUE)"
+        )
     text = one_line(str(error)) or type(error).__name__
     names = [macro for macro in getattr(error, "macros", []) if macro]
-    return text + (f" (in macros {', '.join(str(m.body.getAttribute('name')) for m in names)})" if names else "")
+    return text + (
+        f" (in macros {', '.join(str(m.body.getAttribute('name')) for m in names)})"
+        if names
+        else ""
+    )

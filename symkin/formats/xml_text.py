@@ -1,6 +1,8 @@
-"""Read XML that others wrote: elements with their lines, no entities, no document types, bounded in size and depth.
+"""Read XML that others wrote: elements with their lines, no entities, no document types, bounded in
+size and depth.
 
-An `Element` is asked for what it must hold; what is missing or no number is one sentence with file, line and element.
+An `Element` is asked for what it must hold; what is missing or no number is one sentence with file,
+line and element.
 """
 
 from __future__ import annotations
@@ -20,8 +22,12 @@ from symkin.text import first_of, shown
 LARGEST_FILE = 8_000_000
 """Bytes of a file: descriptions of robots have a tenth of it at most, meshes stand beside them."""
 DEEPEST = 200
-"""Elements within each other: models within models have ten, and what walks over them calls itself."""
-_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?inf(?:inity)?", re.IGNORECASE)
+"""Elements within each other: models within models have ten, and what walks over them calls
+itself.
+"""
+_NUMBER = re.compile(
+    r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?inf(?:inity)?", re.IGNORECASE
+)
 _LATE_DECLARATION = re.compile(rb"\A\s+<\?xml[^>]*\?>")
 """The declaration of XML behind empty lines, which other readers take; the text is UTF-8 then."""
 _FORMATS = {"robot": ("URDF", ".urdf"), "sdf": ("SDF", ".sdf"), "mujoco": ("MJCF", ".xml")}
@@ -32,7 +38,9 @@ _NAMED = 40
 
 @dataclass(eq=False)
 class Element:
-    """An element of an XML file: its tag as written, attributes, children in order, and its text."""
+    """An element of an XML file: its tag as written, attributes, children in order, and its
+    text.
+    """
 
     tag: str
     attributes: Mapping[str, str]
@@ -50,7 +58,11 @@ class Element:
     def label(self) -> str:
         """The element as a person finds it: <joint name='knee'>."""
         name = next((key for key in ("name", "link", "joint") if key in self.attributes), None)
-        return f"<{self.tag}>" if name is None else f"<{self.tag} {name}={shown(self.attributes[name][:_NAMED])}>"
+        return (
+            f"<{self.tag}>"
+            if name is None
+            else f"<{self.tag} {name}={shown(self.attributes[name][:_NAMED])}>"
+        )
 
     def error(self, message: str) -> MechanismError:
         """An error whose sentence begins with file, line and element."""
@@ -61,7 +73,9 @@ class Element:
         return [child for child in self.children if child.tag in tags]
 
     def one(self, tag: str) -> Element | None:
-        """The child of this tag, None where there is none. Raises MechanismError where there are two."""
+        """The child of this tag, None where there is none. Raises MechanismError where there are
+        two.
+        """
         found = self.all(tag)
         if len(found) > 1:
             raise found[1].error(f"stands twice in {self.label}; one is allowed")
@@ -75,10 +89,16 @@ class Element:
         return found
 
     def attribute(self, *names: str) -> str:
-        """The value of the first of these attributes that is there, without spaces around it. Raises MechanismError for none."""
-        value = next((self.attributes[name].strip() for name in names if name in self.attributes), None)
+        """The value of the first of these attributes that is there, without spaces around it.
+        Raises MechanismError for none.
+        """
+        value = next(
+            (self.attributes[name].strip() for name in names if name in self.attributes), None
+        )
         if not value:
-            raise self.error(f"the attribute {' or '.join(names)} is {'missing' if value is None else 'empty'}")
+            raise self.error(
+                f"the attribute {' or '.join(names)} is {'missing' if value is None else 'empty'}"
+            )
         return value
 
     def number(self, name: str, default: float | None = None, *, infinite: bool = False) -> float:
@@ -87,7 +107,9 @@ class Element:
             return default
         return self._number(self.attribute(name), name, infinite)
 
-    def numbers(self, name: str, count: int, default: Sequence[float] | None = None) -> tuple[float, ...]:
+    def numbers(
+        self, name: str, count: int, default: Sequence[float] | None = None
+    ) -> tuple[float, ...]:
         """The numbers in an attribute; `default` where there is none."""
         if default is not None and name not in self.attributes:
             return tuple(default)
@@ -112,40 +134,57 @@ class Element:
     def _numbers(self, text: str, what: str, count: int) -> tuple[float, ...]:
         words = text.split()
         if len(words) != count:
-            raise self.error(f"{what} = {shown(text.strip())} has {len(words)} numbers; {count} are needed, spaces between them")
+            raise self.error(
+                f"{what} = {shown(text.strip())} has {len(words)} numbers; {count} are needed, "
+                f"spaces between them"
+            )
         return tuple(self._number(word, what, infinite=False) for word in words)
 
     def _number(self, text: str, what: str, infinite: bool) -> float:
         word = text.strip()
         value = float(word) if _NUMBER.fullmatch(word) else math.nan
         if math.isnan(value) or (math.isinf(value) and not infinite):
-            raise self.error(f"{what} = {shown(word)} is not a finite number; allowed: numbers such as 0.25 or 1e-3")
+            raise self.error(
+                f"{what} = {shown(word)} is not a finite number; allowed: numbers such as 0.25 or "
+                f"1e-3"
+            )
         return value
 
 
 def read_xml(path: Path, *roots: str) -> Element:
     """The root element of an XML file, which has one of the tags `roots`.
 
-    Raises InputError for a file that cannot be read, MechanismError for one that is no XML, is too large, too deep, declares a
-    document type (entities) or has another root.
+    Raises InputError for a file that cannot be read, MechanismError for one that is no XML, is too
+    large, too deep, declares a document type (entities) or has another root.
     """
     return parse_xml(read_text(path), str(path), *roots)
 
 
 def parse_xml(content: bytes, file: str, *roots: str) -> Element:
-    """The root element of an XML text, of any tag where `roots` are none; `file` names it in messages."""
+    """The root element of an XML text, of any tag where `roots` are none; `file` names it in
+    messages.
+    """
     if len(content) > LARGEST_FILE:
         raise MechanismError(
-            f"{file}: the file has more than {LARGEST_FILE / 1e6:g} MB, which are allowed for the description of a robot; leave "
+            f"{file}: the file has more than {LARGEST_FILE / 1e6:g} MB, which are allowed for the "
+            f"description of a robot; leave "
             "meshes and other data out of it"
         )
     if not content.strip():
-        raise MechanismError(f"{file}: the file is empty; the element {_choice(roots or ['robot'])} is needed")
+        raise MechanismError(
+            f"{file}: the file is empty; the element {_choice(roots or ['robot'])} is needed"
+        )
     root = _Builder(file).root(content)
     if roots and root.tag not in roots:
         known = _FORMATS.get(root.tag)
-        remedy = "" if known is None else f"; the file is {known[0]}, and its name should end in {known[1]}"
-        raise root.error(f"the file's first element is <{root.tag}>; {_choice(roots)} is needed{remedy}")
+        remedy = (
+            ""
+            if known is None
+            else f"; the file is {known[0]}, and its name should end in {known[1]}"
+        )
+        raise root.error(
+            f"the file's first element is <{root.tag}>; {_choice(roots)} is needed{remedy}"
+        )
     return root
 
 
@@ -165,12 +204,21 @@ class _Builder:
 
     def root(self, content: bytes) -> Element:
         try:
-            self.parser.Parse(_LATE_DECLARATION.sub(lambda found: re.sub(rb"[^\n]", b" ", found[0]), content, count=1), True)
+            self.parser.Parse(
+                _LATE_DECLARATION.sub(
+                    lambda found: re.sub(rb"[^\n]", b" ", found[0]), content, count=1
+                ),
+                True,
+            )
         except expat.ExpatError as error:
             reason = expat.ErrorString(error.code)
-            raise MechanismError(f"{self.file}: line {error.lineno}: not XML: {reason} (column {error.offset + 1})") from None
+            raise MechanismError(
+                f"{self.file}: line {error.lineno}: not XML: {reason} (column {error.offset + 1})"
+            ) from None
         except (LookupError, ValueError) as error:
-            raise MechanismError(f"{self.file}: line 1: not XML: {' '.join(str(error).split())}") from None
+            raise MechanismError(
+                f"{self.file}: line 1: not XML: {' '.join(str(error).split())}"
+            ) from None
         if self.first is None:
             raise MechanismError(f"{self.file}: line 1: not XML: no element is found")
         return self.first
@@ -183,7 +231,10 @@ class _Builder:
             self.first = element
         self.open.append((element, []))
         if len(self.open) > DEEPEST:
-            raise element.error(f"the elements stand more than {DEEPEST} within each other; no description of a robot is so deep")
+            raise element.error(
+                f"the elements stand more than {DEEPEST} within each other; no description of a "
+                f"robot is so deep"
+            )
 
     def _end(self, _tag: str) -> None:
         element, texts = self.open.pop()
@@ -194,20 +245,25 @@ class _Builder:
 
     def _document_type(self, *_declaration: object) -> None:
         raise MechanismError(
-            f"{self.file}: line {self.parser.CurrentLineNumber}: <!DOCTYPE>: document types and entities are not read; write their "
+            f"{self.file}: line {self.parser.CurrentLineNumber}: <!DOCTYPE>: document types and "
+            f"entities are not read; write their "
             "text where they are used"
         )
 
 
 def read_text(path: Path) -> bytes:
-    """A file's content, at most one byte more than is allowed. Raises InputError for one that cannot be read."""
+    """A file's content, at most one byte more than is allowed. Raises InputError for one that
+    cannot be read.
+    """
     try:
         with open_regular(path) as file:
             return file.read(LARGEST_FILE + 1)
     except FileNotFoundError:
         raise InputError(no_such_file(path)) from None
     except (OSError, ValueError) as error:
-        raise InputError(f"{path}: the file cannot be read ({getattr(error, 'strerror', None) or error})") from None
+        raise InputError(
+            f"{path}: the file cannot be read ({getattr(error, 'strerror', None) or error})"
+        ) from None
 
 
 def _choice(tags: Sequence[str]) -> str:

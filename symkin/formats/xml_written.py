@@ -9,9 +9,12 @@ Element = ElementTree.Element
 
 
 def element(tag: str, /, **attributes: object) -> Element:
-    """An element; numbers and vectors are written with all their digits, attributes that are None are left out, and a _ behind a name
-    that Python keeps is dropped."""
-    found = {key.rstrip("_"): _text(value) for key, value in attributes.items() if value is not None}
+    """An element; numbers and vectors are written with all their digits, attributes that are None
+    are left out, and a _ behind a name that Python keeps is dropped.
+    """
+    found = {
+        key.rstrip("_"): _text(value) for key, value in attributes.items() if value is not None
+    }
     return Element(tag, found)
 
 
@@ -28,7 +31,10 @@ def document(root: Element, comment: str) -> str:
     """The text of a file, a comment at its head."""
     ElementTree.indent(root, "  ")
     words = " ".join(comment.replace("--", "- -").split())
-    return f'<?xml version="1.0" encoding="utf-8"?>\n<!-- {words} -->\n{ElementTree.tostring(root, encoding="unicode")}\n'
+    return (
+        f'<?xml version="1.0" encoding="utf-8"?>\n<!-- {words} -->\n'
+        f"{ElementTree.tostring(root, encoding='unicode')}\n"
+    )
 
 
 def numbers(values: Iterable[float]) -> str:

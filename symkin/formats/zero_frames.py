@@ -1,4 +1,6 @@
-"""Where links are when joints of a tree have other values than at the reference, and frames as the formats write them."""
+"""Where links are when joints of a tree have other values than at the reference, and frames as the
+formats write them.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ def displacement(joint: Joint, value: float) -> Pose:
 
 
 def zero_displacements(carried: Sequence[Carried]) -> dict[str, Pose]:
-    """The displacements of all links of a tree from the reference to the configuration where its joints are 0."""
+    """The displacements of all links of a tree from the reference to the configuration where its
+    joints are 0.
+    """
     found = {BASE: Pose.identity()}
     for entry in carried:
         moved = found[entry.carrier]
@@ -33,21 +37,29 @@ def zero_displacements(carried: Sequence[Carried]) -> dict[str, Pose]:
 
 
 def closing_frames(joint: Joint) -> tuple[Pose, Pose]:
-    """The frames of a closing joint on its two links, in the base frame at the reference: z along its axis, which coincide at 0."""
+    """The frames of a closing joint on its two links, in the base frame at the reference: z along
+    its axis, which coincide at 0.
+    """
     turn = Pose.identity() if joint.axis is None else frame_along(joint.axis)
     frame = Pose(np.array(joint.point), turn.quaternion)
     return frame, displacement(joint, 2.0 * joint.zero) @ frame if joint.zero else frame
 
 
 def xyz_rpy(pose: Pose) -> dict[str, list[float] | None]:
-    """The attributes of an origin; angles about the fixed axes x, y, z, and none where it is not turned."""
+    """The attributes of an origin; angles about the fixed axes x, y, z, and none where it is not
+    turned.
+    """
     angles = roll_pitch_yaw(pose.rotation)
     return {"xyz": [float(v) + 0.0 for v in pose.position], "rpy": angles if any(angles) else None}
 
 
 def roll_pitch_yaw(rotation: np.ndarray) -> list[float]:
-    """Angles about the fixed axes x, y, z; near a pitch of a right angle too, roll and yaw together are right to rounding."""
-    r: Mapping[tuple[int, int], float] = {(i, j): float(rotation[i][j]) for i in range(3) for j in range(3)}
+    """Angles about the fixed axes x, y, z; near a pitch of a right angle too, roll and yaw together
+    are right to rounding.
+    """
+    r: Mapping[tuple[int, int], float] = {
+        (i, j): float(rotation[i][j]) for i in range(3) for j in range(3)
+    }
     yaw = math.atan2(r[1, 0], r[0, 0])
     pitch = math.atan2(-r[2, 0], math.hypot(r[0, 0], r[1, 0]))
     sine, cosine = math.sin(yaw), math.cos(yaw)

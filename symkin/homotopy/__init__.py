@@ -1,1 +1,3 @@
-"""Roots over the complex numbers: algebraic systems, path tracking, generic starts, the ends of paths."""
+"""Roots over the complex numbers: algebraic systems, path tracking, generic starts, the ends of
+paths.
+"""

@@ -1,8 +1,10 @@
-"""Closure rows over the complex numbers: a system F(z, k) = 0 whose roots are tracked while k moves.
+"""Closure rows over the complex numbers: a system F(z, k) = 0 whose roots are tracked while k
+moves.
 
-z holds angles, lengths / size and, where the pose is unknown, a projective point: Study coordinates (e, g / size), or
-a quaternion. Rows are divided by the size. Evaluation is vectorised over paths: the SX graph is walked once into
-straight-line NumPy code, in which every value is an array over the paths.
+z holds angles, lengths / size and, where the pose is unknown, a projective point: Study coordinates
+(e, g / size), or a quaternion. Rows are divided by the size. Evaluation is vectorised over paths:
+the SX graph is walked once into straight-line NumPy code, in which every value is an array over the
+paths.
 """
 
 from __future__ import annotations
@@ -23,10 +25,11 @@ from symkin.numeric.mapped import Mapped
 class AlgebraicSystem:
     """Rows of one block of a problem, lengths in units of `size`.
 
-    `projective` are the places of a homogeneous group in z (a ray), empty if none; `unknowns` are the affine
-    coordinates, in order, before it. `eliminated` are angles that the rows do not hold, with their values at real roots.
-    `limbs` are places of joints that a known pose separates from each other: the pose alone tells roots apart, and each
-    limb has its own branches there. `known_ray` are places in k of a quaternion of any length; `body` begins the names of the
+    `projective` are the places of a homogeneous group in z (a ray), empty if none; `unknowns` are
+    the affine coordinates, in order, before it. `eliminated` are angles that the rows do not hold,
+    with their values at real roots. `limbs` are places of joints that a known pose separates from
+    each other: the pose alone tells roots apart, and each limb has its own branches there.
+    `known_ray` are places in k of a quaternion of any length; `body` begins the names of the
     coordinates for which the projective point stands.
     """
 
@@ -75,15 +78,23 @@ class AlgebraicSystem:
 
     @cached_property
     def _residual(self) -> Callable[..., None]:
-        return vectorise(ca.Function("r", [self.z, self.k], [self.rows, ca.jacobian(self.rows, self.z)], {"cse": True}))
+        return vectorise(
+            ca.Function(
+                "r", [self.z, self.k], [self.rows, ca.jacobian(self.rows, self.z)], {"cse": True}
+            )
+        )
 
     @cached_property
     def angles_eliminated(self) -> Mapped:
         """Values of the eliminated angles at real (z, k)."""
         return Mapped.of([self.z, self.k], [value for _, value in self.eliminated])
 
-    def evaluate(self, z: np.ndarray, k: np.ndarray, dk: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """F (n, rows), dF/dz (n, rows, width) and dF/dk dk (n, rows) at z (width, n), k (known, n), dk (known, 1 or n)."""
+    def evaluate(
+        self, z: np.ndarray, k: np.ndarray, dk: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """F (n, rows), dF/dz (n, rows, width) and dF/dk dk (n, rows) at z (width, n), k (known, n),
+        dk (known, 1 or n).
+        """
         n = z.shape[1]
         f, j, t = (np.zeros((n, self.count, c), dtype=complex) for c in (1, self.width, 1))
         self._code(z, k, dk, f, j, t)
@@ -97,13 +108,16 @@ class AlgebraicSystem:
         return f[:, :, 0], j
 
     def features(self, z: np.ndarray) -> np.ndarray:
-        """Coordinates (n, any) in which equal roots are equal: cos and sin of angles, squares of rod lengths, the
-        projector of the ray; of the pose alone where limbs have branches."""
+        """Coordinates (n, any) in which equal roots are equal: cos and sin of angles, squares of
+        rod lengths, the projector of the ray; of the pose alone where limbs have branches.
+        """
         parts = self._affine_features(z, [i for i in self.pose_places if i < len(self.unknowns)])
         if self.projective:
             ray = z[list(self.projective)]
             ray = ray / np.linalg.norm(ray, axis=0)
-            parts += list((ray[:, None] * np.conj(ray[None])).reshape(ray.shape[0] ** 2, ray.shape[1]))
+            parts += list(
+                (ray[:, None] * np.conj(ray[None])).reshape(ray.shape[0] ** 2, ray.shape[1])
+            )
         return np.array(parts).T
 
     def limb_features(self, z: np.ndarray) -> list[np.ndarray]:
@@ -120,7 +134,9 @@ class AlgebraicSystem:
             if c.kind == "angle":
                 parts += [np.cos(z[i]), np.sin(z[i])]
             else:
-                parts.append(z[i] if c.least is None else (z[i] - c.least / self.characteristic_length) ** 2)
+                parts.append(
+                    z[i] if c.least is None else (z[i] - c.least / self.characteristic_length) ** 2
+                )
         return parts
 
     def unit_rays(self, z: np.ndarray) -> np.ndarray:
@@ -145,8 +161,9 @@ def complex_normal(count: int, rng: np.random.Generator) -> np.ndarray:
 
 
 def imaginary_part(system: AlgebraicSystem, z: np.ndarray, places: Sequence[int]) -> np.ndarray:
-    """How far each root (width, n) is from being real in some places of z: largest imaginary part, rays turned to their
-    best phase."""
+    """How far each root (width, n) is from being real in some places of z: largest imaginary part,
+    rays turned to their best phase.
+    """
     ray = [i for i in places if i in set(system.projective)]
     parts = [np.abs(z[[i for i in places if i not in set(system.projective)]].imag)]
     if ray:

@@ -1,8 +1,10 @@
-"""A body that six distances hold, wherever they come from: its rows are those of the universal system of six distances.
+"""A body that six distances hold, wherever they come from: its rows are those of the universal
+system of six distances.
 
-In Study coordinates x = (e, g) a row s (|2 g + e m - b e|^2 - L^2 |e|^2) is a quadratic form. Its derivatives by e and g are linear in
-the points b and m, those by e alone then give the length L. So the points and lengths of a block's rows are found as functions of
-its known values, a moving base's pose among them.
+In Study coordinates x = (e, g) a row s (|2 g + e m - b e|^2 - L^2 |e|^2) is a quadratic form. Its
+derivatives by e and g are linear in the points b and m, those by e alone then give the length L. So
+the points and lengths of a block's rows are found as functions of its known values, a moving base's
+pose among them.
 """
 
 from __future__ import annotations
@@ -21,14 +23,18 @@ _RAY = 8
 
 
 def distances_of(system: AlgebraicSystem) -> ca.SX | None:
-    """L, b and m of each of six rows (42 numbers, in units of the size) as an expression of the known values; None where the block
-    is no body in Study coordinates alone. Whether the rows are distances is for the caller to see."""
+    """L, b and m of each of six rows (42 numbers, in units of the size) as an expression of the
+    known values; None where the block is no body in Study coordinates alone. Whether the rows are
+    distances is for the caller to see.
+    """
     if system.unknowns or len(system.projective) != _RAY or system.count != DISTANCES + 1:
         return None
     # the last row is e.g = 0
     rows = system.rows[:DISTANCES]
     origin = ca.SX.zeros(_RAY, 1)
-    hessians = [ca.substitute(ca.hessian(rows[i], system.z)[0], system.z, origin) for i in range(DISTANCES)]
+    hessians = [
+        ca.substitute(ca.hessian(rows[i], system.z)[0], system.z, origin) for i in range(DISTANCES)
+    ]
     # a row that does not hold the position's square is no distance
     if any(hessian[4, 4].is_zero() for hessian in hessians):
         return None
@@ -47,7 +53,8 @@ def _distance(hessian: ca.SX) -> ca.SX:
     mixed = ca.vec(hessian[:4, 4:]) / scale
     points = ca.mtimes(ca.sparsify(ca.DM(_points_from_mixed())), mixed)
     b, m = points[:3], points[3:]
-    # for e = 1, g = 0 the row is |m - b|^2 - L^2 over two, and so is half the second derivative by e1
+    # for e = 1, g = 0 the row is |m - b|^2 - L^2 over two, and so is half the second derivative by
+    # e1
     return ca.vertcat(ca.sqrt(ca.sumsqr(m - b) - hessian[0, 0] / scale), b, m)
 
 
@@ -55,13 +62,16 @@ def _distance(hessian: ca.SX) -> ca.SX:
 def _points_from_mixed() -> np.ndarray:
     """Matrix (6, 16) that takes the derivatives by e and g, column by column, to b and m."""
     along = _derivatives()[:4, 4:]
-    return np.asarray(np.linalg.pinv(np.stack([along[:, :, k + 1].ravel(order="F") for k in range(6)], axis=1)))
+    return np.asarray(
+        np.linalg.pinv(np.stack([along[:, :, k + 1].ravel(order="F") for k in range(6)], axis=1))
+    )
 
 
 @lru_cache(maxsize=1)
 def _derivatives() -> np.ndarray:
-    """Second derivatives (8, 8, 7) of the universal system's first distance for L = 0: with b = m = 0, and what unit points add to
-    those by e and g."""
+    """Second derivatives (8, 8, 7) of the universal system's first distance for L = 0: with b = m =
+    0, and what unit points add to those by e and g.
+    """
     system = universal_system()
     evaluate = ca.Function("h", [system.k], [ca.hessian(system.rows[1], system.z)[0]])
     found = []

@@ -1,8 +1,9 @@
 """Paths around a target: z on the circle k(t) = k1 + t d, |t| = r, of complex known values.
 
-Where the circle encloses no branch point but t = 0, a path that comes back after c turns is a Laurent series in
-t^(1/c), and the mean of its samples over the c turns is its value at t = 0, with an error of order (r / rho)^M for M
-samples a turn and the next branch point at rho (Cauchy's integral; Morgan, Sommese, Wampler 1991).
+Where the circle encloses no branch point but t = 0, a path that comes back after c turns is a
+Laurent series in t^(1/c), and the mean of its samples over the c turns is its value at t = 0, with
+an error of order (r / rho)^M for M samples a turn and the next branch point at rho (Cauchy's
+integral; Morgan, Sommese, Wampler 1991).
 """
 
 from __future__ import annotations
@@ -22,7 +23,9 @@ VERTICES = 8
 MOST_TURNS = 8
 """Turns after which a path with branches of limbs that has not come back is left."""
 _CLOSED = 1e-6
-"""Largest distance (of coordinates of order one) between a path's end and the start that it has come back to."""
+"""Largest distance (of coordinates of order one) between a path's end and the start that it has
+come back to.
+"""
 _NOTHING = 1e-6
 """Share of the largest sample or coefficient that counts as none."""
 _POLE = 1e-3
@@ -35,10 +38,10 @@ _APART = 1e-2
 class Germ:
     """One cycle of a path about the target, of `turns` turns.
 
-    `point` is the mean (rays in the chart of their main direction, unit length); `principal` the largest Laurent
-    coefficient of a negative power, times its power of r, of each unknown and then of the ray; `leaving` the unknowns
-    that are infinite at t = 0: angles z that gain whole turns in a cycle, so that exp(iz) or exp(-iz) vanishes there, and
-    lengths with a pole there.
+    `point` is the mean (rays in the chart of their main direction, unit length); `principal` the
+    largest Laurent coefficient of a negative power, times its power of r, of each unknown and then
+    of the ray; `leaving` the unknowns that are infinite at t = 0: angles z that gain whole turns in
+    a cycle, so that exp(iz) or exp(-iz) vanishes there, and lengths with a pole there.
     """
 
     turns: int
@@ -48,9 +51,12 @@ class Germ:
     is_closed: bool
 
 
-def gaps(system: AlgebraicSystem, a: np.ndarray, b: np.ndarray, places: Sequence[int] | None = None) -> np.ndarray:
-    """Distances of points a from points b (width, ...), which broadcast, in some places of z or all: angles up to whole
-    turns, large lengths by their ratio, rays by their sine."""
+def gaps(
+    system: AlgebraicSystem, a: np.ndarray, b: np.ndarray, places: Sequence[int] | None = None
+) -> np.ndarray:
+    """Distances of points a from points b (width, ...), which broadcast, in some places of z or
+    all: angles up to whole turns, large lengths by their ratio, rays by their sine.
+    """
     chosen = range(system.width) if places is None else places
     ray = [i for i in chosen if i in set(system.projective)]
     found = np.zeros(np.broadcast_shapes(a.shape[1:], b.shape[1:]))
@@ -68,7 +74,9 @@ def gaps(system: AlgebraicSystem, a: np.ndarray, b: np.ndarray, places: Sequence
     return found
 
 
-def distances(system: AlgebraicSystem, a: np.ndarray, b: np.ndarray, places: Sequence[int] | None = None) -> np.ndarray:
+def distances(
+    system: AlgebraicSystem, a: np.ndarray, b: np.ndarray, places: Sequence[int] | None = None
+) -> np.ndarray:
     """Distances (n, m) between points a (width, n) and b (width, m)."""
     return gaps(system, a[:, :, None], b[:, None, :], places)
 
@@ -81,10 +89,16 @@ def separations(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
 
 
 def follow(
-    system: AlgebraicSystem, z: np.ndarray, begin: np.ndarray, end: np.ndarray, settings: TrackSettings
+    system: AlgebraicSystem,
+    z: np.ndarray,
+    begin: np.ndarray,
+    end: np.ndarray,
+    settings: TrackSettings,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Paths tracked from begin to end, and which of them came there, whatever Newton says of their last digits: near an
-    end at infinity few of them are determined. The compiled engine does not go where it cannot polish; NumPy does."""
+    """Paths tracked from begin to end, and which of them came there, whatever Newton says of their
+    last digits: near an end at infinity few of them are determined. The compiled engine does not go
+    where it cannot polish; NumPy does.
+    """
     tracked = track(system, z, begin, end, settings)
     came = (tracked.s >= 1.0) & np.isfinite(tracked.z).all(axis=0)
     left = np.flatnonzero(~came)
@@ -96,10 +110,17 @@ def follow(
 
 
 def circle(
-    system: AlgebraicSystem, z: np.ndarray, target: np.ndarray, direction: np.ndarray, radius: float, settings: TrackSettings
+    system: AlgebraicSystem,
+    z: np.ndarray,
+    target: np.ndarray,
+    direction: np.ndarray,
+    radius: float,
+    settings: TrackSettings,
 ) -> dict[int, Germ]:
-    """Send paths z (width, n) from t = radius around the target; germs of those that come back to where they began, by
-    path. An end that is no path's beginning, such as a pose with another branch of a limb, goes around as well."""
+    """Send paths z (width, n) from t = radius around the target; germs of those that come back to
+    where they began, by path. An end that is no path's beginning, such as a pose with another
+    branch of a limb, goes around as well.
+    """
     samples, through = _turn(system, z, target, direction, radius, settings)
     for _ in range(MOST_TURNS - 1 if system.limbs and z.shape[1] else 0):
         more = samples[-1][:, through & (_matches(system, samples) < 0)]
@@ -116,7 +137,12 @@ def circle(
 
 
 def _turn(
-    system: AlgebraicSystem, z: np.ndarray, target: np.ndarray, direction: np.ndarray, radius: float, settings: TrackSettings
+    system: AlgebraicSystem,
+    z: np.ndarray,
+    target: np.ndarray,
+    direction: np.ndarray,
+    radius: float,
+    settings: TrackSettings,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Samples (VERTICES + 1, width, n) of one turn, and which paths came through."""
     t = radius * np.exp(2j * np.pi * np.arange(VERTICES) / VERTICES)
@@ -135,13 +161,17 @@ def _turn(
 
 
 def _matches(system: AlgebraicSystem, samples: np.ndarray) -> np.ndarray:
-    """Which path begins where each path ends; -1 where none does, or another path ends there too."""
+    """Which path begins where each path ends; -1 where none does, or another path ends there
+    too.
+    """
     begin, end = samples[0], samples[-1]
     apart = distances(system, end, begin)
     apart[~np.isfinite(apart)] = np.inf
     nearest = np.argmin(apart, axis=1)
     gap = apart[np.arange(len(nearest)), nearest]
-    followers = np.where((gap < _CLOSED) & (gap < _APART * separations(system, begin)[nearest]), nearest, -1)
+    followers = np.where(
+        (gap < _CLOSED) & (gap < _APART * separations(system, begin)[nearest]), nearest, -1
+    )
     taken = np.bincount(followers[followers >= 0], minlength=len(nearest))
     return np.where((followers >= 0) & (taken[followers] == 1), followers, -1)
 
@@ -180,7 +210,13 @@ def _germ(system: AlgebraicSystem, samples: np.ndarray, members: list[int]) -> G
     largest = negative.max(axis=0)
     vanishing = _vanishes_inside(np.exp(1j * np.sign(winding) * (z[:, :affine] - point[:affine])))
     leaving = np.where(angles, (winding != 0) & vanishing, _is_pole(negative[:, :affine]))
-    return Germ(len(members), point, np.append(largest[:affine], largest[ray].max(initial=0.0)), leaving, not winding.any())
+    return Germ(
+        len(members),
+        point,
+        np.append(largest[:affine], largest[ray].max(initial=0.0)),
+        leaving,
+        not winding.any(),
+    )
 
 
 def _vanishes_inside(u: np.ndarray) -> np.ndarray:
@@ -189,7 +225,12 @@ def _vanishes_inside(u: np.ndarray) -> np.ndarray:
 
 
 def _is_pole(negative: np.ndarray) -> np.ndarray:
-    """Whether coefficients (powers, any) of the powers -1, -2, ... belong to a pole at t = 0: beyond its order there are
-    none, as there would be of a pole at another place within the circle."""
+    """Whether coefficients (powers, any) of the powers -1, -2, ... belong to a pole at t = 0:
+    beyond its order there are none, as there would be of a pole at another place within the circle.
+    """
     largest = negative.max(axis=0)
-    return np.asarray((largest > _POLE) & (negative[-1] < _NOTHING * largest) & (negative[-2] < _NOTHING * largest))
+    return np.asarray(
+        (largest > _POLE)
+        & (negative[-1] < _NOTHING * largest)
+        & (negative[-2] < _NOTHING * largest)
+    )

@@ -1,8 +1,9 @@
 """Roots on parts of a closure that loops of the known values do not connect.
 
-The pairs (z, k) that satisfy F(z, k) = 0 may fall into several components: a limb that closes in two ways whatever the known
-values are, say. Loops stay on the component where they begin. Here points are drawn on all of them, complex ones by Newton's
-method and real ones by least squares, known values free in both, and each is carried to the base of a start.
+The pairs (z, k) that satisfy F(z, k) = 0 may fall into several components: a limb that closes in
+two ways whatever the known values are, say. Loops stay on the component where they begin. Here
+points are drawn on all of them, complex ones by Newton's method and real ones by least squares,
+known values free in both, and each is carried to the base of a start.
 """
 
 from __future__ import annotations
@@ -23,27 +24,45 @@ from symkin.position.roots import merge
 from symkin.position.starts import random_starts
 
 COMPLEX_POINTS, REAL_POINTS = 32, 32
-"""Points drawn: a component that attracts a share p of them is missed with probability (1 - p)^64, 1 % at p = 0.07."""
+"""Points drawn: a component that attracts a share p of them is missed with probability (1 - p)^64,
+1 % at p = 0.07.
+"""
 _REAL_STARTS = 96
 
 
 def roots_elsewhere(
-    problem: Problem, system: AlgebraicSystem, block: System, points: Points, rank: int, start: Fibre, seed: int
+    problem: Problem,
+    system: AlgebraicSystem,
+    block: System,
+    points: Points,
+    rank: int,
+    start: Fibre,
+    seed: int,
 ) -> np.ndarray:
-    """Roots (width, n) at the start's base that it lacks and points anywhere on the closure lead to, some more than once: a
-    search from them unites equal ones."""
+    """Roots (width, n) at the start's base that it lacks and points anywhere on the closure lead
+    to, some more than once: a search from them unites equal ones.
+    """
     rng = np.random.default_rng([seed, 1])
-    drawn = seed_roots(system, points, rng, rank, COMPLEX_POINTS), _real_roots(problem, system, block, rng)
+    drawn = (
+        seed_roots(system, points, rng, rank, COMPLEX_POINTS),
+        _real_roots(problem, system, block, rng),
+    )
     z, k = (np.hstack(parts) for parts in zip(*drawn, strict=True))
     ends = carried(system, z, k, start.k)
     return ends[:, uncovered(system, start.z, ends) < 0]
 
 
 def real_seeds(
-    problem: Problem, system: AlgebraicSystem, block: System, points: Points, rng: np.random.Generator
+    problem: Problem,
+    system: AlgebraicSystem,
+    block: System,
+    points: Points,
+    rng: np.random.Generator,
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Roots (width, n) at a random complex base, and this: closed configurations carried there. Rows that are redundant at closed
-    configurations alone, as those of Bennett's linkage are, have no other points near which Newton's method finds a root."""
+    """Roots (width, n) at a random complex base, and this: closed configurations carried there.
+    Rows that are redundant at closed configurations alone, as those of Bennett's linkage are, have
+    no other points near which Newton's method finds a root.
+    """
     z, k = _real_roots(problem, system, block, rng)
     if not z.shape[1]:
         return None
@@ -61,20 +80,26 @@ def _distinct(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
 def _real_roots(
     problem: Problem, system: AlgebraicSystem, block: System, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Regular closed configurations z (width, n) with known values k (known, n), from starts anywhere, known coordinates
-    free as well."""
+    """Regular closed configurations z (width, n) with known values k (known, n), from starts
+    anywhere, known coordinates free as well.
+    """
     free = free_system(problem, block)
     reference = problem.select_values(problem.closure.reference, problem.known_coordinates)
     starts = random_starts(problem, free, Given(problem.kind, reference, {}), _REAL_STARTS, rng)
     batch = levenberg_marquardt(free, starts, np.zeros(0))
-    pairs = [_algebraic(problem, system, free, end) for end in batch.points[batch.converged][:REAL_POINTS]]
+    pairs = [
+        _algebraic(problem, system, free, end)
+        for end in batch.points[batch.converged][:REAL_POINTS]
+    ]
     z = np.array([z for z, _ in pairs], dtype=complex).reshape(len(pairs), system.width).T
     k = np.array([k for _, k in pairs], dtype=complex).reshape(len(pairs), system.k.shape[0]).T
     good = regular(system, z, k)
     return z[:, good], k[:, good]
 
 
-def _algebraic(problem: Problem, system: AlgebraicSystem, free: System, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _algebraic(
+    problem: Problem, system: AlgebraicSystem, free: System, point: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     values = {c.name: point[place] for c, place in zip(free.unknowns, free.slices, strict=True)}
     known = np.concatenate([values[c.name] for c in problem.known_coordinates])
     return algebraic_point(problem, system, values), known_values(problem, known)
@@ -84,4 +109,11 @@ def free_system(problem: Problem, block: System) -> System:
     """The rows of a block with its known coordinates unknown as well."""
     coordinates = (*block.unknowns, *problem.known_coordinates)
     variables = ca.vertcat(block.unknown, block.known)
-    return System(coordinates, variables, ca.SX(0, 1), block.rows, block.errors, problem.closure.characteristic_length)
+    return System(
+        coordinates,
+        variables,
+        ca.SX(0, 1),
+        block.rows,
+        block.errors,
+        problem.closure.characteristic_length,
+    )

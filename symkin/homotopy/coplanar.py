@@ -1,8 +1,9 @@
-"""Six distances between coplanar points of the base and coplanar points of the platform: the reflection.
+"""Six distances between coplanar points of the base and coplanar points of the platform: the
+reflection.
 
-Reflected in the plane of the base points, and on the platform in the plane of its points, a pose keeps all distances. In
-frames whose z = 0 are these planes the reflection changes signs of Study coordinates only: (w, x, y, z) -> (w, -x, -y, z)
-of e, and (w, x, y, z) -> (-w, x, y, -z) of g.
+Reflected in the plane of the base points, and on the platform in the plane of its points, a pose
+keeps all distances. In frames whose z = 0 are these planes the reflection changes signs of Study
+coordinates only: (w, x, y, z) -> (w, -x, -y, z) of e, and (w, x, y, z) -> (-w, x, y, -z) of g.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ REFLECTION = np.array([1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0])
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Axes as columns of `rotation` (3, 3), right-handed, and `origin` (3,), in the coordinates of the points."""
+    """Axes as columns of `rotation` (3, 3), right-handed, and `origin` (3,), in the coordinates of
+    the points.
+    """
 
     rotation: np.ndarray
     origin: np.ndarray
@@ -43,14 +46,18 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """Frames of base and platform points, in whose planes z = 0 they lie where they are coplanar."""
+    """Frames of base and platform points, in whose planes z = 0 they lie where they are
+    coplanar.
+    """
 
     base: Frame
     platform: Frame
 
     @property
     def into(self) -> np.ndarray:
-        """Matrix (8, 8) from Study coordinates of a pose to those between the frames: base^-1 pose platform."""
+        """Matrix (8, 8) from Study coordinates of a pose to those between the frames: base^-1 pose
+        platform.
+        """
         return np.asarray(times_left(self.base.inverse.study) @ times_right(self.platform.study))
 
     @property
@@ -60,7 +67,9 @@ class Frames:
 
 
 def plane_frame(points: np.ndarray) -> Frame | None:
-    """A frame with all points (n, 3) in z = 0, its origin at their centroid; None where they are not coplanar."""
+    """A frame with all points (n, 3) in z = 0, its origin at their centroid; None where they are
+    not coplanar.
+    """
     origin = points.mean(axis=0)
     _, extent, axes = np.linalg.svd(points - origin)
     off = np.max(np.abs((points - origin) @ axes[2]))
@@ -71,8 +80,9 @@ def plane_frame(points: np.ndarray) -> Frame | None:
 
 
 def distance_frames(data: np.ndarray) -> Frames | None:
-    """Frames for the distances `data` (n, 7), real L, b, m of each, or None where base or platform points are not
-    coplanar."""
+    """Frames for the distances `data` (n, 7), real L, b, m of each, or None where base or platform
+    points are not coplanar.
+    """
     base, platform = plane_frame(data[:, 1:4]), plane_frame(data[:, 4:7])
     return None if base is None or platform is None else Frames(base, platform)
 

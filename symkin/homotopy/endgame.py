@@ -1,8 +1,10 @@
-"""Where paths end that a tracker cannot follow to their target: singular roots, infinity, sets that are not isolated.
+"""Where paths end that a tracker cannot follow to their target: singular roots, infinity, sets that
+are not isolated.
 
-All paths that failed are followed together on circles k1 + t d, |t| = r, of falling radius about the target k1 (see
-`circles`). A path that comes back by itself to where Newton settles is regular. Else what its cycle says at one radius is
-believed when the next radius says the same and the rows agree.
+All paths that failed are followed together on circles k1 + t d, |t| = r, of falling radius about
+the target k1 (see `circles`). A path that comes back by itself to where Newton settles is regular.
+Else what its cycle says at one radius is believed when the next radius says the same and the rows
+agree.
 """
 
 from __future__ import annotations
@@ -24,13 +26,18 @@ from symkin.numeric.tolerances import MULTIPLE_ROOT_SHARE, RANK_TOLERANCE, ROOT_
 RADII = (3e-2, 6e-3, 1.2e-3, 2.5e-4, 5e-5, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13)
 """Radii of the circles, as shares of the line from the base to the target."""
 _WIDE = (2e-1, 1e-1, 5e-2, 3e-2)
-"""Radii for what these leave open: ends at infinity that are approached faster than their digits last."""
+"""Radii for what these leave open: ends at infinity that are approached faster than their digits
+last.
+"""
 _FINE = 1e-6
-"""Radius from which on, where limbs have branches (so that all cycles can close), only paths are followed whose ends at
-two radii lie within _NEAR of each other."""
+"""Radius from which on, where limbs have branches (so that all cycles can close), only paths are
+followed whose ends at two radii lie within _NEAR of each other.
+"""
 _NEAR = 1e-2
 _BASES = (0.3 + 0.4j, 0.3 - 0.5j)
-"""Where a second and a third base lie on the complex line from the start to the target, 0 and 1 on it."""
+"""Where a second and a third base lie on the complex line from the start to the target, 0 and 1 on
+it.
+"""
 _AGREED = 1e-6
 """Largest distance between ends that two radii, or a mean and Newton, give for one cycle."""
 BESIDE = 1e-7
@@ -42,7 +49,9 @@ _ONE = 1e-7
 _SAME_END = 1e-5
 """Distance within which singular ends of different cycles are one root."""
 _CLUSTER = 1e-12
-"""Rows up to which an end stands for roots that nearly merge, where no smaller circle tells them apart."""
+"""Rows up to which an end stands for roots that nearly merge, where no smaller circle tells them
+apart.
+"""
 
 _OPEN, _REGULAR, _MULTIPLE, _INFINITE = range(4)
 _SPLIT = "paths meet about the target, but the rows do not vanish where they meet"
@@ -50,8 +59,9 @@ _SPLIT = "paths meet about the target, but the rows do not vanish where they mee
 
 @dataclass(frozen=True, eq=False)
 class _End:
-    """A mean, polished: its point, the largest row there, whether the Jacobian has lost its rank, and the rows that an
-    exact root may leave."""
+    """A mean, polished: its point, the largest row there, whether the Jacobian has lost its rank,
+    and the rows that an exact root may leave.
+    """
 
     point: np.ndarray
     rows: float
@@ -61,8 +71,10 @@ class _End:
 
 @dataclass(eq=False)
 class _Paths:
-    """For each path of one attempt its kind, end, turns and accuracy so far, and why it is open. `last` holds the germs of the
-    last circle, `clusters` ends whose rows nearly vanish, `tried` the paths that were sent straight on."""
+    """For each path of one attempt its kind, end, turns and accuracy so far, and why it is open.
+    `last` holds the germs of the last circle, `clusters` ends whose rows nearly vanish, `tried` the
+    paths that were sent straight on.
+    """
 
     kind: np.ndarray
     z: np.ndarray
@@ -73,7 +85,9 @@ class _Paths:
     clusters: dict[int, tuple[np.ndarray, int, float]] = field(default_factory=dict)
     tried: set[int] = field(default_factory=set)
 
-    def decide(self, i: int, kind: int, point: np.ndarray, turns: int = 1, accuracy: float = 0.0) -> None:
+    def decide(
+        self, i: int, kind: int, point: np.ndarray, turns: int = 1, accuracy: float = 0.0
+    ) -> None:
         self.kind[i], self.z[:, i], self.turns[i], self.accuracy[i] = kind, point, turns, accuracy
 
     def leave(self, paths: Iterable[int], reason: str, accuracy: float | None = None) -> None:
@@ -83,8 +97,10 @@ class _Paths:
 
 
 def finish(system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: Tracked) -> Ends:
-    """Ends of all paths of `tracked`, which go straight from `start` to `target`. Where paths stay unresolved, all of them
-    are followed again by other ways, within the complex line through the start's known values and the target."""
+    """Ends of all paths of `tracked`, which go straight from `start` to `target`. Where paths stay
+    unresolved, all of them are followed again by other ways, within the complex line through the
+    start's known values and the target.
+    """
     with np.errstate(all="ignore"):
         if are_regular(system, tracked, target).all():
             return Ends(tracked.z, SingularRoots.none(system.width), 0, ())
@@ -95,7 +111,9 @@ def finish(system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: T
         for attempt, place in enumerate(_BASES):
             if not best.unresolved:
                 break
-            careful = TrackSettings(tolerance=10.0 ** (-5 - attempt), smallest_step=1e-10, most_steps=2000)
+            careful = TrackSettings(
+                tolerance=10.0 ** (-5 - attempt), smallest_step=1e-10, most_steps=2000
+            )
             base = start.k + place * (target - start.k)
             moved = track(system, start.z, start.k, base, careful)
             if moved.arrived.all():
@@ -106,8 +124,9 @@ def finish(system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: T
 
 
 def are_regular(system: AlgebraicSystem, tracked: Tracked, target: np.ndarray) -> np.ndarray:
-    """Paths that arrived at regular roots with a pose, no two at the same: these need no endgame. Where one Newton step
-    from beside a root leads back to it, its Jacobian need not be looked at."""
+    """Paths that arrived at regular roots with a pose, no two at the same: these need no endgame.
+    Where one Newton step from beside a root leads back to it, its Jacobian need not be looked at.
+    """
     regular = tracked.arrived.copy()
     places = np.flatnonzero(regular)
     if not places.size:
@@ -124,9 +143,12 @@ def are_regular(system: AlgebraicSystem, tracked: Tracked, target: np.ndarray) -
     return regular
 
 
-def _with_far_roots(system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: Tracked) -> Ends | None:
-    """Ends where all that did not arrive are regular roots far from the real ones, which Newton's method with more bits finds;
-    else None."""
+def _with_far_roots(
+    system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: Tracked
+) -> Ends | None:
+    """Ends where all that did not arrive are regular roots far from the real ones, which Newton's
+    method with more bits finds; else None.
+    """
     from symkin.homotopy.far_roots import are_far, carried, settled
 
     z = tracked.z.copy()
@@ -149,7 +171,12 @@ def _with_far_roots(system: AlgebraicSystem, start: Fibre, target: np.ndarray, t
 
 
 def _attempt(
-    system: AlgebraicSystem, z: np.ndarray, base: np.ndarray, target: np.ndarray, tracked: Tracked, tolerance: float
+    system: AlgebraicSystem,
+    z: np.ndarray,
+    base: np.ndarray,
+    target: np.ndarray,
+    tracked: Tracked,
+    tolerance: float,
 ) -> Ends:
     n = z.shape[1]
     kind = np.where(are_regular(system, tracked, target), _REGULAR, _OPEN)
@@ -160,17 +187,24 @@ def _attempt(
         if paths.kind[i] == _OPEN:
             paths.decide(i, _MULTIPLE, point, turns, accuracy)
     places = np.flatnonzero(paths.kind == _REGULAR)
-    paths.leave(places[separations(system, paths.z[:, places]) < _ONE], "two paths end at one regular root")
+    paths.leave(
+        places[separations(system, paths.z[:, places]) < _ONE], "two paths end at one regular root"
+    )
     return _collect(system, target, paths)
 
 
-# --- circles ------------------------------------------------------------------------------------------------------
+# --- circles --------------------------------------------------------------------------------------
 
 
 def _close_in(
-    system: AlgebraicSystem, z: np.ndarray, base: np.ndarray, target: np.ndarray, paths: _Paths, tolerance: float,
+    system: AlgebraicSystem,
+    z: np.ndarray,
+    base: np.ndarray,
+    target: np.ndarray,
+    paths: _Paths,
+    tolerance: float,
     radii: tuple[float, ...],
-) -> None:  # fmt: skip
+) -> None:
     """Decide open paths on circles of falling radius."""
     paths.last = {}
     direction = base - target
@@ -185,20 +219,38 @@ def _close_in(
         if not going.size:
             return
         apart = float(np.min(separations(system, here), initial=1.0))
-        settings = replace(settings, tolerance=float(np.clip(0.01 * apart, 1e-9, 1e-4)), most_steps=400)
+        settings = replace(
+            settings, tolerance=float(np.clip(0.01 * apart, 1e-9, 1e-4)), most_steps=400
+        )
         around = replace(settings, first_step=0.5, smallest_step=1e-4, most_steps=100)
         germs = circle(system, here, target, direction, radius, around)
         floor = float(np.max(look(system, here, at).largest_row, initial=0.0))
-        _judge(system, target, going, {int(going[j]): germ for j, germ in germs.items()}, ROWS + 10 * floor, paths)
+        _judge(
+            system,
+            target,
+            going,
+            {int(going[j]): germ for j, germ in germs.items()},
+            ROWS + 10 * floor,
+            paths,
+        )
         _go_straight(system, here, at, target, going, paths)
-        left = (paths.kind[going] == _OPEN) & ((radius > _FINE) | (not system.limbs) | (paths.accuracy[going] < _NEAR))
+        left = (paths.kind[going] == _OPEN) & (
+            (radius > _FINE) | (not system.limbs) | (paths.accuracy[going] < _NEAR)
+        )
         going, here = going[left], here[:, left]
 
 
 def _judge(
-    system: AlgebraicSystem, target: np.ndarray, going: np.ndarray, germs: dict[int, Germ], allowed: float, paths: _Paths
+    system: AlgebraicSystem,
+    target: np.ndarray,
+    going: np.ndarray,
+    germs: dict[int, Germ],
+    allowed: float,
+    paths: _Paths,
 ) -> None:
-    """Decide paths by one circle, the one before and the rows at the target, of which `allowed` may be left."""
+    """Decide paths by one circle, the one before and the rows at the target, of which `allowed` may
+    be left.
+    """
     paths.leave(going, "its cycle about the target does not close")
     if germs:
         points = np.array([germ.point for germ in germs.values()]).T
@@ -208,15 +260,26 @@ def _judge(
             if regular[j] and germ.turns == 1 and germ.is_closed:
                 paths.decide(i, _REGULAR, exact[:, j])
             else:
-                end = _End(polished[:, j], float(local.largest_row[j]), bool(local.share[j] < MULTIPLE_ROOT_SHARE), allowed)
+                end = _End(
+                    polished[:, j],
+                    float(local.largest_row[j]),
+                    bool(local.share[j] < MULTIPLE_ROOT_SHARE),
+                    allowed,
+                )
                 _compare(system, i, germ, end, paths)
     paths.last = germs
 
 
-def _settle(system: AlgebraicSystem, points: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _settle(
+    system: AlgebraicSystem, points: np.ndarray, target: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Which points (width, n) Newton settles at once at a regular pose, and where."""
     exact, last = newton(system, points, target, 6)
-    regular = (last < ROOT_POLISHED) & (gaps(system, exact, points) < _AGREED) & ~is_no_pose(system, exact)
+    regular = (
+        (last < ROOT_POLISHED)
+        & (gaps(system, exact, points) < _AGREED)
+        & ~is_no_pose(system, exact)
+    )
     return regular & (look(system, exact, target).share > RANK_TOLERANCE), exact
 
 
@@ -239,7 +302,9 @@ def _compare(system: AlgebraicSystem, i: int, new: Germ, end: _End, paths: _Path
 
 
 def _leaves(system: AlgebraicSystem, old: Germ, new: Germ) -> bool:
-    """Whether both circles say that the pose goes to infinity (any unknown, where no limb has branches of its own)."""
+    """Whether both circles say that the pose goes to infinity (any unknown, where no limb has
+    branches of its own).
+    """
     pose = system.pose_places
     affine = [i for i in pose if i < len(system.unknowns)]
     if (old.leaving & new.leaving)[affine].any():
@@ -250,12 +315,21 @@ def _leaves(system: AlgebraicSystem, old: Germ, new: Germ) -> bool:
 
 
 def _go_straight(
-    system: AlgebraicSystem, here: np.ndarray, at: np.ndarray, target: np.ndarray, going: np.ndarray, paths: _Paths
+    system: AlgebraicSystem,
+    here: np.ndarray,
+    at: np.ndarray,
+    target: np.ndarray,
+    going: np.ndarray,
+    paths: _Paths,
 ) -> None:
-    """Paths that nearly merge before the target are tracked on to it, once, by steps as small as it takes."""
+    """Paths that nearly merge before the target are tracked on to it, once, by steps as small as it
+    takes.
+    """
     split = [j for j, i in enumerate(going) if paths.reason[i] == _SPLIT and i not in paths.tried]
     if split:
-        tracked = track(system, here[:, split], at, target, TrackSettings(tolerance=1e-6, smallest_step=1e-12))
+        tracked = track(
+            system, here[:, split], at, target, TrackSettings(tolerance=1e-6, smallest_step=1e-12)
+        )
         paths.tried |= {int(going[j]) for j in split}
         for j in np.flatnonzero(are_regular(system, tracked, target)):
             paths.decide(int(going[split[j]]), _REGULAR, tracked.z[:, j])
@@ -277,6 +351,10 @@ def _collect(system: AlgebraicSystem, target: np.ndarray, paths: _Paths) -> Ends
         points = np.stack([paths.z[:, g[0]] for g in groups], axis=1)
         multiplicity = np.array([len(g) for g in groups])
         turns = np.array([paths.turns[g].max() for g in groups])
-        singular = SingularRoots(points, multiplicity, turns, np.array(accuracy), ~lie_on_sets(system, points, target))
+        singular = SingularRoots(
+            points, multiplicity, turns, np.array(accuracy), ~lie_on_sets(system, points, target)
+        )
     reasons = tuple(paths.reason[i] for i in np.flatnonzero(paths.kind == _OPEN))
-    return Ends(paths.z[:, paths.kind == _REGULAR], singular, int(np.sum(paths.kind == _INFINITE)), reasons)
+    return Ends(
+        paths.z[:, paths.kind == _REGULAR], singular, int(np.sum(paths.kind == _INFINITE)), reasons
+    )

@@ -11,9 +11,10 @@ import numpy as np
 class SingularRoots:
     """Finite singular roots z (width, n), each once.
 
-    `multiplicity` paths end there, in cycles of at most `turns` turns; the roots that they stand for lie within about
-    `accuracy` (the distance of the ends that two circles gave, and the turns'th root of the rows that are left);
-    `isolated` is false where complex roots of a continuum surround it.
+    `multiplicity` paths end there, in cycles of at most `turns` turns; the roots that they stand
+    for lie within about `accuracy` (the distance of the ends that two circles gave, and the
+    turns'th root of the rows that are left); `isolated` is false where complex roots of a continuum
+    surround it.
     """
 
     z: np.ndarray
@@ -25,7 +26,9 @@ class SingularRoots:
     @staticmethod
     def none(width: int) -> SingularRoots:
         empty = np.zeros(0, dtype=int)
-        return SingularRoots(np.zeros((width, 0), dtype=complex), empty, empty, np.zeros(0), np.zeros(0, dtype=bool))
+        return SingularRoots(
+            np.zeros((width, 0), dtype=complex), empty, empty, np.zeros(0), np.zeros(0, dtype=bool)
+        )
 
     def __len__(self) -> int:
         return int(self.z.shape[1])
@@ -33,8 +36,9 @@ class SingularRoots:
 
 @dataclass(frozen=True, eq=False)
 class Ends:
-    """Regular roots z (width, n), singular ones, how many paths ended at infinity, and for each unresolved path the
-    reason. Every path is counted once."""
+    """Regular roots z (width, n), singular ones, how many paths ended at infinity, and for each
+    unresolved path the reason. Every path is counted once.
+    """
 
     z: np.ndarray
     singular: SingularRoots
@@ -54,4 +58,8 @@ class Ends:
     @property
     def paths(self) -> int:
         """All paths: distinct regular roots, multiplicities, those at infinity, unresolved ones."""
-        return int(self.z.shape[1] + self.singular.multiplicity.sum()) + self.at_infinity + len(self.unresolved)
+        return (
+            int(self.z.shape[1] + self.singular.multiplicity.sum())
+            + self.at_infinity
+            + len(self.unresolved)
+        )

@@ -1,7 +1,8 @@
-"""The engine that tracks paths of a system: compiled C where a compiler is found and it pays, else NumPy, which has a
-faster form for quadratic rows.
+"""The engine that tracks paths of a system: compiled C where a compiler is found and it pays, else
+NumPy, which has a faster form for quadratic rows.
 
-All have the same meaning (see `tracker`) and agree on the roots. SYMKIN_ENGINE = numpy keeps to NumPy.
+All have the same meaning (see `tracker`) and agree on the roots. SYMKIN_ENGINE = numpy keeps to
+NumPy.
 """
 
 from __future__ import annotations
@@ -23,9 +24,15 @@ _WORTH_COMPILING = 50
 
 
 def track(
-    system: AlgebraicSystem, z: np.ndarray, begin: np.ndarray, end: np.ndarray, settings: TrackSettings | None = None
+    system: AlgebraicSystem,
+    z: np.ndarray,
+    begin: np.ndarray,
+    end: np.ndarray,
+    settings: TrackSettings | None = None,
 ) -> Tracked:
-    """Roots z (width, n) of F(., begin) to roots of F(., end); known values (known,) or (known, n)."""
+    """Roots z (width, n) of F(., begin) to roots of F(., end); known values (known,) or (known,
+    n).
+    """
     end = aligned(system, begin, end)
     compiled, _ = engine_of(system)
     if compiled is not None:
@@ -37,28 +44,46 @@ def track(
 
 
 def track_lines(
-    system: AlgebraicSystem, roots: Sequence[np.ndarray], lines: Sequence[Line], settings: TrackSettings | None = None
+    system: AlgebraicSystem,
+    roots: Sequence[np.ndarray],
+    lines: Sequence[Line],
+    settings: TrackSettings | None = None,
 ) -> list[Tracked]:
-    """Roots (width, n) of each line's beginning to its end, all lines at once but where the tracker of quadratic rows, whose
-    paths share one line, is faster; the same as `track` of each."""
+    """Roots (width, n) of each line's beginning to its end, all lines at once but where the tracker
+    of quadratic rows, whose paths share one line, is faster; the same as `track` of each.
+    """
     if len(lines) < 2 or (engine_of(system)[0] is None and quadratic_form(system) is not None):
-        return [track(system, z, begin, end, settings) for z, (begin, end) in zip(roots, lines, strict=True)]
+        return [
+            track(system, z, begin, end, settings)
+            for z, (begin, end) in zip(roots, lines, strict=True)
+        ]
     counts = [z.shape[1] for z in roots]
     begin = np.repeat(np.array([begin for begin, _ in lines], dtype=complex).T, counts, axis=1)
     end = np.repeat(np.array([end for _, end in lines], dtype=complex).T, counts, axis=1)
     whole = track(system, np.concatenate(roots, axis=1), begin, end, settings)
     ends = np.cumsum(counts)
-    return [whole.take(slice(last - count, last)) for last, count in zip(ends.tolist(), counts, strict=True)]
+    return [
+        whole.take(slice(last - count, last))
+        for last, count in zip(ends.tolist(), counts, strict=True)
+    ]
 
 
-def newton(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, iterations: int = 5) -> tuple[np.ndarray, np.ndarray]:
-    """Newton at fixed k, (known,) or (known, n); points and the size of the last step. Nothing is compiled for it alone."""
+def newton(
+    system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, iterations: int = 5
+) -> tuple[np.ndarray, np.ndarray]:
+    """Newton at fixed k, (known,) or (known, n); points and the size of the last step. Nothing is
+    compiled for it alone.
+    """
     compiled, _ = engine_of(system, build=False)
-    return compiled.newton(z, k, iterations) if compiled else tracker.newton(system, z, k, iterations)
+    return (
+        compiled.newton(z, k, iterations) if compiled else tracker.newton(system, z, k, iterations)
+    )
 
 
 def engine_of(system: AlgebraicSystem, *, build: bool = True) -> tuple[CompiledTracker | None, str]:
-    """The compiled engine of a system, built at need if `build`, or None; and what is used, in a few words."""
+    """The compiled engine of a system, built at need if `build`, or None; and what is used, in a
+    few words.
+    """
     if system.cost < _WORTH_COMPILING:
         return None, "NumPy"
     compiled, text = load(system, build=build)
@@ -66,8 +91,9 @@ def engine_of(system: AlgebraicSystem, *, build: bool = True) -> tuple[CompiledT
 
 
 def aligned(system: AlgebraicSystem, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Known values `end` with a known quaternion q scaled by the complex number that takes it nearest to that of `begin`,
-    p: q (q* p) / (q* q). The roots are the same, the way is shorter."""
+    """Known values `end` with a known quaternion q scaled by the complex number that takes it
+    nearest to that of `begin`, p: q (q* p) / (q* q). The roots are the same, the way is shorter.
+    """
     if not system.known_ray:
         return end
     ray = list(system.known_ray)

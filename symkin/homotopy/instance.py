@@ -13,8 +13,9 @@ from symkin.homotopy.tracker import Tracked
 
 
 def instance(system: AlgebraicSystem, start: Fibre, target: np.ndarray) -> Ends:
-    """Track all generic roots to known values `target`; what does not arrive at a regular root of its own is decided by
-    the endgame."""
+    """Track all generic roots to known values `target`; what does not arrive at a regular root of
+    its own is decided by the endgame.
+    """
     target = aligned(system, start.k, target)
     return finish(system, start, target, _tracked(system, start, target))
 

@@ -1,9 +1,11 @@
-"""C text of an algebraic system: rows, their derivatives and their change along a line, for lanes of paths.
+"""C text of an algebraic system: rows, their derivatives and their change along a line, for lanes
+of paths.
 
-The SX graph is walked once into straight-line code in which every complex value is a pair of vectors over the lanes.
-Where rows are more than unknowns, they are squared: each row that is kept takes random multiples of those that are too
-many. The roots of the whole are among those of the square system and, with probability one, regular there if they were;
-what the further rows leave is returned beside it.
+The SX graph is walked once into straight-line code in which every complex value is a pair of
+vectors over the lanes. Where rows are more than unknowns, they are squared: each row that is kept
+takes random multiples of those that are too many. The roots of the whole are among those of the
+square system and, with probability one, regular there if they were; what the further rows leave is
+returned beside it.
 """
 
 from __future__ import annotations
@@ -24,7 +26,9 @@ class NoLaneCodeError(NotImplementedError):
 
 
 def closure_source(system: AlgebraicSystem) -> str:
-    """closure.h of a system: its sizes, the places of the ray, and `evaluate`. Raises NoLaneCodeError."""
+    """closure.h of a system: its sizes, the places of the ray, and `evaluate`. Raises
+    NoLaneCodeError.
+    """
     rows, further = squared_rows(system)
     direction = ca.SX.sym("dk", system.k.shape[0])
     outputs = [rows, ca.jacobian(rows, system.z), ca.jtimes(rows, system.k, direction), further]
@@ -36,7 +40,8 @@ def closure_source(system: AlgebraicSystem) -> str:
             f"#define KNOWN {system.k.shape[0]}",
             f"#define PROJECTIVE {int(bool(system.projective))}",
             f"static const char in_ray[UNKNOWNS] = {{{in_ray}}};",
-            "static void evaluate(const v *restrict z, v s, const v *restrict begin, const v *restrict along, v *restrict a,",
+            "static void evaluate(const v *restrict z, v s, const v *restrict begin, const v "
+            "*restrict along, v *restrict a,",
             "                     v *restrict further)",
             "{",
             *_Walk(function, system.width).statements(),
@@ -47,8 +52,9 @@ def closure_source(system: AlgebraicSystem) -> str:
 
 
 def squared_rows(system: AlgebraicSystem) -> tuple[ca.SX, ca.SX]:
-    """As many rows as unknowns (one fewer where there is a ray), each with random multiples of the further ones; and
-    the further ones. Raises NoLaneCodeError where rows are too few."""
+    """As many rows as unknowns (one fewer where there is a ray), each with random multiples of the
+    further ones; and the further ones. Raises NoLaneCodeError where rows are too few.
+    """
     need = system.width - int(bool(system.projective))
     if system.count < need:
         raise NoLaneCodeError(f"{system.count} rows do not determine {need} unknowns")
@@ -61,14 +67,24 @@ def squared_rows(system: AlgebraicSystem) -> tuple[ca.SX, ca.SX]:
 
 
 def _pivot_order(system: AlgebraicSystem, need: int) -> list[int]:
-    """Rows in the order in which elimination takes them at a random real point, so that it seldom has to exchange any."""
+    """Rows in the order in which elimination takes them at a random real point, so that it seldom
+    has to exchange any.
+    """
     rng = np.random.default_rng(0)
     jacobian = ca.Function("j", [system.z, system.k], [ca.jacobian(system.rows, system.z)])
-    a = np.nan_to_num(np.asarray(ca.densify(jacobian(rng.normal(size=system.width), rng.normal(size=int(system.k.shape[0]))))))
+    a = np.nan_to_num(
+        np.asarray(
+            ca.densify(
+                jacobian(rng.normal(size=system.width), rng.normal(size=int(system.k.shape[0])))
+            )
+        )
+    )
     a /= np.maximum(np.linalg.norm(a, axis=1, keepdims=True), 1e-300)
     order: list[int] = []
     for column in range(need):
-        pivot = max((i for i in range(system.count) if i not in order), key=lambda i: abs(a[i, column]))
+        pivot = max(
+            (i for i in range(system.count) if i not in order), key=lambda i: abs(a[i, column])
+        )
         order.append(pivot)
         factors = a[:, column] / (a[pivot, column] or 1.0)
         factors[order] = 0.0
@@ -78,7 +94,9 @@ def _pivot_order(system: AlgebraicSystem, need: int) -> list[int]:
 
 @dataclass(frozen=True)
 class _Value:
-    """Names of the two parts over the lanes; for a real constant its `number` and no imaginary part."""
+    """Names of the two parts over the lanes; for a real constant its `number` and no imaginary
+    part.
+    """
 
     real: str
     imaginary: str = ""
@@ -87,7 +105,9 @@ class _Value:
 
 @dataclass
 class _Walk:
-    """Statements of a function f(z, k, dk) with the outputs rows, dF/dz, dF/dk dk and further rows."""
+    """Statements of a function f(z, k, dk) with the outputs rows, dF/dz, dF/dk dk and further
+    rows.
+    """
 
     function: ca.Function
     width: int
@@ -101,16 +121,24 @@ class _Walk:
         for row in range(f.size1_out(0)):
             for column in range(self.width + 2):
                 if (row, column) not in filled:
-                    self.lines.append(f"a[{self._at(row, column)}] = a[{self._at(row, column)} + 1] = all(0.0);")
+                    self.lines.append(
+                        f"a[{self._at(row, column)}] = a[{self._at(row, column)} + 1] = all(0.0);"
+                    )
         walk(f, self)
         return self.lines
 
     @cached_property
     def _places(self) -> list[list[tuple[int, int]]]:
         """Row and column in the matrix of each nonzero of the first three outputs."""
-        triplets = [list(zip(*self.function.sparsity_out(o).get_triplet(), strict=True)) for o in range(3)]
+        triplets = [
+            list(zip(*self.function.sparsity_out(o).get_triplet(), strict=True)) for o in range(3)
+        ]
         rows, jacobian, along = triplets
-        return [[(r, self.width) for r, _ in rows], jacobian, [(r, self.width + 1) for r, _ in along]]
+        return [
+            [(r, self.width) for r, _ in rows],
+            jacobian,
+            [(r, self.width + 1) for r, _ in along],
+        ]
 
     def _at(self, row: int, column: int) -> int:
         return 2 * (row * (self.width + 2) + column)
@@ -120,7 +148,10 @@ class _Walk:
         if number == 0:
             return self._name(f"z[{2 * i}]", f"z[{2 * i + 1}]")
         if number == 1:
-            return self._name(f"begin[{2 * i}] + s * along[{2 * i}]", f"begin[{2 * i + 1}] + s * along[{2 * i + 1}]")
+            return self._name(
+                f"begin[{2 * i}] + s * along[{2 * i}]",
+                f"begin[{2 * i + 1}] + s * along[{2 * i + 1}]",
+            )
         return self._name(f"along[{2 * i}]", f"along[{2 * i + 1}]")
 
     def constant(self, number: float) -> _Value:
@@ -129,7 +160,9 @@ class _Walk:
     def output(self, number: int, nonzero: int, value: _Value) -> None:
         real, imaginary = _parts(value)
         if number >= len(self._places):
-            self.lines.append(f"*further = larger(*further, {real} * {real} + {imaginary} * {imaginary});")
+            self.lines.append(
+                f"*further = larger(*further, {real} * {real} + {imaginary} * {imaginary});"
+            )
         else:
             at = self._at(*self._places[number][nonzero])
             self.lines.append(f"a[{at}] = {real}, a[{at + 1}] = {imaginary};")
@@ -186,7 +219,8 @@ class _Walk:
             return _constant(x.number * y.number)
         if x.imaginary and y.imaginary:
             return self._name(
-                f"{x.real} * {y.real} - {x.imaginary} * {y.imaginary}", f"{x.real} * {y.imaginary} + {x.imaginary} * {y.real}"
+                f"{x.real} * {y.real} - {x.imaginary} * {y.imaginary}",
+                f"{x.real} * {y.imaginary} + {x.imaginary} * {y.real}",
             )
         factor, z = (y, x) if x.imaginary else (x, y)
         return self._name(f"{factor.real} * {z.real}", f"{factor.real} * {z.imaginary}")
@@ -214,7 +248,9 @@ class _Walk:
             n = len(self.lines)
             names = [f"sx{n}", f"sy{n}", f"cx{n}", f"cy{n}"]
             self.lines.append(f"v {', '.join(names)};")
-            self.lines.append(f"sin_cos({', '.join(_parts(x))}, {', '.join('&' + name for name in names)});")
+            self.lines.append(
+                f"sin_cos({', '.join(_parts(x))}, {', '.join('&' + name for name in names)});"
+            )
             self.sines[x] = (_Value(names[0], names[1]), _Value(names[2], names[3]))
         return self.sines[x]
 

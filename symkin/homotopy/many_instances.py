@@ -1,7 +1,7 @@
 """Paths of many instances tracked in one call, and which instances need no more than that.
 
-An instance is plain where every path arrives at a regular root of its own; `endgame.finish` decides the same for one
-instance, and does what is to be done for others.
+An instance is plain where every path arrives at a regular root of its own; `endgame.finish` decides
+the same for one instance, and does what is to be done for others.
 """
 
 from __future__ import annotations
@@ -25,24 +25,31 @@ _PATHS_AT_ONCE = 1400
 _CLOSE_BESIDE = 1e-9
 """A second such distance, for roots about which the rows bend more."""
 APART = 1e-5
-"""Distance of two ends (see `nearest`) above which they are two roots, whatever is asked of them: equal roots are told by
-1e-6."""
+"""Distance of two ends (see `nearest`) above which they are two roots, whatever is asked of them:
+equal roots are told by 1e-6.
+"""
 
 
 def plain_instances(
     system: AlgebraicSystem, start: Fibre, known: np.ndarray, *, judge: bool = True
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Roots (n, width, roots) of n instances with known values (known, n), and which of the instances are plain; the roots
-    of others mean nothing. Without `judge` nobody has looked yet whether the roots are regular."""
+    """Roots (n, width, roots) of n instances with known values (known, n), and which of the
+    instances are plain; the roots of others mean nothing. Without `judge` nobody has looked yet
+    whether the roots are regular.
+    """
     each = max(1, _PATHS_AT_ONCE // max(1, start.z.shape[1]))
     count = known.shape[1]
-    parts = [_group(system, start, known[:, i : i + each], judge=judge) for i in range(0, count, each)]
+    parts = [
+        _group(system, start, known[:, i : i + each], judge=judge) for i in range(0, count, each)
+    ]
     if len(parts) == 1:
         return parts[0]
     return np.concatenate([z for z, _ in parts]), np.concatenate([plain for _, plain in parts])
 
 
-def _group(system: AlgebraicSystem, start: Fibre, known: np.ndarray, *, judge: bool) -> tuple[np.ndarray, np.ndarray]:
+def _group(
+    system: AlgebraicSystem, start: Fibre, known: np.ndarray, *, judge: bool
+) -> tuple[np.ndarray, np.ndarray]:
     mirrors, n = start.mirrors, known.shape[1]
     begin = start.z if mirrors is None else start.z[:, mirrors.first]
     each = begin.shape[1]
@@ -59,7 +66,9 @@ def _group(system: AlgebraicSystem, start: Fibre, known: np.ndarray, *, judge: b
         kept = tracked.z if places.size == n else tracked.z[:, np.repeat(plain, each)]
         good = ~is_no_pose(system, kept)
         if judge:
-            good &= are_regular(system, kept, target[:, 0] if n == 1 else np.repeat(target[:, places], each, axis=1))
+            good &= are_regular(
+                system, kept, target[:, 0] if n == 1 else np.repeat(target[:, places], each, axis=1)
+            )
         plain[places] = good.reshape(places.size, each).all(axis=1)
     ends = tracked.z.reshape(system.width, n, each).transpose(1, 0, 2)
     if mirrors is not None:
@@ -71,23 +80,31 @@ def _group(system: AlgebraicSystem, start: Fibre, known: np.ndarray, *, judge: b
 
 def _unfolded(mirrors: Orbits, ends: np.ndarray) -> np.ndarray:
     """All roots (n, width, roots) from those (n, width, orbits) that stand for them."""
-    matrices, shifts = mirrors.symmetries.matrices[mirrors.maps], mirrors.symmetries.shifts[mirrors.maps]
+    matrices, shifts = (
+        mirrors.symmetries.matrices[mirrors.maps],
+        mirrors.symmetries.shifts[mirrors.maps],
+    )
     return np.asarray(np.einsum("rij,njr->nir", matrices, ends[:, :, mirrors.labels]) + shifts.T)
 
 
 def are_regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Which roots z (width, n) at known values (known,) or (known, n) are well conditioned: a Newton step from beside each leads
-    back to it, or the Jacobian there has full rank."""
+    """Which roots z (width, n) at known values (known,) or (known, n) are well conditioned: a
+    Newton step from beside each leads back to it, or the Jacobian there has full rank.
+    """
     direction, good = _direction(system.width), np.zeros(z.shape[1], dtype=bool)
     for distance in (BESIDE, _CLOSE_BESIDE):
         left = np.flatnonzero(~good)
         if left.size:
             here = z[:, left]
-            back, _ = newton(system, here + distance * direction, k if k.ndim == 1 else k[:, left], 1)
+            back, _ = newton(
+                system, here + distance * direction, k if k.ndim == 1 else k[:, left], 1
+            )
             good[left] = gaps(system, back, here) < RETURNED * distance
     left = np.flatnonzero(~good)
     if left.size:
-        good[left] = look(system, z[:, left], k if k.ndim == 1 else k[:, left]).share > RANK_TOLERANCE
+        good[left] = (
+            look(system, z[:, left], k if k.ndim == 1 else k[:, left]).share > RANK_TOLERANCE
+        )
     return good
 
 
@@ -98,10 +115,13 @@ def _direction(width: int) -> np.ndarray:
     return rng.normal(size=(width, 1)) + 1j * rng.normal(size=(width, 1))
 
 
-def nearest(system: AlgebraicSystem, ends: np.ndarray, places: Sequence[int] | None = None) -> np.ndarray:
-    """Least distance (n,) of two roots of each instance (n, width, roots), in some places of z or all: angles up to whole turns,
-    large lengths by their ratio, rays by their sine (to 1e-7); infinite for single roots. A rod's length and its negative are
-    one root."""
+def nearest(
+    system: AlgebraicSystem, ends: np.ndarray, places: Sequence[int] | None = None
+) -> np.ndarray:
+    """Least distance (n,) of two roots of each instance (n, width, roots), in some places of z or
+    all: angles up to whole turns, large lengths by their ratio, rays by their sine (to 1e-7);
+    infinite for single roots. A rod's length and its negative are one root.
+    """
     n, _, roots = ends.shape
     if roots < 2:
         return np.full(n, np.inf)
@@ -115,7 +135,9 @@ def nearest(system: AlgebraicSystem, ends: np.ndarray, places: Sequence[int] | N
         rays = ends[:, ray]
         rays = rays / np.sqrt((rays.real**2 + rays.imag**2).sum(axis=1))[:, None]
         cosines = np.conj(rays.transpose(0, 2, 1)) @ rays
-        np.maximum(found, np.sqrt(np.maximum(1.0 - cosines.real**2 - cosines.imag**2, 0.0)), out=found)
+        np.maximum(
+            found, np.sqrt(np.maximum(1.0 - cosines.real**2 - cosines.imag**2, 0.0)), out=found
+        )
     diagonal = np.arange(roots)
     found[:, diagonal, diagonal] = np.inf
     return np.asarray(found.min(axis=(1, 2)))

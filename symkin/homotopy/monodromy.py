@@ -1,7 +1,8 @@
 """All roots of a generic instance, found by moving the known values around loops.
 
-The mechanism is its own start system: random complex unknowns fix the known values that they need, which gives one root
-of one generic instance. Loops in the space of known values permute the roots and reveal new ones (Duff et al. 2019).
+The mechanism is its own start system: random complex unknowns fix the known values that they need,
+which gives one root of one generic instance. Loops in the space of known values permute the roots
+and reveal new ones (Duff et al. 2019).
 """
 
 from __future__ import annotations
@@ -22,13 +23,18 @@ from symkin.numeric.levenberg import Progress
 
 MOST_ROOTS = 130
 MOST_WORK = 1.5e7
-"""More roots than MOST_ROOTS, or more work than MOST_WORK - steps of all loops times the instructions of a step's
-evaluation, weighed by the count of paths - and a search is given up. A count, not a clock, so that the same input gives
-the same answer."""
+"""More roots than MOST_ROOTS, or more work than MOST_WORK - steps of all loops times the
+instructions of a step's evaluation, weighed by the count of paths - and a search is given up. A
+count, not a clock, so that the same input gives the same answer.
+"""
 _SEEDS = 72
-"""Points from which seeds are sought; a tenth to a third of them are found, on whichever components of the closure there are."""
+"""Points from which seeds are sought; a tenth to a third of them are found, on whichever components
+of the closure there are.
+"""
 _FEWEST_AT_ONCE, _LOOPS_AT_ONCE, _PATHS_AT_ONCE = 2, 24, 240
-"""Loops that are tracked together while they find roots, and afterwards at most, and their paths at most."""
+"""Loops that are tracked together while they find roots, and afterwards at most, and their paths at
+most.
+"""
 _IDLE_LOOPS = 25
 """Loops after which a single root that none has moved is taken to be alone."""
 _LONGEST_TURN, _HIGHEST = 2 * np.pi, 2.0
@@ -39,9 +45,10 @@ _ORBIT_LOOPS_AT_ONCE = 4
 _MOST_ORBIT_LOOPS = 60
 """Loops at most in search of connections between known roots."""
 _LOOPS_APART = 20
-"""Loops in a row that connect no two orbits before orbits are told apart. A loop around one branch point moves every root and
-connects only the pairs that meet there, so that moved roots alone are no evidence: where one loop in five would connect two
-orbits, twenty miss it once in a hundred times."""
+"""Loops in a row that connect no two orbits before orbits are told apart. A loop around one branch
+point moves every root and connects only the pairs that meet there, so that moved roots alone are no
+evidence: where one loop in five would connect two orbits, twenty miss it once in a hundred times.
+"""
 
 
 class TooManyRootsError(Exception):
@@ -50,9 +57,10 @@ class TooManyRootsError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Fibre:
-    """Roots z (width, n) of F(., k); `orbits` labels the roots by what the loops have connected; `evidence` is
-    sum -log10(1 - share of roots moved) over the loops since the last new root; `mirrors` groups roots that symmetries of
-    the closure carry to each other."""
+    """Roots z (width, n) of F(., k); `orbits` labels the roots by what the loops have connected;
+    `evidence` is sum -log10(1 - share of roots moved) over the loops since the last new root;
+    `mirrors` groups roots that symmetries of the closure carry to each other.
+    """
 
     z: np.ndarray
     k: np.ndarray
@@ -65,7 +73,9 @@ class Fibre:
 
 @dataclass
 class _Found:
-    """Roots met so far; `poses` numbers the pose of each column, `parents` joins poses that loops have connected."""
+    """Roots met so far; `poses` numbers the pose of each column, `parents` joins poses that loops
+    have connected.
+    """
 
     system: AlgebraicSystem
     z: np.ndarray
@@ -83,7 +93,9 @@ class _Found:
 
     def add(self, column: np.ndarray) -> int:
         """Append a root, of a known pose or of a new one."""
-        apart = np.max(np.abs(self.system.features(self.z) - self.system.features(column[:, None])), axis=1)
+        apart = np.max(
+            np.abs(self.system.features(self.z) - self.system.features(column[:, None])), axis=1
+        )
         pose = int(self.poses[np.argmin(apart)]) if apart.min() < SAME else len(self.parents)
         if pose == len(self.parents):
             self.parents.append(pose)
@@ -93,7 +105,9 @@ class _Found:
 
     def compressed(self) -> _Found:
         """The same poses and branches with the fewest roots."""
-        parts = [cover(self.system, self.z[:, self.poses == pose]) for pose in range(len(self.parents))]
+        parts = [
+            cover(self.system, self.z[:, self.poses == pose]) for pose in range(len(self.parents))
+        ]
         poses = np.repeat(np.arange(len(parts)), [part.shape[1] for part in parts])
         return _Found(self.system, np.hstack(parts), poses, self.parents)
 
@@ -114,8 +128,10 @@ class _Found:
 
 @dataclass(frozen=True, eq=False)
 class Looping:
-    """Where loops go and end. `angles`: which known values are angles (None: none); `bound`: roots at which the search ends
-    (None: no bound is known); `needed`: the evidence at which it ends; `most_loops`: loops after which it ends."""
+    """Where loops go and end. `angles`: which known values are angles (None: none); `bound`: roots
+    at which the search ends (None: no bound is known); `needed`: the evidence at which it ends;
+    `most_loops`: loops after which it ends.
+    """
 
     angles: np.ndarray | None = None
     bound: int | None = None
@@ -124,11 +140,18 @@ class Looping:
 
 
 def fibre(
-    system: AlgebraicSystem, points: Points, rng: np.random.Generator, seed: int, rank: int, looping: Looping,
-    known: tuple[np.ndarray, np.ndarray] | None = None, progress: Progress | None = None,
-) -> Fibre | None:  # fmt: skip
-    """Loop until a bound is reached or the evidence is enough. None where no seed was found. `known` are roots and base to
-    begin with."""
+    system: AlgebraicSystem,
+    points: Points,
+    rng: np.random.Generator,
+    seed: int,
+    rank: int,
+    looping: Looping,
+    known: tuple[np.ndarray, np.ndarray] | None = None,
+    progress: Progress | None = None,
+) -> Fibre | None:
+    """Loop until a bound is reached or the evidence is enough. None where no seed was found.
+    `known` are roots and base to begin with.
+    """
     found, k0 = _begin(system, points, rng, rank, known)
     if found is None:
         return None
@@ -141,7 +164,9 @@ def fibre(
             break
     found = search.found
     orbits = np.array([found.orbit(pose) for pose in found.poses])
-    return Fibre(found.z, k0, np.unique(orbits, return_inverse=True)[1], search.evidence, search.loops, seed)
+    return Fibre(
+        found.z, k0, np.unique(orbits, return_inverse=True)[1], search.evidence, search.loops, seed
+    )
 
 
 @dataclass
@@ -161,32 +186,51 @@ class _Search:
     """Loops since the last that found a root or connected two orbits."""
 
     def is_over(self, looping: Looping) -> bool:
-        """Whether the bound or the evidence is reached, and orbits that are left have stayed apart for long enough."""
+        """Whether the bound or the evidence is reached, and orbits that are left have stayed apart
+        for long enough.
+        """
         reached = looping.bound is not None and self.found.z.shape[1] >= looping.bound
-        return (reached or self.evidence >= looping.needed) and (self.found.parts == 1 or self.apart >= _LOOPS_APART)
+        return (reached or self.evidence >= looping.needed) and (
+            self.found.parts == 1 or self.apart >= _LOOPS_APART
+        )
 
     def go_round(self, needed: float, most_loops: int) -> None:
-        """Several loops at once, all of the same roots. Where one finds a root, none of them is evidence: the others did not
-        move it. After idle ones come as many as the evidence `needed` seems to take."""
+        """Several loops at once, all of the same roots. Where one finds a root, none of them is
+        evidence: the others did not move it. After idle ones come as many as the evidence `needed`
+        seems to take.
+        """
         z, parts = self.found.z, self.found.parts
         roots = z.shape[1]
         count = min(self.at_once, most_loops - self.loops, max(1, _PATHS_AT_ONCE // roots))
         loops = around(self.system, z, [self._triangle() for _ in range(count)])
         self.loops += count
-        self.work += max(loop.steps for loop in loops) * self.system.cost * (1 + count * roots / 100)
+        self.work += (
+            max(loop.steps for loop in loops) * self.system.cost * (1 + count * roots / 100)
+        )
         if self.work > MOST_WORK:
             raise TooManyRootsError(roots)
         moved = [_absorb(self.found, loop) for loop in loops]
         if self.found.z.shape[1] > MOST_ROOTS:
             raise TooManyRootsError(self.found.z.shape[1])
         if self.found.z.shape[1] > roots:
-            self.found, self.evidence, self.at_once, self.apart = self.found.compressed(), 0.0, _FEWEST_AT_ONCE, 0
+            self.found, self.evidence, self.at_once, self.apart = (
+                self.found.compressed(),
+                0.0,
+                _FEWEST_AT_ONCE,
+                0,
+            )
             return
         self.apart = self.apart + count if self.found.parts == parts else 0
-        gained = sum(_evidence(m, roots) for m, loop in zip(moved, loops, strict=True) if loop.arrived.any())
+        gained = sum(
+            _evidence(m, roots) for m, loop in zip(moved, loops, strict=True) if loop.arrived.any()
+        )
         self.evidence += gained
         fewest = _ORBIT_LOOPS_AT_ONCE if self.found.parts > 1 else 1
-        self.at_once = int(np.clip(np.ceil((needed - self.evidence) / max(gained / count, 0.1)), fewest, _LOOPS_AT_ONCE))
+        self.at_once = int(
+            np.clip(
+                np.ceil((needed - self.evidence) / max(gained / count, 0.1)), fewest, _LOOPS_AT_ONCE
+            )
+        )
 
     def _triangle(self) -> list[np.ndarray]:
         """A random loop k0, k1, k2, k0."""
@@ -201,7 +245,11 @@ def _evidence(moved: int, roots: int) -> float:
 
 
 def _begin(
-    system: AlgebraicSystem, points: Points, rng: np.random.Generator, rank: int, known: tuple[np.ndarray, np.ndarray] | None
+    system: AlgebraicSystem,
+    points: Points,
+    rng: np.random.Generator,
+    rank: int,
+    known: tuple[np.ndarray, np.ndarray] | None,
 ) -> tuple[_Found | None, np.ndarray]:
     """The known roots, or a first seed and what other seeds give at its base."""
     if known is not None:
@@ -210,17 +258,23 @@ def _begin(
     z, k = seed_roots(system, points, rng, rank, _SEEDS)
     if not z.shape[1]:
         return None, np.zeros(0)
-    return _Found.of(system, np.hstack([z[:, :1], carried(system, z[:, 1:], k[:, 1:], k[:, 0])])), k[:, 0]
+    return _Found.of(
+        system, np.hstack([z[:, :1], carried(system, z[:, 1:], k[:, 1:], k[:, 0])])
+    ), k[:, 0]
 
 
 def loop_radius(rng: np.random.Generator) -> float:
     """Log-uniform between 0.7 and 5 sizes (or radians), at times up to 30."""
-    return float(0.7 * (5.0 / 0.7) ** rng.uniform() if rng.uniform() < 0.85 else 5.0 * 6.0 ** rng.uniform())
+    return float(
+        0.7 * (5.0 / 0.7) ** rng.uniform() if rng.uniform() < 0.85 else 5.0 * 6.0 ** rng.uniform()
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class _Loop:
-    """What one loop came to: an end for each root that it began with, which of them arrived, and the steps taken."""
+    """What one loop came to: an end for each root that it began with, which of them arrived, and
+    the steps taken.
+    """
 
     z: np.ndarray
     arrived: np.ndarray
@@ -228,26 +282,41 @@ class _Loop:
 
 
 def within_reach(way: np.ndarray, angles: np.ndarray | None) -> np.ndarray:
-    """A way from a base of known values, with its angles shortened to what loops need: branch points repeat after a whole turn,
-    and where imaginary parts are large sines and cosines are one exponential, which paths follow slowly or not at all."""
+    """A way from a base of known values, with its angles shortened to what loops need: branch
+    points repeat after a whole turn, and where imaginary parts are large sines and cosines are one
+    exponential, which paths follow slowly or not at all.
+    """
     if angles is None or not angles.any():
         return way
-    turned = _LONGEST_TURN * np.tanh(way.real / _LONGEST_TURN) + 1j * _HIGHEST * np.tanh(way.imag / _HIGHEST)
+    turned = _LONGEST_TURN * np.tanh(way.real / _LONGEST_TURN) + 1j * _HIGHEST * np.tanh(
+        way.imag / _HIGHEST
+    )
     return np.where(angles, turned, way)
 
 
-def around(system: AlgebraicSystem, z: np.ndarray, polygons: Sequence[Sequence[np.ndarray]]) -> list[_Loop]:
-    """Roots z (width, n) tracked along closed polygons of equally many corners, all with the same first corner."""
-    ends, arrived = [z.copy() for _ in polygons], [np.ones(z.shape[1], dtype=bool) for _ in polygons]
+def around(
+    system: AlgebraicSystem, z: np.ndarray, polygons: Sequence[Sequence[np.ndarray]]
+) -> list[_Loop]:
+    """Roots z (width, n) tracked along closed polygons of equally many corners, all with the same
+    first corner.
+    """
+    ends, arrived = (
+        [z.copy() for _ in polygons],
+        [np.ones(z.shape[1], dtype=bool) for _ in polygons],
+    )
     steps = [0] * len(polygons)
     for sides in zip(*(pairwise(corners) for corners in polygons), strict=True):
-        tracked = track_lines(system, [e[:, a] for e, a in zip(ends, arrived, strict=True)], sides, _LOOPING)
+        tracked = track_lines(
+            system, [e[:, a] for e, a in zip(ends, arrived, strict=True)], sides, _LOOPING
+        )
         for i, t in enumerate(tracked):
             there = np.flatnonzero(arrived[i])
             ends[i][:, there], arrived[i][there], steps[i] = t.z, t.arrived, steps[i] + t.steps
     counts = [int(a.sum()) for a in arrived]
     if sum(counts):
-        polished, last = newton(system, np.hstack([e[:, a] for e, a in zip(ends, arrived, strict=True)]), polygons[0][0])
+        polished, last = newton(
+            system, np.hstack([e[:, a] for e, a in zip(ends, arrived, strict=True)]), polygons[0][0]
+        )
         begins = np.cumsum([0, *counts])
         for i, begin in enumerate(begins[:-1]):
             there, here = np.flatnonzero(arrived[i]), slice(begin, begins[i + 1])
@@ -256,24 +325,39 @@ def around(system: AlgebraicSystem, z: np.ndarray, polygons: Sequence[Sequence[n
 
 
 def orbits(
-    system: AlgebraicSystem, z: np.ndarray, k0: np.ndarray, corner: Callable[[], np.ndarray], needed: float = 10.0
+    system: AlgebraicSystem,
+    z: np.ndarray,
+    k0: np.ndarray,
+    corner: Callable[[], np.ndarray],
+    needed: float = 10.0,
 ) -> np.ndarray:
-    """Labels of roots by what loops through pairs of corners connect, until all are one or the evidence since the last connection
-    is `needed` and `_LOOPS_APART` have connected none. All zero where the loops leave a root alone: that is no evidence of a part
-    of its own."""
+    """Labels of roots by what loops through pairs of corners connect, until all are one or the
+    evidence since the last connection is `needed` and `_LOOPS_APART` have connected none. All zero
+    where the loops leave a root alone: that is no evidence of a part of its own.
+    """
     found, evidence, loops, apart = _Found.of(system, z), 0.0, 0, 0
-    while found.parts > 1 and (evidence < needed or apart < _LOOPS_APART) and loops < _MOST_ORBIT_LOOPS:
+    while (
+        found.parts > 1
+        and (evidence < needed or apart < _LOOPS_APART)
+        and loops < _MOST_ORBIT_LOOPS
+    ):
         count = max(1, min(_ORBIT_LOOPS_AT_ONCE, _PATHS_AT_ONCE // z.shape[1]))
         for loop in around(system, found.z, [[k0, corner(), corner(), k0] for _ in range(count)]):
             before, loops = found.parts, loops + 1
             moved = _absorb(found, replace(loop, arrived=loop.arrived & (found.match(loop.z) >= 0)))
-            evidence, apart = (evidence + _evidence(moved, z.shape[1]), apart + 1) if found.parts == before else (0.0, 0)
+            evidence, apart = (
+                (evidence + _evidence(moved, z.shape[1]), apart + 1)
+                if found.parts == before
+                else (0.0, 0)
+            )
     labels = np.unique([found.orbit(pose) for pose in found.poses], return_inverse=True)[1]
     return labels if np.bincount(labels).min() > 1 and evidence >= needed else np.zeros_like(labels)
 
 
 def _absorb(found: _Found, loop: _Loop) -> int:
-    """Unite roots with the ends of a loop that began at the first of them; how many it has moved."""
+    """Unite roots with the ends of a loop that began at the first of them; how many it has
+    moved.
+    """
     moved, there = 0, np.flatnonzero(loop.arrived)
     if not there.size:
         return 0

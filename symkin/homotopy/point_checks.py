@@ -1,7 +1,9 @@
-"""What the rows of a system say about points at one instance: rank, Newton steps, poses that are none, neighbours.
+"""What the rows of a system say about points at one instance: rank, Newton steps, poses that are
+none, neighbours.
 
-Jacobians take a row more where there is a ray x, conj(x).dx = 0, so that a regular root has full rank. The share of a
-singular value is its ratio to the largest, or to 1 (rows and unknowns are of order one) where that is more.
+Jacobians take a row more where there is a ray x, conj(x).dx = 0, so that a regular root has full
+rank. The share of a singular value is its ratio to the largest, or to 1 (rows and unknowns are of
+order one) where that is more.
 """
 
 from __future__ import annotations
@@ -15,7 +17,9 @@ from symkin.homotopy.circles import gaps
 from symkin.numeric.tolerances import MULTIPLE_ROOT_SHARE
 
 ROWS = 1e-14
-"""Largest row that a root may leave, beyond what rows that contradict each other leave everywhere."""
+"""Largest row that a root may leave, beyond what rows that contradict each other leave
+everywhere.
+"""
 _FAR = 1e-5
 """|e| / |(e, g)| below which a ray is no pose: positions beyond 1e5 sizes."""
 _NO_WEIGHT = 1e-8
@@ -23,15 +27,18 @@ _NO_WEIGHT = 1e-8
 _WELL_DETERMINED = 1e-4
 """Share above which a direction is polished at a singular root."""
 _STEPS = (0.1, 0.03)
-"""Steps (of angles, of the size, of a ray's unit length) that look for more roots beside a singular one."""
+"""Steps (of angles, of the size, of a ray's unit length) that look for more roots beside a singular
+one.
+"""
 _MOST_STEPS = 60
 """Damped steps after which the search for one of them is given up."""
 
 
 @dataclass(frozen=True, eq=False)
 class Local:
-    """Rows (n, m) at n points and their Jacobians' singular value decompositions: left (n, m, r), values (n, r) in
-    falling order, right (n, r, width), adjoint."""
+    """Rows (n, m) at n points and their Jacobians' singular value decompositions: left (n, m, r),
+    values (n, r) in falling order, right (n, r, width), adjoint.
+    """
 
     rows: np.ndarray
     left: np.ndarray
@@ -58,20 +65,31 @@ class Local:
 
 
 def look(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> Local:
-    """The rows and their Jacobians at points z (width, n) for known values k, (known,) or (known, n)."""
-    each = k.astype(complex) if k.ndim == 2 else np.repeat(k.astype(complex)[:, None], z.shape[1], axis=1)
+    """The rows and their Jacobians at points z (width, n) for known values k, (known,) or (known,
+    n).
+    """
+    each = (
+        k.astype(complex)
+        if k.ndim == 2
+        else np.repeat(k.astype(complex)[:, None], z.shape[1], axis=1)
+    )
     f, j = system.linearise(z, each)
     if system.projective:
         ray = list(system.projective)
         patch = np.zeros((len(j), 1, system.width), dtype=complex)
         patch[:, 0, ray] = np.conj(z[ray] / np.linalg.norm(z[ray], axis=0)).T
-        j, f = np.concatenate([j, patch], axis=1), np.concatenate([f, np.zeros((len(f), 1))], axis=1)
+        j, f = (
+            np.concatenate([j, patch], axis=1),
+            np.concatenate([f, np.zeros((len(f), 1))], axis=1),
+        )
     j = np.where(np.isfinite(j).all(axis=(1, 2), keepdims=True), j, 0.0)
     return Local(f, *np.linalg.svd(j, full_matrices=False))
 
 
 def polish(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, Local]:
-    """Singular roots (width, n) moved to meet the rows in the directions that are well determined."""
+    """Singular roots (width, n) moved to meet the rows in the directions that are well
+    determined.
+    """
     for _ in range(3):
         here = look(system, z, k)
         inverse = np.where(here.shares > _WELL_DETERMINED, 1 / np.maximum(here.values, 1e-300), 0.0)
@@ -80,20 +98,25 @@ def polish(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.nd
 
 
 def is_no_pose(system: AlgebraicSystem, z: np.ndarray, error: float = 0.0) -> np.ndarray:
-    """Rays (e, g), each known within an error, without a rotation: e = 0 beside g or e.e = 0, where roots are at
-    infinity."""
+    """Rays (e, g), each known within an error, without a rotation: e = 0 beside g or e.e = 0, where
+    roots are at infinity.
+    """
     if not system.projective:
         return np.zeros(z.shape[1], dtype=bool)
     ray = z[list(system.projective)]
     e = ray[:4]
     norm = np.linalg.norm(e, axis=0)
     far = norm <= max(_FAR, 10 * error) * np.linalg.norm(ray, axis=0)
-    return np.asarray(far | (np.abs(np.sum(e * e, axis=0)) <= max(_NO_WEIGHT, 10 * error) * norm**2))
+    return np.asarray(
+        far | (np.abs(np.sum(e * e, axis=0)) <= max(_NO_WEIGHT, 10 * error) * norm**2)
+    )
 
 
 def lie_on_sets(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Which singular roots z (width, n) are surrounded by complex roots of a continuum: long and short steps along
-    directions that the Jacobian has lost both close again beside them, at points where its rank is lost too."""
+    """Which singular roots z (width, n) are surrounded by complex roots of a continuum: long and
+    short steps along directions that the Jacobian has lost both close again beside them, at points
+    where its rank is lost too.
+    """
     found = np.ones(z.shape[1], dtype=bool)
     for length in _STEPS:
         places = np.flatnonzero(found)
@@ -101,12 +124,19 @@ def lie_on_sets(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.nda
     return found
 
 
-def _close_beside(system: AlgebraicSystem, z: np.ndarray, length: float, k: np.ndarray) -> np.ndarray:
-    """Steps are damped (Levenberg, by the size of the rows), since Newton's own lead back to a multiple root."""
+def _close_beside(
+    system: AlgebraicSystem, z: np.ndarray, length: float, k: np.ndarray
+) -> np.ndarray:
+    """Steps are damped (Levenberg, by the size of the rows), since Newton's own lead back to a
+    multiple root.
+    """
     here = look(system, z, k)
     allowed = ROWS + 10 * here.largest_row
     found = np.zeros(z.shape[1], dtype=bool)
-    directions = [_lost_directions(here.right[i][here.shares[i] < MULTIPLE_ROOT_SHARE]) for i in range(z.shape[1])]
+    directions = [
+        _lost_directions(here.right[i][here.shares[i] < MULTIPLE_ROOT_SHARE])
+        for i in range(z.shape[1])
+    ]
     owner = np.repeat(np.arange(z.shape[1]), [len(d) for d in directions])
     lanes = z[:, owner] + length * np.concatenate([*directions, np.zeros((0, system.width))]).T
     for _ in range(_MOST_STEPS):
@@ -115,7 +145,9 @@ def _close_beside(system: AlgebraicSystem, z: np.ndarray, length: float, k: np.n
         here = look(system, lanes, k)
         away = gaps(system, lanes, z[:, owner])
         beside = (away > 0.1 * length) & (away < 3 * length)
-        found[owner[beside & (here.largest_row < allowed[owner]) & (here.share < MULTIPLE_ROOT_SHARE)]] = True
+        found[
+            owner[beside & (here.largest_row < allowed[owner]) & (here.share < MULTIPLE_ROOT_SHARE)]
+        ] = True
         damped = here.values / (here.values**2 + here.largest_row[:, None] + 1e-30)
         left = beside & ~found[owner]
         lanes, owner = (lanes + here.step(damped))[:, left], owner[left]
@@ -123,7 +155,9 @@ def _close_beside(system: AlgebraicSystem, z: np.ndarray, length: float, k: np.n
 
 
 def _lost_directions(rows: np.ndarray) -> np.ndarray:
-    """Unit vectors (any, width) of the space that right singular vectors (count, width) span: themselves and mixtures."""
+    """Unit vectors (any, width) of the space that right singular vectors (count, width) span:
+    themselves and mixtures.
+    """
     lost: np.ndarray = np.conj(rows)
     if not len(lost):
         return lost

@@ -1,15 +1,18 @@
-"""Path tracking for closures made of quadratics: Taylor series of high order from one factorisation a step.
+"""Path tracking for closures made of quadratics: Taylor series of high order from one factorisation
+a step.
 
-Along a line of known values the rows are F(x, s) = x^T A(s) x, A = B + sum_q u_q(s) V_q (see `quadratic_form`). With
-x(s + t) = sum_p x_p t^p and u(s + t) = sum_c u_c t^c the coefficient of t^p,
+Along a line of known values the rows are F(x, s) = x^T A(s) x, A = B + sum_q u_q(s) V_q (see
+`quadratic_form`). With x(s + t) = sum_p x_p t^p and u(s + t) = sum_c u_c t^c the coefficient of
+t^p,
 
     J x_p = - sum_{0<a<p} B(x_a, x_{p-a}) - sum_c u_c sum_{a+b=p-c} V(x_a, x_b),    J = 2 A(s) x_0,
 
-where the last sum leaves out x_p itself at c = 0, gives x_p from the lower ones and the inverse of J. The series is summed
-over a denominator q(t) common to all unknowns, which reaches beyond the nearest branch points (a simultaneous Pade
-approximant). A Newton step and a chord step with its matrix correct it; their ratio is the test that the point is well
-within the region from which Newton converges. A projective point moves within the hyperplane conj(x_0).x = 1, a row of J,
-and is normalised after each step. All paths advance at once, by stacked matrix products.
+where the last sum leaves out x_p itself at c = 0, gives x_p from the lower ones and the inverse of
+J. The series is summed over a denominator q(t) common to all unknowns, which reaches beyond the
+nearest branch points (a simultaneous Pade approximant). A Newton step and a chord step with its
+matrix correct it; their ratio is the test that the point is well within the region from which
+Newton converges. A projective point moves within the hyperplane conj(x_0).x = 1, a row of J, and is
+normalised after each step. All paths advance at once, by stacked matrix products.
 """
 
 from __future__ import annotations
@@ -33,7 +36,9 @@ _AIM = 0.1
 _CONTRACTION = 0.1
 """Largest ratio of the chord step to the Newton step."""
 _ROUNDING = 1e-3
-"""Chord step, over the tolerance, that is small enough whatever the ratio: ill-conditioned roots end in rounding."""
+"""Chord step, over the tolerance, that is small enough whatever the ratio: ill-conditioned roots
+end in rounding.
+"""
 _SETTLED = 1e-8
 """Newton step at the end after which no other is taken."""
 _RIDGE = 1e-12
@@ -41,11 +46,16 @@ _RIDGE = 1e-12
 
 
 def track(
-    system: AlgebraicSystem, form: QuadraticForm, z: np.ndarray, begin: np.ndarray, end: np.ndarray,
+    system: AlgebraicSystem,
+    form: QuadraticForm,
+    z: np.ndarray,
+    begin: np.ndarray,
+    end: np.ndarray,
     settings: TrackSettings | None = None,
-) -> Tracked:  # fmt: skip
-    """Track roots z (width, n) of F(., begin) to roots of F(., end), with the meaning of `tracker.track`, which is
-    called where the paths have lines of their own or the coefficients cannot be interpolated along the line.
+) -> Tracked:
+    """Track roots z (width, n) of F(., begin) to roots of F(., end), with the meaning of
+    `tracker.track`, which is called where the paths have lines of their own or the coefficients
+    cannot be interpolated along the line.
 
     `settings.first_step` is not used: the series gives the first step.
     """
@@ -68,7 +78,9 @@ def _common(k: np.ndarray) -> np.ndarray | None:
 
 
 def _track(line: Line, x: np.ndarray, settings: TrackSettings) -> Tracked:
-    """`reach` is what each path's steps have been found to be worth, over the estimate from the last term."""
+    """`reach` is what each path's steps have been found to be worth, over the estimate from the
+    last term.
+    """
     n, form, aim = len(x), line.form, _AIM * settings.tolerance
     ends, reached, tries = x.copy(), np.zeros(n), np.zeros(n, dtype=int)
     active, s, reach, rounds = np.arange(n), np.zeros(n), np.full(n, 1.5), 0
@@ -79,8 +91,12 @@ def _track(line: Line, x: np.ndarray, settings: TrackSettings) -> Tracked:
         h = np.minimum(reach * _trusted(terms, aim), 1.0 - s)
         landing = np.where(h >= 1.0 - s, 1.0, s + h)
         trial, first, last = _correct(line, _sum(terms, h), landing)
-        good = (first <= settings.tolerance) & (last <= np.maximum(_CONTRACTION * first, _ROUNDING * settings.tolerance))
-        factor = np.nan_to_num(0.9 * (aim / np.maximum(first, 1e-16)) ** (1.0 / (_ORDER + 1)), nan=0.25)
+        good = (first <= settings.tolerance) & (
+            last <= np.maximum(_CONTRACTION * first, _ROUNDING * settings.tolerance)
+        )
+        factor = np.nan_to_num(
+            0.9 * (aim / np.maximum(first, 1e-16)) ** (1.0 / (_ORDER + 1)), nan=0.25
+        )
         reach *= np.where(good, np.clip(factor, 0.5, 1.5), np.clip(factor, 0.1, 0.5))
         x, s = np.where(good[:, None], _unit(form, trial), x), np.where(good, landing, s)
         leave = (s >= 1.0) | ~(h >= settings.smallest_step)
@@ -102,19 +118,23 @@ def _arrive(line: Line, x: np.ndarray, s: np.ndarray, tries: np.ndarray) -> Trac
             x[there] = _unit(form, moved)
             if np.all(first <= _SETTLED):
                 break
-        left = np.max(np.abs(_rows(line, line.apply(x[there]), x[there], line.weights(at)[:, :, 0])), axis=(1, 2))
+        left = np.max(
+            np.abs(_rows(line, line.apply(x[there]), x[there], line.weights(at)[:, :, 0])),
+            axis=(1, 2),
+        )
         arrived[there] = (last <= ROOT_POLISHED) & (left <= ROWS_CONTRADICT)
     return Tracked(x[:, : form.unknowns].T, arrived, s, tries)
 
 
-# --- series ------------------------------------------------------------------------------------------------------
+# --- series ---------------------------------------------------------------------------------------
 
 
 def _series(line: Line, x: np.ndarray, s: np.ndarray) -> np.ndarray:
     """x_p at [:, _ORDER - p] of an array (n, _ORDER + 1, width).
 
-    `images` are 2 B x_a and 2 V x_a. `known` holds, from right to left, V(x, x) of order 0, 1, ..., and before them, for
-    the moment, the sum of B(x_a, x_{p-a}): its product with -J^-1 (1, u_0, u_1, ...) is x_p.
+    `images` are 2 B x_a and 2 V x_a. `known` holds, from right to left, V(x, x) of order 0, 1, ...,
+    and before them, for the moment, the sum of B(x_a, x_{p-a}): its product with -J^-1 (1, u_0,
+    u_1, ...) is x_p.
     """
     n, form = len(x), line.form
     rows, moving, width, free = form.rows, line.moving, form.width, form.unknowns
@@ -143,7 +163,9 @@ def _series(line: Line, x: np.ndarray, s: np.ndarray) -> np.ndarray:
 
 
 def _pairs(images: np.ndarray, terms: np.ndarray, p: int) -> np.ndarray:
-    """sum_{0<a<p} of B(x_a, x_{p-a}) and V(x_a, x_{p-a}): each pair once and doubled, the middle one simply."""
+    """sum_{0<a<p} of B(x_a, x_{p-a}) and V(x_a, x_{p-a}): each pair once and doubled, the middle
+    one simply.
+    """
     n, rows, _, width = images.shape
     half = p // 2
     others = terms[:, _ORDER - p + 1 : _ORDER - p + 1 + half].reshape(n, half * width, 1)
@@ -160,9 +182,10 @@ def _trusted(terms: np.ndarray, aim: float) -> np.ndarray:
 
 
 def _sum(terms: np.ndarray, h: np.ndarray) -> np.ndarray:
-    """The series at h over its common denominator q(t) = 1 + q_1 t + ..., which makes the last term of q x, of order
-    p = _ORDER, the least: |sum_j q_j x_{p-j}|. Then x = sum_p x_p h^p Q_{min(_POLES, _ORDER - p)} / Q_{_POLES}, where Q_m
-    are the partial sums of q(h)."""
+    """The series at h over its common denominator q(t) = 1 + q_1 t + ..., which makes the last term
+    of q x, of order p = _ORDER, the least: |sum_j q_j x_{p-j}|. Then x = sum_p x_p h^p
+    Q_{min(_POLES, _ORDER - p)} / Q_{_POLES}, where Q_m are the partial sums of q(h).
+    """
     powers = np.ones((len(h), _ORDER + 1))
     np.cumprod(np.repeat(h[:, None], _ORDER, axis=1), axis=1, out=powers[:, _ORDER - 1 :: -1])
     last = terms[:, : _POLES + 1] * powers[:, : _POLES + 1, None]
@@ -176,7 +199,7 @@ def _sum(terms: np.ndarray, h: np.ndarray) -> np.ndarray:
     return np.asarray((weights[:, None] @ terms)[:, 0])
 
 
-# --- corrector ---------------------------------------------------------------------------------------------------
+# --- corrector ------------------------------------------------------------------------------------
 
 
 def _correct(line: Line, x: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -210,7 +233,9 @@ def _jacobian(form: QuadraticForm, x: np.ndarray, images: np.ndarray, u: np.ndar
 
 
 def _inverse(j: np.ndarray) -> np.ndarray:
-    """Inverses (n, columns, rows), or least-squares ones where rows are redundant; not a number where there is none."""
+    """Inverses (n, columns, rows), or least-squares ones where rows are redundant; not a number
+    where there is none.
+    """
     try:
         if j.shape[1] == j.shape[2]:
             return np.asarray(np.linalg.inv(j))

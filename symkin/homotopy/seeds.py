@@ -1,6 +1,8 @@
-"""Roots of generic instances to begin with: random complex points, moved onto the closure with the known values free.
+"""Roots of generic instances to begin with: random complex points, moved onto the closure with the
+known values free.
 
-Newton's method with least steps solves F(z, k) = 0 for unknowns z and known values k together; all points advance at once.
+Newton's method with least steps solves F(z, k) = 0 for unknowns z and known values k together; all
+points advance at once.
 """
 
 from __future__ import annotations
@@ -29,14 +31,18 @@ _SETTLED, _VANISHING = 1e-12, 1e-11
 _NEGLIGIBLE = 1e-13
 """Singular values below this share of the largest are rounding."""
 _ORDINARY = 1e-2
-"""Least share of the largest singular value of the rows' derivatives in 1, which is their order at an ordinary point."""
+"""Least share of the largest singular value of the rows' derivatives in 1, which is their order at
+an ordinary point.
+"""
 
 
 def seed_roots(
     system: AlgebraicSystem, points: Points, rng: np.random.Generator, rank: int, count: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Regular roots z (width, n) with their known values k (known, n) that `count` points, half of them near the reference,
-    lead to; drawn anew while there are none. Singular values below the generic `rank` are cut."""
+    """Regular roots z (width, n) with their known values k (known, n) that `count` points, half of
+    them near the reference, lead to; drawn anew while there are none. Singular values below the
+    generic `rank` are cut.
+    """
     for _ in range(_ATTEMPTS):
         drawn = [points(rng, i % 2 == 0) for i in range(count)]
         z, k = (np.array(part, dtype=complex).T for part in zip(*drawn, strict=True))
@@ -48,13 +54,17 @@ def seed_roots(
     return z[:, good], k[:, good]
 
 
-def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, rank: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _settled(
+    system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, rank: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points moved by Newton's method, and which of them are roots."""
     last = np.full(z.shape[1], np.inf)
     active = np.arange(z.shape[1])
     for _ in range(_ITERATIONS):
         f, jz, jk = full_linearisation(system, z[:, active], k[:, active])
-        step = _least_steps(*_with_rays(system, z[:, active], np.concatenate([jz, jk], axis=2), f), rank)
+        step = _least_steps(
+            *_with_rays(system, z[:, active], np.concatenate([jz, jk], axis=2), f), rank
+        )
         length = np.linalg.norm(step, axis=0)
         step = step * np.minimum(1.0, _LONGEST_STEP / np.maximum(length, 1e-300))
         z[:, active] = system.normalise(z[:, active] + step[: len(z)])
@@ -72,23 +82,33 @@ def _least_steps(jacobian: np.ndarray, f: np.ndarray, rank: int) -> np.ndarray:
     bad = ~np.isfinite(jacobian).all(axis=(1, 2))
     left, s, right = np.linalg.svd(np.where(bad[:, None, None], 0.0, jacobian), full_matrices=False)
     kept = (s > _NEGLIGIBLE * s[:, :1]) & (np.arange(s.shape[1]) < rank)
-    weights = np.einsum("nij,ni->nj", np.conj(left), f) * np.where(kept, 1.0 / np.where(kept, s, 1.0), 0.0)
+    weights = np.einsum("nij,ni->nj", np.conj(left), f) * np.where(
+        kept, 1.0 / np.where(kept, s, 1.0), 0.0
+    )
     steps = -np.einsum("nji,nj->ni", np.conj(right), weights)
     steps[bad] = np.nan
     return np.asarray(steps.T)
 
 
-def _with_rays(system: AlgebraicSystem, z: np.ndarray, jacobian: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _with_rays(
+    system: AlgebraicSystem, z: np.ndarray, jacobian: np.ndarray, f: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """A row that keeps each step orthogonal to its ray, whose length means nothing."""
     if not system.projective:
         return jacobian, f
     row = np.zeros((len(f), 1, jacobian.shape[2]), dtype=complex)
     row[:, 0, list(system.projective)] = np.conj(z[list(system.projective)]).T
-    return np.concatenate([jacobian, row], axis=1), np.concatenate([f, np.zeros((len(f), 1))], axis=1)
+    return np.concatenate([jacobian, row], axis=1), np.concatenate(
+        [f, np.zeros((len(f), 1))], axis=1
+    )
 
 
-def full_linearisation(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """F (n, rows), dF/dz (n, rows, width) and dF/dk (n, rows, known) at z (width, n), k (known, n)."""
+def full_linearisation(
+    system: AlgebraicSystem, z: np.ndarray, k: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """F (n, rows), dF/dz (n, rows, width) and dF/dk (n, rows, known) at z (width, n), k (known,
+    n).
+    """
     f, jz = system.linearise(z, k)
     known, n = k.shape
     directions = np.repeat(np.eye(known, dtype=complex), n, axis=1)
@@ -97,7 +117,9 @@ def full_linearisation(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) ->
 
 
 def regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Which roots are isolated at fixed k. Where a known quaternion has e.e = 0 all rows vanish, and their derivatives too."""
+    """Which roots are isolated at fixed k. Where a known quaternion has e.e = 0 all rows vanish,
+    and their derivatives too.
+    """
     _, jz = system.linearise(z, k)
     need = system.width - (1 if system.projective else 0)
     singular = np.linalg.svd(np.where(np.isfinite(jz), jz, 0.0), compute_uv=False)
@@ -110,21 +132,30 @@ def carried(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, base: np.ndar
     """Roots at `base` that roots z at k (known, n) are tracked to."""
     if not z.shape[1]:
         return z
-    tracked = track(system, z, k, np.repeat(np.asarray(base, dtype=complex)[:, None], z.shape[1], axis=1))
+    tracked = track(
+        system, z, k, np.repeat(np.asarray(base, dtype=complex)[:, None], z.shape[1], axis=1)
+    )
     return tracked.z[:, tracked.arrived]
 
 
 def random_point(
     problem: Problem, system: AlgebraicSystem, rng: np.random.Generator, *, near: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """A complex point: about the reference with imaginary parts of about a half (of the size, of a radian), or
-    anywhere."""
+    """A complex point: about the reference with imaginary parts of about a half (of the size, of a
+    radian), or anywhere.
+    """
     z = _about_reference(problem, system.unknowns, rng, near)
     if system.projective:
         pose = _reference_pose(problem, system)
         ray = _noise(4, rng, near) + (np.asarray(pose.quaternion) if near else 0.0)
         if len(system.projective) == 8:
-            t = np.concatenate([[0.0], np.asarray(pose.position) / problem.closure.characteristic_length + _noise(3, rng, near)])
+            t = np.concatenate(
+                [
+                    [0.0],
+                    np.asarray(pose.position) / problem.closure.characteristic_length
+                    + _noise(3, rng, near),
+                ]
+            )
             ray = np.concatenate([ray, 0.5 * multiply(t, ray)])
         z = np.concatenate([z, ray])
     return z, known_values(problem, random_known(problem, rng, near=near))
@@ -145,7 +176,9 @@ def random_known(problem: Problem, rng: np.random.Generator, *, near: bool) -> n
     return np.asarray(known * coordinate_scale(problem, problem.known_coordinates))
 
 
-def _about_reference(problem: Problem, coordinates: tuple[Coordinate, ...], rng: np.random.Generator, near: bool) -> np.ndarray:
+def _about_reference(
+    problem: Problem, coordinates: tuple[Coordinate, ...], rng: np.random.Generator, near: bool
+) -> np.ndarray:
     """Reference values, lengths in units of the size, and noise."""
     closure = problem.closure
     parts = [closure.reference[closure.slices[c.name]] for c in coordinates]
@@ -154,4 +187,6 @@ def _about_reference(problem: Problem, coordinates: tuple[Coordinate, ...], rng:
 
 
 def _noise(count: int, rng: np.random.Generator, near: bool) -> np.ndarray:
-    return np.asarray((0.5 if near else 1.5) * complex_normal(count, rng) + 0.3j * rng.choice([-1, 1], count))
+    return np.asarray(
+        (0.5 if near else 1.5) * complex_normal(count, rng) + 0.3j * rng.choice([-1, 1], count)
+    )

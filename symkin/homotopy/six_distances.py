@@ -1,7 +1,8 @@
 """Platforms held by six distances, or by more of them: one algebraic system for all of them.
 
-In Study coordinates x = (e, g) the closure is e.g = 0 and six quadratic forms |2 g + e m - b e|^2 - L^2 |e|^2 = 0
-(Husty 1996). Of more than six distances six are chosen, whose solutions are then compared with the others.
+In Study coordinates x = (e, g) the closure is e.g = 0 and six quadratic forms |2 g + e m - b e|^2 -
+L^2 |e|^2 = 0 (Husty 1996). Of more than six distances six are chosen, whose solutions are then
+compared with the others.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ from symkin.spatial.rotation import matrix_from_quaternion
 DISTANCES = 6
 """Distances that hold a platform of six freedoms."""
 _EQUAL = 1e-7
-"""Difference of squared lengths, in units of the size, of a root that has a distance, whose rounding is far smaller."""
+"""Difference of squared lengths, in units of the size, of a root that has a distance, whose
+rounding is far smaller.
+"""
 
 
 @lru_cache(maxsize=1)
@@ -41,8 +44,9 @@ def universal_system() -> AlgebraicSystem:
 
 @lru_cache(maxsize=128)
 def all_distances(problem: Problem) -> ca.Function | None:
-    """Length, base point and platform point of each distance (7 numbers, length unit) as a function of the known joints;
-    None where the direct problem is another one."""
+    """Length, base point and platform point of each distance (7 numbers, length unit) as a function
+    of the known joints; None where the direct problem is another one.
+    """
     if problem.kind != "direct" or problem.mechanism.motion != "spatial":
         return None
     algebraic = build_algebraic_closure(problem.mechanism, "study")
@@ -53,15 +57,19 @@ def all_distances(problem: Problem) -> ca.Function | None:
 
 @lru_cache(maxsize=128)
 def chosen_distances(problem: Problem) -> tuple[int, ...]:
-    """Six of a problem's distances, those that hold the platform best at the first closed configuration, in order: the
-    wrenches (d; m x d / size) of their lines are taken one by one, each time the one farthest from those before."""
+    """Six of a problem's distances, those that hold the platform best at the first closed
+    configuration, in order: the wrenches (d; m x d / size) of their lines are taken one by one,
+    each time the one farthest from those before.
+    """
     function = all_distances(problem)
     count = 0 if function is None else function.numel_out(0) // 7
     if function is None or count == DISTANCES:
         return tuple(range(count))
     values = closed_configurations(problem.closure, 0)[0]
     pose = pose_of(problem.closure, values)
-    numbers = np.asarray(function(problem.select_values(values, problem.known_coordinates))).reshape(count, 7)
+    numbers = np.asarray(
+        function(problem.select_values(values, problem.known_coordinates))
+    ).reshape(count, 7)
     arms = numbers[:, 4:] @ np.asarray(matrix_from_quaternion(pose.quaternion)).T
     lines = arms + np.asarray(pose.position) - numbers[:, 1:4]
     lines = lines / np.linalg.norm(lines, axis=1, keepdims=True)
@@ -103,14 +111,18 @@ def meet_all_distances(problem: Problem, z: np.ndarray, known: np.ndarray) -> np
     ray = z / np.linalg.norm(z[:4], axis=0)
     for i in range(len(numbers) - DISTANCES + 1):
         k = np.repeat(numbers[i : i + DISTANCES].reshape(-1, 1), z.shape[1], axis=1)
-        fine &= np.max(np.abs(system.linearise(ray, k.astype(complex))[0]), axis=1, initial=0.0) < _EQUAL
+        fine &= (
+            np.max(np.abs(system.linearise(ray, k.astype(complex))[0]), axis=1, initial=0.0)
+            < _EQUAL
+        )
     return fine
 
 
 @lru_cache(maxsize=128)
 def distance_data(problem: Problem) -> Callable[[np.ndarray], np.ndarray] | None:
-    """Length, base point and platform point of each distance (42 numbers, in units of the size) from known joints (known,) or
-    (known, n), real or complex."""
+    """Length, base point and platform point of each distance (42 numbers, in units of the size)
+    from known joints (known,) or (known, n), real or complex.
+    """
     function = distance_function(problem)
     if function is None:
         return None
@@ -127,8 +139,9 @@ def distance_data(problem: Problem) -> Callable[[np.ndarray], np.ndarray] | None
 
 @lru_cache(maxsize=128)
 def is_universal(problem: Problem) -> bool:
-    """Whether straight lines in the joints are straight lines in the distances' data, so that paths of
-    `universal_system` stay within the mechanism: lengths and slides move, turning joints do not."""
+    """Whether straight lines in the joints are straight lines in the distances' data, so that paths
+    of `universal_system` stay within the mechanism: lengths and slides move, turning joints do not.
+    """
     function = distance_function(problem)
     if function is None:
         return False

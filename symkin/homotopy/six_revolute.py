@@ -1,9 +1,10 @@
 """Arms of six revolute joints: one algebraic system for all of them, and the start of each.
 
-Frames stand on the axes, z along them. Joint i turns by q_i about z, and the link behind it moves the frame by
-Trans(t) Rx(a) Ry(b), which has no large numbers where axes are parallel or nearly so. The loop is cut at the third joint, as
-`closure.rows` cuts it. With links and tool pose complex and random there are 16 roots, the most that any such arm has (Lee and
-Liang 1988); they are tracked to any arm. Of special arms some run to infinity: 8 where three axes are parallel.
+Frames stand on the axes, z along them. Joint i turns by q_i about z, and the link behind it moves
+the frame by Trans(t) Rx(a) Ry(b), which has no large numbers where axes are parallel or nearly so.
+The loop is cut at the third joint, as `closure.rows` cuts it. With links and tool pose complex and
+random there are 16 roots, the most that any such arm has (Lee and Liang 1988); they are tracked to
+any arm. Of special arms some run to infinity: 8 where three axes are parallel.
 """
 
 from __future__ import annotations
@@ -38,17 +39,25 @@ _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 def is_six_revolute(problem: Problem) -> bool:
     """Whether a problem is the inverse one of an arm of six revolute joints."""
     joints = [joint for _, joint in problem.mechanism.joints]
-    is_arm = problem.kind == "inverse" and problem.mechanism.serial and problem.mechanism.motion == "spatial"
+    is_arm = (
+        problem.kind == "inverse"
+        and problem.mechanism.serial
+        and problem.mechanism.motion == "spatial"
+    )
     return is_arm and len(joints) == JOINTS and all(joint.type == "R" for joint in joints)
 
 
 @lru_cache(maxsize=1)
 def universal_arm() -> AlgebraicSystem:
-    """Rows over z = (q1, q2, q4, q5, q6) and k = (the five links; position and quaternion of the frame behind the last
-    joint in that of the first), all lengths in one unit."""
+    """Rows over z = (q1, q2, q4, q5, q6) and k = (the five links; position and quaternion of the
+    frame behind the last joint in that of the first), all lengths in one unit.
+    """
     names = [i for i in range(JOINTS) if i != CUT]
     z, k = ca.SX.sym("q", len(names)), ca.SX.sym("k", _LINK * (JOINTS - 1) + 7)
-    turn = {i: Pose(ca.SX.zeros(3), quaternion_from_axis_angle(_Z, z[place])) for place, i in enumerate(names)}
+    turn = {
+        i: Pose(ca.SX.zeros(3), quaternion_from_axis_angle(_Z, z[place]))
+        for place, i in enumerate(names)
+    }
     link = [_link(k[_LINK * i : _LINK * (i + 1)]) for i in range(JOINTS - 1)]
     before, behind = turn[0] @ link[0], link[CUT]
     for i in range(1, CUT):
@@ -65,13 +74,18 @@ def universal_arm() -> AlgebraicSystem:
 
 
 def _link(numbers: ca.SX) -> Pose:
-    about_x, about_y = quaternion_from_axis_angle(_X, numbers[3]), quaternion_from_axis_angle(_Y, numbers[4])
+    about_x, about_y = (
+        quaternion_from_axis_angle(_X, numbers[3]),
+        quaternion_from_axis_angle(_Y, numbers[4]),
+    )
     return Pose(numbers[:3], multiply(about_x, about_y))
 
 
 @lru_cache(maxsize=1)
 def universal_start() -> Fibre:
-    """16 roots of a random complex arm and pose; carried as data, `compute_universal_start` makes them."""
+    """16 roots of a random complex arm and pose; carried as data, `compute_universal_start` makes
+    them.
+    """
     return read_start(DATA)
 
 
@@ -82,8 +96,9 @@ def compute_universal_start(seed: int = 0) -> Fibre:
 
 
 def arm_start(problem: Problem, pose: np.ndarray) -> tuple[np.ndarray, int]:
-    """Roots (5, n) of an arm at a complex tool pose (x, y, z, qw, qx, qy, qz; length unit), as its own angles, and how many
-    of the 16 paths are unresolved."""
+    """Roots (5, n) of an arm at a complex tool pose (x, y, z, qw, qx, qy, qz; length unit), as its
+    own angles, and how many of the 16 paths are unresolved.
+    """
     start, system, target = universal_start(), universal_arm(), arm_data(problem, pose)
     settings = TrackSettings(tolerance=1e-5, smallest_step=1e-12, most_steps=4000)
     tracked = track(system, start.z, start.k, target, settings)
@@ -103,12 +118,17 @@ def arm_data(problem: Problem, pose: np.ndarray) -> np.ndarray:
         link = _link_between(frames[-1], point, axis)
         links.append(link)
         frames.append(frames[-1] @ Pose(link[:3], _turn(*link[3:])))
-    reference = Pose(np.array(mechanism.platform_position) / size, np.array(mechanism.platform_quaternion))
+    reference = Pose(
+        np.array(mechanism.platform_position) / size, np.array(mechanism.platform_quaternion)
+    )
     first, last = frames[0].inverse(), reference.inverse() @ frames[-1]
     position, q = pose[:3] / size, pose[3:]
     at = position + _rotated(q, np.asarray(last.position))
     hand = np.concatenate(
-        [rotate(first.quaternion, at) + first.position, multiply(multiply(first.quaternion, q), last.quaternion)]
+        [
+            rotate(first.quaternion, at) + first.position,
+            multiply(multiply(first.quaternion, q), last.quaternion),
+        ]
     )
     return np.concatenate([*links, hand])
 
@@ -120,11 +140,15 @@ def _rotated(q: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 def _turn(a: float, b: float) -> np.ndarray:
-    return np.asarray(multiply(quaternion_from_axis_angle(_X, a), quaternion_from_axis_angle(_Y, b)))
+    return np.asarray(
+        multiply(quaternion_from_axis_angle(_X, a), quaternion_from_axis_angle(_Y, b))
+    )
 
 
 def _link_between(frame: Pose, point: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """t, a, b from a frame to the axis (unit) through a point: Rx(a) Ry(b) z = (sin b, -sin a cos b, cos a cos b)."""
+    """t, a, b from a frame to the axis (unit) through a point: Rx(a) Ry(b) z = (sin b, -sin a cos
+    b, cos a cos b).
+    """
     local = frame.inverse()
     x, y, z = rotate(local.quaternion, axis)
     return np.array([*local.apply(point), np.arctan2(-y, z), np.arcsin(np.clip(x, -1.0, 1.0))])

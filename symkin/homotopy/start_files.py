@@ -1,5 +1,7 @@
-"""Files of generic roots: those of the shipped mechanisms lie in `symkin/homotopy/data/starts`, others in the cache folder
-(SYMKIN_CACHE, else the platform's). Their names are hashes of the rows' instructions and constants."""
+"""Files of generic roots: those of the shipped mechanisms lie in `symkin/homotopy/data/starts`,
+others in the cache folder (SYMKIN_CACHE, else the platform's). Their names are hashes of the rows'
+instructions and constants.
+"""
 
 from __future__ import annotations
 
@@ -24,8 +26,9 @@ from symkin.numeric.cache_folder import cache_folder, discard, keep, read_kept
 SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
 _VERSION = 6
 _SATISFIED = 1e-8
-"""Largest row, over the size, that a kept root may leave, and least difference of two roots. Rows of a root far from real ones
-have derivatives of 1e4 and more; theirs are divided by these."""
+"""Largest row, over the size, that a kept root may leave, and least difference of two roots. Rows
+of a root far from real ones have derivatives of 1e4 and more; theirs are divided by these.
+"""
 _MIRRORED = 1e-5
 """Difference of a root and the image of another that is the same one."""
 
@@ -34,7 +37,9 @@ Found = tuple[Fibre | None, str]
 
 
 def kept_or_computed(key: str, system: AlgebraicSystem, compute: Callable[[], Found]) -> Found:
-    """The roots that are kept under a key, or those that are computed now and then kept; one process waits for another."""
+    """The roots that are kept under a key, or those that are computed now and then kept; one
+    process waits for another.
+    """
     kept = read_start_file(key, system)
     if kept is not None:
         return kept
@@ -50,7 +55,9 @@ def kept_or_computed(key: str, system: AlgebraicSystem, compute: Callable[[], Fo
 def closure_key(system: AlgebraicSystem) -> str:
     """Hash of the block's rows: instructions, places and constants."""
     function = ca.Function("rows", [system.z, system.k], [system.rows], {"cse": True})
-    return hash_of(function, f"{system.projective} {[c.kind for c in system.unknowns]} {system.limbs}")
+    return hash_of(
+        function, f"{system.projective} {[c.kind for c in system.unknowns]} {system.limbs}"
+    )
 
 
 def hash_of(function: ca.Function, text: str) -> str:
@@ -62,7 +69,9 @@ def hash_of(function: ca.Function, text: str) -> str:
 
 
 def read_start_file(key: str, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
-    """A kept start whose roots satisfy the rows, or the reason why there is none; anything else is removed."""
+    """A kept start whose roots satisfy the rows, or the reason why there is none; anything else is
+    removed.
+    """
     with suppress(OSError):
         shipped = _start_in((SHIPPED / f"{key}.npz").read_bytes(), system)
         if shipped is not None:
@@ -92,14 +101,30 @@ def _start_in(content: bytes, system: AlgebraicSystem) -> tuple[Fibre | None, st
             )
         with np.errstate(all="ignore"):
             return (kept, "") if _is_start(system, kept) else None
-    except (OSError, ValueError, TypeError, KeyError, IndexError, EOFError, MemoryError, BadZipFile, zlib.error):
+    except (
+        OSError,
+        ValueError,
+        TypeError,
+        KeyError,
+        IndexError,
+        EOFError,
+        MemoryError,
+        BadZipFile,
+        zlib.error,
+    ):
         return None
 
 
 def _is_start(system: AlgebraicSystem, start: Fibre) -> bool:
-    """Whether the roots satisfy the rows, differ from each other, and are carried to each other as their mirrors say."""
+    """Whether the roots satisfy the rows, differ from each other, and are carried to each other as
+    their mirrors say.
+    """
     n = start.z.shape[1]
-    fits = start.z.shape == (system.width, n) and start.k.shape == (system.k.shape[0],) and start.orbits.shape == (n,)
+    fits = (
+        start.z.shape == (system.width, n)
+        and start.k.shape == (system.k.shape[0],)
+        and start.orbits.shape == (n,)
+    )
     if not fits or n == 0:
         return False
     rows, derivatives = system.linearise(start.z, np.repeat(start.k[:, None], n, axis=1))
@@ -124,14 +149,26 @@ def _mirrors_out(mirrors: Orbits) -> dict[str, np.ndarray]:
 def _mirrors_in(data: Mapping[str, np.ndarray]) -> Orbits | None:
     if "matrices" not in data:
         return None
-    return Orbits(Symmetries(data["matrices"], data["shifts"]), data["labels"], data["first"], data["maps"], True)
+    return Orbits(
+        Symmetries(data["matrices"], data["shifts"]),
+        data["labels"],
+        data["first"],
+        data["maps"],
+        True,
+    )
 
 
 def content_of(start: Fibre | None, reason: str) -> bytes:
     """A file of a start, or of the reason why there is none."""
     content: dict[str, np.ndarray | float | str] = {"reason": reason}
     if start is not None:
-        content |= {"z": start.z, "k": start.k, "orbits": start.orbits, "evidence": start.evidence, "seed": start.seed}
+        content |= {
+            "z": start.z,
+            "k": start.k,
+            "orbits": start.orbits,
+            "evidence": start.evidence,
+            "seed": start.seed,
+        }
         content |= {} if start.mirrors is None else _mirrors_out(start.mirrors)
     file = io.BytesIO()
     np.savez(file, **content)  # type: ignore[arg-type]

@@ -1,7 +1,9 @@
-"""Generic roots of a mechanism's problems: computed once, then read from the shipped data or the user's cache.
+"""Generic roots of a mechanism's problems: computed once, then read from the shipped data or the
+user's cache.
 
-A start belongs to a closure: its key is a hash of the closure's instructions and constants. The shipped mechanisms'
-starts lie in `symkin/homotopy/data/starts`, others in the cache folder (SYMKIN_CACHE, else the platform's).
+A start belongs to a closure: its key is a hash of the closure's instructions and constants. The
+shipped mechanisms' starts lie in `symkin/homotopy/data/starts`, others in the cache folder
+(SYMKIN_CACHE, else the platform's).
 """
 
 from __future__ import annotations
@@ -18,7 +20,15 @@ from symkin.homotopy.branches import uncovered
 from symkin.homotopy.components import free_system, real_seeds, roots_elsewhere
 from symkin.homotopy.coplanar import distance_frames, reflection
 from symkin.homotopy.engine import aligned, newton, track, track_lines
-from symkin.homotopy.monodromy import Fibre, Looping, TooManyRootsError, fibre, loop_radius, orbits, within_reach
+from symkin.homotopy.monodromy import (
+    Fibre,
+    Looping,
+    TooManyRootsError,
+    fibre,
+    loop_radius,
+    orbits,
+    within_reach,
+)
 from symkin.homotopy.seeds import Points, full_linearisation, random_known, random_point
 from symkin.homotopy.six_distances import DISTANCES, distance_data, distance_function, is_universal
 from symkin.homotopy.six_revolute import arm_start, is_six_revolute
@@ -43,7 +53,9 @@ LOG = logging.getLogger(__name__)
 RIGID = "no coordinate is known that would move the solutions"
 """Why a part that nothing moves has no generic instances."""
 TIED = "the given values must satisfy conditions of their own"
-"""Why rows that are more than the unknowns have no generic roots; as many combinations of them have some."""
+"""Why rows that are more than the unknowns have no generic roots; as many combinations of them have
+some.
+"""
 _INSTANCES = 5
 _CHECK_STARTS = 600
 _TARGETS, _BASES = 4, 19
@@ -52,37 +64,59 @@ _AGREEING = "the values of the actuated joints must agree with each other"
 _RUNS = 4
 """Second searches at most; the first that agrees settles the generic count."""
 _LOOPS, _FEW_LOOPS, _FEW_RUNS = 200, 40, 1
-"""Loops of one search; of one for combinations of a limb's rows, whose few roots are found at once or not at all, and then how
-many second searches."""
+"""Loops of one search; of one for combinations of a limb's rows, whose few roots are found at once
+or not at all, and then how many second searches.
+"""
 
 
 def start_of(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
 ) -> tuple[Fibre | None, str]:
     """The generic roots of a block, or None and the reason."""
-    return kept_or_computed(start_key(problem, system), system, lambda: compute_start(problem, system, block, progress))
+    return kept_or_computed(
+        start_key(problem, system), system, lambda: compute_start(problem, system, block, progress)
+    )
 
 
 def compute_start(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
 ) -> tuple[Fibre | None, str]:
-    """Generic roots from the universal start of six distances where the closure is that, else by monodromy; at a base
-    from which real instances take few steps."""
+    """Generic roots from the universal start of six distances where the closure is that, else by
+    monodromy; at a base from which real instances take few steps.
+    """
     if not int(system.k.shape[0]):
         return None, RIGID
     LOG.info("the generic solutions of the %s problem are found, once", problem.kind)
     data = distance_data(problem)
     if is_six_revolute(problem):
         found = _from_universal_arm(problem, system)
-        reason = "" if found is not None else "paths from the universal start of six revolute joints are unresolved"
+        reason = (
+            ""
+            if found is not None
+            else "paths from the universal start of six revolute joints are unresolved"
+        )
     elif data is not None:
-        found = next((f for f in (_from_universal(problem, system, data, seed) for seed in range(3)) if f is not None), None)
-        reason = "" if found is not None else "paths from the universal start of six distances are unresolved"
+        found = next(
+            (
+                f
+                for f in (_from_universal(problem, system, data, seed) for seed in range(3))
+                if f is not None
+            ),
+            None,
+        )
+        reason = (
+            ""
+            if found is not None
+            else "paths from the universal start of six distances are unresolved"
+        )
     else:
         try:
             found, reason = _by_monodromy(problem, system, block, progress)
         except TooManyRootsError as error:
-            return None, f"the search for the generic solutions was given up after {error.args[0]} of them"
+            return (
+                None,
+                f"the search for the generic solutions was given up after {error.args[0]} of them",
+            )
     if found is None or found is universal_start():
         return found, reason
     return _with_mirrors(problem, system, _at_best_base(problem, system, found)), reason
@@ -92,7 +126,10 @@ def _at_best_base(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fi
     if start.z.shape[1] == 1:
         return start
     closed = closed_configurations(problem.closure, start.seed)[:_TARGETS]
-    targets = [known_values(problem, problem.select_values(values, problem.known_coordinates)) for values in closed]
+    targets = [
+        known_values(problem, problem.select_values(values, problem.known_coordinates))
+        for values in closed
+    ]
     if len(targets) < 2:
         return start
     targets = [aligned(system, targets[0], target).real for target in targets]
@@ -100,7 +137,9 @@ def _at_best_base(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fi
 
 
 def _with_mirrors(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fibre:
-    """Symmetries that hold for this mechanism's known values, where they carry all roots to roots."""
+    """Symmetries that hold for this mechanism's known values, where they carry all roots to
+    roots.
+    """
     if start.z.shape[1] == 1:
         return start
 
@@ -112,14 +151,20 @@ def _with_mirrors(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fi
         frames = distance_frames(draw(np.random.default_rng(0)).reshape(DISTANCES, 7).real)
         others = [] if frames is None else [reflection(frames)]
     mirrors = orbits_under(system, find_symmetries(system, draw, others), start.z)
-    return replace(start, mirrors=mirrors) if mirrors.whole and len(mirrors.first) < start.z.shape[1] else start
+    return (
+        replace(start, mirrors=mirrors)
+        if mirrors.whole and len(mirrors.first) < start.z.shape[1]
+        else start
+    )
 
 
 def _from_universal(
     problem: Problem, system: AlgebraicSystem, data: Callable[[np.ndarray], np.ndarray], seed: int
 ) -> Fibre | None:
-    """Track the 40 universal roots to this mechanism at random complex joint values; loops there show its orbits. A
-    machine that cannot be assembled for generic lengths is reached from the universal start each time."""
+    """Track the 40 universal roots to this mechanism at random complex joint values; loops there
+    show its orbits. A machine that cannot be assembled for generic lengths is reached from the
+    universal start each time.
+    """
     rng = np.random.default_rng(seed)
     joints = random_known(problem, rng, near=True)
     k = known_values(problem, joints)
@@ -132,11 +177,15 @@ def _from_universal(
     if np.max(last) > 1e-9:
         return None
 
-    return Fibre(ends, k, orbits(system, ends, k, _corners(problem, joints, rng)), float("inf"), 0, seed)
+    return Fibre(
+        ends, k, orbits(system, ends, k, _corners(problem, joints, rng)), float("inf"), 0, seed
+    )
 
 
 def _from_universal_arm(problem: Problem, system: AlgebraicSystem) -> Fibre | None:
-    """Track the 16 universal roots to this arm at a random complex pose; None where a path stays unresolved each time."""
+    """Track the 16 universal roots to this arm at a random complex pose; None where a path stays
+    unresolved each time.
+    """
     for seed in range(3):
         rng = np.random.default_rng(seed)
         pose = random_known(problem, rng, near=True)
@@ -147,12 +196,18 @@ def _from_universal_arm(problem: Problem, system: AlgebraicSystem) -> Fibre | No
         ends = _settled(system, z, k)
         if ends is None:
             continue
-        return Fibre(ends, k, orbits(system, ends, k, _corners(problem, pose, rng)), float("inf"), 0, seed)
+        return Fibre(
+            ends, k, orbits(system, ends, k, _corners(problem, pose, rng)), float("inf"), 0, seed
+        )
     return None
 
 
-def _corners(problem: Problem, base: np.ndarray, rng: np.random.Generator) -> Callable[[], np.ndarray]:
-    """Draws known values of the algebraic system about those of a base, in the length unit and radians."""
+def _corners(
+    problem: Problem, base: np.ndarray, rng: np.random.Generator
+) -> Callable[[], np.ndarray]:
+    """Draws known values of the algebraic system about those of a base, in the length unit and
+    radians.
+    """
     scale, angles = coordinate_scale(problem, problem.known_coordinates), known_angles(problem)
 
     def corner() -> np.ndarray:
@@ -163,7 +218,9 @@ def _corners(problem: Problem, base: np.ndarray, rng: np.random.Generator) -> Ca
 
 
 def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray | None:
-    """Roots polished on a machine's own rows, those far from real ones by more bits; None where one is not found."""
+    """Roots polished on a machine's own rows, those far from real ones by more bits; None where one
+    is not found.
+    """
     from symkin.homotopy.far_roots import are_far, settled
 
     ends, last = newton(system, z, k)
@@ -182,13 +239,21 @@ def _by_monodromy(
         if found.closed and found.direct_rank.value < found.rank.value:
             return None, f"{_AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
     # fewer combinations of the rows than these are no more redundant than they
-    whole = int(block.rows.shape[0]) - (redundant_rows(problem, block) if problem.kind != "inverse" else 0)
-    rank = min(system.count, whole) if problem.kind == "given" else system.count - int(block.rows.shape[0]) + whole
+    whole = int(block.rows.shape[0]) - (
+        redundant_rows(problem, block) if problem.kind != "inverse" else 0
+    )
+    rank = (
+        min(system.count, whole)
+        if problem.kind == "given"
+        else system.count - int(block.rows.shape[0]) + whole
+    )
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
         return random_point(problem, system, rng, near=near)
 
-    if not _is_determined(system, _closed_points(problem, system, block) if problem.kind == "given" else points):
+    if not _is_determined(
+        system, _closed_points(problem, system, block) if problem.kind == "given" else points
+    ):
         return None, TIED
     combined = system.count < system_of(problem, block).count
     loops, runs = (_FEW_LOOPS, _FEW_RUNS) if combined else (_LOOPS, _RUNS)
@@ -201,11 +266,15 @@ def _by_monodromy(
     if bound is not None:
         return first, ""
     for seed in range(1, 1 + runs):
-        LOG.info("%d generic solutions; they are searched again from other numbers", first.z.shape[1])
+        LOG.info(
+            "%d generic solutions; they are searched again from other numbers", first.z.shape[1]
+        )
         grown = _agree(search, first, seed)
         best = grown or first
         missing = missing_roots(problem, system, block, best, seed)
-        fresh = np.hstack([missing, roots_elsewhere(problem, system, block, points, rank, best, seed)])
+        fresh = np.hstack(
+            [missing, roots_elsewhere(problem, system, block, points, rank, best, seed)]
+        )
         if grown is None and fresh.shape[1] == 0:
             return first, ""
         if fresh.shape[1] == 0:
@@ -221,16 +290,20 @@ def redundant_rows(problem: Problem, block: System) -> int:
     system = free_system(problem, block)
     ranks = []
     for values in closed_configurations(problem.closure, 0):
-        _, jacobian = system.linearise_one(problem.select_values(values, system.unknowns), np.zeros(0))
+        _, jacobian = system.linearise_one(
+            problem.select_values(values, system.unknowns), np.zeros(0)
+        )
         ranks.append(Rank.of(jacobian).value)
     return int(block.rows.shape[0]) - max(ranks)
 
 
-def missing_roots(problem: Problem, system: AlgebraicSystem, block: System, start: Fibre, seed: int) -> np.ndarray:
+def missing_roots(
+    problem: Problem, system: AlgebraicSystem, block: System, start: Fibre, seed: int
+) -> np.ndarray:
     """Roots (width, n) at the start's base that real instances show to be missing there.
 
-    At random closed configurations the roots must come in conjugate pairs, and must hold every real root that random
-    starts find; what is missing is tracked back to the base.
+    At random closed configurations the roots must come in conjugate pairs, and must hold every real
+    root that random starts find; what is missing is tracked back to the base.
     """
     settings = TrackSettings(tolerance=1e-5)
     closed = closed_configurations(problem.closure, seed)[:_INSTANCES]
@@ -240,8 +313,14 @@ def missing_roots(problem: Problem, system: AlgebraicSystem, block: System, star
     lost = []
     for known, k, tracked in zip(instances, ks, there, strict=True):
         ends, _ = newton(system, tracked.z[:, tracked.arrived], k)
-        wanted = np.concatenate([np.conj(ends), _real_points(problem, system, block, known, seed)], axis=1)
-        lost.append(wanted[:, uncovered(system, ends, wanted) < 0] if tracked.arrived.any() else wanted[:, :0])
+        wanted = np.concatenate(
+            [np.conj(ends), _real_points(problem, system, block, known, seed)], axis=1
+        )
+        lost.append(
+            wanted[:, uncovered(system, ends, wanted) < 0]
+            if tracked.arrived.any()
+            else wanted[:, :0]
+        )
     back = track_lines(system, lost, [(k, start.k) for k in ks], settings)
     missing = [tracked.z[:, tracked.arrived] for tracked in back]
     if not any(z.shape[1] for z in missing):
@@ -252,8 +331,12 @@ def missing_roots(problem: Problem, system: AlgebraicSystem, block: System, star
     return np.asarray(everything[:, first[first >= start.z.shape[1]]])
 
 
-def _real_points(problem: Problem, system: AlgebraicSystem, block: System, known: np.ndarray, seed: int) -> np.ndarray:
-    """Regular real roots of an instance that random starts reach, as points of the algebraic system."""
+def _real_points(
+    problem: Problem, system: AlgebraicSystem, block: System, known: np.ndarray, seed: int
+) -> np.ndarray:
+    """Regular real roots of an instance that random starts reach, as points of the algebraic
+    system.
+    """
     given = Given(problem.kind, known, {})
     found = batched(problem, block, given, _CHECK_STARTS, np.random.default_rng(seed))
     columns = []
@@ -261,28 +344,38 @@ def _real_points(problem: Problem, system: AlgebraicSystem, block: System, known
         if block.condition(z, known) < 1e7:
             columns.append(
                 algebraic_point(
-                    problem, system, {c.name: z[place] for c, place in zip(block.unknowns, block.slices, strict=True)}
+                    problem,
+                    system,
+                    {
+                        c.name: z[place]
+                        for c, place in zip(block.unknowns, block.slices, strict=True)
+                    },
                 )
             )
     return np.array(columns).T.reshape(system.width, len(columns))
 
 
 def _closed_points(problem: Problem, system: AlgebraicSystem, block: System) -> Points:
-    """Draws generic closed configurations: rows that close for any known values may still depend on them elsewhere."""
+    """Draws generic closed configurations: rows that close for any known values may still depend on
+    them elsewhere.
+    """
     closed = closed_configurations(problem.closure, 0)
 
     def draw(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - all are near the reference
         values = closed[int(rng.integers(len(closed)))]
         named = {c.name: values[problem.closure.slices[c.name]] for c in block.unknowns}
         z = algebraic_point(problem, system, named)
-        return z, known_values(problem, problem.select_values(values, problem.known_coordinates)).astype(complex)
+        return z, known_values(
+            problem, problem.select_values(values, problem.known_coordinates)
+        ).astype(complex)
 
     return draw
 
 
 def _is_determined(system: AlgebraicSystem, points: Points) -> bool:
-    """Whether the rows can be met for known values near given ones: they are no more than the unknowns, or depend on
-    each other where they are met."""
+    """Whether the rows can be met for known values near given ones: they are no more than the
+    unknowns, or depend on each other where they are met.
+    """
     rng = np.random.default_rng(11)
     redundant = system.count - (system.width - (1 if system.projective else 0))
     if redundant <= 0 or system.projective:
@@ -304,24 +397,35 @@ class _Searching:
     looping: Looping
 
     def fibre(
-        self, draw: int, seed: int, known: tuple[np.ndarray, np.ndarray] | None = None, *, bound: int | None = None,
+        self,
+        draw: int,
+        seed: int,
+        known: tuple[np.ndarray, np.ndarray] | None = None,
+        *,
+        bound: int | None = None,
         progress: Progress | None = None,
-    ) -> Fibre | None:  # fmt: skip
-        """Roots from random complex points, or from the `known` ones; where no such point leads to a root, from closed
-        configurations."""
+    ) -> Fibre | None:
+        """Roots from random complex points, or from the `known` ones; where no such point leads to
+        a root, from closed configurations.
+        """
         looping = self.looping if bound is None else replace(self.looping, bound=bound)
         rng = np.random.default_rng(draw)
         found = fibre(self.system, self.points, rng, seed, self.rank, looping, known, progress)
         if found is None and known is None:
-            known = real_seeds(self.problem, self.system, self.block, self.points, np.random.default_rng([draw, 2]))
+            known = real_seeds(
+                self.problem, self.system, self.block, self.points, np.random.default_rng([draw, 2])
+            )
             if known is not None:
-                found = fibre(self.system, self.points, rng, seed, self.rank, looping, known, progress)
+                found = fibre(
+                    self.system, self.points, rng, seed, self.rank, looping, known, progress
+                )
         return found
 
 
 def _agree(search: _Searching, first: Fibre, seed: int) -> Fibre | None:
-    """None where a second search from other random numbers, brought to the same base, finds no other roots; else the
-    union, grown by more loops."""
+    """None where a second search from other random numbers, brought to the same base, finds no
+    other roots; else the union, grown by more loops.
+    """
     second = search.fibre(seed, seed, bound=first.z.shape[1])
     if second is None:
         return None
@@ -341,7 +445,9 @@ def start_key(problem: Problem, system: AlgebraicSystem) -> str:
 
 
 def write_shipped() -> None:
-    """Compute the starts of the shipped mechanisms into the package: `python -m symkin.homotopy.start_store`."""
+    """Compute the starts of the shipped mechanisms into the package: `python -m
+    symkin.homotopy.start_store`.
+    """
     from symkin.formats.load import load
     from symkin.model.file import shipped_names
     from symkin.position.problem import build_problem
@@ -356,7 +462,9 @@ def write_shipped() -> None:
             for block in problem.blocks:
                 system = system_of(problem, block)
                 start, reason = compute_start(problem, system, block)
-                (SHIPPED / f"{start_key(problem, system)}.npz").write_bytes(content_of(start, reason))
+                (SHIPPED / f"{start_key(problem, system)}.npz").write_bytes(
+                    content_of(start, reason)
+                )
                 print(
                     mechanism.name,
                     kind,

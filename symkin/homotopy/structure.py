@@ -1,13 +1,14 @@
 """One algebraic system for all blocks of one structure, so that its generic roots are sought once.
 
-Rows of joints are trigonometric polynomials of degree 1 in each angle, of degree 2 in each length: row i = sum over m of C_im(k)
-phi_m(z), phi_m products of 1, cos z_j, sin z_j (1, z_j, z_j^2). Which coefficients vanish, and which are equal but for sign whatever
-the known values are, is the block's structure: a dyad of revolute joints is two circles, wherever it stands and however long its links
-are. The different coefficients are the known values of the structure's own system; its generic roots serve every block
-whose paths from them all arrive.
+Rows of joints are trigonometric polynomials of degree 1 in each angle, of degree 2 in each length:
+row i = sum over m of C_im(k) phi_m(z), phi_m products of 1, cos z_j, sin z_j (1, z_j, z_j^2). Which
+coefficients vanish, and which are equal but for sign whatever the known values are, is the block's
+structure: a dyad of revolute joints is two circles, wherever it stands and however long its links
+are. The different coefficients are the known values of the structure's own system; its generic
+roots serve every block whose paths from them all arrive.
 
-Source: A. P. Morgan, A. J. Sommese, Coefficient-parameter polynomial continuation, Applied Mathematics and Computation 29 (1989)
-123-160.
+Source: A. P. Morgan, A. J. Sommese, Coefficient-parameter polynomial continuation, Applied
+Mathematics and Computation 29 (1989) 123-160.
 """
 
 from __future__ import annotations
@@ -39,8 +40,9 @@ from symkin.position.problem import Problem
 MOST_UNKNOWNS = 4
 """Unknowns of a block at most: its rows have three to this power coefficients each."""
 MOST_COEFFICIENTS = 24
-"""Different coefficients of a block at most. Many of them are bound by rules beyond equality, which rotations in space follow, so that
-random ones have many more roots."""
+"""Different coefficients of a block at most. Many of them are bound by rules beyond equality, which
+rotations in space follow, so that random ones have many more roots.
+"""
 _NODES = {"angle": (0.0, np.pi, np.pi / 2), "length": (0.0, 1.0, -1.0)}
 """Values of an unknown from which a row's coefficients follow."""
 _COEFFICIENTS = {
@@ -63,7 +65,9 @@ Terms = tuple[tuple[tuple[int, int, int], ...], ...]
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """A structure's `system` and, for one block, its coefficients as a function of the block's known values (`data`)."""
+    """A structure's `system` and, for one block, its coefficients as a function of the block's
+    known values (`data`).
+    """
 
     system: AlgebraicSystem
     data: ca.Function
@@ -73,24 +77,37 @@ class Structure:
         return vectorise(self.data)
 
     def known(self, k: np.ndarray) -> np.ndarray:
-        """Known values of the structure's system (coefficients, n) from those of the block's, (known, n)."""
+        """Known values of the structure's system (coefficients, n) from those of the block's,
+        (known, n).
+        """
         numbers = np.zeros((k.shape[1], int(self.system.k.shape[0]), 1), dtype=complex)
         self._code(np.asarray(k, dtype=complex), numbers)
         return numbers[:, :, 0].T
 
 
 def structure_of(problem: Problem, system: AlgebraicSystem) -> Structure | None:
-    """The structure of a block of a few joints, or of a body that six distances hold; None where its rows are no such polynomials,
-    or more than its unknowns."""
+    """The structure of a block of a few joints, or of a body that six distances hold; None where
+    its rows are no such polynomials, or more than its unknowns.
+    """
     distances = distances_of(system)
     if distances is not None:
         held = Structure(
-            universal_system_of(system.body), ca.Function("distances", [system.k], [ca.densify(distances)], {"cse": True})
+            universal_system_of(system.body),
+            ca.Function("distances", [system.k], [ca.densify(distances)], {"cse": True}),
         )
         return held if _has_rows(problem, system, held) else None
     kinds = tuple(c.kind for c in system.unknowns)
-    fits = not system.projective and not system.eliminated and not system.limbs and system.count == system.width <= MOST_UNKNOWNS
-    if not fits or any(kind not in _NODES for kind in kinds) or any(c.least is not None for c in system.unknowns):
+    fits = (
+        not system.projective
+        and not system.eliminated
+        and not system.limbs
+        and system.count == system.width <= MOST_UNKNOWNS
+    )
+    if (
+        not fits
+        or any(kind not in _NODES for kind in kinds)
+        or any(c.least is not None for c in system.unknowns)
+    ):
         return None
     coefficients = _coefficients(system, kinds)
     if not _is_whole(problem, system, kinds, coefficients):
@@ -99,18 +116,24 @@ def structure_of(problem: Problem, system: AlgebraicSystem) -> Structure | None:
     if len(places) > MOST_COEFFICIENTS:
         return None
     data = ca.Function(
-        "coefficients", [system.k], [ca.densify(ca.vertcat(*(coefficients[i, m] for i, m in places)))], {"cse": True}
+        "coefficients",
+        [system.k],
+        [ca.densify(ca.vertcat(*(coefficients[i, m] for i, m in places)))],
+        {"cse": True},
     )
     return Structure(_system(kinds, terms), data)
 
 
 def start_of_structure(problem: Problem, structure: Structure) -> Fibre | None:
-    """The generic roots of a structure, found once and then kept; None where not all of them lead to roots of this block at
-    random known values: its coefficients are special, and it has fewer."""
+    """The generic roots of a structure, found once and then kept; None where not all of them lead
+    to roots of this block at random known values: its coefficients are special, and it has fewer.
+    """
     if structure.system.projective:
         start: Fibre | None = universal_start()
     else:
-        start, _ = kept_or_computed(closure_key(structure.system), structure.system, lambda: _searched(structure.system))
+        start, _ = kept_or_computed(
+            closure_key(structure.system), structure.system, lambda: _searched(structure.system)
+        )
     if start is None:
         return None
     k = known_values(problem, random_known(problem, np.random.default_rng(3), near=True))
@@ -119,8 +142,9 @@ def start_of_structure(problem: Problem, structure: Structure) -> Fibre | None:
 
 
 def _has_rows(problem: Problem, system: AlgebraicSystem, structure: Structure) -> bool:
-    """Whether the block's rows are those of its structure, times factors that the unknowns do not enter: at random complex points
-    of one instance their ratio is one number."""
+    """Whether the block's rows are those of its structure, times factors that the unknowns do not
+    enter: at random complex points of one instance their ratio is one number.
+    """
     rng = np.random.default_rng(1)
     z = complex_normal(system.width * _DRAWS, rng).reshape(system.width, _DRAWS)
     one = known_values(problem, random_known(problem, rng, near=False)).astype(complex)
@@ -128,37 +152,54 @@ def _has_rows(problem: Problem, system: AlgebraicSystem, structure: Structure) -
     own, shared = system.linearise(z, k)[0], structure.system.linearise(z, structure.known(k))[0]
     # the universal system begins with e.g = 0, a block ends with it
     ratio = own / np.roll(shared, -1, axis=1)
-    return bool(np.isfinite(ratio).all() and (np.max(np.abs(ratio - ratio[0]), axis=0) <= 1e-6 * np.abs(ratio[0])).all())
+    return bool(
+        np.isfinite(ratio).all()
+        and (np.max(np.abs(ratio - ratio[0]), axis=0) <= 1e-6 * np.abs(ratio[0])).all()
+    )
 
 
-# --- coefficients --------------------------------------------------------------------------------------------------
+# --- coefficients ---------------------------------------------------------------------------------
 
 
 def _coefficients(system: AlgebraicSystem, kinds: tuple[str, ...]) -> ca.SX:
     """Coefficients (rows, products) as expressions of the known values."""
-    values = [ca.substitute(system.rows, system.z, ca.SX(ca.DM(nodes))) for nodes in product(*(_NODES[kind] for kind in kinds))]
+    values = [
+        ca.substitute(system.rows, system.z, ca.SX(ca.DM(nodes)))
+        for nodes in product(*(_NODES[kind] for kind in kinds))
+    ]
     inverse = reduce(np.kron, (_COEFFICIENTS[kind] for kind in kinds))
     return ca.mtimes(ca.horzcat(*values), ca.sparsify(ca.DM(inverse.T)))
 
 
 def _drawn_known(problem: Problem, rng: np.random.Generator) -> np.ndarray:
     """Known values (known, draws) at which coefficients are compared."""
-    return np.array([known_values(problem, random_known(problem, rng, near=False)) for _ in range(_DRAWS)], dtype=complex).T
+    return np.array(
+        [known_values(problem, random_known(problem, rng, near=False)) for _ in range(_DRAWS)],
+        dtype=complex,
+    ).T
 
 
 def _products(z: ca.SX, kinds: tuple[str, ...]) -> list[ca.SX]:
     """The products phi_m of an unknown vector, in the order of the coefficients."""
     factors = []
     for j, kind in enumerate(kinds):
-        powers = (ca.SX(1), z[j], z[j] ** 2) if kind == "length" else (ca.SX(1), ca.cos(z[j]), ca.sin(z[j]))
+        powers = (
+            (ca.SX(1), z[j], z[j] ** 2)
+            if kind == "length"
+            else (ca.SX(1), ca.cos(z[j]), ca.sin(z[j]))
+        )
         factors.append(powers)
     return [reduce(lambda a, b: a * b, chosen) for chosen in product(*factors)]
 
 
-def _is_whole(problem: Problem, system: AlgebraicSystem, kinds: tuple[str, ...], coefficients: ca.SX) -> bool:
+def _is_whole(
+    problem: Problem, system: AlgebraicSystem, kinds: tuple[str, ...], coefficients: ca.SX
+) -> bool:
     """Whether the rows are the sums of these products: they are equal at random complex points."""
     sums = ca.mtimes(coefficients, ca.vertcat(*_products(system.z, kinds)))
-    code = vectorise(ca.Function("difference", [system.z, system.k], [ca.densify(ca.horzcat(system.rows, sums))]))
+    code = vectorise(
+        ca.Function("difference", [system.z, system.k], [ca.densify(ca.horzcat(system.rows, sums))])
+    )
     rng = np.random.default_rng(1)
     z = complex_normal(system.width * _DRAWS, rng).reshape(system.width, _DRAWS)
     k = _drawn_known(problem, rng)
@@ -168,7 +209,9 @@ def _is_whole(problem: Problem, system: AlgebraicSystem, kinds: tuple[str, ...],
     return bool((np.max(np.abs(both[..., 0] - both[..., 1]), axis=0) <= 1e-9 * scale).all())
 
 
-def _terms(problem: Problem, system: AlgebraicSystem, coefficients: ca.SX) -> tuple[Terms, list[tuple[int, int]]]:
+def _terms(
+    problem: Problem, system: AlgebraicSystem, coefficients: ca.SX
+) -> tuple[Terms, list[tuple[int, int]]]:
     """The terms of each row, and the place (row, product) of each different coefficient."""
     rng = np.random.default_rng(2)
     evaluate = vectorise(ca.Function("c", [system.k], [ca.densify(coefficients)]))
@@ -200,7 +243,9 @@ def _terms(problem: Problem, system: AlgebraicSystem, coefficients: ca.SX) -> tu
 
 @lru_cache(maxsize=256)
 def _system(kinds: tuple[str, ...], terms: Terms) -> AlgebraicSystem:
-    """The system of a structure: its unknowns have no names but numbers, and its lengths are in units of the size."""
+    """The system of a structure: its unknowns have no names but numbers, and its lengths are in
+    units of the size.
+    """
     z = ca.SX.sym("z", len(kinds))
     count = 1 + max(number for row in terms for _, number, _ in row)
     k, phi = ca.SX.sym("k", count), _products(z, kinds)
@@ -210,12 +255,14 @@ def _system(kinds: tuple[str, ...], terms: Terms) -> AlgebraicSystem:
     return AlgebraicSystem(1.0, unknowns, z, k, ca.vertcat(*rows), ())
 
 
-# --- generic roots -------------------------------------------------------------------------------------------------
+# --- generic roots --------------------------------------------------------------------------------
 
 
 def _searched(system: AlgebraicSystem) -> tuple[Fibre | None, str]:
-    """All roots for random complex coefficients: loops of the coefficients until a second search from other numbers finds no
-    others, and until those of real coefficients come in conjugate pairs."""
+    """All roots for random complex coefficients: loops of the coefficients until a second search
+    from other numbers finds no others, and until those of real coefficients come in conjugate
+    pairs.
+    """
     try:
         return _settled(system)
     except TooManyRootsError as error:
@@ -238,7 +285,9 @@ def _settled(system: AlgebraicSystem) -> tuple[Fibre | None, str]:
     return None, "independent searches for the generic count disagree"
 
 
-def _search(system: AlgebraicSystem, seed: int, known: tuple[np.ndarray, np.ndarray] | None = None) -> Fibre | None:
+def _search(
+    system: AlgebraicSystem, seed: int, known: tuple[np.ndarray, np.ndarray] | None = None
+) -> Fibre | None:
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
         return complex_normal(system.width, rng), complex_normal(int(system.k.shape[0]), rng)
 
@@ -254,7 +303,9 @@ def _beside(system: AlgebraicSystem, start: Fibre, z: np.ndarray, k: np.ndarray)
 
 
 def _unpaired(system: AlgebraicSystem, start: Fibre, seed: int) -> np.ndarray:
-    """Roots at the start's base that are missing there: conjugates of roots for random real coefficients."""
+    """Roots at the start's base that are missing there: conjugates of roots for random real
+    coefficients.
+    """
     k = np.random.default_rng([seed, 1]).normal(size=int(system.k.shape[0])).astype(complex)
     tracked = track(system, start.z, start.k, k, TrackSettings(tolerance=1e-5))
     ends, last = newton(system, tracked.z[:, tracked.arrived], k)

@@ -1,8 +1,10 @@
-"""Symmetries of an algebraic system: maps of the unknowns that carry roots to roots at the same known values.
+"""Symmetries of an algebraic system: maps of the unknowns that carry roots to roots at the same
+known values.
 
-A map T with F_i(T z, k) = F_i(z, k) or -F_i(z, k) for every row takes roots to roots and paths to paths, so that one path
-of each orbit need be tracked. Maps that change signs of unknowns and turn angles by half turns are found from the rows
-alone; others, such as the reflection of a platform with coplanar points (see `coplanar`), are given and checked.
+A map T with F_i(T z, k) = F_i(z, k) or -F_i(z, k) for every row takes roots to roots and paths to
+paths, so that one path of each orbit need be tracked. Maps that change signs of unknowns and turn
+angles by half turns are found from the rows alone; others, such as the reflection of a platform
+with coplanar points (see `coplanar`), are given and checked.
 """
 
 from __future__ import annotations
@@ -20,10 +22,13 @@ from symkin.homotopy.branches import SAME
 from symkin.homotopy.tracker import Tracked
 
 _EQUAL = 1e-11
-"""Largest difference between a row's absolute values at a point and at its image, over the largest row. What a symmetry
-is broken by must be larger to be seen, and rounding smaller."""
+"""Largest difference between a row's absolute values at a point and at its image, over the largest
+row. What a symmetry is broken by must be larger to be seen, and rounding smaller.
+"""
 _MOST_FLIPS = 14
-"""Changes of one row's unknowns that are tried in all combinations; a row with more of them is taken to admit none."""
+"""Changes of one row's unknowns that are tried in all combinations; a row with more of them is
+taken to admit none.
+"""
 _MOST_MAPS = 64
 Draw = Callable[[np.random.Generator], np.ndarray]
 """Draws complex known values (known,) at which a symmetry must hold."""
@@ -31,7 +36,9 @@ Draw = Callable[[np.random.Generator], np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Symmetries:
-    """A group of maps z -> M z + t: `matrices` (maps, width, width), `shifts` (maps, width); the identity is first."""
+    """A group of maps z -> M z + t: `matrices` (maps, width, width), `shifts` (maps, width); the
+    identity is first.
+    """
 
     matrices: np.ndarray
     shifts: np.ndarray
@@ -46,8 +53,10 @@ class Symmetries:
 
 @dataclass(frozen=True, eq=False)
 class Orbits:
-    """Roots at one k: `labels` (n,) numbers the orbit of each, `first` (orbits,) are roots that stand for them, and
-    `maps` (n,) take those to the others. `whole`: all images were among the roots."""
+    """Roots at one k: `labels` (n,) numbers the orbit of each, `first` (orbits,) are roots that
+    stand for them, and `maps` (n,) take those to the others. `whole`: all images were among the
+    roots.
+    """
 
     symmetries: Symmetries
     labels: np.ndarray
@@ -56,14 +65,18 @@ class Orbits:
     whole: bool
 
     def unfold(self, z: np.ndarray) -> np.ndarray:
-        """The continuations (width, n) of all roots from those (width, orbits) of the ones that stand for them."""
+        """The continuations (width, n) of all roots from those (width, orbits) of the ones that
+        stand for them.
+        """
         images = self.symmetries.apply(z)
         return np.asarray(images[self.maps, :, self.labels].T)
 
     def unfold_tracked(self, tracked: Tracked) -> Tracked:
         """What all paths came to, from the paths of `first`."""
         z = self.unfold(tracked.z)
-        return Tracked(z, *(values[self.labels] for values in (tracked.arrived, tracked.s, tracked.tries)))
+        return Tracked(
+            z, *(values[self.labels] for values in (tracked.arrived, tracked.s, tracked.tries))
+        )
 
 
 def orbits(system: AlgebraicSystem, symmetries: Symmetries, z: np.ndarray) -> Orbits:
@@ -86,7 +99,7 @@ def orbits(system: AlgebraicSystem, symmetries: Symmetries, z: np.ndarray) -> Or
     return Orbits(symmetries, labels, np.array(first, dtype=int), maps, whole)
 
 
-# --- finding them ------------------------------------------------------------------------------------------------
+# --- finding them ---------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,13 +111,19 @@ class _Flip:
     shift: float
 
 
-def find_symmetries(system: AlgebraicSystem, draw: Draw | None = None, others: Sequence[np.ndarray] = ()) -> Symmetries:
-    """The group of sign changes, half turns and those of the matrices `others` (width, width) under which every row
-    keeps its absolute value, at all known values that `draw` gives (default: all). Maps that move no root are left out:
-    the sign of a ray, that of a rod's length."""
+def find_symmetries(
+    system: AlgebraicSystem, draw: Draw | None = None, others: Sequence[np.ndarray] = ()
+) -> Symmetries:
+    """The group of sign changes, half turns and those of the matrices `others` (width, width) under
+    which every row keeps its absolute value, at all known values that `draw` gives (default: all).
+    Maps that move no root are left out: the sign of a ray, that of a rod's length.
+    """
     rows = _Rows(system, draw)
     flips = _flips(system)
-    generators = [_map(system, [flips[b] for b in np.flatnonzero(bits)]) for bits in _admitted(system, rows, flips)]
+    generators = [
+        _map(system, [flips[b] for b in np.flatnonzero(bits)])
+        for bits in _admitted(system, rows, flips)
+    ]
     generators += [(np.asarray(matrix, dtype=complex), np.zeros(system.width)) for matrix in others]
     return _group(system, [g for g in generators if rows.keep(*g)])
 
@@ -116,7 +135,9 @@ class _Rows:
         self.system = system
         self.rng = np.random.default_rng(0)
         self.draw = draw or (lambda rng: complex_normal(int(system.k.shape[0]), rng))
-        self.code = vectorise(ca.Function("r", [system.z, system.k], [ca.densify(system.rows)], {"cse": True}))
+        self.code = vectorise(
+            ca.Function("r", [system.z, system.k], [ca.densify(system.rows)], {"cse": True})
+        )
 
     def at(self, z: np.ndarray, k: np.ndarray) -> np.ndarray:
         """|F| (n, rows) at points z (width, n), over the largest."""
@@ -143,14 +164,17 @@ def _flips(system: AlgebraicSystem) -> list[_Flip]:
     """One sign a unknown (a ray's first coordinate keeps its own), and a half turn an angle."""
     fixed = system.projective[:1]
     signs = [_Flip(i, -1.0, 0.0) for i in range(system.width) if i not in fixed]
-    return signs + [_Flip(i, 1.0, np.pi) for i, c in enumerate(system.unknowns) if c.kind == "angle"]
+    return signs + [
+        _Flip(i, 1.0, np.pi) for i, c in enumerate(system.unknowns) if c.kind == "angle"
+    ]
 
 
 def _admitted(system: AlgebraicSystem, rows: _Rows, flips: list[_Flip]) -> np.ndarray:
     """Generators (any, flips) of the sets of flips that every row admits, as bits.
 
-    The sets that a row admits are a vector space over the field of two elements. It is found for rows of the same
-    unknowns by trying all sets of their flips; the equations that cut it out are collected over the rows and solved.
+    The sets that a row admits are a vector space over the field of two elements. It is found for
+    rows of the same unknowns by trying all sets of their flips; the equations that cut it out are
+    collected over the rows and solved.
     """
     pattern = np.asarray(ca.DM(ca.jacobian_sparsity(system.rows, system.z), 1)) != 0
     equations: list[np.ndarray] = []
@@ -165,7 +189,9 @@ def _admitted(system: AlgebraicSystem, rows: _Rows, flips: list[_Flip]) -> np.nd
             equations += [_unit(b, len(flips)) for b in bits]
             continue
         chosen = _all_sets(len(bits))
-        good = rows.same(partial(_images, flips=[flips[b] for b in bits], chosen=chosen))[:, members]
+        good = rows.same(partial(_images, flips=[flips[b] for b in bits], chosen=chosen))[
+            :, members
+        ]
         for equation in binary_null_space(chosen[good.all(axis=1)]):
             equations.append(np.zeros(len(flips), dtype=bool))
             equations[-1][bits] = equation
@@ -215,8 +241,12 @@ def _map(system: AlgebraicSystem, flips: Sequence[_Flip]) -> tuple[np.ndarray, n
     return matrix, shift
 
 
-def _group(system: AlgebraicSystem, generators: Sequence[tuple[np.ndarray, np.ndarray]]) -> Symmetries:
-    """All products of the generators that differ in where they take a root; at most `_MOST_MAPS`."""
+def _group(
+    system: AlgebraicSystem, generators: Sequence[tuple[np.ndarray, np.ndarray]]
+) -> Symmetries:
+    """All products of the generators that differ in where they take a root; at most
+    `_MOST_MAPS`.
+    """
     point = complex_normal(system.width, np.random.default_rng(1))
     maps = [(np.eye(system.width, dtype=complex), np.zeros(system.width))]
     seen = [system.all_features(point[:, None])[0]]

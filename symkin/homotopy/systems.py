@@ -12,7 +12,12 @@ from symkin.closure.bodies import PoseForm
 from symkin.closure.closure import AlgebraicClosure, algebraic_rows, build_algebraic_closure
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.six_distances import chosen_distances, distance_function, is_universal, universal_system
+from symkin.homotopy.six_distances import (
+    chosen_distances,
+    distance_function,
+    is_universal,
+    universal_system,
+)
 from symkin.homotopy.universal_joints import replaced_universal_joints
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System, components
@@ -22,8 +27,9 @@ from symkin.position.problem import KNOWN, Problem
 
 @lru_cache(maxsize=64)
 def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
-    """The blocks of a problem over the complex numbers. Platforms held by six rods share one system, whose known values
-    are lengths and points."""
+    """The blocks of a problem over the complex numbers. Platforms held by six rods share one
+    system, whose known values are lengths and points.
+    """
     if problem.kind == "given":
         return (_of_given(problem),)
     if is_universal(problem):
@@ -77,10 +83,14 @@ def _build(problem: Problem, *, replace_universal: bool) -> tuple[AlgebraicSyste
     z, k = ca.vertcat(*z_parts), ca.vertcat(*k_parts)
     scaled = ca.vertcat(z * ca.DM(scale_z), k * ca.DM(scale_k))
     eliminated = tuple(e for e in algebraic.eliminated if e[0].role != known_role)
-    expressions = ca.substitute(ca.vertcat(*rows, *(size * e for _, e in eliminated)) / size, ca.vertcat(z, k), scaled)
+    expressions = ca.substitute(
+        ca.vertcat(*rows, *(size * e for _, e in eliminated)) / size, ca.vertcat(z, k), scaled
+    )
     last = int(k.shape[0])
     known_ray = () if pose_unknown or algebraic.form is None else tuple(range(last - 4, last))
-    whole = AlgebraicSystem(size, affine, z, k, expressions[: len(rows)], projective, known_ray=known_ray)
+    whole = AlgebraicSystem(
+        size, affine, z, k, expressions[: len(rows)], projective, known_ray=known_ray
+    )
     if pose_unknown and len(problem.blocks) == 1:
         whole = replace(whole, limbs=_limbs(whole, len(unknowns)))
     cut = tuple((c, expressions[len(rows) + i]) for i, (c, _) in enumerate(eliminated))
@@ -90,13 +100,17 @@ def _build(problem: Problem, *, replace_universal: bool) -> tuple[AlgebraicSyste
 
 
 def _of_given(problem: Problem) -> AlgebraicSystem:
-    """The rows of a problem of given coordinates: joints as they are, a floating body that is unknown in Study coordinates, those
-    that are known by position and a quaternion of any length."""
+    """The rows of a problem of given coordinates: joints as they are, a floating body that is
+    unknown in Study coordinates, those that are known by position and a quaternion of any length.
+    """
     closure, system, size = problem.closure, problem.system, problem.closure.characteristic_length
     unknown = floating_bodies(system.unknowns)
     partly = {c.body for c in system.unknowns}
     known = tuple(body for body in floating_bodies(problem.known_coordinates) if body not in partly)
-    forms: dict[str, PoseForm] = {**dict.fromkeys(unknown, "study"), **dict.fromkeys(known, "homogeneous")}
+    forms: dict[str, PoseForm] = {
+        **dict.fromkeys(unknown, "study"),
+        **dict.fromkeys(known, "homogeneous"),
+    }
     rows, symbols = algebraic_rows(closure, forms) if forms else (system.rows, {})
     if forms and problem.row_places is not None:
         allowed = {c.name for c in (*system.unknowns, *problem.known_coordinates)}
@@ -112,13 +126,22 @@ def _of_given(problem: Problem) -> AlgebraicSystem:
             rows = ca.vertcat(rows, ca.dot(symbols[body][:4], symbols[body][4:]))
     k_parts, k_scale, ray = _known_parts(problem, symbols)
     z, k = ca.vertcat(*z_parts), ca.vertcat(ca.SX(0, 1), *k_parts)
-    rows = ca.substitute(rows, ca.vertcat(z, k), ca.vertcat(z * ca.DM(z_scale), k * ca.DM(k_scale))) / size
+    rows = (
+        ca.substitute(rows, ca.vertcat(z, k), ca.vertcat(z * ca.DM(z_scale), k * ca.DM(k_scale)))
+        / size
+    )
     projective = tuple(range(len(affine), int(z.shape[0]))) if unknown else ()
-    return AlgebraicSystem(size, affine, z, k, rows, projective, known_ray=ray, body=unknown[0] if unknown else "pose")
+    return AlgebraicSystem(
+        size, affine, z, k, rows, projective, known_ray=ray, body=unknown[0] if unknown else "pose"
+    )
 
 
-def _known_parts(problem: Problem, symbols: Mapping[str, ca.SX]) -> tuple[list[ca.SX], list[float], tuple[int, ...]]:
-    """Symbols and scales of the known coordinates in their order, and the places of the first known quaternion."""
+def _known_parts(
+    problem: Problem, symbols: Mapping[str, ca.SX]
+) -> tuple[list[ca.SX], list[float], tuple[int, ...]]:
+    """Symbols and scales of the known coordinates in their order, and the places of the first known
+    quaternion.
+    """
     closure, size = problem.closure, problem.closure.characteristic_length
     parts: list[ca.SX] = []
     scale: list[float] = []
@@ -126,7 +149,9 @@ def _known_parts(problem: Problem, symbols: Mapping[str, ca.SX]) -> tuple[list[c
     for c in problem.known_coordinates:
         if c.body is not None and c.body in symbols:
             key = c.name.rpartition(".")[2]
-            symbol = symbols[c.body][-4:] if key == "quaternion" else symbols[c.body]["xyz".index(key)]
+            symbol = (
+                symbols[c.body][-4:] if key == "quaternion" else symbols[c.body]["xyz".index(key)]
+            )
         else:
             symbol = closure.variables[closure.slices[c.name]]
         if c.kind == "quaternion" and not ray:
@@ -137,23 +162,35 @@ def _known_parts(problem: Problem, symbols: Mapping[str, ca.SX]) -> tuple[list[c
 
 
 def floating_bodies(coordinates: Sequence[Coordinate]) -> tuple[str, ...]:
-    """The bodies whose rotation is among some coordinates, by the part of these names before the last point; a platform that keeps its
-    orientation, or turns about one axis, has numbers for coordinates as joints do."""
-    return tuple(dict.fromkeys(c.body for c in coordinates if c.body is not None and c.kind == "quaternion"))
+    """The bodies whose rotation is among some coordinates, by the part of these names before the
+    last point; a platform that keeps its orientation, or turns about one axis, has numbers for
+    coordinates as joints do.
+    """
+    return tuple(
+        dict.fromkeys(c.body for c in coordinates if c.body is not None and c.kind == "quaternion")
+    )
 
 
 def system_of(problem: Problem, block: System) -> AlgebraicSystem:
-    """The algebraic system of one block of a problem; the systems stand in the order of the blocks."""
-    numbers = [number for number, other in enumerate(problem.blocks) if other.unknowns == block.unknowns]
+    """The algebraic system of one block of a problem; the systems stand in the order of the
+    blocks.
+    """
+    numbers = [
+        number for number, other in enumerate(problem.blocks) if other.unknowns == block.unknowns
+    ]
     return algebraic_systems(problem)[numbers[0]]
 
 
 @lru_cache(maxsize=64)
 def squared(system: AlgebraicSystem) -> AlgebraicSystem:
-    """As many random combinations of the rows as there are unknowns: their roots are those of all rows, and others that the rows
-    tell apart. The given values need satisfy no conditions then."""
+    """As many random combinations of the rows as there are unknowns: their roots are those of all
+    rows, and others that the rows tell apart. The given values need satisfy no conditions then.
+    """
     mixed = np.random.default_rng(7).normal(size=(system.width, system.count))
-    return replace(system, rows=ca.mtimes(ca.DM(mixed / np.linalg.norm(mixed, axis=1, keepdims=True)), system.rows))
+    return replace(
+        system,
+        rows=ca.mtimes(ca.DM(mixed / np.linalg.norm(mixed, axis=1, keepdims=True)), system.rows),
+    )
 
 
 def _scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:
@@ -163,12 +200,18 @@ def _scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:
 def _limbs(whole: AlgebraicSystem, count: int) -> tuple[tuple[int, ...], ...]:
     """The first `count` unknowns, which are joints, in groups that a known pose separates."""
     pattern = np.asarray(ca.DM(ca.jacobian_sparsity(whole.rows, whole.z[:count]), 1)) != 0
-    return tuple(tuple(sorted(g)) for g in components([set(np.flatnonzero(row).tolist()) for row in pattern], count))
+    return tuple(
+        tuple(sorted(g))
+        for g in components([set(np.flatnonzero(row).tolist()) for row in pattern], count)
+    )
 
 
-def _part(whole: AlgebraicSystem, cut: tuple[tuple[Coordinate, ca.SX], ...], names: set[str]) -> AlgebraicSystem:
-    """The part of the coordinates `names`; rows without unknowns (conditions on the given values) belong to none. `cut` are
-    eliminated coordinates and their values."""
+def _part(
+    whole: AlgebraicSystem, cut: tuple[tuple[Coordinate, ca.SX], ...], names: set[str]
+) -> AlgebraicSystem:
+    """The part of the coordinates `names`; rows without unknowns (conditions on the given values)
+    belong to none. `cut` are eliminated coordinates and their values.
+    """
     pattern = np.asarray(ca.DM(ca.jacobian_sparsity(whole.rows, whole.z), 1)) != 0
     places = [i for i, c in enumerate(whole.unknowns) if c.name in names]
     rows = [i for i in range(whole.count) if pattern[i, places].any()]
@@ -184,7 +227,9 @@ def _part(whole: AlgebraicSystem, cut: tuple[tuple[Coordinate, ca.SX], ...], nam
     )
 
 
-def _pose_scale(algebraic: AlgebraicClosure, pose: Sequence[Coordinate], size: float) -> list[float]:
+def _pose_scale(
+    algebraic: AlgebraicClosure, pose: Sequence[Coordinate], size: float
+) -> list[float]:
     if algebraic.form is None:
         return [1.0 if c.is_angular else size for c in pose]
     width = int(algebraic.pose.shape[0])
@@ -198,7 +243,10 @@ def unsuitable(problem: Problem) -> str | None:
     for c in problem.system.unknowns:
         if c.kind == "turns":
             reason = problem.mechanism.advancing.get(c.name)
-            return f"the closure is not algebraic in {c.name} ({'helical joint' if reason is None else reason})"
+            return (
+                f"the closure is not algebraic in {c.name} "
+                f"({'helical joint' if reason is None else reason})"
+            )
         if c.kind == "quaternion" and c.role not in ("pose", "body"):
             return f"{c.name} is a spherical joint that the closure keeps"
     bodies = floating_bodies(problem.system.unknowns) if problem.kind == "given" else ()

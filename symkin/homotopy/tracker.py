@@ -1,10 +1,12 @@
-"""Path tracking: roots of F(z, k(s)) = 0 while the known values k move along a straight complex line.
+"""Path tracking: roots of F(z, k(s)) = 0 while the known values k move along a straight complex
+line.
 
-All paths advance at once, each with its own s and step. The predictor extrapolates the polynomial of fifth degree
-through the last three points and their tangents dz/ds = -(dF/dz)^+ (dF/dk) dk/ds (confluent divided differences; the
-first step is one of Runge and Kutta); two Newton corrections follow, whose second matrix gives the next tangent. All rows
-are used, by QR. A projective point moves within the hyperplane conj(x).dx = 0 and is normalised after each step, so that
-it needs no fixed chart; earlier points are carried into the chart of the last one.
+All paths advance at once, each with its own s and step. The predictor extrapolates the polynomial
+of fifth degree through the last three points and their tangents dz/ds = -(dF/dz)^+ (dF/dk) dk/ds
+(confluent divided differences; the first step is one of Runge and Kutta); two Newton corrections
+follow, whose second matrix gives the next tangent. All rows are used, by QR. A projective point
+moves within the hyperplane conj(x).dx = 0 and is normalised after each step, so that it needs no
+fixed chart; earlier points are carried into the chart of the last one.
 """
 
 from __future__ import annotations
@@ -22,8 +24,10 @@ _POINTS = 3
 
 @dataclass(frozen=True)
 class TrackSettings:
-    """`tolerance`: largest first correction of a step (relative to 1, the scale of z); `smallest_step`: where a path
-    is given up; `most_steps`: bound on the steps of all paths together."""
+    """`tolerance`: largest first correction of a step (relative to 1, the scale of z);
+    `smallest_step`: where a path is given up; `most_steps`: bound on the steps of all paths
+    together.
+    """
 
     tolerance: float = 1e-3
     first_step: float = 0.05
@@ -33,8 +37,9 @@ class TrackSettings:
 
 @dataclass(frozen=True, eq=False)
 class Tracked:
-    """End points z (width, n), and for each path whether it reached s = 1; `s` is how far it came, `tries` the steps that
-    were tried on it."""
+    """End points z (width, n), and for each path whether it reached s = 1; `s` is how far it came,
+    `tries` the steps that were tried on it.
+    """
 
     z: np.ndarray
     arrived: np.ndarray
@@ -67,7 +72,9 @@ class _Line:
 
 @dataclass(eq=False)
 class _Paths:
-    """Last points z (points, width, n), tangents and places s (points, n) of each path, newest first; `count` are kept."""
+    """Last points z (points, width, n), tangents and places s (points, n) of each path, newest
+    first; `count` are kept.
+    """
 
     z: np.ndarray
     t: np.ndarray
@@ -85,13 +92,23 @@ class _Paths:
 
 
 def track(
-    system: AlgebraicSystem, z: np.ndarray, begin: np.ndarray, end: np.ndarray, settings: TrackSettings | None = None
+    system: AlgebraicSystem,
+    z: np.ndarray,
+    begin: np.ndarray,
+    end: np.ndarray,
+    settings: TrackSettings | None = None,
 ) -> Tracked:
-    """Track roots z (width, n) of F(., begin) to roots of F(., end); known values (known,), or (known, n) for each path
-    its own."""
+    """Track roots z (width, n) of F(., begin) to roots of F(., end); known values (known,), or
+    (known, n) for each path its own.
+    """
     first, last = _columns(begin, z.shape[1]), _columns(end, z.shape[1])
     with np.errstate(all="ignore"):
-        return _track(system, system.normalise(z.astype(complex)), _Line(first, last - first), settings or TrackSettings())
+        return _track(
+            system,
+            system.normalise(z.astype(complex)),
+            _Line(first, last - first),
+            settings or TrackSettings(),
+        )
 
 
 def _columns(k: np.ndarray, n: int) -> np.ndarray:
@@ -124,7 +141,9 @@ def _track(system: AlgebraicSystem, z: np.ndarray, line: _Line, settings: TrackS
     return _arrive(system, z, s, line.at(1.0), tries)
 
 
-def _arrive(system: AlgebraicSystem, z: np.ndarray, s: np.ndarray, end: np.ndarray, tries: np.ndarray) -> Tracked:
+def _arrive(
+    system: AlgebraicSystem, z: np.ndarray, s: np.ndarray, end: np.ndarray, tries: np.ndarray
+) -> Tracked:
     """Newton at the end; a point that Newton does not settle has not arrived."""
     z, there = system.unit_rays(z), np.flatnonzero(s >= 1.0)
     arrived = s >= 1.0
@@ -134,9 +153,12 @@ def _arrive(system: AlgebraicSystem, z: np.ndarray, s: np.ndarray, end: np.ndarr
     return Tracked(z, arrived, s, tries)
 
 
-def newton(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, iterations: int = 5) -> tuple[np.ndarray, np.ndarray]:
-    """Newton at fixed k, (known,) or (known, n); returns points and the size of the last step, infinite where rows stay
-    that no unknowns can satisfy."""
+def newton(
+    system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, iterations: int = 5
+) -> tuple[np.ndarray, np.ndarray]:
+    """Newton at fixed k, (known,) or (known, n); returns points and the size of the last step,
+    infinite where rows stay that no unknowns can satisfy.
+    """
     known = _columns(k, z.shape[1])
     last = np.zeros(z.shape[1])
     with np.errstate(all="ignore"):
@@ -144,7 +166,9 @@ def newton(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, iterations: in
             f, j = system.linearise(z, known)
             dz = -solve_rows(_with_patch(j, _patch(system, z)), f[:, :, None])[:, :, 0]
             z, last = z + dz, _relative(dz, z)
-            last = np.where(np.isfinite(last) & (np.max(np.abs(f), axis=1) < ROWS_CONTRADICT), last, np.inf)
+            last = np.where(
+                np.isfinite(last) & (np.max(np.abs(f), axis=1) < ROWS_CONTRADICT), last, np.inf
+            )
             if np.all((last < 1e-13) | ~np.isfinite(last)):
                 break
     return system.normalise(z), last
@@ -153,12 +177,17 @@ def newton(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, iterations: in
 def _start(system: AlgebraicSystem, z: np.ndarray, line: _Line) -> _Paths:
     n = z.shape[1]
     z = system.unit_rays(z)
-    points, tangents = np.zeros((_POINTS, *z.shape), dtype=complex), np.zeros((_POINTS, *z.shape), dtype=complex)
+    points, tangents = (
+        np.zeros((_POINTS, *z.shape), dtype=complex),
+        np.zeros((_POINTS, *z.shape), dtype=complex),
+    )
     points[0], tangents[0] = z, _slope(system, z, line, np.zeros(n), _patch(system, z))
     return _Paths(points, tangents, np.zeros((_POINTS, n)), np.ones(n, dtype=int))
 
 
-def _slope(system: AlgebraicSystem, z: np.ndarray, line: _Line, s: np.ndarray, patch: np.ndarray | None) -> np.ndarray:
+def _slope(
+    system: AlgebraicSystem, z: np.ndarray, line: _Line, s: np.ndarray, patch: np.ndarray | None
+) -> np.ndarray:
     _, j, t = system.evaluate(z, line.at(s), line.direction)
     return -solve_rows(_with_patch(j, patch), t[:, :, None])[:, :, 0]
 
@@ -181,7 +210,9 @@ def _runge_kutta(system: AlgebraicSystem, paths: _Paths, h: np.ndarray, line: _L
 
 
 def _extrapolate(system: AlgebraicSystem, paths: _Paths, h: np.ndarray) -> np.ndarray:
-    """Hermite's polynomial through (c, c, b, b, a, a), newest point c first, at h beyond c; fewer points, lower degree."""
+    """Hermite's polynomial through (c, c, b, b, a, a), newest point c first, at h beyond c; fewer
+    points, lower degree.
+    """
     z, t = _in_last_chart(system, paths)
     two, three = paths.count >= 2, paths.count >= 3
     d1 = np.where(two, paths.s[1] - paths.s[0], 1.0)
@@ -197,8 +228,9 @@ def _extrapolate(system: AlgebraicSystem, paths: _Paths, h: np.ndarray) -> np.nd
 
 
 def _in_last_chart(system: AlgebraicSystem, paths: _Paths) -> tuple[np.ndarray, np.ndarray]:
-    """Points and tangents with rays p scaled to conj(x).p = 1, x the newest ray: p / a, t / a - p b / a^2 for a =
-    conj(x).p, b = conj(x).t."""
+    """Points and tangents with rays p scaled to conj(x).p = 1, x the newest ray: p / a, t / a - p
+    b / a^2 for a = conj(x).p, b = conj(x).t.
+    """
     if not system.projective:
         return paths.z, paths.t
     ray = slice(system.projective[0], system.projective[-1] + 1)
@@ -214,8 +246,9 @@ def _in_last_chart(system: AlgebraicSystem, paths: _Paths) -> tuple[np.ndarray, 
 def _correct(
     system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, direction: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Two Newton steps; the point, its tangent, and the sizes of both steps relative to the larger of 1 and |z|. The
-    second is infinite where rows stay that no unknowns can satisfy."""
+    """Two Newton steps; the point, its tangent, and the sizes of both steps relative to the larger
+    of 1 and |z|. The second is infinite where rows stay that no unknowns can satisfy.
+    """
     f, j = system.linearise(z, k)
     dz = -solve_rows(_with_patch(j, _patch(system, z)), f[:, :, None])[:, :, 0]
     z, first = z + dz, _relative(dz, z)
@@ -227,7 +260,12 @@ def _correct(
     if system.projective:
         ray = slice(system.projective[0], system.projective[-1] + 1)
         tangent[ray] /= np.linalg.norm(z[ray], axis=0)
-    return z, tangent, np.where(np.isfinite(first), first, np.inf), np.where(np.isfinite(last), last, np.inf)
+    return (
+        z,
+        tangent,
+        np.where(np.isfinite(first), first, np.inf),
+        np.where(np.isfinite(last), last, np.inf),
+    )
 
 
 def _relative(dz: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -249,8 +287,9 @@ def _with_patch(jacobian: np.ndarray, patch: np.ndarray | None) -> np.ndarray:
 
 
 def solve_rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Least-squares solutions (width, n, columns) of a x = (b; 0) for stacks a (n, rows, width), b (n, fewer rows,
-    columns)."""
+    """Least-squares solutions (width, n, columns) of a x = (b; 0) for stacks a (n, rows, width), b
+    (n, fewer rows, columns).
+    """
     n, m, w = a.shape
     right = np.zeros((n, m, b.shape[2]), dtype=complex)
     right[:, : b.shape[1]] = b

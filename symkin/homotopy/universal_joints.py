@@ -1,8 +1,9 @@
-"""Angles of the universal joints that distances have replaced (see `closure.rows.ReplacedUniversalJoint`), at a real pose.
+"""Angles of the universal joints that distances have replaced (see
+`closure.rows.ReplacedUniversalJoint`), at a real pose.
 
-Turn(a, alpha) Turn(b, beta) v = w is the second subproblem of Paden and Kahan (Murray, Li, Sastry, A Mathematical
-Introduction to Robotic Manipulation, 1994, section 3.2): c = Turn(b, beta) v has a.c = a.w, b.c = b.v, |c| = |v|, which
-leaves two points, mirrored in the plane of a and b.
+Turn(a, alpha) Turn(b, beta) v = w is the second subproblem of Paden and Kahan (Murray, Li, Sastry,
+A Mathematical Introduction to Robotic Manipulation, 1994, section 3.2): c = Turn(b, beta) v has
+a.c = a.w, b.c = b.v, |c| = |v|, which leaves two points, mirrored in the plane of a and b.
 """
 
 from __future__ import annotations
@@ -26,8 +27,9 @@ _DOUBLE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class _Angles:
-    """One replaced joint with its vectors as a function of (joints of the rows, pose); `joints` are the coordinates of the
-    first."""
+    """One replaced joint with its vectors as a function of (joints of the rows, pose); `joints` are
+    the coordinates of the first.
+    """
 
     coordinates: tuple[Coordinate, Coordinate]
     axis: np.ndarray
@@ -56,24 +58,37 @@ def replaced_universal_joints(problem: Problem) -> tuple[_Angles, ...]:
 
 
 def with_universal_angles(problem: Problem, known: np.ndarray, values: Values) -> list[Values]:
-    """The coordinates of a real root at given joints with every combination of the replaced joints' angles at its pose."""
+    """The coordinates of a real root at given joints with every combination of the replaced joints'
+    angles at its pose.
+    """
     replaced = replaced_universal_joints(problem)
     if not replaced:
         return [values]
     given = dict(zip((c.name for c in problem.known_coordinates), known, strict=True))
-    joints = np.array([given[c.name] if c.name in given else values[c.name][0] for c in replaced[0].joints])
+    joints = np.array(
+        [given[c.name] if c.name in given else values[c.name][0] for c in replaced[0].joints]
+    )
     pose = pose_point(values, 1.0)
     choices: list[list[Values]] = []
     for joint in replaced:
         arm, target = (np.asarray(v).ravel() for v in joint.vectors(joints, pose))
         first, second = (c.name for c in joint.coordinates)
         found = two_angles(joint.axis, joint.axis2, arm, target)
-        choices.append([{first: np.array([alpha]), second: np.array([beta])} for alpha, beta in found])
-    return [{**values, **{k: v for part in choice for k, v in part.items()}} for choice in product(*choices)]
+        choices.append(
+            [{first: np.array([alpha]), second: np.array([beta])} for alpha, beta in found]
+        )
+    return [
+        {**values, **{k: v for part in choice for k, v in part.items()}}
+        for choice in product(*choices)
+    ]
 
 
-def two_angles(a: np.ndarray, b: np.ndarray, v: np.ndarray, w: np.ndarray) -> list[tuple[float, float]]:
-    """Pairs (alpha, beta) with Turn(a, alpha) Turn(b, beta) v = w for unit axes that are not parallel, |v| = |w|."""
+def two_angles(
+    a: np.ndarray, b: np.ndarray, v: np.ndarray, w: np.ndarray
+) -> list[tuple[float, float]]:
+    """Pairs (alpha, beta) with Turn(a, alpha) Turn(b, beta) v = w for unit axes that are not
+    parallel, |v| = |w|.
+    """
     normal = np.cross(a, b)
     square, cosine = float(normal @ normal), float(a @ b)
     along_a = (float(a @ w) - cosine * float(b @ v)) / square
@@ -83,10 +98,16 @@ def two_angles(a: np.ndarray, b: np.ndarray, v: np.ndarray, w: np.ndarray) -> li
     if left < -_DOUBLE * float(v @ v):
         return []
     height = np.sqrt(max(left, 0.0) / square)
-    points = [foot + height * normal, foot - height * normal] if height**2 * square > _DOUBLE * float(v @ v) else [foot]
+    points = (
+        [foot + height * normal, foot - height * normal]
+        if height**2 * square > _DOUBLE * float(v @ v)
+        else [foot]
+    )
     return [(_angle(a, c, w), _angle(b, v, c)) for c in points]
 
 
 def _angle(axis: np.ndarray, begin: np.ndarray, end: np.ndarray) -> float:
     """The turn about a unit axis that takes one vector to another."""
-    return float(np.arctan2(axis @ np.cross(begin, end), begin @ end - (axis @ begin) * (axis @ end)))
+    return float(
+        np.arctan2(axis @ np.cross(begin, end), begin @ end - (axis @ begin) * (axis @ end))
+    )

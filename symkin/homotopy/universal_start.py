@@ -1,8 +1,9 @@
-"""Starts that serve every mechanism of a kind: read as data, or computed until a bound is reached. That of every platform held
-by six distances.
+"""Starts that serve every mechanism of a kind: read as data, or computed until a bound is reached.
+That of every platform held by six distances.
 
-With lengths and all points complex and random there are 40 roots, the most that any such platform has (Ronga and Vust
-1992). They are tracked to any machine; those of special machines that run to e.e = 0 are at infinity.
+With lengths and all points complex and random there are 40 roots, the most that any such platform
+has (Ronga and Vust 1992). They are tracked to any machine; those of special machines that run to
+e.e = 0 are at infinity.
 """
 
 from __future__ import annotations
@@ -29,7 +30,9 @@ _FADING = 1e-4
 
 @lru_cache(maxsize=1)
 def universal_start() -> Fibre:
-    """40 roots of a random complex instance; carried as data, `compute_universal_start` makes them."""
+    """40 roots of a random complex instance; carried as data, `compute_universal_start` makes
+    them.
+    """
     return read_start(DATA)
 
 
@@ -50,22 +53,39 @@ def read_start(path: Path) -> Fibre:
     return Fibre(data["z"], data["k"], np.zeros(data["z"].shape[1], dtype=int), float("inf"), 0, 0)
 
 
-def compute_start(system: AlgebraicSystem, point: Callable[[np.random.Generator], np.ndarray], bound: int, seed: int) -> Fibre:
-    """All roots of a random complex instance, `bound` by theorem: monodromy from a random `point` on the system's unknowns.
-    Raises RuntimeError where fewer are found."""
+def compute_start(
+    system: AlgebraicSystem,
+    point: Callable[[np.random.Generator], np.ndarray],
+    bound: int,
+    seed: int,
+) -> Fibre:
+    """All roots of a random complex instance, `bound` by theorem: monodromy from a random `point`
+    on the system's unknowns. Raises RuntimeError where fewer are found.
+    """
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
         return point(rng), complex_normal(int(system.k.shape[0]), rng)
 
-    found = fibre(system, points, np.random.default_rng(seed), seed, system.count, Looping(bound=bound, needed=1e9))
+    found = fibre(
+        system,
+        points,
+        np.random.default_rng(seed),
+        seed,
+        system.count,
+        Looping(bound=bound, needed=1e9),
+    )
     if found is None or found.z.shape[1] != bound:
-        raise RuntimeError(f"{0 if found is None else found.z.shape[1]} of {bound} roots were found; try another seed")
+        raise RuntimeError(
+            f"{0 if found is None else found.z.shape[1]} of {bound} roots were found; try another "
+            f"seed"
+        )
     return found
 
 
 def machine_start(data: np.ndarray) -> tuple[np.ndarray, int, int]:
-    """Roots z (8, n) of a machine's complex instance `data` (42,), which holds L, b, m of each distance; how many of
-    the 40 paths ran to e.e = 0, and how many are unresolved."""
+    """Roots z (8, n) of a machine's complex instance `data` (42,), which holds L, b, m of each
+    distance; how many of the 40 paths ran to e.e = 0, and how many are unresolved.
+    """
     start, system = universal_start(), universal_system()
     settings = TrackSettings(tolerance=1e-5, smallest_step=1e-8, most_steps=4000)
     tracked = track(system, start.z, start.k, data, settings)
@@ -73,4 +93,8 @@ def machine_start(data: np.ndarray) -> tuple[np.ndarray, int, int]:
     e = ends.singular.z[:4]
     fading = np.abs(np.sum(e**2, axis=0)) < _FADING * np.sum(np.abs(e) ** 2, axis=0)
     lost = ends.singular.multiplicity
-    return ends.z, ends.at_infinity + int(lost[fading].sum()), len(ends.unresolved) + int(lost[~fading].sum())
+    return (
+        ends.z,
+        ends.at_infinity + int(lost[fading].sum()),
+        len(ends.unresolved) + int(lost[~fading].sum()),
+    )

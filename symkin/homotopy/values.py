@@ -14,17 +14,24 @@ from symkin.spatial.rotation import conjugate, multiply
 def coordinate_scale(problem: Problem, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
     """What a number of each coordinate is divided by: the size for lengths."""
     size = problem.closure.characteristic_length
-    parts = [np.full(c.width, 1.0 if c.is_angular or c.kind == "quaternion" else size) for c in coordinates]
+    parts = [
+        np.full(c.width, 1.0 if c.is_angular or c.kind == "quaternion" else size)
+        for c in coordinates
+    ]
     return np.concatenate([*parts, np.zeros(0)])
 
 
 def known_angles(problem: Problem) -> np.ndarray:
     """Which numbers of the known coordinates are angles."""
-    return np.array([c.kind == "angle" for c in problem.known_coordinates for _ in range(c.width)], dtype=bool)
+    return np.array(
+        [c.kind == "angle" for c in problem.known_coordinates for _ in range(c.width)], dtype=bool
+    )
 
 
 def known_values(problem: Problem, known: np.ndarray) -> np.ndarray:
-    """Known values of a problem (known,) or (known, n), real or complex, as the algebraic system takes them."""
+    """Known values of a problem (known,) or (known, n), real or complex, as the algebraic system
+    takes them.
+    """
     data = distance_data(problem) if is_universal(problem) else None
     if data is not None:
         return data(known)
@@ -32,20 +39,39 @@ def known_values(problem: Problem, known: np.ndarray) -> np.ndarray:
     return np.asarray((known.T / scale).T)
 
 
-def real_values(problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> dict[str, np.ndarray]:
-    """Coordinates of the block (radians, length unit, unit quaternion) from a root at k that is real up to rounding."""
-    return {name: value[0] for name, value in many_real_values(problem, system, z[:, None], k[:, None]).items()}
+def real_values(
+    problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Coordinates of the block (radians, length unit, unit quaternion) from a root at k that is
+    real up to rounding.
+    """
+    return {
+        name: value[0]
+        for name, value in many_real_values(problem, system, z[:, None], k[:, None]).items()
+    }
 
 
-def many_real_values(problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> dict[str, np.ndarray]:
-    """Coordinates (n, numbers) of the block from roots z (width, n) at k (known, n) that are real up to rounding."""
+def many_real_values(
+    problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Coordinates (n, numbers) of the block from roots z (width, n) at k (known, n) that are real
+    up to rounding.
+    """
     size = problem.closure.characteristic_length
-    values = {c.name: z[i].real[:, None] * (1.0 if c.is_angular else size) for i, c in enumerate(system.unknowns)}
+    values = {
+        c.name: z[i].real[:, None] * (1.0 if c.is_angular else size)
+        for i, c in enumerate(system.unknowns)
+    }
     if system.eliminated:
         angles = system.angles_eliminated(z.real.T, k.real.T)
-        values |= {c.name: angle[:, :, 0] for (c, _), angle in zip(system.eliminated, angles, strict=True)}
+        values |= {
+            c.name: angle[:, :, 0] for (c, _), angle in zip(system.eliminated, angles, strict=True)
+        }
     if system.projective:
-        values |= {f"{system.body}.{key}": value for key, value in _pose_values(z[list(system.projective)], size).items()}
+        values |= {
+            f"{system.body}.{key}": value
+            for key, value in _pose_values(z[list(system.projective)], size).items()
+        }
     return values
 
 
@@ -60,25 +86,38 @@ def _pose_values(rays: np.ndarray, size: float) -> dict[str, np.ndarray]:
     return values
 
 
-def algebraic_point(problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]) -> np.ndarray:
+def algebraic_point(
+    problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]
+) -> np.ndarray:
     """z of a real root given as coordinates of the block: the inverse of `real_values`."""
-    return algebraic_points(problem, system, {name: value[None] for name, value in values.items()})[:, 0]
+    return algebraic_points(problem, system, {name: value[None] for name, value in values.items()})[
+        :, 0
+    ]
 
 
-def algebraic_points(problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]) -> np.ndarray:
-    """z (width, n) of real roots given as coordinates (n, numbers) of the block: the inverse of `many_real_values`."""
+def algebraic_points(
+    problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]
+) -> np.ndarray:
+    """z (width, n) of real roots given as coordinates (n, numbers) of the block: the inverse of
+    `many_real_values`.
+    """
     size = problem.closure.characteristic_length
     z = [values[c.name].T / (1.0 if c.is_angular else size) for c in system.unknowns]
     if system.projective:
         start = f"{system.body}."
-        own = {f"pose.{name.removeprefix(start)}": value.T for name, value in values.items() if name.startswith(start)}
+        own = {
+            f"pose.{name.removeprefix(start)}": value.T
+            for name, value in values.items()
+            if name.startswith(start)
+        }
         z.append(pose_point(own, size))
     return np.concatenate(z).astype(complex)
 
 
 def pose_point(values: dict[str, np.ndarray], size: float) -> np.ndarray:
-    """Study coordinates (e, g / size) of a pose, components first; of one without a position, whose motion is spherical, the
-    quaternion."""
+    """Study coordinates (e, g / size) of a pose, components first; of one without a position, whose
+    motion is spherical, the quaternion.
+    """
     e = values["pose.quaternion"]
     if "pose.x" not in values:
         return e

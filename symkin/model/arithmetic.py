@@ -6,7 +6,8 @@
     power   = atom ["^" factor]
     atom    = number | "pi" | "(" sum ")" | ("sqrt" | "sin" | "cos" | "tan") "(" sum ")"
 
-Numbers are decimal, in ASCII: 12, 0.5, .5, 5., 1e-3; no digit groups, no leading zeros, no inf, no nan. Spaces and tabs separate.
+Numbers are decimal, in ASCII: 12, 0.5, .5, 5., 1e-3; no digit groups, no leading zeros, no inf, no
+nan. Spaces and tabs separate.
 """
 
 from __future__ import annotations
@@ -25,13 +26,18 @@ _LONGEST = 200
 _DECIMAL = r"(?:0|[1-9][0-9]*)(?:\.[0-9]*)?(?:[eE][-+]?[0-9]+)?|\.[0-9]+(?:[eE][-+]?[0-9]+)?"
 _NUMBER = re.compile(rf"[-+]?(?:{_DECIMAL})")
 _TOKEN = re.compile(rf"[ \t]*((?:{_DECIMAL})(?![0-9.])|[-+*/^()]|[a-z]+)[ \t]*")
-_FUNCTIONS: dict[str, Callable[[float], float]] = {"sin": math.sin, "cos": math.cos, "tan": math.tan}
+_FUNCTIONS: dict[str, Callable[[float], float]] = {
+    "sin": math.sin,
+    "cos": math.cos,
+    "tan": math.tan,
+}
 _SIGNS: dict[str, Callable[[float, float], float]] = {"+": operator.add, "-": operator.sub}
 _TIMES: dict[str, Callable[[float, float], float]] = {"*": operator.mul, "/": operator.truediv}
 
 
 def evaluate(text: str, angle_unit: str) -> float:
-    """Value of an arithmetic expression; trigonometric functions take their argument in `angle_unit`.
+    """Value of an arithmetic expression; trigonometric functions take their argument in
+    `angle_unit`.
 
     Raises MechanismError for anything else than numbers, + - * / ^ ( ), sqrt, sin, cos, tan and pi.
     """
@@ -39,7 +45,9 @@ def evaluate(text: str, angle_unit: str) -> float:
         return _Parser(text, math.pi / 180 if angle_unit == "deg" else 1.0).value()
     except _NoArithmeticError:
         longer = f", to {_LONGEST} characters" if len(text) > _LONGEST else ""
-        raise MechanismError(f"{shown(text)} is no arithmetic; allowed: {_ALLOWED}{longer}") from None
+        raise MechanismError(
+            f"{shown(text)} is no arithmetic; allowed: {_ALLOWED}{longer}"
+        ) from None
     except (ArithmeticError, ValueError) as error:
         raise MechanismError(f"{shown(text)} has no value ({error})") from None
     except _NotFiniteError:
@@ -47,7 +55,9 @@ def evaluate(text: str, angle_unit: str) -> float:
 
 
 def plain_number(text: str) -> float | None:
-    """The value of a decimal number with or without a sign; None for any other text. What is too large is infinite."""
+    """The value of a decimal number with or without a sign; None for any other text. What is too
+    large is infinite.
+    """
     stripped = text.strip(" \t\r\n")
     return float(stripped) if _NUMBER.fullmatch(stripped) else None
 
@@ -87,7 +97,9 @@ class _Parser:
     def _product(self) -> float:
         return self._left_to_right(self._signed, _TIMES)
 
-    def _left_to_right(self, operand: Callable[[], float], operations: dict[str, Callable[[float, float], float]]) -> float:
+    def _left_to_right(
+        self, operand: Callable[[], float], operations: dict[str, Callable[[float, float], float]]
+    ) -> float:
         result = operand()
         while (sign := self._next(*operations)) is not None:
             result = _finite(operations[sign](result, operand()))
@@ -117,7 +129,9 @@ class _Parser:
             raise _NoArithmeticError
         self._need("(")
         argument = self._bracketed()
-        return _finite(math.sqrt(argument) if token == "sqrt" else _FUNCTIONS[token](argument * self.factor))
+        return _finite(
+            math.sqrt(argument) if token == "sqrt" else _FUNCTIONS[token](argument * self.factor)
+        )
 
     def _bracketed(self) -> float:
         """The rest of a sum in brackets."""

@@ -1,4 +1,6 @@
-"""The serial arm that a graph of links is, where its joints are one chain from the base to the platform link."""
+"""The serial arm that a graph of links is, where its joints are one chain from the base to the
+platform link.
+"""
 
 from __future__ import annotations
 
@@ -18,30 +20,40 @@ from symkin.model.names import identifier
 
 _ARM_JOINTS = ("R", "P", "H")
 _DIGITS = 1e-10
-"""Difference (rad, or of the size) of numbers that are one: robots' files write pi/2 with eleven digits."""
+"""Difference (rad, or of the size) of numbers that are one: robots' files write pi/2 with eleven
+digits.
+"""
 _USUAL = (0.0, 0.5, math.sqrt(0.5), 1.0)
 """Numbers of quaternions of whole and half right angles."""
 _Part: TypeAlias = LinkJoint | LinkRod | Limb | RodLimb
 
 
 def with_limbs(mechanism: Mechanism, verb: str, instead: str) -> Mechanism:
-    """The mechanism, or the arm that a graph is, for a verb that takes limbs between a base and a platform. Raises InputError for
-    other graphs; `instead` says what is taken for them."""
+    """The mechanism, or the arm that a graph is, for a verb that takes limbs between a base and a
+    platform. Raises InputError for other graphs; `instead` says what is taken for them.
+    """
     require_mechanism(mechanism)
     found = arm_of(mechanism) if mechanism.is_graph else mechanism
     if found is None:
-        arm = "; of an arm, name the tool's link by [platform] link, of a robot's file by --platform LINK"
+        arm = (
+            "; of an arm, name the tool's link by [platform] link, of a robot's file by --platform "
+            "LINK"
+        )
         raise InputError(
-            f"{mechanism.name} is a graph of links and joints, and {verb} takes limbs between a base and a platform, and serial arms; "
+            f"{mechanism.name} is a graph of links and joints, and {verb} takes limbs between a "
+            f"base and a platform, and serial arms; "
             f"{instead}{arm if mechanism.platform_link is None else ''}"
         )
     return found
 
 
 def arm_of(graph: Mechanism) -> Mechanism | None:
-    """The graph as a serial arm: the joints in order from the base to the platform link, the tool. Joints that do not move the tool are
-    left out, and the arm is then named after its tool too. Axes that are parallel, and coordinates of points that are equal or zero, to
-    the digits of a robot's file (1e-10, of the size) are so exactly, as an arm's closed form takes them. None where a loop or a coupling moves it, one of these joints is passive, or it has another type than R, P and H.
+    """The graph as a serial arm: the joints in order from the base to the platform link, the tool.
+    Joints that do not move the tool are left out, and the arm is then named after its tool too.
+    Axes that are parallel, and coordinates of points that are equal or zero, to the digits of a
+    robot's file (1e-10, of the size) are so exactly, as an arm's closed form takes them. None where
+    a loop or a coupling moves it, one of these joints is passive, or it has another type than R, P
+    and H.
 
     >>> import symkin
     >>> pan = symkin.Joint("pan", "R", [0, 0, 0], [0, 0, 1], actuated=True)
@@ -57,12 +69,16 @@ def arm_of(graph: Mechanism) -> Mechanism | None:
     chain = _only_chain(graph, graph.platform_link)
     joints = [joint for joint in chain or () if joint.type != "weld"]
     coupled = {name for coupling in graph.couplings for name in (coupling.joint, *coupling.names)}
-    if not joints or any(j.type not in _ARM_JOINTS or not j.actuated or j.name in coupled for j in joints):
+    if not joints or any(
+        j.type not in _ARM_JOINTS or not j.actuated or j.name in coupled for j in joints
+    ):
         return None
     joints, tool, turn = _without_noise(joints, graph)
     # a robot has several arms and legs, whose code must not have one name
     alone = (
-        len(joints) == sum(entry.joint.type != "weld" for entry in graph.link_joints) and not graph.link_rods and not graph.limbs
+        len(joints) == sum(entry.joint.type != "weld" for entry in graph.link_joints)
+        and not graph.link_rods
+        and not graph.limbs
     )
     name = graph.name if alone else identifier(f"{graph.name}_{graph.platform_link}")
     return replace(
@@ -89,7 +105,9 @@ def joints_left_out(graph: Mechanism) -> tuple[str, ...]:
 
 
 def _only_chain(graph: Mechanism, tool: str) -> list[Joint] | None:
-    """The joints from the base to a link, where nothing else leads there; each as it moves its outer link."""
+    """The joints from the base to a link, where nothing else leads there; each as it moves its
+    outer link.
+    """
     parts: list[_Part] = [*graph.link_joints, *graph.link_rods, *graph.limbs]
     way = _way(parts, tool)
     if any(_way([part for part in parts if part is not cut], tool) for cut in way):
@@ -116,14 +134,20 @@ def _way(parts: Sequence[_Part], tool: str) -> list[_Part]:
     return ways.get(tool, [])
 
 
-def _without_noise(joints: Sequence[Joint], graph: Mechanism) -> tuple[list[Joint], list[float], list[float]]:
-    """Joints, and the tool's position and quaternion, whose axes and points have the numbers of those before where they differ in the
-    digits of a file only."""
+def _without_noise(
+    joints: Sequence[Joint], graph: Mechanism
+) -> tuple[list[Joint], list[float], list[float]]:
+    """Joints, and the tool's position and quaternion, whose axes and points have the numbers of
+    those before where they differ in the digits of a file only.
+    """
     directions, seen = [np.array(row) for row in np.eye(3)], [[0.0], [0.0], [0.0]]
 
     def known(point: Sequence[float]) -> list[float]:
         near = _DIGITS * graph.characteristic_length
-        found = [next((n for n in numbers if abs(n - p) <= near), p) for p, numbers in zip(point, seen, strict=True)]
+        found = [
+            next((n for n in numbers if abs(n - p) <= near), p)
+            for p, numbers in zip(point, seen, strict=True)
+        ]
         for p, numbers in zip(found, seen, strict=True):
             numbers.append(p)
         return found

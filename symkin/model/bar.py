@@ -1,4 +1,6 @@
-"""Rods with spherical ends, wherever a file describes them: legs, rods at the ends of limbs, rods between links."""
+"""Rods with spherical ends, wherever a file describes them: legs, rods at the ends of limbs, rods
+between links.
+"""
 
 from __future__ import annotations
 
@@ -12,22 +14,27 @@ from symkin.spatial.pose import Pose
 
 @dataclass(frozen=True)
 class RodEnd:
-    """One end of a rod: the key path of its point, and the point, in the platform frame or in the base frame at the reference."""
+    """One end of a rod: the key path of its point, and the point, in the platform frame or in the
+    base frame at the reference.
+    """
 
     path: str
     point: tuple[float, ...]
     in_platform_frame: bool = False
 
     def at_reference(self, platform: Pose) -> np.ndarray:
-        """The point in the base frame at the reference, where the platform frame is at `platform`."""
+        """The point in the base frame at the reference, where the platform frame is at
+        `platform`.
+        """
         point = np.array(self.point)
         return np.asarray(platform.apply(point)) if self.in_platform_frame else point
 
 
 @dataclass(frozen=True)
 class Bar:
-    """A rod with spherical ends: of fixed `length` (None: as at the reference), or with a `coordinate` beyond `offset`. It `spins`
-    about itself unless an end is a universal joint."""
+    """A rod with spherical ends: of fixed `length` (None: as at the reference), or with a
+    `coordinate` beyond `offset`. It `spins` about itself unless an end is a universal joint.
+    """
 
     name: str
     start: RodEnd
@@ -40,5 +47,7 @@ class Bar:
 
     @property
     def freedom(self) -> int:
-        """Freedoms that it leaves the links at its ends: all but their distance, which one with a coordinate leaves too."""
+        """Freedoms that it leaves the links at its ends: all but their distance, which one with a
+        coordinate leaves too.
+        """
         return 5 if self.coordinate is None else 6

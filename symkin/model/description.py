@@ -1,4 +1,6 @@
-"""What modules ask of a mechanism that it imports itself: it checks and writes itself, so that they cannot import its class."""
+"""What modules ask of a mechanism that it imports itself: it checks and writes itself, so that they
+cannot import its class.
+"""
 
 from __future__ import annotations
 

@@ -15,7 +15,13 @@ from typing import Any
 
 from symkin.errors import InputError, MechanismError, SymkinError
 from symkin.model.dh import DHRow, DHTable
-from symkin.model.foreign_keys import JOINT_TYPES, LINKS_IN_A_LIMB, foreign_key, is_second_platform, second_platform
+from symkin.model.foreign_keys import (
+    JOINT_TYPES,
+    LINKS_IN_A_LIMB,
+    foreign_key,
+    is_second_platform,
+    second_platform,
+)
 from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod, coupling_scale
 from symkin.model.joint import BASE, PLATFORM, Joint, interval
 from symkin.model.limb import LIMB_LINKS, Limb, Rod, RodLimb
@@ -52,13 +58,21 @@ def read(path: Path) -> Mechanism:
     except UnicodeDecodeError:
         raise MechanismError(f"{path}: the file is not UTF-8 text") from None
     except (OSError, ValueError) as error:
-        raise InputError(f"{path}: the file cannot be read ({getattr(error, 'strerror', None) or error})") from None
+        raise InputError(
+            f"{path}: the file cannot be read ({getattr(error, 'strerror', None) or error})"
+        ) from None
     return parse(text, str(path))
 
 
 def no_such_file(path: Path) -> str:
-    """What is said of a path that leads nowhere, with the file of its folder whose name is most like it."""
-    beside = [file.name for file in path.parent.iterdir() if file.suffix == path.suffix] if path.parent.is_dir() else []
+    """What is said of a path that leads nowhere, with the file of its folder whose name is most
+    like it.
+    """
+    beside = (
+        [file.name for file in path.parent.iterdir() if file.suffix == path.suffix]
+        if path.parent.is_dir()
+        else []
+    )
     return f"{path}: there is no such file{meant(path.name, beside)}"
 
 
@@ -71,7 +85,9 @@ def parse(text: str, file: str = "mechanism") -> Mechanism:
             raise MechanismError(f"{file}: {second_platform()}") from None
         raise MechanismError(f"{file}: not TOML: {' '.join(str(error).split())}") from None
     if not data:
-        raise MechanismError(f"{file}: the file is empty; format = 1, name, units and at least one limb are needed")
+        raise MechanismError(
+            f"{file}: the file is empty; format = 1, name, units and at least one limb are needed"
+        )
     try:
         return _mechanism(data)
     except SymkinError as error:
@@ -82,7 +98,8 @@ def _mechanism(data: dict[str, Any]) -> Mechanism:
     from symkin.model.schema import JointLimbTable, MechanismTable, RodLimbTable
 
     _check_class(data)
-    # sin, cos, tan in arithmetic need the unit before the file is validated; a wrong one is refused there
+    # sin, cos, tan in arithmetic need the unit before the file is validated; a wrong one is refused
+    # there
     unit = data.get("angle_unit")
     context = {"angle_unit": unit if unit in ANGLE_UNITS else "deg"}
     table = _validated(MechanismTable, data, (), context)
@@ -108,17 +125,23 @@ def _form(table: Any, limbs: Sequence[Any]) -> str:
     other_limbs = any(tuple(limb.links) != LIMB_LINKS for limb in limbs)
     if linked or table.rod or table.coupling or table.link or other_limbs:
         if table.dh is not None:
-            raise MechanismError("dh: a serial arm by DH stands alone; describe its joints with links in a graph")
+            raise MechanismError(
+                "dh: a serial arm by DH stands alone; describe its joints with links in a graph"
+            )
         alone = next((joint for joint in table.joint if joint.links is None), None)
         if alone is not None:
             raise MechanismError(
-                f"joint {alone.name!r}: links is missing; every [[joint]] of a graph names the two links that it joins"
+                f"joint {alone.name!r}: links is missing; every [[joint]] of a graph names the two "
+                f"links that it joins"
             )
         return "graph"
     forms = [key for key in ("limb", "dh", "joint") if getattr(table, key)]
     if len(forms) != 1:
         what = "the mechanism has no limb" if not forms else f"the file has {' and '.join(forms)}"
-        raise MechanismError(f"{what}; exactly one of [[limb]], [dh] and [[joint]] is needed, or [[joint]] with links")
+        raise MechanismError(
+            f"{what}; exactly one of [[limb]], [dh] and [[joint]] is needed, or [[joint]] with "
+            f"links"
+        )
     return forms[0]
 
 
@@ -160,17 +183,31 @@ class _Builder:
         options |= {
             "link_joints": [LinkJoint(self.joint(j), j.links) for j in table.joint],
             "link_rods": [self.link_rod(rod) for rod in table.rod],
-            "link_points": [LinkPoint(link.name, name, at) for link in table.link for name, at in link.points.items()],
+            "link_points": [
+                LinkPoint(link.name, name, at)
+                for link in table.link
+                for name, at in link.points.items()
+            ],
         }
         found = Mechanism(table.name, [self.limb(limb) for limb in limbs], **options)
         if not table.coupling:
             return found
         kinds = {c.name: c.is_angular for c in found.coordinates}
-        return replace(found, couplings=tuple(self.coupling(entry, kinds) for entry in table.coupling))
+        return replace(
+            found, couplings=tuple(self.coupling(entry, kinds) for entry in table.coupling)
+        )
 
     def limb(self, table: Any) -> Limb | RodLimb:
         if hasattr(table, "base"):
-            return RodLimb(table.name, table.base, table.platform, table.offset, table.limits, table.type, table.links)
+            return RodLimb(
+                table.name,
+                table.base,
+                table.platform,
+                table.offset,
+                table.limits,
+                table.type,
+                table.links,
+            )
         rods = [self.rod(table.name, k, rod) for k, rod in enumerate(table.rod)]
         return Limb(table.name, [self.joint(joint) for joint in table.joint], rods, table.links)
 
@@ -187,7 +224,9 @@ class _Builder:
         )
 
     def coupling(self, table: Any, is_angular: Mapping[str, bool]) -> Coupling:
-        """Numbers from the file's units: with u the unit of each coordinate, q / u = sum f q' / u' + offset."""
+        """Numbers from the file's units: with u the unit of each coordinate, q / u = sum f q' /
+        u' + offset.
+        """
         unit = {name: self.angle(1.0) if angular else 1.0 for name, angular in is_angular.items()}
         own = unit.get(table.joint, 1.0)
         if isinstance(table.of, str):
@@ -196,7 +235,10 @@ class _Builder:
                 other = unit.get(table.of, 1.0)
                 powers = [coupling_scale(own, other, k) * c for k, c in enumerate(table.polynomial)]
             return Coupling(table.joint, table.of, own * table.offset, powers)
-        terms = {name: coupling_scale(own, unit.get(name, 1.0), 1) * factor for name, factor in table.of.items()}
+        terms = {
+            name: coupling_scale(own, unit.get(name, 1.0), 1) * factor
+            for name, factor in table.of.items()
+        }
         return Coupling(table.joint, terms, own * table.offset, table.polynomial)
 
     def rod(self, limb: str, k: int, table: Any) -> Rod:
@@ -207,10 +249,14 @@ class _Builder:
 
     def joint(self, table: Any, *, serial: bool = False) -> Joint:
         if table.point is None and table.type not in ("P", "weld"):
-            raise MechanismError(f"joint {table.name!r}: point is missing; a joint of type {table.type} needs it")
+            raise MechanismError(
+                f"joint {table.name!r}: point is missing; a joint of type {table.type} needs it"
+            )
         angular = table.type in ("R", "H")
         if serial and table.actuated is False:
-            raise MechanismError(f"joint {table.name!r}: actuated = false; all joints of a serial arm are actuated")
+            raise MechanismError(
+                f"joint {table.name!r}: actuated = false; all joints of a serial arm are actuated"
+            )
         return Joint(
             name=table.name,
             type=table.type,
@@ -255,17 +301,31 @@ def _check_frames(form: str, table: Any, limbs: Sequence[Any]) -> None:
     if table.platform is not None and form not in ("limb", "graph"):
         raise MechanismError("platform: a serial arm has none; [tool] is allowed with [[joint]]")
     if table.tool is not None and form != "joint":
-        raise MechanismError(f"tool: allowed with [[joint]] only; with [{form}] the last frame is the platform or tool")
+        raise MechanismError(
+            f"tool: allowed with [[joint]] only; with [{form}] the last frame is the platform or "
+            f"tool"
+        )
     linked = table.platform is not None and table.platform.link is not None
     if linked and form != "graph":
-        raise MechanismError("platform.link: allowed with [[joint]] that have links; limbs end on the platform")
-    if form == "graph" and table.platform is not None and not linked and PLATFORM not in _links_named(table, limbs):
         raise MechanismError(
-            "platform.link is missing; in a graph of links it names the one that carries the platform frame, which a link named "
+            "platform.link: allowed with [[joint]] that have links; limbs end on the platform"
+        )
+    if (
+        form == "graph"
+        and table.platform is not None
+        and not linked
+        and PLATFORM not in _links_named(table, limbs)
+    ):
+        raise MechanismError(
+            "platform.link is missing; in a graph of links it names the one that carries the "
+            "platform frame, which a link named "
             f"{PLATFORM!r} does by itself"
         )
     if form == "limb" and table.platform is None and any(hasattr(limb, "joint") for limb in limbs):
-        raise MechanismError("platform is missing; limbs of joints need [platform] with its position at the reference")
+        raise MechanismError(
+            "platform is missing; limbs of joints need [platform] with its position at the "
+            "reference"
+        )
     if form == "graph":
         return
     placed = table.platform is None or "position" in table.platform.model_fields_set
@@ -284,7 +344,8 @@ def _check_link_tables(table: Any, limbs: Sequence[Any]) -> None:
     for k, link in enumerate(table.link):
         if link.name not in held and link.name != BASE:
             raise MechanismError(
-                f"link[{k}] ({link.name}): nothing holds it{meant(link.name, held)}; name it in the links of a joint or rod"
+                f"link[{k}] ({link.name}): nothing holds it{meant(link.name, held)}; name it in "
+                f"the links of a joint or rod"
             )
 
 
@@ -300,14 +361,18 @@ def _validated(model: Any, data: Any, path: tuple[str | int, ...], context: dict
 
 
 def _first(errors: Sequence[Any]) -> Any:
-    """The first error; where it is a key that is missing, one that is unknown in the same table: the key misspelt."""
+    """The first error; where it is a key that is missing, one that is unknown in the same table:
+    the key misspelt.
+    """
     table = errors[0]["loc"][:-1]
     unknown = (e for e in errors if e["type"] == "extra_forbidden" and e["loc"][:-1] == table)
     return next(unknown, errors[0]) if errors[0]["type"] == "missing" else errors[0]
 
 
 def _key_path(data: Any, keys: tuple[str | int, ...], prefix: tuple[str | int, ...]) -> str:
-    """`limb[1] (trt1).joint[0] (theta1).type`: positions from 0 and, where there is one, the name."""
+    """`limb[1] (trt1).joint[0] (theta1).type`: positions from 0 and, where there is one, the
+    name.
+    """
     text, node = "", data
     for depth, key in enumerate(keys):
         if depth >= len(prefix):
@@ -332,14 +397,21 @@ def _sentence(path: str, error: Any, model: Any) -> str:
         case "extra_forbidden":
             return _unknown_key(path, str(error["loc"][-1]), _allowed_keys(model, error["loc"]))
         case "literal_error":
-            instead = JOINT_TYPES.get(value) if path.endswith(".type") and isinstance(value, str) else None
+            instead = (
+                JOINT_TYPES.get(value)
+                if path.endswith(".type") and isinstance(value, str)
+                else None
+            )
             allowed = error["ctx"]["expected"].replace(" or ", ", ")
             guess = meant(value, re.findall("'(.*?)'", allowed)) if isinstance(value, str) else ""
             refused = f"{path} = {shown(value)} is not allowed{guess}; allowed: {allowed}"
             return f"{refused}; {instead}" if instead else refused
         case "too_short" | "too_long":
             limit = error["ctx"].get("min_length", error["ctx"].get("max_length"))
-            return f"{path} = {shown(value)} has {error['ctx']['actual_length']} entries; {limit} needed"
+            return (
+                f"{path} = {shown(value)} has {error['ctx']['actual_length']} entries; {limit} "
+                f"needed"
+            )
         case _:
             return f"{path} = {shown(value)}: {error['msg']}"
 

@@ -1,4 +1,6 @@
-"""Recognise keys of other formats in a mechanism file, and say how the format writes what they ask for."""
+"""Recognise keys of other formats in a mechanism file, and say how the format writes what they ask
+for.
+"""
 
 from __future__ import annotations
 
@@ -6,15 +8,18 @@ from collections.abc import Iterator
 from typing import Any
 
 _LINKS = (
-    'a joint says which links it joins by links = ["first", "second"] ("base" is fixed), and any number of loops may follow from that; '
+    'a joint says which links it joins by links = ["first", "second"] ("base" is fixed), and any '
+    "number of loops may follow from that; "
     "loops have no table of their own"
 )
 _COUPLING = (
-    "gears, belts and other ties between joints are written as [[coupling]] with joint, of and offset: "
+    "gears, belts and other ties between joints are written as [[coupling]] with joint, of and "
+    "offset: "
     'joint = "finger2", of = { finger1 = -1.0 }'
 )
 _PLATFORMS = (
-    "one link of a file has a pose that is given and told, the one that [platform] names; other links are told of by "
+    "one link of a file has a pose that is given and told, the one that [platform] names; other "
+    "links are told of by "
     "points ([[link]] with points)"
 )
 _KEYS = {
@@ -26,21 +31,29 @@ _KEYS = {
 JOINT_TYPES = {
     **dict.fromkeys(
         ("fixed", "rigid", "weld"),
-        "a joint that does not move is a weld between links ([[joint]] with links); in a limb it is left out",
+        "a joint that does not move is a weld between links ([[joint]] with links); in a limb it "
+        "is left out",
     ),
-    **dict.fromkeys(("Pa", "parallelogram"), "a parallelogram is two rods ([[rod]], or [[limb.rod]] at the end of a limb)"),
+    **dict.fromkeys(
+        ("Pa", "parallelogram"),
+        "a parallelogram is two rods ([[rod]], or [[limb.rod]] at the end of a limb)",
+    ),
     **dict.fromkeys(("G", "gear", "belt"), _COUPLING),
     "E": "a planar joint is written as two P joints and an R joint",
 }
 """Names of joints that the format has not, with what to write in their place."""
-LINKS_IN_A_LIMB = "joints of a limb follow each other, from link to link; a joint between two named links stands at the top of the file, as [[joint]]"
+LINKS_IN_A_LIMB = (
+    "joints of a limb follow each other, from link to link; a joint between two named links stands "
+    "at the top of the file, as [[joint]]"
+)
 _DEEPEST = 6
 """Keys and numbers on the way to the deepest table of the format are fewer."""
 
 
 def foreign_key(data: dict[str, Any]) -> tuple[tuple[str | int, ...], str] | None:
-    """The first key path of a file that belongs to another format, and a sentence that says what to use; None where there is
-    none."""
+    """The first key path of a file that belongs to another format, and a sentence that says what to
+    use; None where there is none.
+    """
     for keys, value in _entries(data, ()):
         last = keys[-1]
         if last == "platform" and len(keys) == 1 and isinstance(value, list):
@@ -61,7 +74,9 @@ def second_platform() -> str:
 
 
 def _entries(node: Any, path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str | int, ...], Any]]:
-    """Keys of tables with their values, each table's own before those below it, as deep as the format's tables are."""
+    """Keys of tables with their values, each table's own before those below it, as deep as the
+    format's tables are.
+    """
     if len(path) > _DEEPEST:
         return
     if isinstance(node, dict):

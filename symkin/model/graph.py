@@ -1,7 +1,9 @@
-"""Describe links and joints as a graph: joints and rods between any two links, couplings of joints, points of links.
+"""Describe links and joints as a graph: joints and rods between any two links, couplings of joints,
+points of links.
 
-Links have names and no other description: a link is what joints and rods name, and "base" is the one that is fixed. All points and
-axes are in the base frame at the reference configuration, so that every link's own frame is the base frame there.
+Links have names and no other description: a link is what joints and rods name, and "base" is the
+one that is fixed. All points and axes are in the base frame at the reference configuration, so that
+every link's own frame is the base frame there.
 """
 
 from __future__ import annotations
@@ -22,8 +24,10 @@ from symkin.model.limb import coincide
 MOST_POWERS = 4
 """Highest power of a joint that a coupling may hold, as in the equalities of MJCF."""
 MOST_TEETH = 12
-"""Largest whole number of a ratio whose wheels are counted modulo whole turns. A wheel of n teeth has n places beside the same
-place of its driver; a train of larger ratios is taken to advance, one place for each value of what drives it."""
+"""Largest whole number of a ratio whose wheels are counted modulo whole turns. A wheel of n teeth
+has n places beside the same place of its driver; a train of larger ratios is taken to advance, one
+place for each value of what drives it.
+"""
 _RATIO_ROUNDING = 1e-12
 """Of a factor: by how much a ratio of whole numbers may miss it, digits of files and rounding."""
 
@@ -49,12 +53,14 @@ class LinkJoint:
 
 @dataclass(frozen=True)
 class LinkRod:
-    """A rod with spherical ends between two links: |end point - start point| = length, or = offset + value where it is actuated.
+    """A rod with spherical ends between two links: |end point - start point| = length, or =
+    offset + value where it is actuated.
 
-    `start` (3 numbers) is on the first of the `links`, `end` on the second, both in the base frame at the reference
-    configuration; `length` (length unit) is that at the reference where it is not given. The coordinate `value` of an actuated
-    rod has its name; `limits` (low, high) are a range of it. Raises MechanismError for numbers that are not finite, a length
-    that is not positive, and keys that do not go together.
+    `start` (3 numbers) is on the first of the `links`, `end` on the second, both in the base frame
+    at the reference configuration; `length` (length unit) is that at the reference where it is not
+    given. The coordinate `value` of an actuated rod has its name; `limits` (low, high) are a range
+    of it. Raises MechanismError for numbers that are not finite, a length that is not positive, and
+    keys that do not go together.
 
     >>> import symkin
     >>> rod = symkin.LinkRod("pushrod", ["arm", "foot"], start=[0, 0, 0], end=[0, 0, -120])
@@ -84,14 +90,21 @@ class LinkRod:
 
     def _check(self, where: str) -> None:
         if self.actuated and self.length is not None:
-            raise MechanismError(f"{where}: length is that of a rod that does not change; an actuated one has `offset`")
+            raise MechanismError(
+                f"{where}: length is that of a rod that does not change; an actuated one has "
+                f"`offset`"
+            )
         if not self.actuated and (self.offset != 0.0 or self.limits is not None):
-            raise MechanismError(f"{where}: offset and limits are those of an actuated rod; give `length`, or actuated = true")
+            raise MechanismError(
+                f"{where}: offset and limits are those of an actuated rod; give `length`, or "
+                f"actuated = true"
+            )
         if self.length is not None and self.length <= 0.0:
             raise MechanismError(f"{where}: length = {self.length!r} must be positive")
         if self.length is None and not self.actuated and coincide(self.start, self.end):
             raise MechanismError(
-                f"{where}: its ends `from` and `to` lie at one point at the reference; a rod has a length, so part them or give `length`"
+                f"{where}: its ends `from` and `to` lie at one point at the reference; a rod has a "
+                f"length, so part them or give `length`"
             )
 
     @property
@@ -122,12 +135,14 @@ class LinkRod:
 
 @dataclass(frozen=True)
 class Coupling:
-    """A gear, a belt, a differential: joint = sum of factor x other joint + offset; or a polynomial of one other joint.
+    """A gear, a belt, a differential: joint = sum of factor x other joint + offset; or a polynomial
+    of one other joint.
 
-    `of` maps names of coordinates to factors, `offset` is added; or `of` is one name and `polynomial` its coefficients
-    c0 + c1 q + c2 q^2 + ..., at most of degree 4. Coordinates are in radians and the length unit. Raises MechanismError for a
-    coupling of a joint to itself and for keys that do not go together. Where all are angles and the ratios are of whole numbers up to
-    12, whole turns of the joints are not told apart, but if it `advances`.
+    `of` maps names of coordinates to factors, `offset` is added; or `of` is one name and
+    `polynomial` its coefficients c0 + c1 q + c2 q^2 + ..., at most of degree 4. Coordinates are in
+    radians and the length unit. Raises MechanismError for a coupling of a joint to itself and for
+    keys that do not go together. Where all are angles and the ratios are of whole numbers up to 12,
+    whole turns of the joints are not told apart, but if it `advances`.
 
     >>> import symkin
     >>> symkin.Coupling("finger2", {"finger1": -1.0}).terms
@@ -152,19 +167,29 @@ class Coupling:
             if self.polynomial is not None:
                 raise MechanismError(f"{where}: polynomial needs one joint, as in of = 'finger1'")
             if not terms:
-                raise MechanismError(f"{where}: of names no joint; give factors, as in of = {{ finger1 = -1.0 }}")
+                raise MechanismError(
+                    f"{where}: of names no joint; give factors, as in of = {{ finger1 = -1.0 }}"
+                )
         if self.joint in self.names:
-            raise MechanismError(f"{where}: of names the joint itself; a joint is coupled to others")
+            raise MechanismError(
+                f"{where}: of names the joint itself; a joint is coupled to others"
+            )
 
     def _check_polynomial(self, where: str) -> None:
         if self.polynomial is None:
-            raise MechanismError(f"{where}: of = {self.of!r} needs polynomial, or factors as in of = {{ {self.of} = -1.0 }}")
+            raise MechanismError(
+                f"{where}: of = {self.of!r} needs polynomial, or factors as in of = {{ {self.of} = "
+                f"-1.0 }}"
+            )
         if self.offset != 0.0:
             raise MechanismError(f"{where}: a polynomial has its offset as the first coefficient")
-        coefficients = tuple(finite(c, f"{where}: polynomial[{k}]") for k, c in enumerate(self.polynomial))
+        coefficients = tuple(
+            finite(c, f"{where}: polynomial[{k}]") for k, c in enumerate(self.polynomial)
+        )
         if not 2 <= len(coefficients) <= MOST_POWERS + 1:
             raise MechanismError(
-                f"{where}: polynomial has {len(coefficients)} coefficients; 2 to {MOST_POWERS + 1} are needed, from c0 on"
+                f"{where}: polynomial has {len(coefficients)} coefficients; 2 to {MOST_POWERS + 1} "
+                f"are needed, from c0 on"
             )
         object.__setattr__(self, "polynomial", coefficients)
 
@@ -180,7 +205,9 @@ class Coupling:
 
     @property
     def line(self) -> tuple[tuple[str, float], ...] | None:
-        """Names and factors where the joint is linear in the others, polynomials of degree 1 included; else None."""
+        """Names and factors where the joint is linear in the others, polynomials of degree 1
+        included; else None.
+        """
         if self.polynomial is None:
             return self.terms
         return None if any(self.polynomial[2:]) else ((self.names[0], self.polynomial[1]),)
@@ -192,8 +219,8 @@ class Coupling:
 
     @cached_property
     def whole_numbers(self) -> tuple[int, tuple[int, ...]] | None:
-        """The least whole numbers (n, (n1, n2, ...)) of n joint = n1 first + n2 second + ... + n offset; None where some would be
-        larger than `MOST_TEETH`, and for polynomials.
+        """The least whole numbers (n, (n1, n2, ...)) of n joint = n1 first + n2 second + ... + n
+        offset; None where some would be larger than `MOST_TEETH`, and for polynomials.
 
         >>> import symkin
         >>> symkin.Coupling("slow", {"fast": 0.5, "other": 2 / 3}).whole_numbers
@@ -203,13 +230,22 @@ class Coupling:
         ratios = [Fraction(factor).limit_denominator(MOST_TEETH) for factor in factors]
         own = lcm(*(ratio.denominator for ratio in ratios))
         numbers = tuple(int(own * ratio) for ratio in ratios)
-        exact = all(abs(f - r) <= _RATIO_ROUNDING * abs(f) for f, r in zip(factors, ratios, strict=True))
-        return (own, numbers) if numbers and exact and max(own, *map(abs, numbers)) <= MOST_TEETH else None
+        exact = all(
+            abs(f - r) <= _RATIO_ROUNDING * abs(f) for f, r in zip(factors, ratios, strict=True)
+        )
+        return (
+            (own, numbers)
+            if numbers and exact and max(own, *map(abs, numbers)) <= MOST_TEETH
+            else None
+        )
 
     def advance_reason(self, kinds: Mapping[str, str]) -> str | None:
-        """Why whole turns of its angles do not leave it as it is, if they do not: other `kinds` of coordinates than angles, or
-        factors that no small whole numbers tell."""
-        other = next((name for name in (self.joint, *self.names) if kinds.get(name) != "angle"), None)
+        """Why whole turns of its angles do not leave it as it is, if they do not: other `kinds` of
+        coordinates than angles, or factors that no small whole numbers tell.
+        """
+        other = next(
+            (name for name in (self.joint, *self.names) if kinds.get(name) != "angle"), None
+        )
         if other is not None:
             what = "the length" if kinds.get(other) == "length" else "the helical joint"
             return f"the coupling of {self.joint} ties angles to {what} {other}"
@@ -219,12 +255,17 @@ class Coupling:
             return f"the coupling of {self.joint} is a polynomial"
         if self.whole_numbers is None:
             factors = ", ".join(f"{factor:.6g}" for _, factor in self.line)
-            return f"the ratio of the coupling of {self.joint} ({factors}) is none of whole numbers up to {MOST_TEETH}"
+            return (
+                f"the ratio of the coupling of {self.joint} ({factors}) is none of whole numbers "
+                f"up to {MOST_TEETH}"
+            )
         return None
 
 
 def coupling_scale(own: float, other: float, power: int) -> float:
-    """What a coefficient c of a file, q / own = c (q' / other)^power + ..., is multiplied by: exactly 1 for a power 1 and like units."""
+    """What a coefficient c of a file, q / own = c (q' / other)^power + ..., is multiplied by:
+    exactly 1 for a power 1 and like units.
+    """
     return own if power == 0 else own / other / other ** (power - 1)
 
 
@@ -244,4 +285,6 @@ class LinkPoint:
     point: Sequence[float]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "point", vector3(self.point, f"link {self.link!r}: points.{self.name}"))
+        object.__setattr__(
+            self, "point", vector3(self.point, f"link {self.link!r}: points.{self.name}")
+        )

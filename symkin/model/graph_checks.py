@@ -1,4 +1,6 @@
-"""Refuse graphs of links that cannot be right: links that nothing holds, couplings in a circle, names that nothing has."""
+"""Refuse graphs of links that cannot be right: links that nothing holds, couplings in a circle,
+names that nothing has.
+"""
 
 from __future__ import annotations
 
@@ -23,14 +25,25 @@ def check_graph(graph: Graph) -> None:
     for link in links:
         check_name(link, "link")
     _check_held(graph, links)
-    if not graph.link_rods and not graph.limbs and all(entry.joint.type == "weld" for entry in graph.link_joints):
-        raise MechanismError("no joint moves: all of them are welds; a mechanism needs one that moves")
+    if (
+        not graph.link_rods
+        and not graph.limbs
+        and all(entry.joint.type == "weld" for entry in graph.link_joints)
+    ):
+        raise MechanismError(
+            "no joint moves: all of them are welds; a mechanism needs one that moves"
+        )
     if graph.platform_link is not None:
         if graph.platform_link == BASE:
-            raise MechanismError("platform.link = 'base'; the base does not move, name the link whose pose is wanted")
+            raise MechanismError(
+                "platform.link = 'base'; the base does not move, name the link whose pose is wanted"
+            )
         _check_known(graph.platform_link, links, "platform.link", "links")
     elif _has_frame(graph):
-        raise MechanismError(f"platform.link is missing; name the link that carries the platform frame: {', '.join(links[1:])}")
+        raise MechanismError(
+            f"platform.link is missing; name the link that carries the platform frame: "
+            f"{', '.join(links[1:])}"
+        )
     for point in graph.link_points:
         _check_known(point.link, links, "link", "links")
         check_name(point.name, f"link {point.link!r}: points")
@@ -59,14 +72,17 @@ def _check_held(graph: Graph, links: Sequence[str]) -> None:
         raise MechanismError("no joint or rod names the link 'base'; the fixed link has that name")
     if lost:
         raise MechanismError(
-            f"link {lost[0]!r}: nothing holds it to the base{f', nor {len(lost) - 1} more' if len(lost) > 1 else ''}; join it by a "
+            f"link {lost[0]!r}: nothing holds it to the "
+            f"base{f', nor {len(lost) - 1} more' if len(lost) > 1 else ''}; join it by a "
             "joint or rod to a link that is held"
         )
 
 
 def _check_known(name: str, known: Sequence[str], where: str, what: str) -> None:
     if name not in known:
-        raise MechanismError(f"{where} = {shown(name)} is unknown{meant(name, known)}; {what} are {', '.join(known)}")
+        raise MechanismError(
+            f"{where} = {shown(name)} is unknown{meant(name, known)}; {what} are {', '.join(known)}"
+        )
 
 
 def _check_couplings(graph: Graph) -> None:
@@ -75,16 +91,26 @@ def _check_couplings(graph: Graph) -> None:
     depends: dict[str, tuple[str, ...]] = {}
     for coupling in graph.couplings:
         where = f"coupling of {coupling.joint!r}"
-        ball = next((name for name in (coupling.joint, *coupling.names) if name in coordinates and name not in known), None)
+        ball = next(
+            (
+                name
+                for name in (coupling.joint, *coupling.names)
+                if name in coordinates and name not in known
+            ),
+            None,
+        )
         if ball is not None:
             raise MechanismError(
-                f"{where}: {ball!r} is a spherical joint, which has no angle to couple; allowed: {', '.join(known)}"
+                f"{where}: {ball!r} is a spherical joint, which has no angle to couple; allowed: "
+                f"{', '.join(known)}"
             )
         _check_known(coupling.joint, known, "coupling: joint", "coordinates")
         for name in coupling.names:
             _check_known(name, known, f"{where}: of", "coordinates")
         if coupling.joint in depends:
-            raise MechanismError(f"{where} stands twice; a joint is coupled once, to any number of others")
+            raise MechanismError(
+                f"{where} stands twice; a joint is coupled once, to any number of others"
+            )
         depends[coupling.joint] = coupling.names
     for name in depends:
         _check_circle(name, depends)
@@ -95,7 +121,10 @@ def _check_circle(begin: str, depends: dict[str, tuple[str, ...]]) -> None:
     while todo:
         name = todo.pop()
         if name == begin:
-            raise MechanismError(f"coupling of {begin!r}: the couplings run in a circle back to it; leave one of them out")
+            raise MechanismError(
+                f"coupling of {begin!r}: the couplings run in a circle back to it; leave one of "
+                f"them out"
+            )
         if name in depends and name not in path:
             path.add(name)
             todo.extend(depends[name])

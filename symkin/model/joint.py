@@ -12,7 +12,9 @@ from symkin.text import not_among
 
 JointType = Literal["R", "P", "H", "C", "U", "S", "weld"]
 Kind = Literal["length", "angle", "turns", "quaternion"]
-"""length; angle modulo a turn; turns: an angle that advances (helical joint), not periodic; unit quaternion."""
+"""length; angle modulo a turn; turns: an angle that advances (helical joint), not periodic; unit
+quaternion.
+"""
 
 JOINT_TYPES: tuple[JointType, ...] = ("R", "P", "H", "C", "U", "S")
 BASE = "base"
@@ -20,8 +22,10 @@ BASE = "base"
 PLATFORM = "platform"
 """The link on which limbs end where nothing else is said."""
 POSE_CONDITIONS = ("x", "y", "z", "azimuth", "tilt", "torsion")
-"""Coordinates of the platform's pose that are given one by one: position, and the rotation Rz(azimuth) Ry(tilt) Rz(torsion -
-azimuth) from the base frame (Bonev, Zlatanov, Gosselin, ASME J. Mech. Des. 124, 2002)."""
+"""Coordinates of the platform's pose that are given one by one: position, and the rotation
+Rz(azimuth) Ry(tilt) Rz(torsion - azimuth) from the base frame (Bonev, Zlatanov, Gosselin, ASME J.
+Mech. Des. 124, 2002).
+"""
 FREEDOMS: dict[str, int] = {"R": 1, "P": 1, "H": 1, "C": 2, "U": 2, "S": 3, "weld": 0}
 _COORDINATES: dict[str, tuple[tuple[str, Kind], ...]] = {
     "R": (("", "angle"),),
@@ -38,8 +42,9 @@ _COORDINATES: dict[str, tuple[tuple[str, Kind], ...]] = {
 class Coordinate:
     """One joint or pose coordinate: a number, or a unit quaternion of four.
 
-    `reference` is its value at the reference configuration; `limits` are in the same units (radians, length unit). A
-    rod's coordinate has a `least` value, where its length is zero: 2 least - value is the same configuration.
+    `reference` is its value at the reference configuration; `limits` are in the same units
+    (radians, length unit). A rod's coordinate has a `least` value, where its length is zero: 2
+    least - value is the same configuration.
     """
 
     name: str
@@ -61,7 +66,9 @@ class Coordinate:
 
     @property
     def body(self) -> str | None:
-        """The body whose pose it belongs to ("pose" for the platform), None for other coordinates."""
+        """The body whose pose it belongs to ("pose" for the platform), None for other
+        coordinates.
+        """
         return self.name.rpartition(".")[0] if self.role in ("body", "pose") else None
 
     @property
@@ -74,13 +81,15 @@ class Coordinate:
 class Joint:
     """A joint by a point on it and its axis, in the base frame at the reference configuration.
 
-    R turns about `axis`, P slides along it, H turns and advances by `pitch` per turn (right-handed, coordinate = angle), C turns
-    and slides, U turns about `axis` and then about `axis2` carried along, S turns about `point`. The displacement of a
-    coordinate q is exp(S (q - zero)), S = (axis, point x axis + pitch axis / 2 pi) the joint's screw.
+    R turns about `axis`, P slides along it, H turns and advances by `pitch` per turn (right-handed,
+    coordinate = angle), C turns and slides, U turns about `axis` and then about `axis2` carried
+    along, S turns about `point`. The displacement of a coordinate q is exp(S (q - zero)), S =
+    (axis, point x axis + pitch axis / 2 pi) the joint's screw.
 
-    `point`, `axis`, `axis2`: 3 numbers each, directions are normalised; `pitch`: length a turn (H); `zero`: the coordinate's
-    value at the reference, `limits`: its range (low, high), both for R, P, H only; angles in radians, lengths in the length
-    unit. Raises MechanismError for a type, a number or a combination that means nothing, with what is allowed.
+    `point`, `axis`, `axis2`: 3 numbers each, directions are normalised; `pitch`: length a turn (H);
+    `zero`: the coordinate's value at the reference, `limits`: its range (low, high), both for R, P,
+    H only; angles in radians, lengths in the length unit. Raises MechanismError for a type, a
+    number or a combination that means nothing, with what is allowed.
 
     >>> import math, symkin
     >>> turn = [-math.pi, math.pi]
@@ -91,7 +100,8 @@ class Joint:
     Traceback (most recent call last):
     symkin.errors.MechanismError: joint 'u': axis2 = [0.0, 0.0, 1.0] is parallel to axis; ...
 
-    Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, 1994, section 3.2.
+    Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation,
+    1994, section 3.2.
     """
 
     name: str
@@ -110,27 +120,40 @@ class Joint:
             raise MechanismError(f"{where}: type = {not_among(self.type, FREEDOMS)}")
         if self.actuated and self.type in ("S", "weld"):
             raise MechanismError(
-                f"{where}: actuated = true is allowed for R, P, H, C and U joints only, not for {self.type}"
+                f"{where}: actuated = true is allowed for R, P, H, C and U joints only, not for "
+                f"{self.type}"
                 + (
-                    "; write it as three R joints whose axes meet in a point, of which any are actuated"
+                    "; write it as three R joints whose axes meet in a point, of which any are "
+                    "actuated"
                     if self.type == "S"
                     else ""
                 )
             )
         if FREEDOMS[self.type] != 1 and (self.zero != 0.0 or self.limits is not None):
-            raise MechanismError(f"{where}: zero and limits are allowed for joints of one coordinate (R, P, H) only")
+            raise MechanismError(
+                f"{where}: zero and limits are allowed for joints of one coordinate (R, P, H) only"
+            )
         if self.type == "H" and self.pitch == 0.0:
-            raise MechanismError(f"{where}: pitch is missing or 0; a helical joint needs its length per turn")
+            raise MechanismError(
+                f"{where}: pitch is missing or 0; a helical joint needs its length per turn"
+            )
         if self.type != "H" and self.pitch != 0.0:
-            raise MechanismError(f"{where}: pitch is allowed for H joints only, not for {self.type}")
+            raise MechanismError(
+                f"{where}: pitch is allowed for H joints only, not for {self.type}"
+            )
         object.__setattr__(self, "point", vector3(self.point, f"{where}: point"))
-        object.__setattr__(self, "axis", self._direction("axis", needed=self.type not in ("S", "weld")))
+        object.__setattr__(
+            self, "axis", self._direction("axis", needed=self.type not in ("S", "weld"))
+        )
         object.__setattr__(self, "axis2", self._direction("axis2", needed=self.type == "U"))
         object.__setattr__(self, "zero", finite(self.zero, f"{where}: zero"))
         object.__setattr__(self, "pitch", finite(self.pitch, f"{where}: pitch"))
         object.__setattr__(self, "limits", interval(self.limits, f"{where}: limits"))
         if self.type == "U" and _parallel(self.axis, self.axis2):
-            raise MechanismError(f"{where}: axis2 = {list(self.axis2 or ())} is parallel to axis; a U joint needs two directions")
+            raise MechanismError(
+                f"{where}: axis2 = {list(self.axis2 or ())} is parallel to axis; a U joint needs "
+                f"two directions"
+            )
 
     def _direction(self, key: str, *, needed: bool) -> tuple[float, ...] | None:
         value = getattr(self, key)
@@ -155,10 +178,13 @@ class Joint:
         if self.type == "S":
             return (Coordinate(self.name, "quaternion", role, (1.0, 0.0, 0.0, 0.0)),)
         limits = None if self.limits is None else (self.limits[0], self.limits[1])
-        return tuple(Coordinate(self.name + suffix, kind, role, (self.zero,), limits) for suffix, kind in _COORDINATES[self.type])
+        return tuple(
+            Coordinate(self.name + suffix, kind, role, (self.zero,), limits)
+            for suffix, kind in _COORDINATES[self.type]
+        )
 
 
-# --- checks of numbers, shared by every part of a description -----------------------------------------------------
+# --- checks of numbers, shared by every part of a description -------------------------------------
 
 
 def finite(value: float, where: str) -> float:
@@ -177,9 +203,13 @@ def vector3(value: Sequence[float], where: str) -> tuple[float, float, float]:
     try:
         components = tuple(value)
     except TypeError:
-        raise MechanismError(f"{where} = {value!r} is no vector; three numbers are needed") from None
+        raise MechanismError(
+            f"{where} = {value!r} is no vector; three numbers are needed"
+        ) from None
     if len(components) != 3:
-        raise MechanismError(f"{where} = {list(components)} has {len(components)} numbers; three are needed")
+        raise MechanismError(
+            f"{where} = {list(components)} has {len(components)} numbers; three are needed"
+        )
     x, y, z = (finite(component, where) for component in components)
     return (x, y, z)
 
@@ -203,9 +233,14 @@ def interval(value: Sequence[float] | None, where: str) -> tuple[float, float] |
     try:
         bounds = tuple(finite(bound, where) for bound in value)
     except TypeError:
-        raise MechanismError(f"{where} = {value!r} is no range; two numbers [low, high] with low < high are needed") from None
+        raise MechanismError(
+            f"{where} = {value!r} is no range; two numbers [low, high] with low < high are needed"
+        ) from None
     if len(bounds) != 2 or not bounds[0] < bounds[1]:
-        raise MechanismError(f"{where} = {list(bounds)} is no range; two numbers [low, high] with low < high are needed")
+        raise MechanismError(
+            f"{where} = {list(bounds)} is no range; two numbers [low, high] with low < high are "
+            f"needed"
+        )
     return (bounds[0], bounds[1])
 
 
@@ -213,13 +248,20 @@ def link_pair(links: Sequence[str], where: str) -> tuple[str, str]:
     """Two links, not the same."""
     pair = tuple(links)
     if len(pair) != 2 or not all(isinstance(link, str) for link in pair):
-        raise MechanismError(f"{where}: links = {list(pair)} names {len(pair)} links; a joint is between two")
+        raise MechanismError(
+            f"{where}: links = {list(pair)} names {len(pair)} links; a joint is between two"
+        )
     if pair[0] == pair[1]:
-        raise MechanismError(f"{where}: links = {list(pair)} joins {pair[0]!r} to itself; two links are needed")
+        raise MechanismError(
+            f"{where}: links = {list(pair)} joins {pair[0]!r} to itself; two links are needed"
+        )
     return pair
 
 
 def _parallel(a: Sequence[float] | None, b: Sequence[float] | None) -> bool:
     if a is None or b is None:
         return False
-    return math.hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]) < 1e-9
+    return (
+        math.hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+        < 1e-9
+    )

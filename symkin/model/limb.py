@@ -1,4 +1,6 @@
-"""Describe limbs: chains of joints from base to platform, rods between spherical ends, and chains that end in rods."""
+"""Describe limbs: chains of joints from base to platform, rods between spherical ends, and chains
+that end in rods.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,16 @@ import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.model.bar import Bar, RodEnd
-from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint, finite, interval, link_pair, vector3
+from symkin.model.joint import (
+    BASE,
+    PLATFORM,
+    Coordinate,
+    Joint,
+    finite,
+    interval,
+    link_pair,
+    vector3,
+)
 from symkin.spatial.pose import Pose
 from symkin.text import not_among
 
@@ -24,12 +35,14 @@ _SAME_POINT = 1e-9
 
 @dataclass(frozen=True)
 class RodLimb:
-    """An actuated rod between two joint centres: |t + R platform - base| = offset + value, (t, R) the platform's pose.
+    """An actuated rod between two joint centres: |t + R platform - base| = offset + value, (t, R)
+    the platform's pose.
 
-    `base` (3 numbers, base frame) and `platform` (3 numbers, platform frame) are the centres, in the length unit. The coordinate
-    `value`, named as the limb, is the length beyond `offset`; `limits` (low, high) are a range of that value. SPS, UPS and SPU
-    have the same closure: they differ in whether the rod can spin about itself. `links` are those that it joins. Raises MechanismError for numbers that are not
-    finite, an empty range and another type.
+    `base` (3 numbers, base frame) and `platform` (3 numbers, platform frame) are the centres, in
+    the length unit. The coordinate `value`, named as the limb, is the length beyond `offset`;
+    `limits` (low, high) are a range of that value. SPS, UPS and SPU have the same closure: they
+    differ in whether the rod can spin about itself. `links` are those that it joins. Raises
+    MechanismError for numbers that are not finite, an empty range and another type.
 
     >>> import symkin
     >>> leg = symkin.RodLimb("leg1", [0, -275, 0], platform=[-125, -216.5, 0], limits=[100, 400])
@@ -71,25 +84,40 @@ class RodLimb:
         """The rod, for a reference pose of the platform."""
         start = RodEnd(f"{self.name}.base", tuple(self.base))
         end = RodEnd(f"{self.name}.platform", tuple(self.platform), in_platform_frame=True)
-        reference = float(np.linalg.norm(end.at_reference(platform) - np.array(self.base))) - self.offset
+        reference = (
+            float(np.linalg.norm(end.at_reference(platform) - np.array(self.base))) - self.offset
+        )
         coordinate = self.coordinate(reference)
         spins = self.type == "SPS"
-        return (Bar(self.name, start, end, path=self.name, offset=self.offset, coordinate=coordinate, spins=spins),)
+        return (
+            Bar(
+                self.name,
+                start,
+                end,
+                path=self.name,
+                offset=self.offset,
+                coordinate=coordinate,
+                spins=spins,
+            ),
+        )
 
 
 @dataclass(frozen=True)
 class Rod:
-    """A rigid rod with spherical ends, |platform point - start point| = length, from a limb's last link to the platform.
+    """A rigid rod with spherical ends, |platform point - start point| = length, from a limb's last
+    link to the platform.
 
-    `start` (3 numbers) is on the last link, in the base frame at the reference configuration; `platform` (3 numbers) in the
-    platform frame; `length` (length unit) is that at the reference where it is not given. Two of them make the parallelogram
-    of a delta. Raises MechanismError for numbers that are not finite and a length that is not positive.
+    `start` (3 numbers) is on the last link, in the base frame at the reference configuration;
+    `platform` (3 numbers) in the platform frame; `length` (length unit) is that at the reference
+    where it is not given. Two of them make the parallelogram of a delta. Raises MechanismError for
+    numbers that are not finite and a length that is not positive.
 
     >>> import symkin
     >>> symkin.Rod(start=[300, 20, -80], platform=[60, 20, 0], length=600).length
     600.0
 
-    Source: R. Clavel, Conception d'un robot parallele rapide a 4 degres de liberte, PhD thesis, EPFL, 1991.
+    Source: R. Clavel, Conception d'un robot parallele rapide a 4 degres de liberte, PhD thesis,
+    EPFL, 1991.
     """
 
     start: Sequence[float]
@@ -108,12 +136,13 @@ class Rod:
 
 @dataclass(frozen=True)
 class Limb:
-    """Joints in order from base to platform; or, with `rods`, from base to the last link, which carries the rods.
+    """Joints in order from base to platform; or, with `rods`, from base to the last link, which
+    carries the rods.
 
-    With joint screws S1 ... Sn at the reference and the platform's reference pose M, the limb places the platform at
-    exp(S1 q1) ... exp(Sn qn) M. `joints` hold at least one Joint, `rods` any number of Rod; `links` are the ones on which the limb
-    begins and ends. Raises MechanismError for a limb
-    without a joint, and for two spherical joints at one centre that nothing can part.
+    With joint screws S1 ... Sn at the reference and the platform's reference pose M, the limb
+    places the platform at exp(S1 q1) ... exp(Sn qn) M. `joints` hold at least one Joint, `rods` any
+    number of Rod; `links` are the ones on which the limb begins and ends. Raises MechanismError for
+    a limb without a joint, and for two spherical joints at one centre that nothing can part.
 
     >>> import symkin
     >>> z = [0, 0, 1]
@@ -135,13 +164,20 @@ class Limb:
         object.__setattr__(self, "rods", tuple(self.rods))
         welds = [joint.name for joint in self.joints if joint.type == "weld"]
         if welds:
-            raise MechanismError(f"limb {self.name!r}: {welds[0]} is a weld, which a limb has not; leave it out")
+            raise MechanismError(
+                f"limb {self.name!r}: {welds[0]} is a weld, which a limb has not; leave it out"
+            )
         if not self.joints:
-            raise MechanismError(f"limb {self.name!r} has no joint; a limb needs at least one, or the keys of a rod limb")
+            raise MechanismError(
+                f"limb {self.name!r} has no joint; a limb needs at least one, or the keys of a rod "
+                f"limb"
+            )
         self._check_balls()
 
     def _check_balls(self) -> None:
-        """Refuse two spherical joints at one centre that nothing between them can part: their distance would be zero always."""
+        """Refuse two spherical joints at one centre that nothing between them can part: their
+        distance would be zero always.
+        """
         balls = [i for i, joint in enumerate(self.joints) if joint.type == "S"]
         if len(balls) < 2:
             return
@@ -149,7 +185,8 @@ class Limb:
         between = self.joints[balls[0] + 1 : balls[-1]]
         if all(_turns_about(joint, first.point) for joint in (*between, last)):
             raise MechanismError(
-                f"limb {self.name!r}: the spherical joints {first.name!r} and {last.name!r} lie at one point and nothing between "
+                f"limb {self.name!r}: the spherical joints {first.name!r} and {last.name!r} lie at "
+                f"one point and nothing between "
                 "them moves them apart, a rod of no length; leave one of them out"
             )
 
@@ -159,17 +196,23 @@ class Limb:
         for k, rod in enumerate(self.rods, start=1):
             path = f"{self.name}.rod{k}"
             end = RodEnd(f"{path}.platform", tuple(rod.platform), in_platform_frame=True)
-            found.append(Bar(f"rod {k}", RodEnd(f"{path}.from", tuple(rod.start)), end, path, rod.length))
+            found.append(
+                Bar(f"rod {k}", RodEnd(f"{path}.from", tuple(rod.start)), end, path, rod.length)
+            )
         return tuple(found)
 
     @property
     def type(self) -> str:
         """Letters of the joints from base to platform, and the count of rods: RUS, R+2SS."""
-        return "".join(joint.type for joint in self.joints) + ("" if not self.rods else f"+{len(self.rods)}SS")
+        return "".join(joint.type for joint in self.joints) + (
+            "" if not self.rods else f"+{len(self.rods)}SS"
+        )
 
 
 AnyLimb: TypeAlias = Limb | RodLimb
-"""What has `joints` in order from the base, and `bars` at its end: of a rod limb no joint and one bar."""
+"""What has `joints` in order from the base, and `bars` at its end: of a rod limb no joint and one
+bar.
+"""
 
 
 def _turns_about(joint: Joint, centre: Sequence[float]) -> bool:

@@ -29,9 +29,13 @@ MOTIONS: tuple[Motion, ...] = ("spatial", "schoenflies", "planar", "translation"
 LENGTH_UNITS = ("m", "mm")
 ANGLE_UNITS = ("deg", "rad")
 _MUCH_LARGER = 3.0
-"""Points along nearly parallel axes are moved where the described ones spread more than this many times as far."""
+"""Points along nearly parallel axes are moved where the described ones spread more than this many
+times as far.
+"""
 _ROUNDING = 1e-9
-"""Placed points that are nearer to each other than this share of the described ones are one point to rounding."""
+"""Placed points that are nearer to each other than this share of the described ones are one point
+to rounding.
+"""
 MOST_PARTS = 1000
 """Limbs, joints and rods of a mechanism at most: accounts of more would take hours."""
 
@@ -40,8 +44,9 @@ MOST_PARTS = 1000
 class Example:
     """A worked example of a mechanism, used where no input is given; in the mechanism's own units.
 
-    `joints` (actuated values in file order), `pose` (x, y, z, qw, qx, qy, qz) or `given` (pairs of a coordinate's name and its
-    value); `start` is where a solve begins: a pose with `joints`, else actuated values. Whether they fit is checked by the Mechanism that holds them.
+    `joints` (actuated values in file order), `pose` (x, y, z, qw, qx, qy, qz) or `given` (pairs of
+    a coordinate's name and its value); `start` is where a solve begins: a pose with `joints`, else
+    actuated values. Whether they fit is checked by the Mechanism that holds them.
 
     >>> import symkin
     >>> symkin.load("zhang2009").example.joints[:3]
@@ -58,14 +63,18 @@ class Example:
 class Mechanism:
     """Limbs between a base and a platform, a serial arm, or a graph of links.
 
-    A serial arm (`serial`) is one limb, all of its joints actuated, its platform the tool. A graph has joints (`link_joints`),
-    rods (`link_rods`) and limbs between any two links, and `couplings` of joints. Limbs stand at the reference configuration, where the platform frame is at `platform_position` (3, length unit) and
-    `platform_quaternion` (w, x, y, z) of the base frame. `motion` ("spatial", "schoenflies", "planar", "translation",
-    "spherical") restricts the platform's pose to a group of the base frame's axes from there. `platform_link` names the link that
-    carries the platform frame, None where a graph has no such link; `link_points` are named points of links,
-    `link_meshes` files that show them, which a robot's file names and a mechanism file does not. Angles in joints are radians;
-    `angle_unit` is what users read and write at the border. The closure of the limbs is F(q, x, X, p) = 0: actuated joints q,
-    passive joints x, pose X, geometry p. Raises MechanismError for a description that cannot be right, with what is allowed.
+    A serial arm (`serial`) is one limb, all of its joints actuated, its platform the tool. A graph
+    has joints (`link_joints`), rods (`link_rods`) and limbs between any two links, and `couplings`
+    of joints. Limbs stand at the reference configuration, where the platform frame is at
+    `platform_position` (3, length unit) and `platform_quaternion` (w, x, y, z) of the base frame.
+    `motion` ("spatial", "schoenflies", "planar", "translation", "spherical") restricts the
+    platform's pose to a group of the base frame's axes from there. `platform_link` names the link
+    that carries the platform frame, None where a graph has no such link; `link_points` are named
+    points of links, `link_meshes` files that show them, which a robot's file names and a mechanism
+    file does not. Angles in joints are radians; `angle_unit` is what users read and write at the
+    border. The closure of the limbs is F(q, x, X, p) = 0: actuated joints q, passive joints x, pose
+    X, geometry p. Raises MechanismError for a description that cannot be right, with what is
+    allowed.
 
     >>> import symkin
     >>> feet = [(-300, -100), (300, 100)]
@@ -97,13 +106,21 @@ class Mechanism:
     def __post_init__(self) -> None:
         for key in ("limbs", "link_joints", "link_rods", "couplings", "link_points", "link_meshes"):
             object.__setattr__(self, key, tuple(getattr(self, key)))
-        object.__setattr__(self, "platform_position", vector3(self.platform_position, f"{self.frame_name}.position"))
         object.__setattr__(
-            self, "platform_quaternion", unit_quaternion(self.platform_quaternion, f"{self.frame_name}.quaternion")
+            self,
+            "platform_position",
+            vector3(self.platform_position, f"{self.frame_name}.position"),
+        )
+        object.__setattr__(
+            self,
+            "platform_quaternion",
+            unit_quaternion(self.platform_quaternion, f"{self.frame_name}.quaternion"),
         )
         if self.platform_link in (None, PLATFORM):
             # the link of that name carries the platform frame where no other does
-            object.__setattr__(self, "platform_link", PLATFORM if PLATFORM in links_of(self) else None)
+            object.__setattr__(
+                self, "platform_link", PLATFORM if PLATFORM in links_of(self) else None
+            )
         _check_size(self)
         _check_names(self)
         for key in ("title", "source"):
@@ -124,11 +141,15 @@ class Mechanism:
     def is_graph(self) -> bool:
         """Whether links are joined in other ways than by limbs from the base to the platform."""
         other_limbs = any(limb.links != (BASE, PLATFORM) for limb in self.limbs)
-        return bool(self.link_joints or self.link_rods or self.couplings or self.link_points or other_limbs)
+        return bool(
+            self.link_joints or self.link_rods or self.couplings or self.link_points or other_limbs
+        )
 
     @property
     def frame_name(self) -> str:
-        """What the frame is called whose pose is found: the tool's of an arm, else the platform's."""
+        """What the frame is called whose pose is found: the tool's of an arm, else the
+        platform's.
+        """
         return "tool" if self.serial else "platform"
 
     def key_path(self, limb: Limb | RodLimb, joint: Joint) -> str:
@@ -155,14 +176,22 @@ class Mechanism:
     def bars(self) -> tuple[Bar, ...]:
         """The rods of limbs, then those between links, in file order."""
         pose = self.reference_pose
-        return (*(bar for limb in self.limbs for bar in limb.bars(pose)), *(rod.bar for rod in self.link_rods))
+        return (
+            *(bar for limb in self.limbs for bar in limb.bars(pose)),
+            *(rod.bar for rod in self.link_rods),
+        )
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Every coordinate of joints and actuated rods in file order: those of limbs, then of joints and of rods between links.
-        Angles of `advancing` couplings are no angles modulo a turn: a whole turn of one gear is none of the other."""
+        """Every coordinate of joints and actuated rods in file order: those of limbs, then of
+        joints and of rods between links. Angles of `advancing` couplings are no angles modulo a
+        turn: a whole turn of one gear is none of the other.
+        """
         advancing = self.advancing
-        return tuple(replace(c, kind="turns") if c.kind == "angle" and c.name in advancing else c for c in self._as_described)
+        return tuple(
+            replace(c, kind="turns") if c.kind == "angle" and c.name in advancing else c
+            for c in self._as_described
+        )
 
     @cached_property
     def _as_described(self) -> tuple[Coordinate, ...]:
@@ -170,14 +199,20 @@ class Mechanism:
         found: list[Coordinate] = []
         for limb in self.limbs:
             found.extend(c for joint in limb.joints for c in joint.coordinates)
-            found.extend(bar.coordinate for bar in limb.bars(self.reference_pose) if bar.coordinate is not None)
+            found.extend(
+                bar.coordinate
+                for bar in limb.bars(self.reference_pose)
+                if bar.coordinate is not None
+            )
         found.extend(c for entry in self.link_joints for c in entry.joint.coordinates)
         found.extend(rod.coordinate for rod in self.link_rods if rod.actuated)
         return tuple(found)
 
     @cached_property
     def advancing(self) -> Mapping[str, str]:
-        """Why angles that couplings name advance without end, by their names; an angle coupled to one that advances does too."""
+        """Why angles that couplings name advance without end, by their names; an angle coupled to
+        one that advances does too.
+        """
         kinds: dict[str, str] = {c.name: c.kind for c in self._as_described}
         naming: dict[str, list[Coupling]] = {}
         todo: list[tuple[str, Coupling]] = []
@@ -198,7 +233,12 @@ class Mechanism:
     @cached_property
     def pitches(self) -> Mapping[str, float]:
         """Lengths per turn of the coordinates of helical joints, by their names."""
-        return {c.name: joint.pitch for joint in self.all_joints if joint.type == "H" for c in joint.coordinates}
+        return {
+            c.name: joint.pitch
+            for joint in self.all_joints
+            if joint.type == "H"
+            for c in joint.coordinates
+        }
 
     @cached_property
     def actuated(self) -> tuple[Coordinate, ...]:
@@ -207,33 +247,48 @@ class Mechanism:
 
     @cached_property
     def places(self) -> dict[str, np.ndarray]:
-        """A point of each joint at the reference: the one described; or, where that makes the mechanism much larger than it
-        is, one of its axis that is near the limb's other points (see `placement`)."""
+        """A point of each joint at the reference: the one described; or, where that makes the
+        mechanism much larger than it is, one of its axis that is near the limb's other points (see
+        `placement`).
+        """
         described = {joint.name: np.array(joint.point) for joint in self.all_joints}
         origin, placed = np.array(self.platform_position), dict(described)
         for limb in self.limbs:
             starts = [bar.start.point for bar in limb.bars(self.reference_pose)]
             placed |= placed_points(limb.joints, np.mean(starts, axis=0) if starts else origin)
         spread, much = self._spread(placed), self._spread(described)
-        # points placed by least squares may coincide to rounding where the described ones do not: then the described ones stay
+        # points placed by least squares may coincide to rounding where the described ones do not:
+        # then the described ones stay
         return placed if _ROUNDING * much < spread and _MUCH_LARGER * spread < much else described
 
     @cached_property
     def characteristic_length(self) -> float:
-        """The largest distance between the joints' `places`, centres and rod ends at the reference, by which angles become
-        lengths; where all of them coincide, that to the platform origin, or 1."""
+        """The largest distance between the joints' `places`, centres and rod ends at the reference,
+        by which angles become lengths; where all of them coincide, that to the platform origin, or
+        1.
+        """
         return self._spread(self.places) or 1.0
 
     @cached_property
     def farthest(self) -> float:
-        """The largest coordinate of a point of the description at the reference: numbers as large as this are added and cancel."""
-        ends = [end.at_reference(self.reference_pose) for bar in self.bars for end in (bar.start, bar.end)]
+        """The largest coordinate of a point of the description at the reference: numbers as large
+        as this are added and cancel.
+        """
+        ends = [
+            end.at_reference(self.reference_pose)
+            for bar in self.bars
+            for end in (bar.start, bar.end)
+        ]
         points = [*(joint.point for joint in self.all_joints), *ends, self.platform_position]
         return float(np.max(np.abs(np.array(points))))
 
     def _spread(self, places: Mapping[str, np.ndarray]) -> float:
         """The largest distance between points of joints and rod ends."""
-        ends = [end.at_reference(self.reference_pose) for bar in self.bars for end in (bar.start, bar.end)]
+        ends = [
+            end.at_reference(self.reference_pose)
+            for bar in self.bars
+            for end in (bar.start, bar.end)
+        ]
         points = [*places.values(), *ends]
         spread = _diameter(points)
         return spread or _diameter([*points, np.array(self.platform_position)])
@@ -248,7 +303,10 @@ class Mechanism:
 
     def to_toml(self) -> str:
         """The mechanism file (format 1) that describes this mechanism."""
-        from symkin.model.writer import mechanism_to_toml  # tomlkit takes a while to import, and few runs write
+        # tomlkit takes a while to import, and few runs write
+        from symkin.model.writer import (
+            mechanism_to_toml,
+        )
 
         return mechanism_to_toml(self)
 
@@ -260,19 +318,25 @@ class Mechanism:
     def __str__(self) -> str:
         if self.is_graph:
             return (
-                f"{self.name}: {len(links_of(self))} links, {len(list(self.all_joints))} joints, {len(self.link_rods)} rods; lengths in "
+                f"{self.name}: {len(links_of(self))} links, {len(list(self.all_joints))} joints, "
+                f"{len(self.link_rods)} rods; lengths in "
                 f"{self.length_unit}, angles in {self.angle_unit}"
             )
         kind = "serial arm" if self.serial else f"parallel mechanism, platform {self.motion}"
         limbs = ", ".join(f"{limb.name}: {limb.type}" for limb in self.limbs)
-        return f"{self.name}: {kind} ({limbs}); lengths in {self.length_unit}, angles in {self.angle_unit}"
+        return (
+            f"{self.name}: {kind} ({limbs}); lengths in {self.length_unit}, angles in "
+            f"{self.angle_unit}"
+        )
 
 
 def serial_arm_from_dh(name: str, table: DHTable, **options: object) -> Mechanism:
-    """Make a serial arm from a DH table: its joints at zero joint values, with the table as its parameters.
+    """Make a serial arm from a DH table: its joints at zero joint values, with the table as its
+    parameters.
 
-    `options` are those of `Mechanism`: title, source, length_unit, angle_unit, example. Raises MechanismError for a table or
-    options that cannot be. Source: Denavit and Hartenberg, Journal of Applied Mechanics 22, 1955.
+    `options` are those of `Mechanism`: title, source, length_unit, angle_unit, example. Raises
+    MechanismError for a table or options that cannot be. Source: Denavit and Hartenberg, Journal of
+    Applied Mechanics 22, 1955.
 
     >>> import symkin
     >>> rows = [symkin.DHRow("q1", a=120.0), symkin.DHRow("q2", a=80.0)]
@@ -281,9 +345,18 @@ def serial_arm_from_dh(name: str, table: DHTable, **options: object) -> Mechanis
     >>> symkin.solve(arm, joints=[0.0, 90.0]).solution.position.round(6).tolist()
     [120.0, 80.0, 0.0]
     """
-    frames, tool = reference_frames(table.convention, [(r.theta, r.d, r.a, r.alpha) for r in table.rows])
+    frames, tool = reference_frames(
+        table.convention, [(r.theta, r.d, r.a, r.alpha) for r in table.rows]
+    )
     joints = [
-        Joint(row.name, row.type, point=tuple(point), axis=tuple(axis), actuated=True, limits=row.limits)
+        Joint(
+            row.name,
+            row.type,
+            point=tuple(point),
+            axis=tuple(axis),
+            actuated=True,
+            limits=row.limits,
+        )
         for row, (point, axis) in zip(table.rows, frames, strict=True)
     ]
     return Mechanism(
@@ -301,31 +374,48 @@ def unit_quaternion(value: Sequence[float], where: str) -> tuple[float, ...]:
     """Normalise a quaternion; refused when its norm is off by more than 1e-2."""
     q = tuple(finite(component, where) for component in value)
     if len(q) != 4:
-        raise MechanismError(f"{where} = {list(q)} has {len(q)} numbers; four are needed (w, x, y, z)")
+        raise MechanismError(
+            f"{where} = {list(q)} has {len(q)} numbers; four are needed (w, x, y, z)"
+        )
     length = math.hypot(*q)
     # beyond a slip of digits, numbers in another order or of another kind have been given
     if abs(length - 1.0) > 1e-2:
-        raise MechanismError(f"{where} = {list(q)} has norm {length:.6g}; a unit quaternion is needed (1 to within 0.01)")
+        raise MechanismError(
+            f"{where} = {list(q)} has norm {length:.6g}; a unit quaternion is needed (1 to within "
+            f"0.01)"
+        )
     return q if abs(length - 1.0) <= 4e-16 else tuple(component / length for component in q)
 
 
 def _diameter(points: list[np.ndarray]) -> float:
-    """Largest distance of two points: of those that are so far apart to rounding the largest, pair by pair."""
+    """Largest distance of two points: of those that are so far apart to rounding the largest, pair
+    by pair.
+    """
     if len(points) < 2:
         return 0.0
     places = np.array(points)
-    rows = [np.sqrt(np.sum((places[k + 1 :] - places[k]) ** 2, axis=1)) for k in range(len(places) - 1)]
+    rows = [
+        np.sqrt(np.sum((places[k + 1 :] - places[k]) ** 2, axis=1)) for k in range(len(places) - 1)
+    ]
     least = (1.0 - _ROUNDING) * max(float(row.max()) for row in rows)
-    pairs = ((k, k + 1 + int(i)) for k, row in enumerate(rows) for i in np.flatnonzero(row >= least))
+    pairs = (
+        (k, k + 1 + int(i)) for k, row in enumerate(rows) for i in np.flatnonzero(row >= least)
+    )
     return max(float(np.linalg.norm(points[i] - points[j])) for i, j in pairs)
 
 
 def _check_size(mechanism: Mechanism) -> None:
     """Refuse more parts than any computation here ends with."""
-    parts = {"limbs": len(mechanism.limbs), "joints": len(list(mechanism.all_joints)), "rods": len(mechanism.link_rods)}
+    parts = {
+        "limbs": len(mechanism.limbs),
+        "joints": len(list(mechanism.all_joints)),
+        "rods": len(mechanism.link_rods),
+    }
     if sum(parts.values()) > MOST_PARTS:
         told = ", ".join(f"{count} {what}" for what, count in parts.items() if count)
-        raise MechanismError(f"the mechanism has {told}; allowed: {MOST_PARTS} limbs, joints and rods together")
+        raise MechanismError(
+            f"the mechanism has {told}; allowed: {MOST_PARTS} limbs, joints and rods together"
+        )
 
 
 def _check_choice(key: str, value: str, allowed: Sequence[str]) -> None:
@@ -346,23 +436,35 @@ def _check_names(mechanism: Mechanism) -> None:
     made += drives
     for name in made:
         if name.startswith("pose."):
-            raise MechanismError(f"joint {name!r}: names that begin with 'pose.' are the platform's own")
+            raise MechanismError(
+                f"joint {name!r}: names that begin with 'pose.' are the platform's own"
+            )
     for name in made:
         if made.count(name) > 1 and coordinate_names.count(name) < 2:
-            raise MechanismError(f"the coordinate {name!r} belongs to two joints; C and U joints make names such as 'u.1'")
+            raise MechanismError(
+                f"the coordinate {name!r} belongs to two joints; C and U joints make names such as "
+                f"'u.1'"
+            )
     for what, names in (("limbs", limb_names), ("joints or rods", coordinate_names)):
         for name in names:
             if names.count(name) > 1:
-                raise MechanismError(f"two {what} are named {name!r}; names must be unique in the file")
+                raise MechanismError(
+                    f"two {what} are named {name!r}; names must be unique in the file"
+                )
 
 
 def _check_rods(mechanism: Mechanism) -> None:
     for limb in mechanism.limbs:
         for k, bar in enumerate(limb.bars(mechanism.reference_pose), start=1):
             end = bar.end.at_reference(mechanism.reference_pose)
-            if bar.length is None and bar.coordinate is None and coincide(end.tolist(), bar.start.point):
+            if (
+                bar.length is None
+                and bar.coordinate is None
+                and coincide(end.tolist(), bar.start.point)
+            ):
                 raise MechanismError(
-                    f"limb {limb.name!r}: the ends of rod {k} lie at one point at the reference; a rod has a length"
+                    f"limb {limb.name!r}: the ends of rod {k} lie at one point at the reference; a "
+                    f"rod has a length"
                 )
 
 
@@ -374,12 +476,16 @@ def _check_example(mechanism: Mechanism, example: Example) -> None:
     if example.pose is not None:
         unit_quaternion(example.pose[3:], "example.pose: the quaternion")
     if example.given is not None:
-        allowed = (*(c.name for c in mechanism.coordinates if c.kind != "quaternion"), *POSE_CONDITIONS)
+        allowed = (
+            *(c.name for c in mechanism.coordinates if c.kind != "quaternion"),
+            *POSE_CONDITIONS,
+        )
         for name, value in example.given:
             finite(value, f"example.given.{name}")
             if name not in allowed:
                 raise MechanismError(
-                    f"example.given.{name}: no coordinate has this name{meant(name, allowed)}; allowed: {', '.join(allowed)}"
+                    f"example.given.{name}: no coordinate has this name{meant(name, allowed)}; "
+                    f"allowed: {', '.join(allowed)}"
                 )
     if example.start is None:
         return
@@ -387,32 +493,49 @@ def _check_example(mechanism: Mechanism, example: Example) -> None:
         _check_joints("example.start", mechanism, example.start)
         return
     if len(example.start) != 7:
-        raise MechanismError(f"example.start: {len(example.start)} values given, 7 are needed: x, y, z, qw, qx, qy, qz")
+        raise MechanismError(
+            f"example.start: {len(example.start)} values given, 7 are needed: x, y, z, qw, qx, qy, "
+            f"qz"
+        )
     unit_quaternion(example.start[3:], "example.start: the quaternion")
 
 
 def _check_joints(where: str, mechanism: Mechanism, values: Sequence[float]) -> None:
     if len(values) != len(mechanism.actuated):
-        raise MechanismError(f"{where}: {len(values)} values given, the mechanism has {len(mechanism.actuated)} actuated joints")
+        raise MechanismError(
+            f"{where}: {len(values)} values given, the mechanism has {len(mechanism.actuated)} "
+            f"actuated joints"
+        )
     for c, value in zip(mechanism.actuated, values, strict=True):
         if c.least is not None and value < c.least:
             raise MechanismError(
-                f"{where}: {c.name} = {value:g} makes a rod of negative length; allowed: {c.least + 0.0:g} and above"
+                f"{where}: {c.name} = {value:g} makes a rod of negative length; allowed: "
+                f"{c.least + 0.0:g} and above"
             )
 
 
 def _check_serial(mechanism: Mechanism) -> None:
     for _, joint in mechanism.joints:
         if joint.type in ("C", "U", "S"):
-            raise MechanismError(f"joint {joint.name!r}: type {joint.type} in a serial arm; types R, P and H are allowed")
+            raise MechanismError(
+                f"joint {joint.name!r}: type {joint.type} in a serial arm; types R, P and H are "
+                f"allowed"
+            )
         if not joint.actuated:
-            raise MechanismError(f"joint {joint.name!r}: all joints of a serial arm are actuated; types R, P and H are allowed")
+            raise MechanismError(
+                f"joint {joint.name!r}: all joints of a serial arm are actuated; types R, P and H "
+                f"are allowed"
+            )
     if mechanism.motion != "spatial":
         raise MechanismError("motion is a key of a platform; a serial arm has none")
 
 
 def require_mechanism(value: object) -> None:
-    """Raises InputError where something else stands in place of a mechanism: its name, or a solution."""
+    """Raises InputError where something else stands in place of a mechanism: its name, or a
+    solution.
+    """
     if not isinstance(value, Mechanism):
         named = f"; symkin.load({value!r}) gives it" if isinstance(value, str) else ""
-        raise InputError(f"mechanism is of type {type(value).__name__}; a Mechanism is needed{named}")
+        raise InputError(
+            f"mechanism is of type {type(value).__name__}; a Mechanism is needed{named}"
+        )

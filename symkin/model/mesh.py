@@ -14,8 +14,9 @@ from symkin.spatial.pose import Pose
 class LinkMesh:
     """A mesh that shows a link.
 
-    `file` is the path where it is found, else what a robot's file writes; `position` (3, length unit) and `quaternion` (w, x, y, z)
-    are its frame in the base frame at the reference configuration, `scale` (3) is that of its own numbers along its axes.
+    `file` is the path where it is found, else what a robot's file writes; `position` (3, length
+    unit) and `quaternion` (w, x, y, z) are its frame in the base frame at the reference
+    configuration, `scale` (3) is that of its own numbers along its axes.
     """
 
     link: str

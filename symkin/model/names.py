@@ -1,4 +1,6 @@
-"""Check names of mechanisms, limbs and joints: their grammar, what other systems reserve; and make identifiers of them."""
+"""Check names of mechanisms, limbs and joints: their grammar, what other systems reserve; and make
+identifiers of them.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +12,14 @@ from symkin.errors import InputError, MechanismError
 from symkin.text import code_point, one_line, refused_character, shown
 
 LONGEST_NAME = 100
-"""Characters of a name: with the endings of generated files it stays below the 255 bytes of a file name."""
+"""Characters of a name: with the endings of generated files it stays below the 255 bytes of a file
+name.
+"""
 _INSIDE = " -+.'\"#()/\\*"
-_GRAMMAR = f"letters, digits and _, after the first character also spaces and {' '.join(_INSIDE[1:])}, no space at the end"
+_GRAMMAR = (
+    f"letters, digits and _, after the first character also spaces and {' '.join(_INSIDE[1:])}, no "
+    f"space at the end"
+)
 _WINDOWS = re.compile(r"con|prn|aux|nul|(com|lpt)[0-9]", re.IGNORECASE)
 """Devices of Windows, which are no names of files there, whatever the suffix."""
 _HEADERS = frozenset(
@@ -70,19 +77,26 @@ _CMAKE = frozenset(
         "zero_check",
     ]
 )
-"""Targets that CMake keeps for itself, those of a generated folder, and the library of mathematics."""
+"""Targets that CMake keeps for itself, those of a generated folder, and the library of
+mathematics.
+"""
 
 
-# --- what is refused -----------------------------------------------------------------------------------------------
+# --- what is refused ------------------------------------------------------------------------------
 
 
 def text_fault(text: object) -> str | None:
-    """What is wrong with a title or a source: no text, or control and bidirectional characters other than line breaks and
-    tabs."""
+    """What is wrong with a title or a source: no text, or control and bidirectional characters
+    other than line breaks and tabs.
+    """
     if not isinstance(text, str):
         return "is no text"
     refused = refused_character(one_line(text))
-    return None if refused is None else f"holds {code_point(refused)}; control and bidirectional characters are not allowed"
+    return (
+        None
+        if refused is None
+        else f"holds {code_point(refused)}; control and bidirectional characters are not allowed"
+    )
 
 
 def name_fault(name: object) -> str | None:
@@ -107,17 +121,29 @@ def check_name(name: object, where: str) -> None:
 
 
 def check_mechanism_name(name: object) -> None:
-    """The name of a mechanism, which files and functions are called after: an identifier of C. Raises MechanismError."""
+    """The name of a mechanism, which files and functions are called after: an identifier of C.
+    Raises MechanismError.
+    """
     if not isinstance(name, str) or not (name.isascii() and name.isidentifier()):
-        raise MechanismError(f"name = {shown(name)} is no C identifier; allowed: letters, digits and _, no digit first")
+        raise MechanismError(
+            f"name = {shown(name)} is no C identifier; allowed: letters, digits and _, no digit "
+            f"first"
+        )
     if len(name) > LONGEST_NAME:
-        raise MechanismError(f"name = {shown(name)} is too long; allowed: to {LONGEST_NAME} characters")
+        raise MechanismError(
+            f"name = {shown(name)} is too long; allowed: to {LONGEST_NAME} characters"
+        )
     if is_device(name):
-        raise MechanismError(f"name = {name!r} is a device of Windows, where no file can have this name; allowed: other names")
+        raise MechanismError(
+            f"name = {name!r} is a device of Windows, where no file can have this name; allowed: "
+            f"other names"
+        )
 
 
 def check_c_name(name: str) -> None:
-    """Raises InputError for a mechanism's name that C code cannot begin its names with, or its files be called."""
+    """Raises InputError for a mechanism's name that C code cannot begin its names with, or its
+    files be called.
+    """
     reason = None
     if name.startswith("_") or name.endswith("_") or "__" in name:
         reason = "makes identifiers that C and C++ reserve (a _ first, or two in a row)"
@@ -127,7 +153,8 @@ def check_c_name(name: str) -> None:
         reason = "is that of another file of the folder"
     if reason is not None:
         raise InputError(
-            f"{name}: the mechanism's name begins all names of generated C, and this one {reason}; rename the mechanism"
+            f"{name}: the mechanism's name begins all names of generated C, and this one {reason}; "
+            f"rename the mechanism"
         )
 
 
@@ -146,7 +173,10 @@ def _fault(name: object) -> str | None:
         return "is too long"
     wrong = next((c for c in name if not (_in_word(c) or c in _INSIDE)), None)
     if wrong is not None:
-        return f"holds {code_point(wrong) if refused_character(wrong) or wrong.isspace() else repr(wrong)}"
+        return (
+            f"holds "
+            f"{code_point(wrong) if refused_character(wrong) or wrong.isspace() else repr(wrong)}"
+        )
     if not _begins(name[0]):
         return f"begins with {name[0]!r}"
     if name.endswith(" "):
@@ -164,11 +194,13 @@ def _in_word(c: str) -> bool:
     return _begins(c) or unicodedata.category(c) in ("Mn", "Mc")
 
 
-# --- identifiers ---------------------------------------------------------------------------------------------------
+# --- identifiers ----------------------------------------------------------------------------------
 
 
 def identifier(name: str) -> str:
-    """ASCII letters, digits and single _, a letter first: what C, C++, NumPy and SymPy take after any beginning."""
+    """ASCII letters, digits and single _, a letter first: what C, C++, NumPy and SymPy take after
+    any beginning.
+    """
     stem = re.sub(r"[^0-9A-Za-z]+", "_", name).strip("_")
     return stem if stem[:1].isalpha() else f"q_{stem}".rstrip("_")
 
@@ -186,5 +218,7 @@ def identifiers(names: Sequence[str]) -> list[str]:
 
 
 def cmake_target(name: str) -> str:
-    """The library's target: the mechanism's name, or where CMake keeps that for itself one made from it."""
+    """The library's target: the mechanism's name, or where CMake keeps that for itself one made
+    from it.
+    """
     return f"{name}_kinematics" if name.lower() in _CMAKE else name

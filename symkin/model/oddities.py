@@ -1,4 +1,6 @@
-"""What is odd about a mechanism's numbers without being wrong: slips of units and signs that a reader should hear of."""
+"""What is odd about a mechanism's numbers without being wrong: slips of units and signs that a
+reader should hear of.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ from symkin.model.mechanism import Mechanism
 from symkin.text import first_of
 
 _FAR_OFF = 200.0
-"""How many times farther than the others a point lies that may be in another unit, metres among millimetres."""
+"""How many times farther than the others a point lies that may be in another unit, metres among
+millimetres.
+"""
 _LEAST_POINTS = 4
 """Points from which one can be told to lie off the others."""
 FULL_TURN = 2.0 * math.pi * (1.0 + 1e-3)
@@ -24,30 +28,45 @@ _MOST_DEGREES = 720.0
 
 
 def oddities(mechanism: Mechanism) -> tuple[str, ...]:
-    """Sentences on numbers that are allowed and rarely meant: rods whose limits leave no positive length, a point far off all others,
-    angles of more than a turn where the unit is rad."""
+    """Sentences on numbers that are allowed and rarely meant: rods whose limits leave no positive
+    length, a point far off all others, angles of more than a turn where the unit is rad.
+    """
     return (*_negative_rods(mechanism), *_far_points(mechanism), *_degrees(mechanism))
 
 
 def _negative_rods(mechanism: Mechanism) -> Iterator[str]:
-    drives = [(f"limb {limb.name}", limb.offset, limb.limits) for limb in mechanism.limbs if isinstance(limb, RodLimb)]
-    drives += [(f"rod {rod.name}", rod.offset, rod.limits) for rod in mechanism.link_rods if rod.actuated]
+    drives = [
+        (f"limb {limb.name}", limb.offset, limb.limits)
+        for limb in mechanism.limbs
+        if isinstance(limb, RodLimb)
+    ]
+    drives += [
+        (f"rod {rod.name}", rod.offset, rod.limits) for rod in mechanism.link_rods if rod.actuated
+    ]
     wrong = [
         f"{name} (limits {limits[0]:g} to {limits[1]:g} beyond offset {offset:g})"
         for name, offset, limits in drives
         if limits is not None and limits[1] + offset <= 0.0
     ]
     if wrong:
-        yield f"{first_of(wrong, 3)}: all lengths within the limits are negative, and no rod has such a length; limits are values beyond `offset`"
+        yield (
+            f"{first_of(wrong, 3)}: all lengths within the limits are negative, and no rod has "
+            f"such a length; limits are values beyond `offset`"
+        )
 
 
 def _far_points(mechanism: Mechanism) -> Iterator[str]:
     """Points of each frame apart: platform points of rods are given in the platform's frame."""
-    fixed: dict[str, tuple[float, ...]] = {joint.name: tuple(joint.point) for joint in mechanism.all_joints if joint.type != "P"}
+    fixed: dict[str, tuple[float, ...]] = {
+        joint.name: tuple(joint.point) for joint in mechanism.all_joints if joint.type != "P"
+    }
     moving: dict[str, tuple[float, ...]] = {}
     for limb in mechanism.limbs:
         if isinstance(limb, RodLimb):
-            fixed[f"{limb.name}.base"], moving[f"{limb.name}.platform"] = tuple(limb.base), tuple(limb.platform)
+            fixed[f"{limb.name}.base"], moving[f"{limb.name}.platform"] = (
+                tuple(limb.base),
+                tuple(limb.platform),
+            )
     for points in (fixed, moving):
         yield from _far_of(points, mechanism.length_unit)
 
@@ -61,21 +80,32 @@ def _far_of(points: dict[str, tuple[float, ...]], unit: str) -> Iterator[str]:
     others = float(np.max(np.delete(away, far)))
     if others > 0.0 and away[far] > _FAR_OFF * others:
         yield (
-            f"{list(points)[far]} lies {away[far]:.4g} {unit} from the middle of the points, {away[far] / others:.0f} times as far as any other: "
+            f"{list(points)[far]} lies {away[far]:.4g} {unit} from the middle of the points, "
+            f"{away[far] / others:.0f} times as far as any other: "
             f"is it in {unit}?"
         )
 
 
 def degrees_question(mechanism: Mechanism) -> str | None:
-    """What is asked where angles and limits in radians are more than a turn, as in a file in degrees that does not say so."""
+    """What is asked where angles and limits in radians are more than a turn, as in a file in
+    degrees that does not say so.
+    """
     if mechanism.angle_unit != "rad":
         return None
-    found = [f"{where} = {value:g}" for where, value in _angles(mechanism) if abs(value) > FULL_TURN]
+    found = [
+        f"{where} = {value:g}" for where, value in _angles(mechanism) if abs(value) > FULL_TURN
+    ]
     for joint in mechanism.all_joints:
         largest = max(map(abs, joint.limits or (0.0,)))
-        if joint.type in ("R", "H") and joint.limits is not None and FULL_TURN < largest <= _MOST_DEGREES:
+        if (
+            joint.type in ("R", "H")
+            and joint.limits is not None
+            and FULL_TURN < largest <= _MOST_DEGREES
+        ):
             found.append(f"{joint.name}.limits = {joint.limits[0]:g} to {joint.limits[1]:g}")
-    return f"{first_of(found, 3)}: more than a turn in radians; are degrees meant?" if found else None
+    return (
+        f"{first_of(found, 3)}: more than a turn in radians; are degrees meant?" if found else None
+    )
 
 
 def _degrees(mechanism: Mechanism) -> Iterator[str]:

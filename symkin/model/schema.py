@@ -1,4 +1,6 @@
-"""Validate the shape of a mechanism file (format 1) by pydantic models; the model's own classes check what it means."""
+"""Validate the shape of a mechanism file (format 1) by pydantic models; the model's own classes
+check what it means.
+"""
 
 from __future__ import annotations
 

@@ -29,7 +29,9 @@ def mechanism_to_toml(mechanism: Description) -> str:
         _frame(document, "tool", mechanism)
         # that they are actuated goes without saying
         joints = [_joint(mechanism, joint) for _, joint in mechanism.joints]
-        document["joint"] = _tables([{key: value for key, value in table.items() if key != "actuated"} for table in joints])
+        document["joint"] = _tables(
+            [{key: value for key, value in table.items() if key != "actuated"} for table in joints]
+        )
     else:
         _links(document, mechanism)
     if mechanism.example is not None:
@@ -62,7 +64,10 @@ def _links(document: tomlkit.TOMLDocument, mechanism: Description) -> None:
 
 def _frame(document: tomlkit.TOMLDocument, key: str, mechanism: Description) -> None:
     table: dict[str, Any] = {} if not mechanism.is_graph else {"link": mechanism.platform_link}
-    table |= {"position": list(mechanism.platform_position), "quaternion": list(mechanism.platform_quaternion)}
+    table |= {
+        "position": list(mechanism.platform_position),
+        "quaternion": list(mechanism.platform_quaternion),
+    }
     if mechanism.motion != "spatial":
         table["motion"] = mechanism.motion
     document[key] = table
@@ -70,7 +75,12 @@ def _frame(document: tomlkit.TOMLDocument, key: str, mechanism: Description) -> 
 
 def _limb(mechanism: Description, limb: Limb | RodLimb) -> dict[str, Any]:
     if isinstance(limb, RodLimb):
-        table: dict[str, Any] = {"name": limb.name, "type": limb.type, "base": list(limb.base), "platform": list(limb.platform)}
+        table: dict[str, Any] = {
+            "name": limb.name,
+            "type": limb.type,
+            "base": list(limb.base),
+            "platform": list(limb.platform),
+        }
         if limb.offset:
             table["offset"] = limb.offset
         return table | _links_of_limb(limb) | _range(limb.limits)
@@ -89,11 +99,20 @@ def _links_of_limb(limb: Limb | RodLimb) -> dict[str, Any]:
 
 def _link_joint(mechanism: Description, entry: LinkJoint) -> dict[str, Any]:
     table = _joint(mechanism, entry.joint)
-    return {"name": table.pop("name"), "type": table.pop("type"), "links": list(entry.links)} | table
+    return {
+        "name": table.pop("name"),
+        "type": table.pop("type"),
+        "links": list(entry.links),
+    } | table
 
 
 def _link_rod(rod: LinkRod) -> dict[str, Any]:
-    table: dict[str, Any] = {"name": rod.name, "links": list(rod.links), "from": list(rod.start), "to": list(rod.end)}
+    table: dict[str, Any] = {
+        "name": rod.name,
+        "links": list(rod.links),
+        "from": list(rod.start),
+        "to": list(rod.end),
+    }
     if rod.length is not None:
         table["length"] = rod.length
     if rod.actuated:
@@ -106,15 +125,26 @@ def _link_rod(rod: LinkRod) -> dict[str, Any]:
 def _coupling(mechanism: Description, coupling: Coupling) -> dict[str, Any]:
     """Numbers in the file's units, as `coupling_scale` reads them."""
     coordinates = mechanism.coordinates
-    unit = {c.name: math.radians(1.0) if c.is_angular and mechanism.angle_unit == "deg" else 1.0 for c in coordinates}
+    unit = {
+        c.name: math.radians(1.0) if c.is_angular and mechanism.angle_unit == "deg" else 1.0
+        for c in coordinates
+    }
     own = unit[coupling.joint]
     table: dict[str, Any] = {"joint": coupling.joint}
     if coupling.polynomial is not None:
         (name,) = coupling.names
-        powers = [_scaled(c, coupling_scale(own, unit[name], k)) for k, c in enumerate(coupling.polynomial)]
+        powers = [
+            _scaled(c, coupling_scale(own, unit[name], k))
+            for k, c in enumerate(coupling.polynomial)
+        ]
         return table | {"of": name, "polynomial": powers}
     factors = tomlkit.inline_table()
-    factors.update({name: _scaled(factor, coupling_scale(own, unit[name], 1)) for name, factor in coupling.terms})
+    factors.update(
+        {
+            name: _scaled(factor, coupling_scale(own, unit[name], 1))
+            for name, factor in coupling.terms
+        }
+    )
     table["of"] = factors
     return table | ({"offset": _scaled(coupling.offset, own)} if coupling.offset else {})
 
@@ -139,10 +169,20 @@ def _dh(mechanism: Description, table: DHTable) -> dict[str, Any]:
     rows = tomlkit.array()
     for row in table.rows:
         entry = tomlkit.inline_table()
-        entry.update({"name": row.name, "type": row.type, "theta": _angle(mechanism, row.theta), "d": row.d, "a": row.a})
+        entry.update(
+            {
+                "name": row.name,
+                "type": row.type,
+                "theta": _angle(mechanism, row.theta),
+                "d": row.d,
+                "a": row.a,
+            }
+        )
         entry.update({"alpha": _angle(mechanism, row.alpha)})
         limits = row.limits
-        entry.update(_range([_angle(mechanism, v) for v in limits] if limits and row.type == "R" else limits))
+        entry.update(
+            _range([_angle(mechanism, v) for v in limits] if limits and row.type == "R" else limits)
+        )
         rows.append(entry)
     return {"convention": table.convention, "rows": rows.multiline(True)}
 
@@ -161,8 +201,14 @@ def _tables(tables: list[dict[str, Any]]) -> Any:
 
 
 def _angle(mechanism: Description, radians: float) -> float:
-    """The shortest number in the mechanism's angle unit that reads back as exactly these radians, if there is one."""
-    return radians if mechanism.angle_unit == "rad" else _shortest(math.degrees(radians), radians, math.radians)
+    """The shortest number in the mechanism's angle unit that reads back as exactly these radians,
+    if there is one.
+    """
+    return (
+        radians
+        if mechanism.angle_unit == "rad"
+        else _shortest(math.degrees(radians), radians, math.radians)
+    )
 
 
 def _scaled(value: float, scale: float) -> float:
@@ -171,8 +217,11 @@ def _scaled(value: float, scale: float) -> float:
 
 
 def _shortest(number: float, value: float, read: Callable[[float], float]) -> float:
-    """The shortest number beside `number` that is read as exactly `value`; `number` itself where there is none."""
-    # degrees(radians(x)) is not always x: try the shorter spellings that read back as these very radians
+    """The shortest number beside `number` that is read as exactly `value`; `number` itself where
+    there is none.
+    """
+    # degrees(radians(x)) is not always x: try the shorter spellings that read back as these very
+    # radians
     for digits in (12, 14, 15, 16, 17):
         candidate = float(f"{number:.{digits}g}")
         if read(candidate) == value:

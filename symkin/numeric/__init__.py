@@ -1,1 +1,3 @@
-"""Numbers for many points at once: systems of rows, rank, least squares, compiled libraries and files kept between runs."""
+"""Numbers for many points at once: systems of rows, rank, least squares, compiled libraries and
+files kept between runs.
+"""

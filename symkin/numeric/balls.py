@@ -1,10 +1,12 @@
 """Graphs of CasADi evaluated in ball arithmetic (Arb, by python-flint): every rounding is outward.
 
-A function f(z; k) is walked once into straight-line code over balls, in two parts: what depends on k alone, and the rest.
-Derivatives are taken of the graph in which each constant is a symbol, because CasADi folds products of constants in double
-precision: the derivative is then that of the graph with its constants taken as the exact doubles that they are.
+A function f(z; k) is walked once into straight-line code over balls, in two parts: what depends on
+k alone, and the rest. Derivatives are taken of the graph in which each constant is a symbol,
+because CasADi folds products of constants in double precision: the derivative is then that of the
+graph with its constants taken as the exact doubles that they are.
 
-F. Johansson, Arb: efficient arbitrary-precision midpoint-radius interval arithmetic, IEEE Trans. Comput. 66 (2017) 1281.
+F. Johansson, Arb: efficient arbitrary-precision midpoint-radius interval arithmetic, IEEE Trans.
+Comput. 66 (2017) 1281.
 """
 
 from __future__ import annotations
@@ -26,14 +28,30 @@ Number = Any
 Part = Literal["value", "slope", "second", "first", "constant"]
 
 _EXACT = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0)
-"""Constants that stay numbers in a graph: sums and products of a few of them are exact in double precision."""
+"""Constants that stay numbers in a graph: sums and products of a few of them are exact in double
+precision.
+"""
 UP = 1.0 + 2.0**-50
 """Outward rounding of a few operations on doubles that are not negative."""
-_BINARY = {ca.OP_ADD: "{} + {}", ca.OP_SUB: "{} - {}", ca.OP_MUL: "{} * {}", ca.OP_DIV: "{} / {}", ca.OP_ATAN2: "turn({}, {})"}
+_BINARY = {
+    ca.OP_ADD: "{} + {}",
+    ca.OP_SUB: "{} - {}",
+    ca.OP_MUL: "{} * {}",
+    ca.OP_DIV: "{} / {}",
+    ca.OP_ATAN2: "turn({}, {})",
+}
 _UNARY = {
-    ca.OP_SIN: "{}.sin()", ca.OP_COS: "{}.cos()", ca.OP_TAN: "{}.tan()", ca.OP_EXP: "{}.exp()", ca.OP_SQRT: "root({})",
-    ca.OP_NEG: "-{}", ca.OP_SQ: "{0} * {0}", ca.OP_TWICE: "{0} + {0}", ca.OP_INV: "1 / {}", ca.OP_ASSIGN: "{}",
-}  # fmt: skip
+    ca.OP_SIN: "{}.sin()",
+    ca.OP_COS: "{}.cos()",
+    ca.OP_TAN: "{}.tan()",
+    ca.OP_EXP: "{}.exp()",
+    ca.OP_SQRT: "root({})",
+    ca.OP_NEG: "-{}",
+    ca.OP_SQ: "{0} * {0}",
+    ca.OP_TWICE: "{0} + {0}",
+    ca.OP_INV: "1 / {}",
+    ca.OP_ASSIGN: "{}",
+}
 
 
 @dataclass(frozen=True)
@@ -95,8 +113,10 @@ def upper(x: Number) -> float:
 
 @dataclass(frozen=True, eq=False)
 class BallFunction:
-    """f(z; k) over balls, a column. `parts` says what is evaluated, in order: "value" f, "slope" df/dz, and, of an f that is
-    quadratic in z, its coefficients "second" d2f/dz2 (rows times width, width), "first" df/dz and "constant" f at z = 0."""
+    """f(z; k) over balls, a column. `parts` says what is evaluated, in order: "value" f, "slope"
+    df/dz, and, of an f that is quadratic in z, its coefficients "second" d2f/dz2 (rows times width,
+    width), "first" df/dz and "constant" f at z = 0.
+    """
 
     z: ca.SX
     k: ca.SX
@@ -107,7 +127,10 @@ class BallFunction:
     def _code(self) -> tuple[Callable[..., Any], tuple[Callable[..., Any], ...], tuple[float, ...]]:
         f, constants, values = raise_constants(self.f, self.z, self.k)
         expressions = [derive(f, self.z, part) for part in self.parts]
-        functions = [ca.Function("f", [self.z, ca.vertcat(self.k, constants)], [e], {"cse": True}) for e in expressions]
+        functions = [
+            ca.Function("f", [self.z, ca.vertcat(self.k, constants)], [e], {"cse": True})
+            for e in expressions
+        ]
         prepare, evaluate = zip(*(straight_line(f) for f in functions), strict=True)
         return lambda known, number: [p(known, number) for p in prepare], evaluate, values
 
@@ -133,21 +156,29 @@ def derive(f: ca.SX, z: ca.SX, part: Part) -> ca.SX:
 
 
 def raise_constants(expression: ca.SX, *inputs: ca.SX) -> tuple[ca.SX, ca.SX, tuple[float, ...]]:
-    """The same graph with a symbol in place of each constant that is not a small power of two; the symbols and values."""
+    """The same graph with a symbol in place of each constant that is not a small power of two; the
+    symbols and values.
+    """
     function = ca.Function("f", list(inputs), [ca.densify(expression)], {"cse": True})
     places: dict[float, ca.SX] = {}
 
     def raised(value: float) -> ca.SX:
-        return ca.SX(value) if value in _EXACT else places.setdefault(value, ca.SX.sym(f"c{len(places)}"))
+        return (
+            ca.SX(value)
+            if value in _EXACT
+            else places.setdefault(value, ca.SX.sym(f"c{len(places)}"))
+        )
 
     result = rebuilt(function, inputs, raised, lambda value: value)
     return result, ca.vertcat(ca.SX(0, 1), *places.values()), tuple(places)
 
 
 def straight_line(function: ca.Function) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """f(z, k) -> one matrix, as two functions: prepare(k, number), and evaluate(z, prepared) -> its entries row by row.
+    """f(z, k) -> one matrix, as two functions: prepare(k, number), and evaluate(z, prepared) -> its
+    entries row by row.
 
-    Raises NotImplementedError for an operation without a form over balls."""
+    Raises NotImplementedError for an operation without a form over balls.
+    """
     before: list[str] = []
     after: list[str] = []
     names: dict[int, tuple[str, bool]] = {}

@@ -1,9 +1,10 @@
 """C sources to a loaded library: the compiler that there is, and a cache of what it has built.
 
-Libraries are built for the processor at hand. Their names hold a hash of the sources, the flags and the compiler's own
-macros (its version, and the instruction sets that it may use here), and one of their content: a library for another
-processor is never looked up, and a damaged one is never loaded. What is loaded is a copy of the bytes that were checked, which nobody
-else can reach: a file that is exchanged after the check is not run.
+Libraries are built for the processor at hand. Their names hold a hash of the sources, the flags and
+the compiler's own macros (its version, and the instruction sets that it may use here), and one of
+their content: a library for another processor is never looked up, and a damaged one is never
+loaded. What is loaded is a copy of the bytes that were checked, which nobody else can reach: a file
+that is exchanged after the check is not run.
 """
 
 from __future__ import annotations
@@ -53,11 +54,19 @@ class Compiler:
 
 
 def load_library(
-    compilers: Iterable[Compiler], sources: Mapping[str, str], main: str, symbols: Sequence[str], folder: Path, *, build: bool
+    compilers: Iterable[Compiler],
+    sources: Mapping[str, str],
+    main: str,
+    symbols: Sequence[str],
+    folder: Path,
+    *,
+    build: bool,
 ) -> ctypes.CDLL:
-    """The library of the source file `main` among `sources` (names and texts), which has the functions `symbols`, from the cache `folder`
-    or, if `build`, made and put there, by the first of the compilers that can. Raises CompilerError, where others may write in the
-    folder too, and NotBuiltError where `build` was needed."""
+    """The library of the source file `main` among `sources` (names and texts), which has the
+    functions `symbols`, from the cache `folder` or, if `build`, made and put there, by the first of
+    the compilers that can. Raises CompilerError, where others may write in the folder too, and
+    NotBuiltError where `build` was needed.
+    """
     fault = folder_fault(folder)
     if fault is not None:
         raise CompilerError(fault)
@@ -82,10 +91,13 @@ def load_library(
 
 
 def find_compilers(named: str, path: str) -> Iterator[Compiler]:
-    """The compiler that the environment variable CC names, else cc, gcc or clang on PATH: for this processor, then for
-    any of its kind. Raises CompilerError where there is none."""
+    """The compiler that the environment variable CC names, else cc, gcc or clang on PATH: for this
+    processor, then for any of its kind. Raises CompilerError where there is none.
+    """
     if sys.platform == "win32":
-        raise CompilerError("not used on Windows, where compilers misplace wide vectors on the stack")
+        raise CompilerError(
+            "not used on Windows, where compilers misplace wide vectors on the stack"
+        )
     command, error, found = compiler_command(named, path), None, False
     for flags in ((*FLAGS, NATIVE), FLAGS):
         try:
@@ -107,13 +119,17 @@ def _asked(command: tuple[str, ...], flags: tuple[str, ...]) -> Compiler:
 
 
 def compiler_command(named: str, path: str) -> tuple[str, ...]:
-    """The command that `named` is, else cc, gcc or clang on a path. Raises CompilerError where there is none."""
+    """The command that `named` is, else cc, gcc or clang on a path. Raises CompilerError where
+    there is none.
+    """
     if named.strip():
         try:
             return tuple(shlex.split(named))
         except ValueError as error:
             raise CompilerError(f"CC = {named!r} is not a command: {error}") from None
-    found = next(filter(None, (shutil.which(name, path=path) for name in ("cc", "gcc", "clang"))), None)
+    found = next(
+        filter(None, (shutil.which(name, path=path) for name in ("cc", "gcc", "clang"))), None
+    )
     if found is None:
         raise CompilerError("no C compiler was found (cc, gcc, clang; CC may name one)")
     return (found,)
@@ -121,12 +137,16 @@ def compiler_command(named: str, path: str) -> tuple[str, ...]:
 
 def _run(command: Sequence[str]) -> str:
     try:
-        done = subprocess.run(command, capture_output=True, timeout=_LONGEST, check=False, stdin=subprocess.DEVNULL)
+        done = subprocess.run(
+            command, capture_output=True, timeout=_LONGEST, check=False, stdin=subprocess.DEVNULL
+        )
     except (OSError, ValueError, subprocess.SubprocessError) as error:
         raise CompilerError(f"{command[0]} cannot be run: {error}") from None
     if done.returncode:
         said = done.stderr.decode(errors="replace").strip().splitlines()
-        raise CompilerError(f"{command[0]} failed with status {done.returncode}{': ' + said[0] if said else ''}")
+        raise CompilerError(
+            f"{command[0]} failed with status {done.returncode}{': ' + said[0] if said else ''}"
+        )
     return done.stdout.decode(errors="replace")
 
 
@@ -146,22 +166,37 @@ def _compiled(compiler: Compiler, sources: Mapping[str, str], main: str) -> byte
             for name, text in sources.items():
                 (Path(work) / name).write_text(text)
             library = Path(work) / "library.so"
-            _run([*compiler.command, *compiler.flags, str(Path(work) / main), "-o", str(library), "-lm"])
+            _run(
+                [
+                    *compiler.command,
+                    *compiler.flags,
+                    str(Path(work) / main),
+                    "-o",
+                    str(library),
+                    "-lm",
+                ]
+            )
             return library.read_bytes()
     except OSError as error:
         raise CompilerError(f"the compiled library is not usable: {error}") from None
 
 
 def _refuse_open_folder(folder: str) -> None:
-    """Raise CompilerError for a folder in which others may exchange what is not theirs; that of all users, where they may not (its sticky
-    bit), is a good one."""
+    """Raise CompilerError for a folder in which others may exchange what is not theirs; that of all
+    users, where they may not (its sticky bit), is a good one.
+    """
     about = os.stat(folder)
     if about.st_mode & stat.S_IWOTH and not about.st_mode & stat.S_ISVTX and hasattr(os, "getuid"):
-        raise CompilerError(f"everybody may exchange files in the temporary folder {folder}; TMPDIR may name another one")
+        raise CompilerError(
+            f"everybody may exchange files in the temporary folder {folder}; TMPDIR may name "
+            f"another one"
+        )
 
 
 def _kept(folder: Path, key: str, symbols: Sequence[str]) -> ctypes.CDLL | None:
-    """A whole library of the user's own from the cache; one that cannot be loaded, or lacks a function, is removed."""
+    """A whole library of the user's own from the cache; one that cannot be loaded, or lacks a
+    function, is removed.
+    """
     for place, content in read_kept(folder, key, ".so"):
         try:
             return _loaded(content, symbols)
@@ -171,8 +206,9 @@ def _kept(folder: Path, key: str, symbols: Sequence[str]) -> ctypes.CDLL | None:
 
 
 def _loaded(content: bytes, symbols: Sequence[str]) -> ctypes.CDLL:
-    """The library of some bytes, from a copy in memory, or in a temporary file where the system has no such copies.
-    Raises CompilerError for one that cannot be loaded or lacks a function."""
+    """The library of some bytes, from a copy in memory, or in a temporary file where the system has
+    no such copies. Raises CompilerError for one that cannot be loaded or lacks a function.
+    """
     error: OSError | None = None
     for copied in (_in_memory, _in_a_file):
         try:
@@ -193,8 +229,9 @@ _copies = itertools.count()
 
 @contextmanager
 def _in_memory(content: bytes) -> Iterator[str]:
-    """The path of a file in memory that has no name. The path is another one each time (the loader takes paths that it knows for
-    libraries that it has): the number of slashes tells copies apart."""
+    """The path of a file in memory that has no name. The path is another one each time (the loader
+    takes paths that it knows for libraries that it has): the number of slashes tells copies apart.
+    """
     if not hasattr(os, "memfd_create"):
         raise OSError("no files in memory here")
     handle = os.memfd_create("symkin", os.MFD_CLOEXEC)

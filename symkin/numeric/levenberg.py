@@ -15,7 +15,9 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """Where n starts ended: points (n, width), largest row (n,) in the length unit, and whether each is a root."""
+    """Where n starts ended: points (n, width), largest row (n,) in the length unit, and whether
+    each is a root.
+    """
 
     points: np.ndarray
     largest_row: np.ndarray
@@ -33,11 +35,12 @@ def levenberg_marquardt(
     patience: int = 5,
     progress: Progress | None = None,
 ) -> Batch:
-    """Minimise |F|^2 / 2 from each start with (J^T J + l^2 I) d = -J^T F, a damping l for each start; known values are those of
-    each start (n, known) or of all (known,).
+    """Minimise |F|^2 / 2 from each start with (J^T J + l^2 I) d = -J^T F, a damping l for each
+    start; known values are those of each start (n, known) or of all (known,).
 
-    A start is finished when its largest row is below `tolerance` times the size, when `patience` steps have shrunk |F|
-    by less than a tenth while it is far from zero (a local minimum), or when it meets NaN.
+    A start is finished when its largest row is below `tolerance` times the size, when `patience`
+    steps have shrunk |F| by less than a tenth while it is far from zero (a local minimum), or when
+    it meets NaN.
     """
     points = starts.copy()
     count, freedom = len(points), system.freedom
@@ -46,20 +49,26 @@ def levenberg_marquardt(
     damping = np.full(count, 0.1)
     mark, since = cost.copy(), np.zeros(count, dtype=int)
     floor = tolerance * system.characteristic_length
-    active = np.flatnonzero(np.isfinite(cost) & (np.max(np.abs(values), axis=1, initial=0.0) > floor))
+    active = np.flatnonzero(
+        np.isfinite(cost) & (np.max(np.abs(values), axis=1, initial=0.0) > floor)
+    )
     iteration = 0
     for iteration in range(1, max_iterations + 1):  # noqa: B007 - the last value is reported
         if active.size == 0:
             break
         step = _damped_steps(values[active], jacobians[active], damping[active], freedom)
         trial = system.move(points[active], step)
-        trial_values, trial_jacobians = system.linearise(trial, known[active] if known.ndim == 2 else known)
+        trial_values, trial_jacobians = system.linearise(
+            trial, known[active] if known.ndim == 2 else known
+        )
         trial_cost = np.linalg.norm(trial_values, axis=1)
         better = trial_cost < cost[active]
         taken = active[better]
         points[taken], values[taken] = trial[better], trial_values[better]
         jacobians[taken], cost[taken] = trial_jacobians[better], trial_cost[better]
-        damping[active] = np.where(better, np.maximum(damping[active] * 0.25, 1e-12), damping[active] * 4.0)
+        damping[active] = np.where(
+            better, np.maximum(damping[active] * 0.25, 1e-12), damping[active] * 4.0
+        )
         since[active] += 1
         moved = active[cost[active] < 0.9 * mark[active]]
         mark[moved], since[moved] = cost[moved], 0
@@ -69,15 +78,21 @@ def levenberg_marquardt(
         if progress is not None:
             progress(count - active.size, count)
     largest = np.max(np.abs(values), axis=1, initial=0.0)
-    converged = np.isfinite(largest) & (largest <= np.maximum(floor, 1e-7 * system.characteristic_length))
+    converged = np.isfinite(largest) & (
+        largest <= np.maximum(floor, 1e-7 * system.characteristic_length)
+    )
     return Batch(points, largest, converged, iteration)
 
 
-def _damped_steps(values: np.ndarray, jacobians: np.ndarray, damping: np.ndarray, freedom: int) -> np.ndarray:
+def _damped_steps(
+    values: np.ndarray, jacobians: np.ndarray, damping: np.ndarray, freedom: int
+) -> np.ndarray:
     transposed = jacobians.transpose(0, 2, 1)
     normal = transposed @ jacobians
     diagonal = normal[:, range(freedom), range(freedom)]
-    normal[:, range(freedom), range(freedom)] += (damping**2 + 1e-13 * np.max(diagonal, axis=1, initial=0.0) + 1e-30)[:, None]
+    normal[:, range(freedom), range(freedom)] += (
+        damping**2 + 1e-13 * np.max(diagonal, axis=1, initial=0.0) + 1e-30
+    )[:, None]
     try:
         steps = np.linalg.solve(normal, -(transposed @ values[:, :, None]))
     except np.linalg.LinAlgError:

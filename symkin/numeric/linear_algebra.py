@@ -1,7 +1,9 @@
-"""Dense linear algebra of many small matrices at once: least-squares steps, singular values, conditions, null spaces.
+"""Dense linear algebra of many small matrices at once: least-squares steps, singular values,
+conditions, null spaces.
 
-Stacks have the matrices along the first axes. What is regular is solved by elimination or QR; the singular value decomposition,
-which costs ten times as much, is kept for matrices that are nearly singular.
+Stacks have the matrices along the first axes. What is regular is solved by elimination or QR; the
+singular value decomposition, which costs ten times as much, is kept for matrices that are nearly
+singular.
 """
 
 from __future__ import annotations
@@ -12,7 +14,9 @@ from symkin.numeric.tolerances import GRAM_CONDITION, NO_MOTION, ROUNDED_STEP, W
 
 
 def singular_values(matrices: np.ndarray) -> np.ndarray:
-    """Singular values (..., min(rows, columns)) in falling order; zero where a matrix is not finite."""
+    """Singular values (..., min(rows, columns)) in falling order; zero where a matrix is not
+    finite.
+    """
     finite = np.isfinite(matrices).all(axis=(-2, -1))
     if not finite.all():
         matrices = np.where(finite[..., None, None], matrices, 0.0)
@@ -20,8 +24,10 @@ def singular_values(matrices: np.ndarray) -> np.ndarray:
 
 
 def conditions(jacobians: np.ndarray) -> np.ndarray:
-    """Largest over smallest of the min(rows, columns) singular values of each matrix (n, rows, columns); infinite where the
-    smallest vanishes (see `NO_MOTION`) or entries are not finite, 1 where there are no rows and no columns."""
+    """Largest over smallest of the min(rows, columns) singular values of each matrix (n, rows,
+    columns); infinite where the smallest vanishes (see `NO_MOTION`) or entries are not finite, 1
+    where there are no rows and no columns.
+    """
     count, rows, columns = jacobians.shape
     if min(rows, columns) == 0:
         return np.full(count, 1.0 if rows * columns == 0 else np.inf)
@@ -36,7 +42,9 @@ def condition_of(extremes: np.ndarray) -> np.ndarray:
 
 
 def extreme_singular_values(matrices: np.ndarray) -> np.ndarray:
-    """The largest and the smallest (n, 2) of the min(rows, columns) singular values; zeros where a matrix is not finite."""
+    """The largest and the smallest (n, 2) of the min(rows, columns) singular values; zeros where a
+    matrix is not finite.
+    """
     if not len(matrices):
         return np.zeros((0, 2))
     found = np.sqrt(np.maximum(_squared_extremes(matrices), 0.0))
@@ -47,19 +55,26 @@ def extreme_singular_values(matrices: np.ndarray) -> np.ndarray:
 
 
 def _squared_extremes(matrices: np.ndarray) -> np.ndarray:
-    """Squares (n, 2) of the largest and smallest singular values, to 1e-16 of the largest: eigenvalues of the smaller of J^T J
-    and J J^T take half the time of the decomposition. Zero where a matrix is not finite."""
+    """Squares (n, 2) of the largest and smallest singular values, to 1e-16 of the largest:
+    eigenvalues of the smaller of J^T J and J J^T take half the time of the decomposition. Zero
+    where a matrix is not finite.
+    """
     transposed = matrices.transpose(0, 2, 1)
-    gram = transposed @ matrices if matrices.shape[1] >= matrices.shape[2] else matrices @ transposed
+    gram = (
+        transposed @ matrices if matrices.shape[1] >= matrices.shape[2] else matrices @ transposed
+    )
     finite = np.isfinite(gram).all(axis=(1, 2))
     if not finite.all():
         gram = np.where(finite[:, None, None], gram, 0.0)
     return np.linalg.eigvalsh(gram)[:, [-1, 0]]
 
 
-def least_squares_steps(jacobians: np.ndarray, values: np.ndarray, cut_below: float = ROUNDED_STEP) -> np.ndarray:
-    """The shortest d (n, columns) that make |J d + F| least, for J (n, rows, columns) and F (n, rows); singular values below a
-    share of the largest are cut."""
+def least_squares_steps(
+    jacobians: np.ndarray, values: np.ndarray, cut_below: float = ROUNDED_STEP
+) -> np.ndarray:
+    """The shortest d (n, columns) that make |J d + F| least, for J (n, rows, columns) and F (n,
+    rows); singular values below a share of the largest are cut.
+    """
     count, rows, columns = jacobians.shape
     if min(count, rows, columns) == 0:
         return np.zeros((count, columns))
@@ -72,7 +87,9 @@ def least_squares_steps(jacobians: np.ndarray, values: np.ndarray, cut_below: fl
 
 
 def _regular_steps(jacobians: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Steps by elimination, or by QR where rows are more than columns, and where these are as good as any."""
+    """Steps by elimination, or by QR where rows are more than columns, and where these are as good
+    as any.
+    """
     count, rows, columns = jacobians.shape
     none = np.zeros((count, columns)), np.zeros(count, dtype=bool)
     if rows < columns:
@@ -86,15 +103,22 @@ def _regular_steps(jacobians: np.ndarray, values: np.ndarray) -> tuple[np.ndarra
     except np.linalg.LinAlgError:
         return none
     # |J| |J^-1| in the Frobenius norm is at least the condition, at most `columns` times it
-    size = np.einsum("nij,nij->n", jacobians, jacobians) * np.einsum("nij,nij->n", inverses, inverses)
+    size = np.einsum("nij,nij->n", jacobians, jacobians) * np.einsum(
+        "nij,nij->n", inverses, inverses
+    )
     return -(inverses @ right)[:, :, 0], size < WELL_CONDITIONED**2
 
 
 def null_space(matrix: np.ndarray, tolerance: float, *, relative: bool = False) -> np.ndarray:
-    """Orthonormal rows n with matrix n = 0, singular values up to `tolerance` taken as zero: an absolute bound, or a share of the
-    largest one."""
+    """Orthonormal rows n with matrix n = 0, singular values up to `tolerance` taken as zero: an
+    absolute bound, or a share of the largest one.
+    """
     if not len(matrix):
         return np.eye(matrix.shape[1])
     _, singular, right = np.linalg.svd(matrix)
-    bound = tolerance * max(float(singular[0]), float(np.finfo(float).tiny)) if relative and singular.size else tolerance
+    bound = (
+        tolerance * max(float(singular[0]), float(np.finfo(float).tiny))
+        if relative and singular.size
+        else tolerance
+    )
     return np.asarray(right[int(np.sum(singular > bound)) :])

@@ -1,8 +1,9 @@
 """CasADi functions of vectors, evaluated at many points in few calls and without conversions.
 
-A call of a CasADi function from Python costs some 30 us, most of it for turning arrays into CasADi's matrices and back; a call
-on a buffer costs 1 us. Points are taken in blocks of 256, 128, ..., 1, each by the function mapped to so many points, so that no
-evaluation is wasted and one point costs one evaluation.
+A call of a CasADi function from Python costs some 30 us, most of it for turning arrays into
+CasADi's matrices and back; a call on a buffer costs 1 us. Points are taken in blocks of 256, 128,
+..., 1, each by the function mapped to so many points, so that no evaluation is wasted and one point
+costs one evaluation.
 """
 
 from __future__ import annotations
@@ -22,17 +23,25 @@ _LARGEST_BLOCK = 256
 
 @dataclass(frozen=True, eq=False)
 class Mapped:
-    """A CasADi function of vectors at many points: each argument and each result has the points along its first axis."""
+    """A CasADi function of vectors at many points: each argument and each result has the points
+    along its first axis.
+    """
 
     function: ca.Function
 
     @staticmethod
     def of(arguments: Sequence[ca.SX], results: Sequence[ca.SX]) -> Mapped:
-        """The function of symbols (columns) with some expressions as its results, common parts computed once."""
-        return Mapped(ca.Function("mapped", list(arguments), [ca.densify(r) for r in results], {"cse": True}))
+        """The function of symbols (columns) with some expressions as its results, common parts
+        computed once.
+        """
+        return Mapped(
+            ca.Function("mapped", list(arguments), [ca.densify(r) for r in results], {"cse": True})
+        )
 
     def __call__(self, *arguments: np.ndarray) -> list[np.ndarray]:
-        """Results (n, rows, columns) at arguments (n, length); an argument (length,) is that of all points."""
+        """Results (n, rows, columns) at arguments (n, length); an argument (length,) is that of all
+        points.
+        """
         count = max((len(a) for a in arguments if a.ndim == 2), default=1)
         results = [np.empty((count, columns, rows)) for rows, columns in self._shapes]
         begin = 0
@@ -55,13 +64,17 @@ class Mapped:
 
 
 class _Block:
-    """A function at a fixed number of points; as many threads as ask may use it at once, each with buffers of its own."""
+    """A function at a fixed number of points; as many threads as ask may use it at once, each with
+    buffers of its own.
+    """
 
     def __init__(self, function: ca.Function, size: int) -> None:
         self.function, self.size = function, size
         self._pool: Pool[_Buffers] = Pool(self._make)
 
-    def evaluate(self, arguments: Sequence[np.ndarray], results: Sequence[np.ndarray], begin: int) -> None:
+    def evaluate(
+        self, arguments: Sequence[np.ndarray], results: Sequence[np.ndarray], begin: int
+    ) -> None:
         """Fill results[i][begin : begin + size]."""
         end = begin + self.size
         with self._pool.borrowed() as buffers:

@@ -11,11 +11,15 @@ from symkin.numeric.linear_algebra import least_squares_steps
 from symkin.numeric.tolerances import CLOSURE_ROUNDING, FREE_DIRECTION, ROUNDED_STEP
 
 _ROUNDING = 2.0**-50
-"""Norm of the rows, over the size, that is rounding: 4 units in the last place of a length as long as the size."""
+"""Norm of the rows, over the size, that is rounding: 4 units in the last place of a length as long
+as the size.
+"""
 
 
 class Rows(Protocol):
-    """Rows F(z; k) over points that tangent steps move; `size` is the length by which rows are judged."""
+    """Rows F(z; k) over points that tangent steps move; `size` is the length by which rows are
+    judged.
+    """
 
     @property
     def characteristic_length(self) -> float: ...
@@ -41,9 +45,11 @@ class Polished:
 
 
 def polish(system: Rows, z: np.ndarray, known: np.ndarray, steps: int = 8) -> Polished:
-    """Move points z (n, width) at known values (n, known) or (known,) by z <- z - J^+ F(z), each point until its rows are
-    rounding or a step no longer shrinks them, at most `steps` times. Points where F or J is not finite stay. Where the rows stay
-    larger than those of roots, directions that a set of roots leaves free have misled the step, and it is taken without them."""
+    """Move points z (n, width) at known values (n, known) or (known,) by z <- z - J^+ F(z), each
+    point until its rows are rounding or a step no longer shrinks them, at most `steps` times.
+    Points where F or J is not finite stay. Where the rows stay larger than those of roots,
+    directions that a set of roots leaves free have misled the step, and it is taken without them.
+    """
     found = Polished(z.copy(), *system.linearise(z, known))
     size, every = system.characteristic_length, np.arange(len(z))
     stuck = _descend(system, found, known, steps, every, (_ROUNDING * size, ROUNDED_STEP))
@@ -52,10 +58,17 @@ def polish(system: Rows, z: np.ndarray, known: np.ndarray, steps: int = 8) -> Po
 
 
 def _descend(
-    system: Rows, found: Polished, known: np.ndarray, steps: int, chosen: np.ndarray, bounds: tuple[float, float]
+    system: Rows,
+    found: Polished,
+    known: np.ndarray,
+    steps: int,
+    chosen: np.ndarray,
+    bounds: tuple[float, float],
 ) -> np.ndarray:
-    """Take steps from those of the `chosen` points whose rows are larger than the first bound, by singular values above the
-    second, a share of the largest. The points whose last step did not shrink the rows are returned."""
+    """Take steps from those of the `chosen` points whose rows are larger than the first bound, by
+    singular values above the second, a share of the largest. The points whose last step did not
+    shrink the rows are returned.
+    """
     floor, cut = bounds
     z, rows, jacobians = found.points, found.rows, found.jacobians
     sizes = np.sqrt(np.einsum("ni,ni->n", rows, rows))
@@ -65,11 +78,18 @@ def _descend(
         if not going.size:
             break
         trial = system.move(z[going], least_squares_steps(jacobians[going], rows[going], cut))
-        trial_rows, trial_jacobians = system.linearise(trial, known[going] if known.ndim == 2 else known)
+        trial_rows, trial_jacobians = system.linearise(
+            trial, known[going] if known.ndim == 2 else known
+        )
         trial_sizes = np.sqrt(np.einsum("ni,ni->n", trial_rows, trial_rows))
         better = (trial_sizes < sizes[going]) & np.isfinite(trial_jacobians).all(axis=(1, 2))
         stuck.append(going[~better])
         going, left = going[better], trial_sizes[better]
-        z[going], rows[going], jacobians[going], sizes[going] = trial[better], trial_rows[better], trial_jacobians[better], left
+        z[going], rows[going], jacobians[going], sizes[going] = (
+            trial[better],
+            trial_rows[better],
+            trial_jacobians[better],
+            left,
+        )
         going = going[left > floor]
     return np.concatenate(stuck)

@@ -1,9 +1,10 @@
 """Judge polished points: which of them are roots, which two are one, and which stand for two.
 
-In the direction v in which the Jacobian is weakest the rows are c + s t + k t^2 / 2, with its smallest singular value s and a
-curvature k of about one over the size. Two roots are 2 s / k apart, and between them the rows are s^2 / (2 k). Where there is no
-root, s^2 <= 2 k |rows| wherever one looks, however small the rows are: so rows and s are judged together. What is within
-`rounding` is zero, and two roots between which the rows are rounding are one, a double one.
+In the direction v in which the Jacobian is weakest the rows are c + s t + k t^2 / 2, with its
+smallest singular value s and a curvature k of about one over the size. Two roots are 2 s / k apart,
+and between them the rows are s^2 / (2 k). Where there is no root, s^2 <= 2 k |rows| wherever one
+looks, however small the rows are: so rows and s are judged together. What is within `rounding` is
+zero, and two roots between which the rows are rounding are one, a double one.
 """
 
 from __future__ import annotations
@@ -13,19 +14,34 @@ import numpy as np
 from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.newton import Polished
 from symkin.numeric.system import System
-from symkin.numeric.tolerances import CLOSURE_ROUNDING, CLOSURE_TOLERANCE, SINGULAR_VALUE, SUSPECT_CONDITION
+from symkin.numeric.tolerances import (
+    CLOSURE_ROUNDING,
+    CLOSURE_TOLERANCE,
+    SINGULAR_VALUE,
+    SUSPECT_CONDITION,
+)
 from symkin.spatial.rotation import wrapped
 
 POLISHING = 60
-"""Newton steps for roots that are judged: near a double root each step halves the distance to it."""
+"""Newton steps for roots that are judged: near a double root each step halves the distance to
+it.
+"""
 _CURVATURE = 8.0
-"""Curvature, over the size, that rows hardly exceed: angles are lengths there, and no lever is longer than the size."""
+"""Curvature, over the size, that rows hardly exceed: angles are lengths there, and no lever is
+longer than the size.
+"""
 _DIRECTION_KNOWN = 1e-7
-"""Smallest over largest singular value from which rounding of a Jacobian leaves its weakest direction known."""
+"""Smallest over largest singular value from which rounding of a Jacobian leaves its weakest
+direction known.
+"""
 _SLOPES = 1e3
-"""Redundant rows that contradict each other by some share of the size may have slopes that differ by this many times it."""
+"""Redundant rows that contradict each other by some share of the size may have slopes that differ
+by this many times it.
+"""
 NEARLY_SINGULAR = 1e-4
-"""Smallest singular value below which another root may be nearer than 1e-4 of the size, or within rounding."""
+"""Smallest singular value below which another root may be nearer than 1e-4 of the size, or within
+rounding.
+"""
 _ASIDE = 1e-4
 """Of the size: steps by which a curvature is measured."""
 _LEAST_CURVATURE = 1e-3
@@ -33,9 +49,13 @@ _LEAST_CURVATURE = 1e-3
 
 
 def rounding(system: System, points: np.ndarray) -> np.ndarray:
-    """What the norm of the rows may be at roots (n,), by the size of the numbers that cancel in them, in the length unit."""
+    """What the norm of the rows may be at roots (n,), by the size of the numbers that cancel in
+    them, in the length unit.
+    """
     size = system.characteristic_length
-    places = [place for c, place in zip(system.unknowns, system.slices, strict=True) if c.kind == "length"]
+    places = [
+        place for c, place in zip(system.unknowns, system.slices, strict=True) if c.kind == "length"
+    ]
     long = [np.abs(points[:, place]).max(axis=1) for place in places]
     scale = np.max(np.array([np.full(len(points), max(size, system.farthest)), *long]), axis=0)
     return np.asarray(np.minimum(CLOSURE_ROUNDING * scale, CLOSURE_TOLERANCE * size))
@@ -44,15 +64,18 @@ def rounding(system: System, points: np.ndarray) -> np.ndarray:
 def are_roots(system: System, polished: Polished, residuals: np.ndarray) -> np.ndarray:
     """Which polished points (n,) with these closure errors `residuals` (n,) are roots.
 
-    Their rows are rounding; or they are no more than `CLOSURE_TOLERANCE`, and all that is left of them is that redundant rows
-    contradict each other by the digits of what is written, at a point that is regular for such an error.
+    Their rows are rounding; or they are no more than `CLOSURE_TOLERANCE`, and all that is left of
+    them is that redundant rows contradict each other by the digits of what is written, at a point
+    that is regular for such an error.
     """
     size = system.characteristic_length
     found = residuals <= CLOSURE_TOLERANCE * size
     left = np.linalg.norm(polished.rows, axis=1)
     doubtful = np.flatnonzero(found & ~(left <= rounding(system, polished.points)))
     if doubtful.size:
-        found[doubtful] = _only_redundant_rows(polished.rows[doubtful], polished.jacobians[doubtful], size)
+        found[doubtful] = _only_redundant_rows(
+            polished.rows[doubtful], polished.jacobians[doubtful], size
+        )
     return np.asarray(found)
 
 
@@ -65,7 +88,9 @@ def is_root(system: System, point: np.ndarray, known: np.ndarray) -> bool:
 
 
 def _only_redundant_rows(rows: np.ndarray, jacobians: np.ndarray, size: float) -> np.ndarray:
-    """Points (n,) at which no motion of the unknowns could lessen the rows, and none is nearly lost."""
+    """Points (n,) at which no motion of the unknowns could lessen the rows, and none is nearly
+    lost.
+    """
     if min(jacobians.shape[1:]) == 0:
         return np.ones(len(rows), dtype=bool)
     left, singular, _ = np.linalg.svd(jacobians, full_matrices=False)
@@ -76,15 +101,23 @@ def _only_redundant_rows(rows: np.ndarray, jacobians: np.ndarray, size: float) -
 
 
 def are_suspect(extremes: np.ndarray) -> np.ndarray:
-    """Which roots (n,) may be several in one, or of a continuum, by the largest and smallest singular values (n, 2) there: by their
-    ratio, and by the smallest alone, since a block of one unknown has no other."""
-    return np.asarray(~(condition_of(extremes) < SUSPECT_CONDITION) | (extremes[:, 1] < SINGULAR_VALUE))
+    """Which roots (n,) may be several in one, or of a continuum, by the largest and smallest
+    singular values (n, 2) there: by their ratio, and by the smallest alone, since a block of one
+    unknown has no other.
+    """
+    return np.asarray(
+        ~(condition_of(extremes) < SUSPECT_CONDITION) | (extremes[:, 1] < SINGULAR_VALUE)
+    )
 
 
 def are_one(system: System, point: np.ndarray, others: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Which roots `others` (n, width) near the root `point` (width,) are the same to rounding: the rows halfway are no more."""
+    """Which roots `others` (n, width) near the root `point` (width,) are the same to rounding: the
+    rows halfway are no more.
+    """
     middle = _halfway(system, point, others)
-    here = np.linalg.norm(system.linearise(np.concatenate([point[None], others, middle]), known)[0], axis=1)
+    here = np.linalg.norm(
+        system.linearise(np.concatenate([point[None], others, middle]), known)[0], axis=1
+    )
     n = len(others)
     misfit = np.maximum(here[0], here[1 : n + 1])
     return np.asarray(here[n + 1 :] <= np.maximum(rounding(system, middle), 2.0 * misfit))
@@ -98,13 +131,17 @@ def _halfway(system: System, point: np.ndarray, others: np.ndarray) -> np.ndarra
             apart[:, place] = wrapped(apart[:, place])
         elif c.kind == "quaternion":
             opposite = others[:, place] @ point[place] < 0.0
-            apart[:, place] = np.where(opposite[:, None], -others[:, place], others[:, place]) - point[place]
+            apart[:, place] = (
+                np.where(opposite[:, None], -others[:, place], others[:, place]) - point[place]
+            )
     middle = point + 0.5 * apart
     return system.move(middle, np.zeros((len(middle), system.freedom)))
 
 
 def are_double(system: System, points: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Which roots (n,) at known values (n, known) stand for two or more that meet within rounding: s^2 / (2 k) is no more."""
+    """Which roots (n,) at known values (n, known) stand for two or more that meet within rounding:
+    s^2 / (2 k) is no more.
+    """
     if not len(points) or not system.freedom:
         return np.zeros(len(points), dtype=bool)
     size = system.characteristic_length
@@ -112,15 +149,19 @@ def are_double(system: System, points: np.ndarray, known: np.ndarray) -> np.ndar
     if singular.shape[1] < system.freedom:
         return np.zeros(len(points), dtype=bool)
     weakest, step = left[:, :, system.freedom - 1], right[:, -1]
-    slopes = [system.linearise(system.move(points, sign * _ASIDE * size * step), known)[1] for sign in (1.0, -1.0)]
+    slopes = [
+        system.linearise(system.move(points, sign * _ASIDE * size * step), known)[1]
+        for sign in (1.0, -1.0)
+    ]
     bent = np.einsum("ni,nij,nj->n", weakest, slopes[0] - slopes[1], step) / (2.0 * _ASIDE)
     depth = singular[:, -1] ** 2 * size / (2.0 * np.maximum(np.abs(bent), _LEAST_CURVATURE))
     return np.asarray(depth <= rounding(system, points))
 
 
 def lost_directions(jacobian: np.ndarray, share: float) -> np.ndarray:
-    """Unit tangent steps (n, freedom), both ways, in which a Jacobian loses its rank: singular values below a share of the
-    largest, at least the smallest; with several, mixtures of them too."""
+    """Unit tangent steps (n, freedom), both ways, in which a Jacobian loses its rank: singular
+    values below a share of the largest, at least the smallest; with several, mixtures of them too.
+    """
     _, singular, right = np.linalg.svd(jacobian)
     lost = right[int(np.sum(singular > share * max(singular[0], 1e-300))) :]
     if len(lost) == 0:

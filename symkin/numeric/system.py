@@ -1,7 +1,8 @@
 """A square or rectangular system of closure rows in unknown coordinates, with batched evaluation.
 
-Steps are taken in the tangent space: d = (lengths; size * angles; size * rotation vector in the base frame for each
-quaternion), all in the length unit, so that columns are comparable and unit quaternions stay unit.
+Steps are taken in the tangent space: d = (lengths; size * angles; size * rotation vector in the
+base frame for each quaternion), all in the length unit, so that columns are comparable and unit
+quaternions stay unit.
 """
 
 from __future__ import annotations
@@ -25,8 +26,9 @@ from symkin.spatial.rotation import multiply, wrapped
 class System:
     """Rows F(z; k) of the unknown coordinates z given known values k, geometry bound.
 
-    `errors` are the full checks of the same constraints in the length unit; `farthest` is the largest coordinate of the points
-    that rows are written with, where that is more than the size: what is far from the origin rounds more.
+    `errors` are the full checks of the same constraints in the length unit; `farthest` is the
+    largest coordinate of the points that rows are written with, where that is more than the size:
+    what is far from the origin rounds more.
     """
 
     unknowns: tuple[Coordinate, ...]
@@ -54,7 +56,9 @@ class System:
 
     @cached_property
     def tangent(self) -> ca.SX:
-        """dz/dd, width x freedom: columns 1, 1/size, and half the quaternion product with a unit vector / size."""
+        """dz/dd, width x freedom: columns 1, 1/size, and half the quaternion product with a unit
+        vector / size.
+        """
         basis = ca.SX(self.width, self.freedom)
         column = 0
         for coordinate, place in zip(self.unknowns, self.slices, strict=True):
@@ -65,7 +69,9 @@ class System:
                     direction[k + 1] = 0.5 / self.characteristic_length
                     basis[place, column + k] = multiply(direction, q)
             else:
-                basis[place.start, column] = 1 / self.characteristic_length if coordinate.is_angular else 1.0
+                basis[place.start, column] = (
+                    1 / self.characteristic_length if coordinate.is_angular else 1.0
+                )
             column += coordinate.freedom
         return basis
 
@@ -82,7 +88,7 @@ class System:
     def _checked(self) -> Mapped:
         return Mapped.of([self.unknown, self.known], [self.errors])
 
-    # --- evaluation: n points z (n, width), known values of each (n, known) or of all (known,) ---------------------
+    # --- evaluation: n points z (n, width), known values of each (n, known) or of all (known,) ----
 
     def linearise(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """F (n, rows) and dF/dd (n, rows, freedom)."""
@@ -90,19 +96,23 @@ class System:
         return values[:, :, 0], jacobians
 
     def residuals(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Largest closure error (n,) in the length unit, over all constraints and whole rotations."""
+        """Largest closure error (n,) in the length unit, over all constraints and whole
+        rotations.
+        """
         errors = self._checked(z, known)[0]
         return np.asarray(np.max(np.abs(errors), axis=(1, 2), initial=0.0))
 
     def conditions(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Largest over smallest (n,) of the min(rows, freedom) singular values of dF/dd; infinite at a singularity."""
+        """Largest over smallest (n,) of the min(rows, freedom) singular values of dF/dd; infinite
+        at a singularity.
+        """
         return conditions(self.linearise(z, known)[1])
 
     def polish_many(self, z: np.ndarray, known: np.ndarray, steps: int = 8) -> Polished:
         """Gauss-Newton on all rows from each point, until its step no longer shrinks the rows."""
         return polish(self, z, known, steps)
 
-    # --- the same at one point z (width,) with known values (known,) ------------------------------------------------
+    # --- the same at one point z (width,) with known values (known,) ------------------------------
 
     def linearise_one(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """F (rows,) and dF/dd (rows, freedom)."""
@@ -121,11 +131,12 @@ class System:
         """Gauss-Newton on all rows until the step no longer shrinks them."""
         return np.asarray(polish(self, z[None], known, steps).points[0])
 
-    # --- points of the configuration space ---------------------------------------------------------------------------
+    # --- points of the configuration space --------------------------------------------------------
 
     def move(self, z: np.ndarray, step: np.ndarray) -> np.ndarray:
-        """Retraction: add tangent steps (n, freedom) to points (n, width); quaternions are turned and normalised. In few
-        array operations, since it is called for one point at a time too."""
+        """Retraction: add tangent steps (n, freedom) to points (n, width); quaternions are turned
+        and normalised. In few array operations, since it is called for one point at a time too.
+        """
         plain, columns, units, turns = self._retraction
         moved = z.copy()
         moved[:, plain] += step[:, columns] / units
@@ -133,7 +144,12 @@ class System:
             w, x, y, t = z[:, place].T
             a, b, c = (0.5 / self.characteristic_length) * step[:, column : column + 3].T
             q = np.array(
-                [w - a * x - b * y - c * t, x + a * w + b * t - c * y, y - a * t + b * w + c * x, t + a * y - b * x + c * w]
+                [
+                    w - a * x - b * y - c * t,
+                    x + a * w + b * t - c * y,
+                    y - a * t + b * w + c * x,
+                    t + a * y - b * x + c * w,
+                ]
             )
             moved[:, place] = (q / np.sqrt(np.sum(q * q, axis=0))).T
         return moved
@@ -154,8 +170,9 @@ class System:
 
     @cached_property
     def _retraction(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[tuple[slice, int]]]:
-        """Entries and tangent columns of single numbers, and tangent lengths that make one; (entries, first column) of
-        quaternions."""
+        """Entries and tangent columns of single numbers, and tangent lengths that make one;
+        (entries, first column) of quaternions.
+        """
         plain, columns, units, turns, column = [], [], [], [], 0
         for c, place in zip(self.unknowns, self.slices, strict=True):
             if c.kind == "quaternion":
@@ -180,7 +197,9 @@ class System:
         return folded
 
     def wrap(self, points: np.ndarray) -> np.ndarray:
-        """The same configurations with angles within half a turn of zero: after 1e7 turns a sine has nine digits left."""
+        """The same configurations with angles within half a turn of zero: after 1e7 turns a sine
+        has nine digits left.
+        """
         turned = points.copy()
         for coordinate, place in zip(self.unknowns, self.slices, strict=True):
             if coordinate.kind == "angle":
@@ -189,9 +208,10 @@ class System:
 
 
 def split_blocks(system: System, together: Sequence[set[int]] = ()) -> tuple[System, ...]:
-    """Independent parts: the connected components of the graph of rows and unknown coordinates, with places of unknowns
-    that stay `together`. A limb whose platform pose is given is one part; its branches are found alone and combined
-    afterwards."""
+    """Independent parts: the connected components of the graph of rows and unknown coordinates,
+    with places of unknowns that stay `together`. A limb whose platform pose is given is one part;
+    its branches are found alone and combined afterwards.
+    """
     errors_of = incidence_of(system.errors, system)
     rows_of = incidence_of(system.rows, system)
     groups = components([*rows_of, *together], len(system.unknowns))
@@ -202,7 +222,13 @@ def split_blocks(system: System, together: Sequence[set[int]] = ()) -> tuple[Sys
         rows = [i for i, used in enumerate(rows_of) if used & group]
         errors = [i for i, used in enumerate(errors_of) if used & group]
         blocks.append(
-            replace(system, unknowns=unknowns, unknown=unknown, rows=system.rows[rows, 0], errors=system.errors[errors, 0])
+            replace(
+                system,
+                unknowns=unknowns,
+                unknown=unknown,
+                rows=system.rows[rows, 0],
+                errors=system.errors[errors, 0],
+            )
         )
     return tuple(blocks)
 
@@ -211,13 +237,22 @@ def constant_rows(system: System) -> System:
     """The rows that no unknown enters: conditions on the given values alone."""
     rows = [i for i, used in enumerate(incidence_of(system.rows, system)) if not used]
     errors = [i for i, used in enumerate(incidence_of(system.errors, system)) if not used]
-    return replace(system, unknowns=(), unknown=ca.SX(0, 1), rows=system.rows[rows, 0], errors=system.errors[errors, 0])
+    return replace(
+        system,
+        unknowns=(),
+        unknown=ca.SX(0, 1),
+        rows=system.rows[rows, 0],
+        errors=system.errors[errors, 0],
+    )
 
 
 def incidence_of(rows: ca.SX, system: System) -> list[set[int]]:
     """For each row, the unknown coordinates that it contains."""
     pattern = np.asarray(ca.DM(ca.jacobian_sparsity(rows, system.unknown), 1)) != 0
-    return [{k for k, place in enumerate(system.slices) if pattern[i, place].any()} for i in range(int(rows.shape[0]))]
+    return [
+        {k for k, place in enumerate(system.slices) if pattern[i, place].any()}
+        for i in range(int(rows.shape[0]))
+    ]
 
 
 def components(incidence: Sequence[set[int]], count: int) -> list[set[int]]:

@@ -17,7 +17,9 @@ _MOST = 24
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A link's shape: distinct points (n, 3), edges as pairs of their indices, and faces as rings of indices."""
+    """A link's shape: distinct points (n, 3), edges as pairs of their indices, and faces as rings
+    of indices.
+    """
 
     points: np.ndarray
     edges: list[tuple[int, int]]
@@ -25,11 +27,15 @@ class Body:
 
 
 def body_of(points: np.ndarray, size: float) -> Body:
-    """A line through two points, a plate through more in a plane, else their hull; a point inside is joined to the nearest corner."""
+    """A line through two points, a plate through more in a plane, else their hull; a point inside
+    is joined to the nearest corner.
+    """
     kept = distinct(points, _FLAT * size)
     if len(kept) < 2:
         return Body(kept, [], [])
-    rings = [_ring(kept, list(range(len(kept))))] if _rank(kept, size) < 3 else _hull_faces(kept, size)
+    rings = (
+        [_ring(kept, list(range(len(kept))))] if _rank(kept, size) < 3 else _hull_faces(kept, size)
+    )
     faces = [ring for ring in rings if len(ring) >= 3]
     edges = {_ordered(a, b) for ring in faces for a, b in pairwise([*ring, ring[0]])}
     # points on a line make no ring: they are joined in their order
@@ -63,11 +69,16 @@ def _along(points: np.ndarray) -> list[int]:
 def _ring(points: np.ndarray, indices: list[int]) -> list[int]:
     """Indices of the corners of points in a plane, in order around them."""
     corners = outline(points[indices])
-    return [indices[int(np.argmin(np.linalg.norm(points[indices] - corner, axis=1)))] for corner in corners]
+    return [
+        indices[int(np.argmin(np.linalg.norm(points[indices] - corner, axis=1)))]
+        for corner in corners
+    ]
 
 
 def _hull_faces(points: np.ndarray, size: float) -> list[list[int]]:
-    """Faces of the convex hull: the planes through three points that have all others on one side."""
+    """Faces of the convex hull: the planes through three points that have all others on one
+    side.
+    """
     if len(points) > _MOST:
         return []
     found: dict[tuple[int, ...], list[int]] = {}

@@ -1,4 +1,5 @@
-"""Read a COLLADA file by pycollada, in a child process (`formats/child.py`): the triangles of its scene as text of floats.
+"""Read a COLLADA file by pycollada, in a child process (`formats/child.py`): the triangles of its
+scene as text of floats.
 
 This file imports nothing of symkin, so that the child starts quickly.
 """
@@ -11,14 +12,21 @@ import numpy as np
 
 
 def work(task: dict[str, Any]) -> dict[str, Any]:
-    """Corners of the triangles of the file `task["path"]`, and its unit in metres; none where pycollada cannot read it."""
+    """Corners of the triangles of the file `task["path"]`, and its unit in metres; none where
+    pycollada cannot read it.
+    """
     try:
         corners, unit = _read(task["path"])
     except MemoryError:
         raise
-    except Exception:  # pycollada does not list what foreign files raise; the picture goes without this one, and a note tells it
+    # pycollada does not list what foreign files raise; the picture goes without this one, and a
+    # note tells it
+    except Exception:
         corners, unit = np.zeros((0, 3, 3)), 1.0
-    return {"corners": base64.b64encode(corners.astype("<f4").tobytes()).decode("ascii"), "unit": unit}
+    return {
+        "corners": base64.b64encode(corners.astype("<f4").tobytes()).decode("ascii"),
+        "unit": unit,
+    }
 
 
 def _read(path: str) -> tuple[np.ndarray, float]:

@@ -1,4 +1,6 @@
-"""All complex solutions at the page's first values, where the problem is that of one body on rods, as symkin's own paths find them."""
+"""All complex solutions at the page's first values, where the problem is that of one body on rods,
+as symkin's own paths find them.
+"""
 
 from __future__ import annotations
 
@@ -18,10 +20,11 @@ _POSE = 7
 
 
 def complex_solutions(problem: Problem, solution: Solution) -> np.ndarray:
-    """Variables (n, width) of the closure at all complex solutions whose known values are those of `solution`; none where the
-    unknowns are not one pose alone.
+    """Variables (n, width) of the closure at all complex solutions whose known values are those of
+    `solution`; none where the unknowns are not one pose alone.
 
-    From Study coordinates (e, g) the quaternion is e / sqrt(e . e), with the complex root, and the position 2 g e* / (e . e).
+    From Study coordinates (e, g) the quaternion is e / sqrt(e . e), with the complex root, and the
+    position 2 g e* / (e . e).
     """
     rays = _rays(problem, solution)
     names = {c.name for block in problem.blocks for c in block.unknowns}
@@ -45,11 +48,19 @@ def _rays(problem: Problem, solution: Solution) -> np.ndarray | None:
         return None
     (block,) = problem.blocks
     system = system_of(problem, block)
-    if system is None or len(system.projective) != _POSE + 1 or system.unknowns or system.eliminated:
+    if (
+        system is None
+        or len(system.projective) != _POSE + 1
+        or system.unknowns
+        or system.eliminated
+    ):
         return None
     start, _ = start_of(problem, system, block)
     if start is None:
         return None
-    known = [np.ravel(solution.variables[problem.closure.slices[c.name]]) for c in problem.known_coordinates]
+    known = [
+        np.ravel(solution.variables[problem.closure.slices[c.name]])
+        for c in problem.known_coordinates
+    ]
     ends = instance(system, start, known_values(problem, np.concatenate(known)))
     return np.asarray(ends.isolated[list(system.projective)])

@@ -1,4 +1,6 @@
-"""Triangles of mesh files, for pictures: STL (binary and text), OBJ, and COLLADA by pycollada (`symkin[meshes]`)."""
+"""Triangles of mesh files, for pictures: STL (binary and text), OBJ, and COLLADA by pycollada
+(`symkin[meshes]`).
+"""
 
 from __future__ import annotations
 
@@ -23,9 +25,13 @@ _FARTHEST = 1e18
 """Largest coordinate of a corner: the page has floats, whose largest is 3e38."""
 _COLLADA = ".dae"
 _WORKER = Path(__file__).with_name("collada_worker.py")
-_NOTHING = "no triangles could be read there: empty, cut short, or not of the kind that the suffix tells"
+_NOTHING = (
+    "no triangles could be read there: empty, cut short, or not of the kind that the suffix tells"
+)
 _STEPS = 65535
-"""Steps of a mesh's box along an axis: its places are numbers of two bytes, 15 um apart on a metre."""
+"""Steps of a mesh's box along an axis: its places are numbers of two bytes, 15 um apart on a
+metre.
+"""
 
 
 class UnreadMeshError(Exception):
@@ -33,27 +39,44 @@ class UnreadMeshError(Exception):
 
 
 def mesh_item(mesh: LinkMesh, link: int) -> dict[str, object]:
-    """A mesh as an item of a scene, its triangles in the base frame at the reference. Raises UnreadMeshError where the file is not
-    there, cannot be read or has no bounds."""
+    """A mesh as an item of a scene, its triangles in the base frame at the reference. Raises
+    UnreadMeshError where the file is not there, cannot be read or has no bounds.
+    """
     triangles = read_triangles(Path(mesh.file))
     with np.errstate(over="ignore", invalid="ignore"):
-        placed = np.asarray(mesh.pose.rotation) @ (triangles * np.array(mesh.scale)).reshape(-1, 3).T
+        placed = (
+            np.asarray(mesh.pose.rotation) @ (triangles * np.array(mesh.scale)).reshape(-1, 3).T
+        )
     if not (np.abs(placed) < _FARTHEST).all():
         raise UnreadMeshError(_NOTHING)
-    return {"kind": "mesh", "link": link, "name": mesh.link, **_packed(placed.T + np.array(mesh.position))}
+    return {
+        "kind": "mesh",
+        "link": link,
+        "name": mesh.link,
+        **_packed(placed.T + np.array(mesh.position)),
+    }
 
 
 def _packed(corners: np.ndarray) -> dict[str, object]:
-    """Corners (3 n, 3) of triangles in few bytes: each place once, in steps of the box that holds them all, and triangles as its numbers."""
+    """Corners (3 n, 3) of triangles in few bytes: each place once, in steps of the box that holds
+    them all, and triangles as its numbers.
+    """
     low = corners.min(axis=0)
     span = np.maximum(corners.max(axis=0) - low, np.finfo(float).tiny)
     steps = np.round((corners - low) / span * _STEPS).astype(np.uint64)
-    keys, numbers = np.unique(steps[:, 0] << 32 | steps[:, 1] << 16 | steps[:, 2], return_inverse=True)
+    keys, numbers = np.unique(
+        steps[:, 0] << 32 | steps[:, 1] << 16 | steps[:, 2], return_inverse=True
+    )
     places = np.column_stack([keys >> 32, keys >> 16 & _STEPS, keys & _STEPS]).astype("<u2")
     faces = numbers.reshape(-1, 3)
     flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
     triangles = faces[~flat].astype("<u2" if len(places) <= _STEPS else "<u4")
-    return {"low": low.tolist(), "span": span.tolist(), "places": _text(places), "triangles": _text(triangles)}
+    return {
+        "low": low.tolist(),
+        "span": span.tolist(),
+        "places": _text(places),
+        "triangles": _text(triangles),
+    }
 
 
 def _text(numbers: np.ndarray) -> str:
@@ -61,12 +84,16 @@ def _text(numbers: np.ndarray) -> str:
 
 
 def read_triangles(path: Path) -> np.ndarray:
-    """Corners (n, 3, 3) of a mesh file's triangles in its own numbers. Raises UnreadMeshError where it cannot be read as one."""
+    """Corners (n, 3, 3) of a mesh file's triangles in its own numbers. Raises UnreadMeshError where
+    it cannot be read as one.
+    """
     reader = _READERS.get(path.suffix.lower())
     if not path.is_file():
         raise UnreadMeshError("there is no such file, also in folders named by --packages")
     if path.suffix.lower() == _COLLADA and importlib.util.find_spec("collada") is None:
-        raise UnreadMeshError("COLLADA takes the package pycollada: pip install 'symkin[meshes]' installs it")
+        raise UnreadMeshError(
+            "COLLADA takes the package pycollada: pip install 'symkin[meshes]' installs it"
+        )
     if reader is None:
         raise UnreadMeshError(f"read are {', '.join(_READERS)}")
     if path.stat().st_size > _LARGEST:
@@ -96,8 +123,15 @@ def _rows(numbers: list[tuple[bytes, ...]]) -> np.ndarray:
 def _obj(path: Path) -> np.ndarray:
     lines = path.read_bytes().decode("utf-8", "replace").splitlines()
     try:
-        points = np.array([[float(v) for v in line.split()[1:4]] for line in lines if line.startswith("v ")])
-        triangles = [corners for line in lines if line.startswith("f ") for corners in _fan(line, len(points))]
+        points = np.array(
+            [[float(v) for v in line.split()[1:4]] for line in lines if line.startswith("v ")]
+        )
+        triangles = [
+            corners
+            for line in lines
+            if line.startswith("f ")
+            for corners in _fan(line, len(points))
+        ]
         return points[np.array(triangles, dtype=int)] if triangles else np.zeros((0, 3, 3))
     except (ValueError, IndexError):
         return np.zeros((0, 3, 3))
@@ -116,7 +150,9 @@ def _collada(path: Path) -> np.ndarray:
         told = answer_of(_WORKER, {"path": str(path)})
     except ChildError as error:
         raise UnreadMeshError(f"pycollada {error}") from None
-    return np.frombuffer(base64.b64decode(told["corners"]), "<f4").reshape(-1, 3, 3).astype(float) * float(told["unit"])
+    return np.frombuffer(base64.b64decode(told["corners"]), "<f4").reshape(-1, 3, 3).astype(
+        float
+    ) * float(told["unit"])
 
 
 _READERS: dict[str, Callable[[Path], np.ndarray]] = {".stl": _stl, ".obj": _obj, _COLLADA: _collada}

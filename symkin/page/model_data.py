@@ -1,4 +1,6 @@
-"""What the page solves: the closure as JavaScript functions, and the coordinates, limits and start as numbers for JSON."""
+"""What the page solves: the closure as JavaScript functions, and the coordinates, limits and start
+as numbers for JSON.
+"""
 
 from __future__ import annotations
 
@@ -38,8 +40,10 @@ class PageModel:
 
 
 def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -> PageModel:
-    """The model of a mechanism whose coordinates `given` have sliders; without them its actuated joints, from the example or the
-    reference. Raises InputError where there is no configuration to begin with."""
+    """The model of a mechanism whose coordinates `given` have sliders; without them its actuated
+    joints, from the example or the reference. Raises InputError where there is no configuration to
+    begin with.
+    """
     found = _start(mechanism, given)
     problem, solution = found.problem, found.solution
     assert solution is not None  # noqa: S101 - _start has seen to it
@@ -49,14 +53,26 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
     start = _with_turns(mechanism, closure, solution.variables, known, given or {})
     model = {
         "names": [c.name for c in known],
-        "units": {c.name: _unit(mechanism, c) for c in (*known, *mechanism.coordinates) if c.kind != "quaternion"},
+        "units": {
+            c.name: _unit(mechanism, c)
+            for c in (*known, *mechanism.coordinates)
+            if c.kind != "quaternion"
+        },
         "values": {c.name: _out(mechanism, c, start[closure.slices[c.name].start]) for c in known},
-        "limits": {c.name: _limits(mechanism, c) for c in (*known, *mechanism.coordinates) if c.kind != "quaternion"},
+        "limits": {
+            c.name: _limits(mechanism, c)
+            for c in (*known, *mechanism.coordinates)
+            if c.kind != "quaternion"
+        },
         "lengthUnit": mechanism.length_unit,
         "angleUnit": mechanism.angle_unit,
         "size": closure.characteristic_length,
         "links": list(frames.frames),
-        "coordinates": [_coordinate(mechanism, closure, c, known) for c in closure.coordinates if c.role != "geometry"],
+        "coordinates": [
+            _coordinate(mechanism, closure, c, known)
+            for c in closure.coordinates
+            if c.role != "geometry"
+        ],
         "width": int(closure.variables.shape[0]),
         "start": start.tolist(),
         "hasPlatform": mechanism.platform_link is not None,
@@ -68,11 +84,13 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
     return PageModel(model | sizes, generated)
 
 
-# --- start -------------------------------------------------------------------------------------------------------------
+# --- start ----------------------------------------------------------------------------------------
 
 
 def _start(mechanism: Mechanism, given: Mapping[str, float] | None) -> SolveResult:
-    """A solution at the values with sliders: those given, else those of the actuated joints; one within limits where there is one."""
+    """A solution at the values with sliders: those given, else those of the actuated joints; one
+    within limits where there is one.
+    """
     found = solve(mechanism, given=given or None, check=False)
     if found.solution is None or not found.problem.known_coordinates:
         found = _first_mode(mechanism, given, found)
@@ -89,21 +107,35 @@ def _start(mechanism: Mechanism, given: Mapping[str, float] | None) -> SolveResu
 
 
 def _with_turns(
-    mechanism: Mechanism, closure: Closure, variables: np.ndarray, known: Sequence[Coordinate], given: Mapping[str, float]
+    mechanism: Mechanism,
+    closure: Closure,
+    variables: np.ndarray,
+    known: Sequence[Coordinate],
+    given: Mapping[str, float],
 ) -> np.ndarray:
-    """The variables with given angles as they are given, whole turns too: from there a path or a map goes on."""
+    """The variables with given angles as they are given, whole turns too: from there a path or a
+    map goes on.
+    """
     start = np.array(variables, dtype=float)
     for c in known:
         if c.kind == "angle" and c.name in given:
             place = closure.slices[c.name].start
-            start[place] += 2.0 * np.pi * np.round((mechanism.angle_in(given[c.name]) - start[place]) / (2.0 * np.pi))
+            start[place] += (
+                2.0
+                * np.pi
+                * np.round((mechanism.angle_in(given[c.name]) - start[place]) / (2.0 * np.pi))
+            )
     return start
 
 
-def _first_mode(mechanism: Mechanism, given: Mapping[str, float] | None, failed: SolveResult) -> SolveResult:
+def _first_mode(
+    mechanism: Mechanism, given: Mapping[str, float] | None, failed: SolveResult
+) -> SolveResult:
     every = modes(mechanism, given=given or None)
     if not len(every):
-        raise NoConfigurationError(f"view: {mechanism.name} has no configuration at these values: {failed.message}")
+        raise NoConfigurationError(
+            f"view: {mechanism.name} has no configuration at these values: {failed.message}"
+        )
     return _result(every, every[0], failed)
 
 
@@ -112,7 +144,9 @@ def _result(every: Modes, mode: Solution, tried: SolveResult) -> SolveResult:
 
 
 def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) -> dict[str, Any]:
-    """The modes at the start, as seeds of all complex solutions, and how many of these there are."""
+    """The modes at the start, as seeds of all complex solutions, and how many of these there
+    are.
+    """
     mechanism = problem.mechanism
     names = {c.name: _out(mechanism, c, solution.values[c.name]) for c in known}
     if not names:
@@ -124,14 +158,20 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
     here = [mode.variables.tolist() for mode in found if mode.partition == solution.partition]
     count = found.complex_count
     if known and count is not None and count <= _MOST_ROOTS:
-        # at special values, such as a symmetric reference, solutions meet or are at infinity that others have
+        # at special values, such as a symmetric reference, solutions meet or are at infinity that
+        # others have
         (beside,) = _elsewhere(problem, known, names, 1)
         count = max(count, beside.complex_count or 0)
     follows = (len(here) if count is None else count) <= _MOST_ROOTS
     over_complex = complex_solutions(problem, solution) if follows else ()
     is_whole = not known or not follows or count in (len(here), len(over_complex))
     places = [] if is_whole else _elsewhere(problem, known, names, _PLACES)
-    elsewhere = [mode.variables.tolist() for place in places for mode in place if mode.partition == problem.closure.partition]
+    elsewhere = [
+        mode.variables.tolist()
+        for place in places
+        for mode in place
+        if mode.partition == problem.closure.partition
+    ]
     pairs = [np.column_stack([z.real, z.imag]).ravel().tolist() for z in over_complex]
     return {
         "modesHere": here[:_MOST_ROOTS],
@@ -143,12 +183,20 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
     }
 
 
-def _elsewhere(problem: Problem, known: Sequence[Coordinate], names: Mapping[str, float], places: int) -> list[Modes]:
-    """Modes at other values: complex solutions that no loop leads to from those of the start may be real there."""
+def _elsewhere(
+    problem: Problem, known: Sequence[Coordinate], names: Mapping[str, float], places: int
+) -> list[Modes]:
+    """Modes at other values: complex solutions that no loop leads to from those of the start may be
+    real there.
+    """
     mechanism, rng = problem.mechanism, np.random.default_rng(5)
     rows = [[_near(mechanism, c, names[c.name], rng) for c in known] for _ in range(places)]
     columns = {c.name: [row[k] for row in rows] for k, c in enumerate(known)}
-    found: Any = modes(mechanism, joints=rows) if problem.kind == "direct" else modes(mechanism, given=columns)
+    found: Any = (
+        modes(mechanism, joints=rows)
+        if problem.kind == "direct"
+        else modes(mechanism, given=columns)
+    )
     return list(found)
 
 
@@ -160,7 +208,7 @@ def _near(mechanism: Mechanism, c: Coordinate, value: float, rng: np.random.Gene
     return _out(mechanism, c, float(np.clip(middle + half * rng.uniform(-1.0, 1.0), low, high)))
 
 
-# --- coordinates ---------------------------------------------------------------------------------------------------------
+# --- coordinates ----------------------------------------------------------------------------------
 
 
 def _unit(mechanism: Mechanism, c: Coordinate) -> str:
@@ -178,7 +226,9 @@ def _limits(mechanism: Mechanism, c: Coordinate) -> list[float] | None:
     return [_out(mechanism, c, low), None if high is None else _out(mechanism, c, high)]  # type: ignore[list-item]
 
 
-def _coordinate(mechanism: Mechanism, closure: Closure, c: Coordinate, known: Sequence[Coordinate]) -> dict[str, Any]:
+def _coordinate(
+    mechanism: Mechanism, closure: Closure, c: Coordinate, known: Sequence[Coordinate]
+) -> dict[str, Any]:
     return {
         "name": c.name,
         "kind": c.kind,
@@ -205,7 +255,10 @@ def _bridges(frames: LinkFrames) -> list[dict[str, Any]]:
 
 def _readings(closure: Closure, frames: LinkFrames) -> list[dict[str, Any]]:
     """The joints whose coordinates the closure leaves out, and the links on both sides."""
-    held, number = {c.name for c in closure.coordinates}, {name: k for k, name in enumerate(frames.frames)}
+    held, number = (
+        {c.name for c in closure.coordinates},
+        {name: k for k, name in enumerate(frames.frames)},
+    )
     found = []
     for joint, links in frames.joints.items():
         if all(c.name in held for c in joint.coordinates):
@@ -220,7 +273,11 @@ def _readings(closure: Closure, frames: LinkFrames) -> list[dict[str, Any]]:
                 "zero": joint.zero,
                 "pitch": joint.pitch,
                 "coordinates": [
-                    {"name": c.name, "kind": c.kind, "limits": None if c.limits is None else list(c.limits)}
+                    {
+                        "name": c.name,
+                        "kind": c.kind,
+                        "limits": None if c.limits is None else list(c.limits),
+                    }
                     for c in joint.coordinates
                 ],
             }
@@ -228,14 +285,21 @@ def _readings(closure: Closure, frames: LinkFrames) -> list[dict[str, Any]]:
     return found
 
 
-# --- functions -----------------------------------------------------------------------------------------------------------
+# --- functions ------------------------------------------------------------------------------------
 
 
-def _functions(problem: Problem, frames: LinkFrames, *, follows: bool) -> tuple[str, dict[str, Any]]:
-    """The rows with their Jacobian (complex ones too where solutions are followed), closure errors, links and pose; and sizes of rows
-    and columns."""
+def _functions(
+    problem: Problem, frames: LinkFrames, *, follows: bool
+) -> tuple[str, dict[str, Any]]:
+    """The rows with their Jacobian (complex ones too where solutions are followed), closure errors,
+    links and pose; and sizes of rows and columns.
+    """
     closure, x = problem.closure, problem.closure.variables
-    norms = [ca.sumsqr(x[closure.slices[c.name]]) - 1.0 for c in closure.coordinates if c.kind == "quaternion"]
+    norms = [
+        ca.sumsqr(x[closure.slices[c.name]]) - 1.0
+        for c in closure.coordinates
+        if c.kind == "quaternion"
+    ]
     rows = ca.vertcat(problem.system.rows, *norms)
     columns = _column_scales(closure)
     scales = _row_scales(x, rows, columns, closure)
@@ -258,7 +322,9 @@ def _functions(problem: Problem, frames: LinkFrames, *, follows: bool) -> tuple[
         "complex": follows,
     }
     try:
-        texts += [javascript("complexSystem", x, [rows, jacobian], over_complex=True)] if follows else []
+        texts += (
+            [javascript("complexSystem", x, [rows, jacobian], over_complex=True)] if follows else []
+        )
     except NotImplementedError:
         sizes["complex"] = False
     return "\n".join(texts), sizes
@@ -276,6 +342,8 @@ def _column_scales(closure: Closure) -> np.ndarray:
 def _row_scales(x: ca.SX, rows: ca.SX, columns: np.ndarray, closure: Closure) -> np.ndarray:
     """Norms of the rows' gradients at a random point, so that all rows count alike."""
     jacobian = ca.Function("gradients", [x], [ca.jacobian(rows, x)])
-    point = random_values(closure.coordinates, closure.characteristic_length, np.random.default_rng(3))
+    point = random_values(
+        closure.coordinates, closure.characteristic_length, np.random.default_rng(3)
+    )
     norms = np.linalg.norm(np.asarray(jacobian(point)) * columns, axis=1)
     return np.where(norms > 0.0, norms, 1.0)

@@ -1,4 +1,6 @@
-"""The page of a mechanism: one HTML text that holds everything, so that it needs no network and no server."""
+"""The page of a mechanism: one HTML text that holds everything, so that it needs no network and no
+server.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,10 @@ from symkin.page.sliders import completed_sliders
 _MODULES = {
     "three": "vendor/three.module.min.js",
     "OrbitControls": "vendor/OrbitControls.js",
-    **{f"symkin/{name}": f"{name}.js" for name in ("look", "shapes", "items", "drawing", "sketch", "inputs", "labels", "strip")},
+    **{
+        f"symkin/{name}": f"{name}.js"
+        for name in ("look", "shapes", "items", "drawing", "sketch", "inputs", "labels", "strip")
+    },
     **{f"symkin/{name}": f"{name}.js" for name in ("drag", "plane", "player", "trace", "page")},
 }
 """Files of the page's modules by the names under which they import each other."""
@@ -28,8 +33,9 @@ _TURN = {"deg": 180.0, "rad": math.pi}
 
 @dataclass(frozen=True)
 class PlayedPath:
-    """Rows of values of the given coordinates `names` that the page plays, at `times` (s) where there are any, in the mode of `start`
-    (as `Solution.to_dict` tells it) where it is known."""
+    """Rows of values of the given coordinates `names` that the page plays, at `times` (s) where
+    there are any, in the mode of `start` (as `Solution.to_dict` tells it) where it is known.
+    """
 
     title: str
     names: Sequence[str]
@@ -47,10 +53,11 @@ def page_html(
 ) -> str:
     """The page of a mechanism as HTML text.
 
-    `given` are the coordinates with sliders and their values at the start, in the mechanism's units (None: the actuated joints at the
-    example or the reference, or as `sliders.py` completes them); `path` is what is played; `start` is the configuration to show first, as `Solution.to_dict` tells it;
-    `plane` holds singular curves over two coordinates.
-    Raises InputError for what `symkin modes --given` refuses.
+    `given` are the coordinates with sliders and their values at the start, in the mechanism's units
+    (None: the actuated joints at the example or the reference, or as `sliders.py` completes them);
+    `path` is what is played; `start` is the configuration to show first, as `Solution.to_dict`
+    tells it; `plane` holds singular curves over two coordinates. Raises InputError for what `symkin
+    modes --given` refuses.
     """
     require_mechanism(mechanism)
     completed = completed_sliders(mechanism) if given is None else None
@@ -103,7 +110,12 @@ def _options(
     if path is not None:
         rows = [[float(v) for v in row] for row in path.rows]
         times = None if path.times is None else [float(t) for t in path.times]
-        options["path"] = {"title": path.title, "names": list(path.names), "rows": rows, "times": times}
+        options["path"] = {
+            "title": path.title,
+            "names": list(path.names),
+            "rows": rows,
+            "times": times,
+        }
     return options
 
 
@@ -112,11 +124,15 @@ def _limits(mechanism: Mechanism, name: str) -> tuple[float, float] | None:
 
 
 def _range(mechanism: Mechanism, name: str, value: float) -> list[float]:
-    """What a slider spans: the limits, a turn of an angle, or half the size to both sides of a length's value."""
+    """What a slider spans: the limits, a turn of an angle, or half the size to both sides of a
+    length's value.
+    """
     turn, half = _TURN[mechanism.angle_unit], 0.5 * mechanism.characteristic_length
     found = next((c for c in mechanism.coordinates if c.name == name), None)
     if found is None:
-        return [value - half, value + half] if name in "xyz" else [min(-turn, value), max(turn, value)]
+        return (
+            [value - half, value + half] if name in "xyz" else [min(-turn, value), max(turn, value)]
+        )
     if found.limits is not None:
         return [mechanism.angle_out(v) if found.is_angular else v for v in found.limits]
     if found.kind == "angle":
@@ -127,17 +143,24 @@ def _range(mechanism: Mechanism, name: str, value: float) -> list[float]:
     return [max(least, value - half), value + half]
 
 
-# --- text --------------------------------------------------------------------------------------------------------------
+# --- text -----------------------------------------------------------------------------------------
 
 
 def _modules(generated: str) -> str:
-    """Every module as a script of a type that browsers do not run; boot.js makes modules of them."""
+    """Every module as a script of a type that browsers do not run; boot.js makes modules of
+    them.
+    """
     texts = {name: _static(file) for name, file in _MODULES.items()}
-    solvers = sorted(entry.name for entry in files("symkin.page").joinpath("static").iterdir() if _is_solver(entry.name))
+    solvers = sorted(
+        entry.name
+        for entry in files("symkin.page").joinpath("static").iterdir()
+        if _is_solver(entry.name)
+    )
     texts |= {name.removesuffix(".js"): _static(name) for name in solvers}
     texts["generated"] = generated
     return "\n".join(
-        f'<script type="text/module" data-name="{name}">\n{_in_script(text)}\n</script>' for name, text in texts.items()
+        f'<script type="text/module" data-name="{name}">\n{_in_script(text)}\n</script>'
+        for name, text in texts.items()
     )
 
 
@@ -146,8 +169,15 @@ def _is_solver(name: str) -> bool:
 
 
 def _in_script(text: str) -> str:
-    """Text that may stand in a script element: `</script` and `<!--`, which stand in strings only, are escaped."""
-    return re.sub(r"<(?=/script|!--|script)", r"\\x3c" if not text.startswith("{") else r"\\u003c", text, flags=re.IGNORECASE)
+    """Text that may stand in a script element: `</script` and `<!--`, which stand in strings only,
+    are escaped.
+    """
+    return re.sub(
+        r"<(?=/script|!--|script)",
+        r"\\x3c" if not text.startswith("{") else r"\\u003c",
+        text,
+        flags=re.IGNORECASE,
+    )
 
 
 def _static(name: str) -> str:

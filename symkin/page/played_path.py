@@ -14,12 +14,17 @@ from symkin.page.page import PlayedPath
 _MOST = 20_000
 """Rows that a page takes: more make it large and slow to open."""
 _POSE_SAMPLES = 400
-"""Configurations along a path of poses, at least: between them the page goes straight in the joints, not in the pose."""
+"""Configurations along a path of poses, at least: between them the page goes straight in the
+joints, not in the pose.
+"""
 
 
-def played_path(mechanism: Mechanism, file: Path | str, given: Mapping[str, float] | None = None) -> PlayedPath:
-    """The rows of a CSV file by the coordinates `given`, else by the actuated joints; rows of poses are followed by `track`, whose joints
-    are played. Raises InputError."""
+def played_path(
+    mechanism: Mechanism, file: Path | str, given: Mapping[str, float] | None = None
+) -> PlayedPath:
+    """The rows of a CSV file by the coordinates `given`, else by the actuated joints; rows of poses
+    are followed by `track`, whose joints are played. Raises InputError.
+    """
     read = read_trajectory(mechanism, file, given=None if given is None else dict.fromkeys(given))
     title, times = Path(file).name, read["times"]
     if "poses" in read:
@@ -31,7 +36,9 @@ def played_path(mechanism: Mechanism, file: Path | str, given: Mapping[str, floa
     return _checked(PlayedPath(title, [c.name for c in mechanism.actuated], read["joints"], times))
 
 
-def _of_poses(mechanism: Mechanism, title: str, poses: list[list[float]], times: list[float] | None) -> PlayedPath:
+def _of_poses(
+    mechanism: Mechanism, title: str, poses: list[list[float]], times: list[float] | None
+) -> PlayedPath:
     from symkin.following.track import track
 
     found = track(mechanism, poses=poses, times=times, samples=max(len(poses), _POSE_SAMPLES))

@@ -21,10 +21,12 @@ from symkin.sweeps.run import Swept
 def view(result: object, **options: Any) -> View:
     """Make the page on which a mechanism or a result moves: one HTML text that needs no network.
 
-    `result` is a mechanism, modes (the first one is shown), a solution, a track, which is played, loci, whose plane is shown, or a sweep, whose
-    map is. `options` of a mechanism: `joints` (all actuated ones) or `given` (any coordinates by name), which get sliders,
-    `path`, the CSV file that is played, or `pose`, where it begins; of a sweep: `slices`, where its map is cut, and `loci`, whether singular curves lie over it. `.save(file)` writes
-    the page, `.open()` shows it in the browser, and a notebook shows it in place. Raises InputError for what has no page.
+    `result` is a mechanism, modes (the first one is shown), a solution, a track, which is played,
+    loci, whose plane is shown, or a sweep, whose map is. `options` of a mechanism: `joints` (all
+    actuated ones) or `given` (any coordinates by name), which get sliders, `path`, the CSV file
+    that is played, or `pose`, where it begins; of a sweep: `slices`, where its map is cut, and
+    `loci`, whether singular curves lie over it. `.save(file)` writes the page, `.open()` shows it
+    in the browser, and a notebook shows it in place. Raises InputError for what has no page.
 
     >>> import symkin
     >>> page = symkin.view(symkin.load("four_bar"), given={"crank": 60.0})
@@ -36,7 +38,9 @@ def view(result: object, **options: Any) -> View:
     if isinstance(result, Swept) and set(options) <= {"slices", "loci"}:
         return view_of_sweep(result.folder, **options)
     if options:
-        raise InputError(f"view: {', '.join(options)} is not what the page of a {type(result).__name__} takes")
+        raise InputError(
+            f"view: {', '.join(options)} is not what the page of a {type(result).__name__} takes"
+        )
     if isinstance(result, SolveResult) and result.solution is not None:
         return _of_solution(result.solution, result.given)
     if isinstance(result, Modes) and len(result):
@@ -48,9 +52,13 @@ def view(result: object, **options: Any) -> View:
     if isinstance(result, Loci):
         return _of_loci(result)
     if isinstance(result, (Modes, SolveResult, Track)):
-        raise InputError("view: there is no configuration to show; the mechanism's own page is symkin.view(mechanism)")
+        raise InputError(
+            "view: there is no configuration to show; the mechanism's own page is "
+            "symkin.view(mechanism)"
+        )
     raise InputError(
-        f"view: a {type(result).__name__} has no page; mechanisms, modes, solutions, tracks, loci and sweeps have one"
+        f"view: a {type(result).__name__} has no page; mechanisms, modes, solutions, tracks, loci "
+        f"and sweeps have one"
     )
 
 
@@ -59,33 +67,62 @@ def _of_solution(solution: Solution, given: Mapping[str, Any]) -> View:
     mechanism = solution.mechanism
     if any(not isinstance(value, (int, float)) for value in given.values()) or not given:
         return view_solution(solution)
-    return View(mechanism, {name: float(value) for name, value in given.items()}, start=solution.to_dict())
+    return View(
+        mechanism, {name: float(value) for name, value in given.items()}, start=solution.to_dict()
+    )
 
 
 def _of_loci(loci: Loci) -> View:
-    """Curves over two given coordinates, or over two of the platform's position: the page goes where one points."""
+    """Curves over two given coordinates, or over two of the platform's position: the page goes
+    where one points.
+    """
     solution, names = loci.solution, list(loci.plane.names)
     actuated = actuated_values(loci.plane.mechanism, solution.joints) or {}
-    known = all(name in actuated for name in names) or (loci.plane.of_pose and all(name in ("x", "y", "z") for name in names))
+    known = all(name in actuated for name in names) or (
+        loci.plane.of_pose and all(name in ("x", "y", "z") for name in names)
+    )
     if len(names) != 2 or not known:
         raise InputError(
-            f"view: loci over {', '.join(names)} have no page; those over two actuated joints, or over two of x, y, z, have one"
+            f"view: loci over {', '.join(names)} have no page; those over two actuated joints, or "
+            f"over two of x, y, z, have one"
         )
     curves = [{"kind": curve.kind, "points": curve.points.tolist()} for curve in loci.curves]
-    plane = {"names": names, "units": list(loci.units), "ranges": [list(ends) for ends in loci.ranges], "held": loci.held}
-    return View(loci.plane.mechanism, actuated, start=solution.to_dict(), plane=plane | {"curves": curves})
+    plane = {
+        "names": names,
+        "units": list(loci.units),
+        "ranges": [list(ends) for ends in loci.ranges],
+        "held": loci.held,
+    }
+    return View(
+        loci.plane.mechanism, actuated, start=solution.to_dict(), plane=plane | {"curves": curves}
+    )
 
 
 def _of_track(track: Track) -> View:
     mechanism = track.trajectory.mechanism
     known = [c.name for c in track.problem.known_coordinates]
     joints = [sample.joints for sample in track.samples]
-    names = known if all(name in joints[0] for name in known) else [c.name for c in mechanism.actuated]
+    names = (
+        known if all(name in joints[0] for name in known) else [c.name for c in mechanism.actuated]
+    )
     times = [sample.time for sample in track.samples]
-    path = PlayedPath("of the track", names, _rows(names, joints), None if None in times else [float(t or 0.0) for t in times])
+    path = PlayedPath(
+        "of the track",
+        names,
+        _rows(names, joints),
+        None if None in times else [float(t or 0.0) for t in times],
+    )
     first = track.samples[0]
-    pose = {"position": list(map(float, first.pose.position)), "quaternion": list(map(float, first.pose.quaternion))}
-    return View(mechanism, {name: float(joints[0][name]) for name in names}, path, {"pose": pose, "joints": joints[0]})
+    pose = {
+        "position": list(map(float, first.pose.position)),
+        "quaternion": list(map(float, first.pose.quaternion)),
+    }
+    return View(
+        mechanism,
+        {name: float(joints[0][name]) for name in names},
+        path,
+        {"pose": pose, "joints": joints[0]},
+    )
 
 
 def _rows(names: Sequence[str], joints: Sequence[Mapping[str, Any]]) -> list[list[float]]:

@@ -1,7 +1,8 @@
-"""What the page draws of a mechanism: shapes of links, joints, rods and frames, as numbers for JSON.
+"""What the page draws of a mechanism: shapes of links, joints, rods and frames, as numbers for
+JSON.
 
-Every link's frame is the base frame at the reference configuration, as in `closure/link_poses.py`: a link's pose is its displacement
-from there, so that all geometry stands at the reference.
+Every link's frame is the base frame at the reference configuration, as in `closure/link_poses.py`:
+a link's pose is its displacement from there, so that all geometry stands at the reference.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ from symkin.plots.style import COLOURS
 from symkin.text import counted, first_of
 
 _SYMBOL, _SMALLEST = 0.085, 0.03
-"""Length of a joint's symbol over the size: at most, and at least where joints stand close together."""
+"""Length of a joint's symbol over the size: at most, and at least where joints stand close
+together.
+"""
 _APART = 0.55
 """Length of a symbol over the distance between neighbouring joints."""
 _SAME = 1e-6
@@ -45,7 +48,12 @@ def scene_of(mechanism: Mechanism, links: Sequence[str]) -> dict[str, Any]:
         "size": size,
         "lengthUnit": mechanism.length_unit,
         "symbol": _symbol(items, size),
-        "view": {"right": axes[0].tolist(), "up": axes[1].tolist(), "towards": axes[2].tolist(), "planar": planar},
+        "view": {
+            "right": axes[0].tolist(),
+            "up": axes[1].tolist(),
+            "towards": axes[2].tolist(),
+            "planar": planar,
+        },
         "colours": COLOURS,
         "items": items,
         "notes": notes,
@@ -70,10 +78,14 @@ def _meshes(mechanism: Mechanism, links: Sequence[str]) -> tuple[list[Item], lis
 
 def _symbol(items: Sequence[Item], size: float) -> float:
     """Length of joint symbols: smaller where joints stand close together."""
-    places = distinct(np.array([i["point"] for i in items if i["kind"] == "joint"]).reshape(-1, 3), _SAME * size)
+    places = distinct(
+        np.array([i["point"] for i in items if i["kind"] == "joint"]).reshape(-1, 3), _SAME * size
+    )
     if len(places) < 2:
         return _SYMBOL * size
-    gaps = np.linalg.norm(places[:, None] - places[None], axis=2) + np.diag(np.full(len(places), np.inf))
+    gaps = np.linalg.norm(places[:, None] - places[None], axis=2) + np.diag(
+        np.full(len(places), np.inf)
+    )
     return float(np.clip(_APART * np.median(gaps.min(axis=1)), _SMALLEST * size, _SYMBOL * size))
 
 
@@ -102,7 +114,7 @@ class _Items:
         self._frames()
         return [*self._bodies(edges), *self.items, *self._couplings()]
 
-    # --- joints and rods -------------------------------------------------------------------------------------------
+    # --- joints and rods --------------------------------------------------------------------------
 
     def _at(self, link: str, point: np.ndarray) -> dict[str, Any]:
         return {"link": self.number[link], "point": point.tolist()}
@@ -117,8 +129,14 @@ class _Items:
         return self.slides.get(name, (place, place))
 
     def _beside(self, edge: Branch) -> np.ndarray:
-        """A slide or weld without a place of its own stands halfway between the other joints of its links."""
-        middles = [np.mean(self.points[link], axis=0) for link in edge.ends if link != BASE and self.points.get(link)]
+        """A slide or weld without a place of its own stands halfway between the other joints of its
+        links.
+        """
+        middles = [
+            np.mean(self.points[link], axis=0)
+            for link in edge.ends
+            if link != BASE and self.points.get(link)
+        ]
         return np.asarray(np.mean(middles, axis=0)) if middles else self._place(edge)[0]
 
     def _joint(self, edge: Branch, start: np.ndarray, place: np.ndarray) -> None:
@@ -145,10 +163,14 @@ class _Items:
         )
 
     def _rod(self, edge: Branch, bar: Bar) -> None:
-        first, second = (end.at_reference(self.mechanism.reference_pose) for end in (bar.start, bar.end))
+        first, second = (
+            end.at_reference(self.mechanism.reference_pose) for end in (bar.start, bar.end)
+        )
         for link, point in zip(edge.ends, (first, second), strict=True):
             self._attach(link, point)
-        ends = [self._at(link, point) for link, point in zip(edge.ends, (first, second), strict=True)]
+        ends = [
+            self._at(link, point) for link, point in zip(edge.ends, (first, second), strict=True)
+        ]
         drives = bar.coordinate is not None
         self.items.append(
             {
@@ -173,10 +195,16 @@ class _Items:
         for coupling in self.mechanism.couplings:
             first, *others = (_owner(name, joints) for name in (coupling.joint, *coupling.names))
             for other in others:
-                found.append({"kind": "coupling", "from": _middle(joints[first]), "to": _middle(joints[other])})
+                found.append(
+                    {
+                        "kind": "coupling",
+                        "from": _middle(joints[first]),
+                        "to": _middle(joints[other]),
+                    }
+                )
         return found
 
-    # --- links and frames ------------------------------------------------------------------------------------------
+    # --- links and frames -------------------------------------------------------------------------
 
     def _frames(self) -> None:
         reference, link = self.mechanism.reference_pose, self.mechanism.platform_link
@@ -184,13 +212,26 @@ class _Items:
         if link is not None:
             position = np.asarray(reference.position)
             self._attach(link, position)
-            self.items.append(_frame(self.number[link], self.mechanism.frame_name, position, np.asarray(reference.rotation)))
+            self.items.append(
+                _frame(
+                    self.number[link],
+                    self.mechanism.frame_name,
+                    position,
+                    np.asarray(reference.rotation),
+                )
+            )
 
     def _bodies(self, edges: Sequence[Branch]) -> list[Item]:
         self._hands(edges)
         found, turn = [], 0
         for link, points in self.points.items():
-            role = "base" if link == BASE else "platform" if link == self.mechanism.platform_link else "link"
+            role = (
+                "base"
+                if link == BASE
+                else "platform"
+                if link == self.mechanism.platform_link
+                else "link"
+            )
             colour = {"base": "base edge", "platform": "platform"}.get(role)
             if colour is None:
                 colour, turn = LINK_COLOURS[turn % len(LINK_COLOURS)], turn + 1
@@ -222,11 +263,19 @@ class _Items:
 
 
 def _frame(link: int, name: str, position: np.ndarray, rotation: np.ndarray) -> Item:
-    return {"kind": "frame", "link": link, "name": name, "position": position.tolist(), "rotation": rotation.tolist()}
+    return {
+        "kind": "frame",
+        "link": link,
+        "name": name,
+        "position": position.tolist(),
+        "rotation": rotation.tolist(),
+    }
 
 
 def _slides(mechanism: Mechanism) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Where the slides of limbs and arms begin and end, as pictures draw them: along their axes, one after the other."""
+    """Where the slides of limbs and arms begin and end, as pictures draw them: along their axes,
+    one after the other.
+    """
     if mechanism.is_graph:
         return {}
     found: dict[str, tuple[np.ndarray, np.ndarray]] = {}
@@ -250,4 +299,8 @@ def _owner(coordinate: str, joints: dict[str, Item]) -> str:
 
 
 def _middle(item: Item) -> dict[str, Any]:
-    return item["from"] if item["kind"] == "rod" else {"link": item["links"][1], "point": item["point"]}
+    return (
+        item["from"]
+        if item["kind"] == "rod"
+        else {"link": item["links"][1], "point": item["point"]}
+    )

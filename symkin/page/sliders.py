@@ -1,4 +1,6 @@
-"""Which coordinates get sliders where the actuated joints do not decide a configuration: too few of them, or some that others decide."""
+"""Which coordinates get sliders where the actuated joints do not decide a configuration: too few of
+them, or some that others decide.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,10 @@ _NAMED = 4
 
 
 def completed_sliders(mechanism: Mechanism) -> tuple[dict[str, float], str] | None:
-    """Values by name, in the mechanism's units, of as many coordinates of a graph as decide its configuration, and a note of what was left
-    out or added to the actuated ones; None where these decide it, where an example tells what is given, and where no joints do."""
+    """Values by name, in the mechanism's units, of as many coordinates of a graph as decide its
+    configuration, and a note of what was left out or added to the actuated ones; None where these
+    decide it, where an example tells what is given, and where no joints do.
+    """
     example = mechanism.example
     if not mechanism.is_graph or (example is not None and example.joints is None):
         return None
@@ -28,22 +32,32 @@ def completed_sliders(mechanism: Mechanism) -> tuple[dict[str, float], str] | No
     added = _added(mechanism, kept, found) if found.free else []
     if added is None or not (left_out or added):
         return None
-    values = {c.name: mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0] for c in mechanism.actuated}
+    values = {
+        c.name: mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
+        for c in mechanism.actuated
+    }
     if example is not None and example.joints is not None:
         values = dict(zip(names, example.joints, strict=True))
-    start = solve(mechanism, given={name: values[name] for name in kept} or None, check=False).solution
+    start = solve(
+        mechanism, given={name: values[name] for name in kept} or None, check=False
+    ).solution
     if start is None:
         return None
-    return {name: float(start.joints[name]) for name in (*kept, *added)}, _note(names, left_out, added)
+    return {name: float(start.joints[name]) for name in (*kept, *added)}, _note(
+        names, left_out, added
+    )
 
 
 def _determination(mechanism: Mechanism, names: Sequence[str]) -> Determination:
-    return determination(problem_of_names(mechanism, tuple(names)) if names else build_problem(mechanism, "given"))
+    return determination(
+        problem_of_names(mechanism, tuple(names)) if names else build_problem(mechanism, "given")
+    )
 
 
 def _added(mechanism: Mechanism, kept: Sequence[str], found: Determination) -> list[str] | None:
-    """Names that bind what the kept ones leave free: of the closure's coordinates, then of joints at which loops are cut; None where some
-    motion is left."""
+    """Names that bind what the kept ones leave free: of the closure's coordinates, then of joints
+    at which loops are cut; None where some motion is left.
+    """
     added = list(found.binding)
     free = _determination(mechanism, (*kept, *added)).free
     for c in mechanism.coordinates:
@@ -62,9 +76,15 @@ def _note(names: Sequence[str], left_out: Sequence[str], added: Sequence[str]) -
     said = []
     if added:
         verb = "has a slider" if len(added) == 1 else "have sliders"
-        why = "the actuated joints leave the mechanism free to move" if names else "no joint of the mechanism is actuated"
+        why = (
+            "the actuated joints leave the mechanism free to move"
+            if names
+            else "no joint of the mechanism is actuated"
+        )
         said.append(f"{first_of(added, _NAMED)} {verb}: {why}.")
     if left_out:
         verb, them = ("has", "it") if len(left_out) == 1 else ("have", "them")
-        said.append(f"{first_of(left_out, _NAMED)} {verb} no slider: other actuated joints decide {them}.")
+        said.append(
+            f"{first_of(left_out, _NAMED)} {verb} no slider: other actuated joints decide {them}."
+        )
     return " ".join([*said, "--given gives sliders to others."])

@@ -1,4 +1,6 @@
-"""A sweep's map as a plane of the page: its cells beside the sliders, and the mechanism where one points."""
+"""A sweep's map as a plane of the page: its cells beside the sliders, and the mechanism where one
+points.
+"""
 
 from __future__ import annotations
 
@@ -16,17 +18,32 @@ from symkin.position.solution import Solution
 from symkin.singularities.configuration import configuration
 from symkin.spatial.pose import Pose
 from symkin.sweeps.map_loci import loci_over
-from symkin.sweeps.map_slice import SHOWN, TITLES, MapSlice, check_map, edges, map_slice, opened, space_of
+from symkin.sweeps.map_slice import (
+    SHOWN,
+    TITLES,
+    MapSlice,
+    check_map,
+    edges,
+    map_slice,
+    opened,
+    space_of,
+)
 
 _MOST_CELLS = 40_000
-"""Cells or points of a map that a page holds (0.2 MB); of finer maps it holds every second, third, ... row and column."""
+"""Cells or points of a map that a page holds (0.2 MB); of finer maps it holds every second, third,
+... row and column.
+"""
 
 
-def view_of_sweep(folder: Path, slices: Mapping[str, float] | None = None, *, loci: bool = False) -> View:
-    """The page of a sweep's mechanism with the sweep's map, cut at `slices`, and with `loci` its singular curves.
+def view_of_sweep(
+    folder: Path, slices: Mapping[str, float] | None = None, *, loci: bool = False
+) -> View:
+    """The page of a sweep's mechanism with the sweep's map, cut at `slices`, and with `loci` its
+    singular curves.
 
-    It begins at the point with a mode that is nearest to the middle. Raises InputError for a folder that holds no sweep, and for a map that no page
-    can follow: over one coordinate, or over turns of a pose.
+    It begins at the point with a mode that is nearest to the middle. Raises InputError for a folder
+    that holds no sweep, and for a map that no page can follow: over one coordinate, or over turns
+    of a pose.
     """
     attributes, data = opened(folder)
     check_map(attributes, data, slices or {})
@@ -45,7 +62,9 @@ def view_of_sweep(folder: Path, slices: Mapping[str, float] | None = None, *, lo
         "ranges": [list(ends) for ends in part.ranges.values()],
         "held": _held(space.mechanism, attributes, part.cuts),
         "pose": _numbers(told["pose"]) if "pose" in told else None,
-        "curves": [] if curves is None else [{"kind": curve.kind, "points": curve.points.tolist()} for curve in curves.curves],
+        "curves": []
+        if curves is None
+        else [{"kind": curve.kind, "points": curve.points.tolist()} for curve in curves.curves],
         "lociAsked": loci,
         "map": _cells(part, TITLES[name], is_condition=name == "least_condition"),
     }
@@ -53,26 +72,42 @@ def view_of_sweep(folder: Path, slices: Mapping[str, float] | None = None, *, lo
 
 
 def _check_plane(part: MapSlice, attributes: Mapping[str, Any]) -> None:
-    """Raise InputError for a map that has no plane to point at, or none whose points the page can reach."""
+    """Raise InputError for a map that has no plane to point at, or none whose points the page can
+    reach.
+    """
     names = list(part.ranges)
     if part.y is None or set(names) | set(part.cuts) < set(attributes["axes"]):
         raise InputError(
-            f"view: a map over {', '.join(attributes['axes'])} is no plane; two swept coordinates are needed, others cut by --slice"
+            f"view: a map over {', '.join(attributes['axes'])} is no plane; two swept coordinates "
+            f"are needed, others cut by --slice"
         )
     if attributes["sweeps over"] == "poses" and not set(names) <= set("xyz"):
-        raise InputError(f"view: a map over {' and '.join(names)} has no page; of poses, maps over two of x, y, z have one")
+        raise InputError(
+            f"view: a map over {' and '.join(names)} has no page; of poses, maps over two of x, y, "
+            f"z have one"
+        )
     if not part.some:
-        raise InputError("view: no point of this map has a mode, so that there is no configuration to show")
+        raise InputError(
+            "view: no point of this map has a mode, so that there is no configuration to show"
+        )
 
 
-def _sliders(mechanism: Mechanism, here: Solution, told: Mapping[str, Any]) -> dict[str, float] | None:
+def _sliders(
+    mechanism: Mechanism, here: Solution, told: Mapping[str, Any]
+) -> dict[str, float] | None:
     """The coordinates with sliders: those given by name, else the actuated joints."""
-    return _single_values(mechanism, told) or {c.name: float(here.joints[c.name]) for c in mechanism.actuated} or None
+    return (
+        _single_values(mechanism, told)
+        or {c.name: float(here.joints[c.name]) for c in mechanism.actuated}
+        or None
+    )
 
 
 def _single_values(mechanism: Mechanism, told: Mapping[str, Any]) -> dict[str, float]:
     """What is given by name or as actuated joints; nothing where a whole pose is."""
-    given = told.get("given") or dict(zip([c.name for c in mechanism.actuated], told.get("joints", ()), strict=False))
+    given = told.get("given") or dict(
+        zip([c.name for c in mechanism.actuated], told.get("joints", ()), strict=False)
+    )
     single = all(isinstance(value, (int, float)) for value in given.values())
     return {name: float(value) for name, value in given.items()} if single else {}
 
@@ -82,14 +117,25 @@ def _numbers(pose: Pose) -> list[float]:
 
 
 def _held(mechanism: Mechanism, attributes: Mapping[str, Any], cuts: Mapping[str, float]) -> str:
-    """What stands while the plane's two coordinates change: swept coordinates that are cut, then those that are not swept."""
+    """What stands while the plane's two coordinates change: swept coordinates that are cut, then
+    those that are not swept.
+    """
     lengths = {"x", "y", "z"} | {c.name for c in mechanism.coordinates if not c.is_angular}
-    units = {name: mechanism.length_unit if name in lengths else mechanism.angle_unit for name in cuts}
-    return ", ".join([*(f"{name} = {value:.5g} {units[name]}" for name, value in cuts.items()), *held_texts(attributes)])
+    units = {
+        name: mechanism.length_unit if name in lengths else mechanism.angle_unit for name in cuts
+    }
+    return ", ".join(
+        [
+            *(f"{name} = {value:.5g} {units[name]}" for name, value in cuts.items()),
+            *held_texts(attributes),
+        ]
+    )
 
 
 def _cells(part: MapSlice, title: str, *, is_condition: bool) -> dict[str, Any]:
-    """Values over edges of cells, or over single points (u, v); null where a value is not known or, of conditions, there is no mode."""
+    """Values over edges of cells, or over single points (u, v); null where a value is not known or,
+    of conditions, there is no mode.
+    """
     assert part.y is not None  # noqa: S101 - checked before
     x, y, values = part.x[2], part.y[2], part.values.astype(float)
     step = 1
@@ -104,6 +150,7 @@ def _cells(part: MapSlice, title: str, *, is_condition: bool) -> dict[str, Any]:
         places = {"edges": [edges(x[::step]).tolist(), edges(y[::step]).tolist()]}
     known = np.isfinite(values) & (values >= 0)
     told = [
-        None if not is_known else float(f"{value:.4g}") for value, is_known in zip(values.ravel(), known.ravel(), strict=True)
+        None if not is_known else float(f"{value:.4g}")
+        for value, is_known in zip(values.ravel(), known.ravel(), strict=True)
     ]
     return {"title": title, "values": told, "condition": is_condition, "every": step, **places}

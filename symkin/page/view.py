@@ -27,7 +27,9 @@ _HEIGHT = 640
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A page that moves: `html` is its text, `save` writes it, `open` shows it in the browser; a notebook shows it in place."""
+    """A page that moves: `html` is its text, `save` writes it, `open` shows it in the browser; a
+    notebook shows it in place.
+    """
 
     mechanism: Mechanism
     given: Mapping[str, float] | None = None
@@ -41,7 +43,9 @@ class View:
         return page_html(self.mechanism, self.given, self.path, self.start, self.plane)
 
     def save(self, path: Path | str) -> Path:
-        """Write the page. Raises InputError for a file that cannot be written or has another suffix than .html."""
+        """Write the page. Raises InputError for a file that cannot be written or has another suffix
+        than .html.
+        """
         check_output(path, (".html", ".htm"), "view")
         write_output(path, self.html)
         return Path(path)
@@ -53,7 +57,8 @@ class View:
             place.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(
-                f"{place.parent}: the folder cannot be made ({error.strerror}); write the page with --html"
+                f"{place.parent}: the folder cannot be made ({error.strerror}); write the page "
+                f"with --html"
             ) from None
         fault = folder_fault(place.parent.parent) or folder_fault(place.parent)
         if fault is not None:
@@ -65,12 +70,16 @@ class View:
     def _repr_html_(self) -> str:
         text = escape(self.html, quote=True)
         return (
-            f'<iframe srcdoc="{text}" title="{escape(self.mechanism.name)}, moving" width="100%" height="{_HEIGHT}" '
+            f'<iframe srcdoc="{text}" title="{escape(self.mechanism.name)}, moving" width="100%" '
+            f'height="{_HEIGHT}" '
             'style="border: 1px solid #dde3ea; border-radius: 8px" allow="fullscreen"></iframe>'
         )
 
     def __repr__(self) -> str:
-        return f"the page of {self.mechanism.name}; .save('{self.mechanism.name}.html') writes it, .open() shows it"
+        return (
+            f"the page of {self.mechanism.name}; .save('{self.mechanism.name}.html') writes it, "
+            f".open() shows it"
+        )
 
 
 def view_mechanism(
@@ -80,20 +89,27 @@ def view_mechanism(
     path: PlayedPath | Path | str | None = None,
     pose: Sequence[float] | Pose | None = None,
 ) -> View:
-    """The page of a mechanism with sliders for its actuated joints, or for the coordinates `given` by name; it begins with the
-    first row of a `path` (a CSV file, or rows), or with the first working mode at a `pose`. Raises InputError for values without a configuration."""
+    """The page of a mechanism with sliders for its actuated joints, or for the coordinates `given`
+    by name; it begins with the first row of a `path` (a CSV file, or rows), or with the first
+    working mode at a `pose`. Raises InputError for values without a configuration.
+    """
     require_mechanism(mechanism)
     if joints is not None and given is not None:
-        raise InputError("joints and given are both told; joints are the actuated ones, given any coordinates: give one of them")
+        raise InputError(
+            "joints and given are both told; joints are the actuated ones, given any coordinates: "
+            "give one of them"
+        )
     if pose is not None:
         if joints is not None or given is not None or path is not None:
             raise InputError(
-                "view: a pose is told beside joints, given or a path; each tells where the page begins: give one of them"
+                "view: a pose is told beside joints, given or a path; each tells where the page "
+                "begins: give one of them"
             )
         found = modes(mechanism, pose=pose)
         if not len(found):
             raise NoConfigurationError(
-                f"view: {mechanism.name} has no configuration at this pose; {'; '.join(found.notes) or 'symkin modes tells more'}"
+                f"view: {mechanism.name} has no configuration at this pose; "
+                f"{'; '.join(found.notes) or 'symkin modes tells more'}"
             )
         return view_solution(found[0])
     played = played_path(mechanism, path, given) if isinstance(path, (str, Path)) else path
@@ -101,13 +117,19 @@ def view_mechanism(
         ordered = given_from(mechanism, joints, None).echo["joints"]
         given = {c.name: value for c, value in zip(mechanism.actuated, ordered, strict=True)}
     if given is None and played is not None:
-        return View(mechanism, dict(zip(played.names, played.rows[0], strict=True)), played, played.start)
+        return View(
+            mechanism, dict(zip(played.names, played.rows[0], strict=True)), played, played.start
+        )
     return View(mechanism, given, played)
 
 
 def view_solution(solution: Solution) -> View:
     """The page that begins at a configuration, with sliders for the actuated joints."""
-    return View(solution.mechanism, actuated_values(solution.mechanism, solution.joints), start=solution.to_dict())
+    return View(
+        solution.mechanism,
+        actuated_values(solution.mechanism, solution.joints),
+        start=solution.to_dict(),
+    )
 
 
 def actuated_values(mechanism: Mechanism, joints: Mapping[str, Any]) -> dict[str, float] | None:

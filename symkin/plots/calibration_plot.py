@@ -1,4 +1,6 @@
-"""Pictures of a calibration: residuals, parameter changes with their standard deviations, pose sigma over the workspace."""
+"""Pictures of a calibration: residuals, parameter changes with their standard deviations, pose
+sigma over the workspace.
+"""
 
 from __future__ import annotations
 
@@ -29,20 +31,40 @@ _DPI = 130
 _MOST_BARS = 60
 """Parameters that one picture shows, those that changed most."""
 _SEEN, _HIGH = 40.0, 2.0
-"""Residuals that reach so many standard deviations make the normal curve too narrow to be drawn; above so many times the highest
-bar it is cut off."""
+"""Residuals that reach so many standard deviations make the normal curve too narrow to be drawn;
+above so many times the highest bar it is cut off.
+"""
 _TOLD, _FAR, _LINEAR = 3.0, 40.0, 10.0
-"""A change of so many standard deviations is told by the readings; where one reaches the second, the axis is logarithmic beyond
-the third."""
+"""A change of so many standard deviations is told by the readings; where one reaches the second,
+the axis is logarithmic beyond the third.
+"""
 _MOST_POSES = 1000
 """Measured poses that are drawn, spread evenly over the file."""
-_KINDS = {"group": "#2f7fc1", "inclination": "#e8743b", "position": "#3a9d5d", "orientation": "#8c5fbf", "distance": "#b5892b"}
-_OTHER_KINDS = ("#2f7fc1", "#3a9d5d", "#e8743b", "#8c5fbf", "#1f2933", "#c2477f", "#2aa198", "#7d8f1f")
+_KINDS = {
+    "group": "#2f7fc1",
+    "inclination": "#e8743b",
+    "position": "#3a9d5d",
+    "orientation": "#8c5fbf",
+    "distance": "#b5892b",
+}
+_OTHER_KINDS = (
+    "#2f7fc1",
+    "#3a9d5d",
+    "#e8743b",
+    "#8c5fbf",
+    "#1f2933",
+    "#c2477f",
+    "#2aa198",
+    "#7d8f1f",
+)
 """Colours of readings of joints, points and other links, in turn."""
 _AXES_OF = {
-    "group": "inclination in its group", "inclination": "inclination", "position": "position", "orientation": "orientation",
+    "group": "inclination in its group",
+    "inclination": "inclination",
+    "position": "position",
+    "orientation": "orientation",
     "distance": "distance",
-}  # fmt: skip
+}
 
 
 @drawing()
@@ -54,7 +76,9 @@ def png(figure: Figure) -> bytes:
 
 
 def figure_of_calibration(fit: Calibration, *, what: str = "parameters") -> Figure:
-    """The changes of the parameters, or with `what` = "residuals" the normalised residuals. Raises InputError."""
+    """The changes of the parameters, or with `what` = "residuals" the normalised residuals. Raises
+    InputError.
+    """
     figures = {"parameters": parameter_figure, "residuals": residual_figure}
     if what not in figures:
         raise InputError(f"plot: what = {not_among(what, figures)}")
@@ -72,9 +96,13 @@ def residual_figure(fit: Calibration) -> Figure:
         colour = _KINDS[kind] if kind in _KINDS else next(others)
         chosen = [r for r in rows if r.kind == kind]
         left.plot(
-            [r.configuration + 1 for r in chosen], [r.normalised for r in chosen], ".", ms=5, color=colour,
+            [r.configuration + 1 for r in chosen],
+            [r.normalised for r in chosen],
+            ".",
+            ms=5,
+            color=colour,
             label=_AXES_OF.get(kind, kind),
-        )  # fmt: skip
+        )
     values = np.array([r.normalised for r in rows], dtype=float)
     reach = max(4.0, 1.1 * float(np.max(np.abs(values), initial=0.0)))
     for level in (-3, 3):
@@ -86,20 +114,28 @@ def residual_figure(fit: Calibration) -> Figure:
     title = "Residuals" + (f"; {len(flagged)} outliers left out (lines)" if flagged else "")
     left.set_title(title, loc="left")
     if len(values):
-        left.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=3, borderaxespad=0.2)
+        left.legend(
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=3, borderaxespad=0.2
+        )
     _distribution(right, values, reach)
     return figure
 
 
 def _distribution(axes: Axes, values: np.ndarray, reach: float) -> None:
-    """Readings by the size of their residual, and how many the normal distribution has there: N w exp(-t^2 / 2) / sqrt(2 pi) for
-    N readings and bins of width w, or a band over its three standard deviations where it is too narrow to be drawn."""
+    """Readings by the size of their residual, and how many the normal distribution has there: N w
+    exp(-t^2 / 2) / sqrt(2 pi) for N readings and bins of width w, or a band over its three standard
+    deviations where it is too narrow to be drawn.
+    """
     from matplotlib.ticker import MaxNLocator
 
     if len(values):
-        counts, edges = np.histogram(values, bins=min(40, max(8, len(values) // 8)), range=(-reach, reach))
+        counts, edges = np.histogram(
+            values, bins=min(40, max(8, len(values) // 8)), range=(-reach, reach)
+        )
         width = float(edges[1] - edges[0])
-        axes.barh(edges[:-1], counts, height=width, align="edge", color="#9cc3e4", label="residuals")
+        axes.barh(
+            edges[:-1], counts, height=width, align="edge", color="#9cc3e4", label="residuals"
+        )
         t = np.linspace(-reach, reach, 400)
         normal = len(values) * width * np.exp(-0.5 * t * t) / np.sqrt(2 * np.pi)
         if reach < _SEEN:
@@ -107,7 +143,14 @@ def _distribution(axes: Axes, values: np.ndarray, reach: float) -> None:
             axes.plot(normal, t, color=COLOURS["text"], lw=1.2, label="normal")
         else:
             axes.axhspan(-3.0, 3.0, color=COLOURS["text"], lw=1.5, label="normal, three sigma")
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=2, borderaxespad=0.2, handlelength=1.2)
+        axes.legend(
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.0),
+            frameon=False,
+            ncols=2,
+            borderaxespad=0.2,
+            handlelength=1.2,
+        )
     axes.set(ylim=(-reach, reach), xlabel="number of readings")
     axes.set_xlim(left=0)
     axes.xaxis.set_major_locator(MaxNLocator(3, integer=True))
@@ -115,7 +158,9 @@ def _distribution(axes: Axes, values: np.ndarray, reach: float) -> None:
 
 @drawing()
 def parameter_figure(fit: Calibration) -> Figure:
-    """Changes from nominal with two standard deviations, and the changes over their standard deviations: two panels a unit."""
+    """Changes from nominal with two standard deviations, and the changes over their standard
+    deviations: two panels a unit.
+    """
     own = [p for p in fit.parameters if not p.held and p.name not in MEASURING_FRAMES] or [
         p for p in fit.parameters if not p.held
     ]
@@ -125,14 +170,22 @@ def parameter_figure(fit: Calibration) -> Figure:
     figure, panels = _figure(2.0 + 6.0 * len(kinds), 1.6 + 0.19 * rows, (3, 2) * len(kinds))
     for k, kind in enumerate(kinds):
         free = sum(p.kind == kind for p in own)
-        _changes(panels[2 * k], shown[kind], kind, fit.mechanism, f"{len(shown[kind])} of {free} {kind}s, bars of two sigma")
+        _changes(
+            panels[2 * k],
+            shown[kind],
+            kind,
+            fit.mechanism,
+            f"{len(shown[kind])} of {free} {kind}s, bars of two sigma",
+        )
         _ratios(panels[2 * k + 1], shown[kind])
     return figure
 
 
 def _most_changed(parameters: list[Parameter]) -> list[Parameter]:
     """Those that changed most, as many as one picture shows, in their order."""
-    return sorted(sorted(parameters, key=lambda p: -abs(p.change))[:_MOST_BARS], key=parameters.index)
+    return sorted(
+        sorted(parameters, key=lambda p: -abs(p.change))[:_MOST_BARS], key=parameters.index
+    )
 
 
 def _changes(axes: Axes, kept: list[Parameter], kind: str, m: Mechanism, title: str) -> None:
@@ -140,7 +193,15 @@ def _changes(axes: Axes, kept: list[Parameter], kind: str, m: Mechanism, title: 
     places = np.arange(len(kept))[::-1]
     axes.barh(places, [out(p.change) for p in kept], color="#9cc3e4", height=0.7)
     sigma = [0.0 if p.sigma is None else 2 * out(p.sigma) for p in kept]
-    axes.errorbar([out(p.change) for p in kept], places, xerr=sigma, fmt="none", ecolor=COLOURS["text"], elinewidth=1, capsize=2)
+    axes.errorbar(
+        [out(p.change) for p in kept],
+        places,
+        xerr=sigma,
+        fmt="none",
+        ecolor=COLOURS["text"],
+        elinewidth=1,
+        capsize=2,
+    )
     axes.set_yticks(places, [p.name for p in kept], fontsize=7)
     axes.set_ylim(-1, len(kept))
     axes.axvline(0, color=COLOURS["quiet"], lw=0.8)
@@ -150,7 +211,9 @@ def _changes(axes: Axes, kept: list[Parameter], kind: str, m: Mechanism, title: 
 
 
 def _ratios(axes: Axes, kept: list[Parameter]) -> None:
-    """Changes over their standard deviations, those within three of them pale; logarithmic beyond ten where they reach far."""
+    """Changes over their standard deviations, those within three of them pale; logarithmic beyond
+    ten where they reach far.
+    """
     places = np.arange(len(kept))[::-1]
     ratios = np.array([p.change / p.sigma if p.sigma else np.nan for p in kept])
     reach = float(np.nanmax(np.abs(ratios))) if np.any(np.isfinite(ratios)) else 0.0
@@ -173,27 +236,56 @@ def _ratios(axes: Axes, kept: list[Parameter]) -> None:
 
 @drawing()
 def pose_sigma_figure(fit: Calibration, sigma: PoseSigma) -> Figure:
-    """Standard deviations of position and orientation over the poses, seen from above and from the side, and the poses
-    measured."""
+    """Standard deviations of position and orientation over the poses, seen from above and from the
+    side, and the poses measured.
+    """
     m = fit.mechanism
-    judged = "the platform" if m.platform_link is not None else f"link {matplotlib_text(judged_link(m))}"
+    judged = (
+        "the platform" if m.platform_link is not None else f"link {matplotlib_text(judged_link(m))}"
+    )
     figure, panels = _figure(11, 4.8, (1, 1))
     x, y, z = sigma.poses[:, 0], sigma.poses[:, 1], sigma.poses[:, 2]
     measured = _platform_positions(fit)
     shown = (
         (panels[0], x, y, "y", sigma.position, "position", m.length_unit),
-        (panels[1], x, z, "z", np.array([m.angle_out(float(a)) for a in sigma.angle]), "orientation", m.angle_unit),
+        (
+            panels[1],
+            x,
+            z,
+            "z",
+            np.array([m.angle_out(float(a)) for a in sigma.angle]),
+            "orientation",
+            m.angle_unit,
+        ),
     )
     for axes, across, up, name, values, what, unit in shown:
         dots = axes.scatter(across, up, c=values, s=22, cmap="viridis")
         axes.plot(
-            measured[:, 0], measured[:, "xyz".index(name)], "x", ms=4, mew=0.9, color=COLOURS["accent"],
+            measured[:, 0],
+            measured[:, "xyz".index(name)],
+            "x",
+            ms=4,
+            mew=0.9,
+            color=COLOURS["accent"],
             label=f"measured, {_drawn_of(measured, fit)}",
-        )  # fmt: skip
+        )
         figure.colorbar(dots, ax=axes, label=f"sigma of {what} [{unit}]")
-        axes.set(xlabel=f"x of {judged} [{m.length_unit}]", ylabel=f"{name} of {judged} [{m.length_unit}]")
-        axes.set_title(f"Sigma of the {what}, seen from {'above' if name == 'y' else 'the side'}", loc="left", pad=18)
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False, borderaxespad=0.1, handletextpad=0.2)
+        axes.set(
+            xlabel=f"x of {judged} [{m.length_unit}]",
+            ylabel=f"{name} of {judged} [{m.length_unit}]",
+        )
+        axes.set_title(
+            f"Sigma of the {what}, seen from {'above' if name == 'y' else 'the side'}",
+            loc="left",
+            pad=18,
+        )
+        axes.legend(
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            frameon=False,
+            borderaxespad=0.1,
+            handletextpad=0.2,
+        )
     return figure
 
 
@@ -203,8 +295,9 @@ def _drawn_of(measured: np.ndarray, fit: Calibration) -> str:
 
 
 def _platform_positions(fit: Calibration) -> np.ndarray:
-    """Where the platform frame was (n, 3) in the measured postures, in the base frame: observed poses less the measuring
-    frames."""
+    """Where the platform frame was (n, 3) in the measured postures, in the base frame: observed
+    poses less the measuring frames.
+    """
     rows = np.unique(np.linspace(0, len(fit.poses) - 1, _MOST_POSES).astype(int))
     back = {frame: _frame(fit.values, frame).inverse() for frame in ("world", "target")}
     poses = [back["world"] @ Pose(row[:3], row[3:]) @ back["target"] for row in fit.poses[rows]]
@@ -212,7 +305,10 @@ def _platform_positions(fit: Calibration) -> np.ndarray:
 
 
 def _frame(values: Mapping[str, float], name: str) -> Pose:
-    position, turn = (np.array([values.get(f"{name}.{what}.{k}", 0.0) for k in "xyz"]) for what in ("position", "rotation"))
+    position, turn = (
+        np.array([values.get(f"{name}.{what}.{k}", 0.0) for k in "xyz"])
+        for what in ("position", "rotation")
+    )
     return Pose(position, np.asarray(quaternion_from_rotation_vector(turn)))
 
 

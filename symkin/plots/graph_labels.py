@@ -1,4 +1,6 @@
-"""Names in the sketch of a graph: those of joints that close loops first, then of driven joints, other joints, points, rods, links."""
+"""Names in the sketch of a graph: those of joints that close loops first, then of driven joints,
+other joints, points, rods, links.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ _MOST_LINK_NAMES = 16
 _MOST_AT_ONE_PLACE = 4
 """Names of joints at one place that are written in full."""
 _CROWDED = 40
-"""Names beyond which a picture is crowded: those that would stand far away or cover a symbol are left out."""
+"""Names beyond which a picture is crowded: those that would stand far away or cover a symbol are
+left out.
+"""
 _FARTHEST, _MOST_COST = 70.0, 75.0
 """Pixels between a name and what it names, and what its place may cost, in a crowded picture."""
 
@@ -37,8 +41,12 @@ class _Name:
     look: dict[str, Any]
 
 
-def draw_labels(figure: Any, painter: GraphPainter, page: Page, names: Names = "all", scale: float = 1.0) -> int:
-    """Write names beside what they name, where they do not meet, `scale` times as large as usual. How many find no room."""
+def draw_labels(
+    figure: Any, painter: GraphPainter, page: Page, names: Names = "all", scale: float = 1.0
+) -> int:
+    """Write names beside what they name, where they do not meet, `scale` times as large as usual.
+    How many find no room.
+    """
     for start, end in painter.strokes:
         page.add_line(start.tolist(), end.tolist())
     page.symbols += [Box(x, y, reach, reach) for x, y, reach in painter.symbols]
@@ -49,7 +57,14 @@ def draw_labels(figure: Any, painter: GraphPainter, page: Page, names: Names = "
         font = scale * name.font
         width, height = text_extent(figure, painter.ax, name.text, font, **name.look)
         wish = direction(name.anchor - middle)
-        label = Label(name.text, (name.anchor[0], name.anchor[1]), name.reach, width, height, (wish[0], wish[1]))
+        label = Label(
+            name.text,
+            (name.anchor[0], name.anchor[1]),
+            name.reach,
+            width,
+            height,
+            (wish[0], wish[1]),
+        )
         box = page.find(label, _FARTHEST, _MOST_COST) if crowded else page.place(label)
         if box is None:
             left_out += 1
@@ -64,32 +79,60 @@ def _wanted(painter: GraphPainter, names: Names) -> Iterator[_Name]:
     if names == "none":
         return
     bold = {"fontweight": "bold"}
-    same = lines.pose is not None and float(np.linalg.norm(lines.pose.position)) <= 1e-6 * painter.size
+    same = (
+        lines.pose is not None and float(np.linalg.norm(lines.pose.position)) <= 1e-6 * painter.size
+    )
     if painter.origin and not same and names != "loops":
         yield _Name("O", painter.at(np.zeros(3)), 4.0, 10.0, {"color": COLOURS["text"], **bold})
     if lines.pose is not None and names != "loops":
         text = "O = P" if same and painter.origin else "P"
-        yield _Name(text, painter.at(np.asarray(lines.pose.position)), 4.0, 10.0, {"color": COLOURS["platform edge"], **bold})
+        yield _Name(
+            text,
+            painter.at(np.asarray(lines.pose.position)),
+            4.0,
+            10.0,
+            {"color": COLOURS["platform edge"], **bold},
+        )
     if names != "links":
         yield from _joints(painter, names)
     if names == "loops":
         return
     for name, point in lines.points.items() if names != "joints" else ():
-        yield _Name(name, painter.at(point), 6.0, 9.0, {"color": COLOURS["text"], "fontstyle": "italic"})
+        yield _Name(
+            name, painter.at(point), 6.0, 9.0, {"color": COLOURS["text"], "fontstyle": "italic"}
+        )
     for rod in lines.rods:
         if names == "joints" and not rod.actuated:
             continue
         reach = 0.4 * painter.symbol if rod.actuated else 4.0
-        yield _Name(rod.name, painter.at(0.5 * (rod.start + rod.end)), reach, 9.0, {"color": COLOURS["link"]})
+        yield _Name(
+            rod.name,
+            painter.at(0.5 * (rod.start + rod.end)),
+            reach,
+            9.0,
+            {"color": COLOURS["link"]},
+        )
     if names == "links" or (names == "all" and len(lines.links) <= _MOST_LINK_NAMES):
         for link, points in lines.links.items():
             if link != BASE:
-                colour = COLOURS["platform edge"] if link == lines.mechanism.platform_link else COLOURS["quiet"]
-                yield _Name(link, painter.at(np.mean(points, axis=0)), 2.0, 8.5, {"color": colour, "fontstyle": "italic"})
+                colour = (
+                    COLOURS["platform edge"]
+                    if link == lines.mechanism.platform_link
+                    else COLOURS["quiet"]
+                )
+                yield _Name(
+                    link,
+                    painter.at(np.mean(points, axis=0)),
+                    2.0,
+                    8.5,
+                    {"color": colour, "fontstyle": "italic"},
+                )
 
 
 def _joints(painter: GraphPainter, names: Names) -> Iterator[_Name]:
-    """Names of joints, those of one place in one text; of two colours where some of them close loops."""
+    """Names of joints, those of one place in one text; of two colours where some of them close
+    loops.
+    """
     closing = painter.lines.closing
     driven = {joint.name for joint in painter.lines.joints if joint.actuated}
     places = _places(painter)
@@ -125,10 +168,19 @@ def _joined(names: list[str]) -> str:
 def _write(ax: Any, page: Page, label: Label, box: Box, look: dict[str, Any]) -> None:
     """The text, and a line to what it names where it stands away from it."""
     anchor = np.array(label.anchor)
-    edge = np.clip(anchor, (box.x - box.wide, box.y - box.high), (box.x + box.wide, box.y + box.high))
+    edge = np.clip(
+        anchor, (box.x - box.wide, box.y - box.high), (box.x + box.wide, box.y + box.high)
+    )
     if np.linalg.norm(edge - anchor) > label.reach + 16.0:
         start = anchor + direction(edge - anchor) * label.reach
-        ax.plot([start[0], edge[0]], [start[1], edge[1]], color=COLOURS["axis"], linewidth=0.6, zorder=19.0, gid="leader")
+        ax.plot(
+            [start[0], edge[0]],
+            [start[1], edge[1]],
+            color=COLOURS["axis"],
+            linewidth=0.6,
+            zorder=19.0,
+            gid="leader",
+        )
         page.add_line(start.tolist(), edge.tolist())
     ax.text(
         box.x,

@@ -1,6 +1,7 @@
 """What is drawn of a graph of links at one configuration: NumPy only, base frame, length unit.
 
-A link is drawn through the points of its joints, of its rods' ends and its named points, which its pose moves.
+A link is drawn through the points of its joints, of its rods' ends and its named points, which its
+pose moves.
 """
 
 from __future__ import annotations
@@ -23,9 +24,13 @@ if TYPE_CHECKING:
     from symkin.position.solution import Solution
 
 _SAME = 1e-6
-"""Distance over the size below which two points are one, and sine below which two directions are."""
+"""Distance over the size below which two points are one, and sine below which two directions
+are.
+"""
 _HAND, _MANY = 0.16, 12
-"""Length over the size of the hand that shows how a link of one joint is turned, and how many links a graph has whose hands are shorter."""
+"""Length over the size of the hand that shows how a link of one joint is turned, and how many links
+a graph has whose hands are shorter.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +45,10 @@ class RodLine:
 
 @dataclass(eq=False)
 class GraphLines:
-    """Points (k, 3) of each link by name, joints, rods, rails (a line between the two links of a slide), named points, places of
-    coupled joints, joints that close loops, and the platform's pose, None where there is none."""
+    """Points (k, 3) of each link by name, joints, rods, rails (a line between the two links of a
+    slide), named points, places of coupled joints, joints that close loops, and the platform's
+    pose, None where there is none.
+    """
 
     mechanism: Mechanism
     links: dict[str, list[np.ndarray]] = field(default_factory=dict)
@@ -92,7 +99,9 @@ def graph_lines(mechanism: Mechanism, poses: Mapping[str, Pose]) -> GraphLines:
     if platform is not None:
         lines.pose = poses[platform] @ mechanism.reference_pose
     _add_hands(lines, edges, poses)
-    places = {joint.name: joint.centre for joint in lines.joints} | {rod.name: 0.5 * (rod.start + rod.end) for rod in lines.rods}
+    places = {joint.name: joint.centre for joint in lines.joints} | {
+        rod.name: 0.5 * (rod.start + rod.end) for rod in lines.rods
+    }
     for coupling in mechanism.couplings:
         first, *others = (_joint_of(name, places) for name in (coupling.joint, *coupling.names))
         lines.couplings += [(places[first], places[other]) for other in others]
@@ -161,15 +170,20 @@ def _add_joint(lines: GraphLines, edge: Branch, poses: Mapping[str, Pose]) -> No
 
 
 def _add_slide(lines: GraphLines, edge: Branch, poses: Mapping[str, Pose]) -> None:
-    """A slide or weld without a place of its own stands at the other joints of the link that moves on the base, or halfway between those
-    of its two links."""
+    """A slide or weld without a place of its own stands at the other joints of the link that moves
+    on the base, or halfway between those of its two links.
+    """
     joint = _part(edge)
     middles = {
         link: np.mean(lines.links[link], axis=0)
         for link in edge.ends
         if link != BASE and lines.links.get(link)
-    }  # fmt: skip
-    centre = np.mean(list(middles.values()), axis=0) if middles else poses[edge.ends[1]].apply(np.array(joint.point))
+    }
+    centre = (
+        np.mean(list(middles.values()), axis=0)
+        if middles
+        else poses[edge.ends[1]].apply(np.array(joint.point))
+    )
     for link in edge.ends:
         _attach(lines, link, centre)
     _mark(lines, joint, centre, poses[edge.ends[0]], poses[edge.ends[1]])
@@ -178,7 +192,9 @@ def _add_slide(lines: GraphLines, edge: Branch, poses: Mapping[str, Pose]) -> No
 def _mark(lines: GraphLines, joint: Joint, centre: np.ndarray, before: Pose, after: Pose) -> None:
     turned = [(before, joint.axis), (after, joint.axis2)]
     axes = tuple(np.asarray(pose.turn(np.array(axis))) for pose, axis in turned if axis is not None)
-    lines.joints.append(JointMark(joint.name, joint.type, np.asarray(centre), axes, joint.actuated, joint.name))
+    lines.joints.append(
+        JointMark(joint.name, joint.type, np.asarray(centre), axes, joint.actuated, joint.name)
+    )
 
 
 def _add_hands(lines: GraphLines, edges: Sequence[Branch], poses: Mapping[str, Pose]) -> None:
@@ -194,20 +210,26 @@ def _add_hands(lines: GraphLines, edges: Sequence[Branch], poses: Mapping[str, P
             points = lines.links.get(link, [])
             if link != BASE and len(points) == 1:
                 # hands at one place are of different lengths
-                longer = sum(float(np.linalg.norm(points[0] - other)) < _SAME * size for other in taken)
+                longer = sum(
+                    float(np.linalg.norm(points[0] - other)) < _SAME * size for other in taken
+                )
                 taken.append(points[0])
-                points.append(points[0] + (1.0 + 0.5 * longer) * hand * np.asarray(poses[link].turn(across)))
+                points.append(
+                    points[0] + (1.0 + 0.5 * longer) * hand * np.asarray(poses[link].turn(across))
+                )
 
 
 def _unit(vector: np.ndarray) -> np.ndarray:
     return np.asarray(vector / np.linalg.norm(vector))
 
 
-# --- view ----------------------------------------------------------------------------------------------------------
+# --- view -----------------------------------------------------------------------------------------
 
 
 def view_axes(lines: GraphLines) -> tuple[np.ndarray, bool]:
-    """Rows right, up and towards the eye, and whether the mechanism is planar and seen along its axes."""
+    """Rows right, up and towards the eye, and whether the mechanism is planar and seen along its
+    axes.
+    """
     normal = _plane_normal(lines)
     if normal is not None:
         return view_onto(normal), True
@@ -224,11 +246,16 @@ _BALL: JointType = "S"
 
 
 def _plane_normal(lines: GraphLines) -> np.ndarray | None:
-    """The axis about which everything turns and across which everything slides; None where there is none. A ball that closes a loop turns
-    about it too, as the links that it joins do."""
+    """The axis about which everything turns and across which everything slides; None where there is
+    none. A ball that closes a loop turns about it too, as the links that it joins do.
+    """
     turning = [joint.axes[0] for joint in lines.joints if joint.type == "R"]
     others = [joint for joint in lines.joints if joint.type not in ("R", "P", "weld")]
-    if not turning or lines.rods or any(joint.type != "S" or joint.name not in lines.closing for joint in others):
+    if (
+        not turning
+        or lines.rods
+        or any(joint.type != "S" or joint.name not in lines.closing for joint in others)
+    ):
         return None
     normal = turning[0] * np.sign(turning[0][int(np.argmax(np.abs(turning[0])))])
     parallel = all(np.linalg.norm(np.cross(axis, normal)) < _SAME for axis in turning)

@@ -1,4 +1,6 @@
-"""The picture of a Jacobian: its matrix at one configuration, with the names of its rows and columns."""
+"""The picture of a Jacobian: its matrix at one configuration, with the names of its rows and
+columns.
+"""
 
 from __future__ import annotations
 
@@ -24,26 +26,40 @@ _MOST_WRITTEN = 144
 
 
 def figure_of_jacobian(jacobian: Jacobian, *, at: Values | None = None) -> Figure:
-    """The entries with their numbers, colours by their size with angles times the mechanism's size; `at` is the configuration
-    (default: the reference). Raises InputError where the matrix is not finite there."""
+    """The entries with their numbers, colours by their size with angles times the mechanism's size;
+    `at` is the configuration (default: the reference). Raises InputError where the matrix is not
+    finite there.
+    """
     matrix = jacobian.at(jacobian.closure.reference if at is None else at)
     if not np.isfinite(matrix).all():
         where = "reference configuration" if at is None else "configuration"
-        raise InputError(f"plot: the {jacobian.kind} Jacobian is not defined at the {where}; give a regular one with at=...")
-    title = f"{jacobian.mechanism.name}: {jacobian.kind} Jacobian" + (" at the reference" if at is None else "")
+        raise InputError(
+            f"plot: the {jacobian.kind} Jacobian is not defined at the {where}; give a regular one "
+            f"with at=..."
+        )
+    title = f"{jacobian.mechanism.name}: {jacobian.kind} Jacobian" + (
+        " at the reference" if at is None else ""
+    )
     return _matrix_figure(jacobian, matrix, title)
 
 
 def figure_of_rates(jacobian: RateJacobian, *, at: Solution | None = None) -> Figure:
-    """The same of rates of any coordinates by those of others. Raises InputError where these do not decide them at the configuration."""
+    """The same of rates of any coordinates by those of others. Raises InputError where these do not
+    decide them at the configuration.
+    """
     mechanism = jacobian.mechanism
     known = {c.name: c for c in jacobian.problem.known_coordinates}
-    here = {name: mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0] for name, c in known.items()}
+    here = {
+        name: mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
+        for name, c in known.items()
+    }
     try:
         matrix = jacobian.at(configuration(mechanism, given=here) if at is None else at)
     except SolveError as error:
         raise InputError(f"plot: {error}; give a regular configuration with at=...") from None
-    title = f"{mechanism.name}: rates of rows by columns" + (" at the reference" if at is None else "")
+    title = f"{mechanism.name}: rates of rows by columns" + (
+        " at the reference" if at is None else ""
+    )
     return _matrix_figure(jacobian, matrix, title)
 
 
@@ -57,15 +73,26 @@ def _matrix_figure(jacobian: Jacobian | RateJacobian, matrix: np.ndarray, title:
         figure = Figure(figsize=size, facecolor="white", layout="constrained")
         FigureCanvasAgg(figure)
         ax: Any = figure.add_subplot()
-        shade = matrix * np.array(_weights(jacobian, jacobian.rows))[:, None] / _weights(jacobian, jacobian.columns)
+        shade = (
+            matrix
+            * np.array(_weights(jacobian, jacobian.rows))[:, None]
+            / _weights(jacobian, jacobian.columns)
+        )
         reach = float(np.max(np.abs(shade), initial=0.0)) or 1.0
         image = ax.imshow(shade, cmap="RdBu_r", vmin=-reach, vmax=reach, aspect="auto")
-        ax.set_xticks(range(columns), [matplotlib_text(name) for name in jacobian.columns], rotation=45, ha="right")
+        ax.set_xticks(
+            range(columns),
+            [matplotlib_text(name) for name in jacobian.columns],
+            rotation=45,
+            ha="right",
+        )
         ax.set_yticks(range(rows), [matplotlib_text(name) for name in jacobian.rows])
         if matrix.size <= _MOST_WRITTEN:
             for (i, j), value in np.ndenumerate(matrix):
                 colour = "white" if abs(shade[i, j]) > 0.6 * reach else COLOURS["text"]
-                ax.text(j, i, f"{value + 0.0:.3g}", ha="center", va="center", fontsize=7.5, color=colour)
+                ax.text(
+                    j, i, f"{value + 0.0:.3g}", ha="center", va="center", fontsize=7.5, color=colour
+                )
         figure.colorbar(image, ax=ax, shrink=0.9, label="colours: angles\ntimes the size")
         figure.suptitle(title, fontsize=11, color=COLOURS["text"], parse_math=False)
     return figure

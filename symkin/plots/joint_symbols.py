@@ -1,7 +1,8 @@
 """Symbols of joints as kinematic schemes draw them, seen from any direction.
 
-R: a cylinder on its axis, a circle where the axis points to the eye. P: a prism on its rail. C: a cylinder that its rail passes
-through. H: a cylinder with a thread. U: a cross of two axes in a ring. S: a ball in an open socket. Weld: a filled square.
+R: a cylinder on its axis, a circle where the axis points to the eye. P: a prism on its rail. C: a
+cylinder that its rail passes through. H: a cylinder with a thread. U: a cross of two axes in a
+ring. S: a ball in an open socket. Weld: a filled square.
 """
 
 from __future__ import annotations
@@ -15,9 +16,14 @@ from symkin.model.joint import JointType
 from symkin.plots.style import COLOURS
 
 NAMES: dict[JointType, str] = {
-    "R": "R revolute", "P": "P prismatic", "C": "C cylindrical", "H": "H helical", "U": "U universal", "S": "S spherical",
+    "R": "R revolute",
+    "P": "P prismatic",
+    "C": "C cylindrical",
+    "H": "H helical",
+    "U": "U universal",
+    "S": "S spherical",
     "weld": "weld",
-}  # fmt: skip
+}
 _WIDTH = 0.52
 """Diameter of cylinders and side of prisms, over their length."""
 _END_ON = 0.25
@@ -37,8 +43,9 @@ def draw_symbol(
     label: str,
     order: float,
 ) -> None:
-    """Draw the symbol of a joint at `centre` (2,), its `axes` (2,) as they are seen (of 1), `size` long; every artist has the
-    group id `label`."""
+    """Draw the symbol of a joint at `centre` (2,), its `axes` (2,) as they are seen (of 1), `size`
+    long; every artist has the group id `label`.
+    """
     fill = COLOURS["accent"] if actuated else "white"
     artists = _DRAWN[kind](centre, list(axes), size, fill)
     for number, artist in enumerate(artists):
@@ -58,9 +65,16 @@ def _prismatic(centre: np.ndarray, axes: list[np.ndarray], size: float, fill: st
     axis, seen = _direction(axes[0])
     half, side = 0.5 * size * max(seen, _WIDTH), 0.5 * _WIDTH * size
     across = np.array([-axis[1], axis[0]])
-    corners = [centre + i * half * axis + j * side * across for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    corners = [
+        centre + i * half * axis + j * side * across
+        for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    ]
     rail = 1.55 * half * axis
-    inside = [_line([corners[0], corners[2]], 0.7), _line([corners[1], corners[3]], 0.7)] if seen < _END_ON else []
+    inside = (
+        [_line([corners[0], corners[2]], 0.7), _line([corners[1], corners[3]], 0.7)]
+        if seen < _END_ON
+        else []
+    )
     middle = [_line([centre - half * axis, centre + half * axis], 0.7)] if not inside else []
     return [_line([centre - rail, centre + rail], 1.1), _polygon(corners, fill), *inside, *middle]
 
@@ -80,7 +94,10 @@ def _helical(centre: np.ndarray, axes: list[np.ndarray], size: float, fill: str)
     across = np.array([-axis[1], axis[0]]) * 0.5 * _WIDTH * size
     half = 0.5 * size * max(seen, _WIDTH)
     turns = np.linspace(-0.7, 0.7, 6)
-    thread = [centre + s * half * axis + (across if k % 2 else -across) * 0.85 for k, s in enumerate(turns)]
+    thread = [
+        centre + s * half * axis + (across if k % 2 else -across) * 0.85
+        for k, s in enumerate(turns)
+    ]
     return [*drawn, _line(thread, 0.9)]
 
 
@@ -116,12 +133,23 @@ def _spherical(centre: np.ndarray, _axes: list[np.ndarray], size: float, fill: s
 
 def _weld(centre: np.ndarray, _axes: list[np.ndarray], size: float, _fill: str) -> list[Any]:
     half = 0.18 * size
-    return [_polygon([centre + half * np.array(corner) for corner in ((-1, -1), (1, -1), (1, 1), (-1, 1))], COLOURS["link"])]
+    return [
+        _polygon(
+            [centre + half * np.array(corner) for corner in ((-1, -1), (1, -1), (1, 1), (-1, 1))],
+            COLOURS["link"],
+        )
+    ]
 
 
 _DRAWN = {
-    "R": _revolute, "P": _prismatic, "C": _cylindrical, "H": _helical, "U": _universal, "S": _spherical, "weld": _weld,
-}  # fmt: skip
+    "R": _revolute,
+    "P": _prismatic,
+    "C": _cylindrical,
+    "H": _helical,
+    "U": _universal,
+    "S": _spherical,
+    "weld": _weld,
+}
 
 
 def reach_of(kind: JointType, axes: Sequence[np.ndarray]) -> np.ndarray:
@@ -133,7 +161,7 @@ def reach_of(kind: JointType, axes: Sequence[np.ndarray]) -> np.ndarray:
     return np.asarray(np.abs(axis) * along + np.abs(axis[::-1]) * across + 0.06)
 
 
-# --- shapes --------------------------------------------------------------------------------------------------------
+# --- shapes ---------------------------------------------------------------------------------------
 
 
 def _direction(seen: np.ndarray) -> tuple[np.ndarray, float]:
@@ -142,7 +170,9 @@ def _direction(seen: np.ndarray) -> tuple[np.ndarray, float]:
     return (seen / length if length > 1e-9 else np.array([1.0, 0.0])), min(1.0, length)
 
 
-def _cylinder(centre: np.ndarray, axis: np.ndarray, seen: float, size: float, fill: str) -> list[Any]:
+def _cylinder(
+    centre: np.ndarray, axis: np.ndarray, seen: float, size: float, fill: str
+) -> list[Any]:
     """Sides and far end as one outline, the near end as an ellipse."""
     from matplotlib.patches import Ellipse
 
@@ -155,32 +185,54 @@ def _cylinder(centre: np.ndarray, axis: np.ndarray, seen: float, size: float, fi
     tip = centre + half
     angle = float(np.degrees(np.arctan2(axis[1], axis[0])))
     end = Ellipse(
-        (float(tip[0]), float(tip[1])), max(2 * depth, 0.06 * size), 2 * radius, angle=angle, facecolor=fill, edgecolor=COLOURS["link"],
+        (float(tip[0]), float(tip[1])),
+        max(2 * depth, 0.06 * size),
+        2 * radius,
+        angle=angle,
+        facecolor=fill,
+        edgecolor=COLOURS["link"],
         linewidth=_EDGE,
-    )  # fmt: skip
+    )
     return [_polygon(outline, fill), end]
 
 
 def _polygon(corners: Sequence[np.ndarray], fill: str) -> Any:
     from matplotlib.patches import Polygon
 
-    return Polygon(np.array(corners), closed=True, facecolor=fill, edgecolor=COLOURS["link"], linewidth=_EDGE, joinstyle="round")
+    return Polygon(
+        np.array(corners),
+        closed=True,
+        facecolor=fill,
+        edgecolor=COLOURS["link"],
+        linewidth=_EDGE,
+        joinstyle="round",
+    )
 
 
 def _disc(centre: np.ndarray, radius: float, fill: str) -> Any:
     from matplotlib.patches import Circle
 
-    return Circle((float(centre[0]), float(centre[1])), radius, facecolor=fill, edgecolor=COLOURS["link"], linewidth=_EDGE)
+    return Circle(
+        (float(centre[0]), float(centre[1])),
+        radius,
+        facecolor=fill,
+        edgecolor=COLOURS["link"],
+        linewidth=_EDGE,
+    )
 
 
 def _dot(centre: np.ndarray, radius: float) -> Any:
     from matplotlib.patches import Circle
 
-    return Circle((float(centre[0]), float(centre[1])), radius, facecolor=COLOURS["link"], edgecolor="none")
+    return Circle(
+        (float(centre[0]), float(centre[1])), radius, facecolor=COLOURS["link"], edgecolor="none"
+    )
 
 
 def _line(points: Sequence[np.ndarray], width: float) -> Any:
     from matplotlib.lines import Line2D
 
     rows = np.array(points)
-    return Line2D(rows[:, 0], rows[:, 1], color=COLOURS["link"], linewidth=width, solid_capstyle="round")
+    return Line2D(
+        rows[:, 0], rows[:, 1], color=COLOURS["link"], linewidth=width, solid_capstyle="round"
+    )

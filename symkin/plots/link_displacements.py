@@ -1,8 +1,9 @@
 """Displacements of a limb's links from the reference: NumPy only, base frame, length unit, radians.
 
-A limb of n joints has n + 1 links; link 0 is the base, link n the platform. Each link's displacement is a product of
-joint displacements M, taken from the base up to the limb's cut joint and from the platform back to it, so that no
-coordinate of a cut joint is needed: D_i = D_(i-1) M_i before the cut, D_(i-1) = D_i M_i^-1 behind it.
+A limb of n joints has n + 1 links; link 0 is the base, link n the platform. Each link's
+displacement is a product of joint displacements M, taken from the base up to the limb's cut joint
+and from the platform back to it, so that no coordinate of a cut joint is needed: D_i = D_(i-1) M_i
+before the cut, D_(i-1) = D_i M_i^-1 behind it.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ from symkin.spatial.screw import turn_about
 
 
 def joint_displacement(joint: Joint, values: Sequence[Any]) -> Pose:
-    """The joint's displacement from the reference at its coordinate values (radians, length unit, unit quaternion)."""
+    """The joint's displacement from the reference at its coordinate values (radians, length unit,
+    unit quaternion).
+    """
     at = np.array(joint.point)
     if joint.type == "S":
         q = np.asarray(values[0], dtype=float)
@@ -36,19 +39,26 @@ def joint_displacement(joint: Joint, values: Sequence[Any]) -> Pose:
         case "C":
             return _slide(axis, values[1]) @ turn_about(at, axis, values[0])
         case "U":
-            return turn_about(at, axis, values[0]) @ turn_about(at, np.array(joint.axis2), values[1])
+            return turn_about(at, axis, values[0]) @ turn_about(
+                at, np.array(joint.axis2), values[1]
+            )
         case _:
             return turn_about(at, axis, values[0] - joint.zero)
 
 
-def link_displacements(mechanism: Mechanism, limb: AnyLimb, values: Mapping[str, Any], pose: Pose) -> list[Pose]:
+def link_displacements(
+    mechanism: Mechanism, limb: AnyLimb, values: Mapping[str, Any], pose: Pose
+) -> list[Pose]:
     """Displacements of the limb's n + 1 links from the reference, base first.
 
-    Joints whose coordinates are not among `values` are the cut ones. Between two cut joints (spherical both) the links'
-    spin about the line through them is free: they are turned the shortest way from where the joints before leave them.
+    Joints whose coordinates are not among `values` are the cut ones. Between two cut joints
+    (spherical both) the links' spin about the line through them is free: they are turned the
+    shortest way from where the joints before leave them.
     """
     joints, n = limb.joints, len(limb.joints)
-    cut = [i for i, joint in enumerate(joints) if any(c.name not in values for c in joint.coordinates)]
+    cut = [
+        i for i, joint in enumerate(joints) if any(c.name not in values for c in joint.coordinates)
+    ]
     first, last = (cut[0], cut[-1]) if cut else (n, n)
     moves = {
         i: joint_displacement(joint, [values[c.name] for c in joint.coordinates])
@@ -64,15 +74,27 @@ def link_displacements(mechanism: Mechanism, limb: AnyLimb, values: Mapping[str,
     for i in range(n - 1, last, -1):
         behind.insert(0, behind[0] @ moves[i].inverse())
     inner = [moves[i] for i in range(first + 1, last)]
-    return [*before, *(_between(before[-1], behind[0], joints[first], joints[last], inner) if last > first else []), *behind]
+    return [
+        *before,
+        *(
+            _between(before[-1], behind[0], joints[first], joints[last], inner)
+            if last > first
+            else []
+        ),
+        *behind,
+    ]
 
 
 def _slide(axis: np.ndarray, distance: float) -> Pose:
     return Pose(distance * axis, np.array([1.0, 0.0, 0.0, 0.0]))
 
 
-def _between(before: Pose, behind: Pose, first: Joint, last: Joint, moves: Sequence[Pose]) -> list[Pose]:
-    """Displacements of the links between two cut spherical joints, whose centres the links before and behind hold."""
+def _between(
+    before: Pose, behind: Pose, first: Joint, last: Joint, moves: Sequence[Pose]
+) -> list[Pose]:
+    """Displacements of the links between two cut spherical joints, whose centres the links before
+    and behind hold.
+    """
     chain = [Pose.identity()]
     for move in moves:
         chain.append(chain[-1] @ move)

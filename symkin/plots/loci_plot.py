@@ -1,4 +1,6 @@
-"""Pictures of singularity loci over a plane of two coordinates. Matplotlib is imported only when one is drawn."""
+"""Pictures of singularity loci over a plane of two coordinates. Matplotlib is imported only when
+one is drawn.
+"""
 
 from __future__ import annotations
 
@@ -23,31 +25,48 @@ _NARROW = 4.0
 
 
 def figure_of_loci(loci: Loci) -> Figure:
-    """The window with every curve: strong where it belongs to the configuration's working mode, thin elsewhere; cusps as
-    rings, the configuration as a cross; equal scales where both sides are of one unit."""
+    """The window with every curve: strong where it belongs to the configuration's working mode,
+    thin elsewhere; cusps as rings, the configuration as a cross; equal scales where both sides are
+    of one unit.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     with drawing():
-        figure = Figure(figsize=(7.4, 7.2 if len(loci.ranges) == 2 else 2.6), facecolor="white", layout="constrained")
+        figure = Figure(
+            figsize=(7.4, 7.2 if len(loci.ranges) == 2 else 2.6),
+            facecolor="white",
+            layout="constrained",
+        )
         FigureCanvasAgg(figure)
         axes = figure.subplots()
         draw_curves(axes, loci)
-        figure.suptitle(f"{loci.plane.mechanism.name}: singularity loci", fontsize=13, fontweight="bold", color=COLOURS["text"])
+        figure.suptitle(
+            f"{loci.plane.mechanism.name}: singularity loci",
+            fontsize=13,
+            fontweight="bold",
+            color=COLOURS["text"],
+        )
         axes.set_title(loci.held, fontsize=9, color=COLOURS["quiet"], parse_math=False)
         handles, labels = axes.get_legend_handles_labels()
         if handles:
             unique = dict(zip(labels, handles, strict=True))
             figure.legend(
-                list(unique.values()), list(unique), loc="outside lower center", ncols=3, frameon=False, fontsize=9,
+                list(unique.values()),
+                list(unique),
+                loc="outside lower center",
+                ncols=3,
+                frameon=False,
+                fontsize=9,
                 labelcolor=COLOURS["quiet"],
-            )  # fmt: skip
+            )
     return figure
 
 
 def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
-    """The curves, cusps and the configuration on given axes, with limits and labels; `emphasise`: curves of other working
-    modes thin."""
+    """The curves, cusps and the configuration on given axes, with limits and labels; `emphasise`:
+    curves of other working modes thin.
+    """
     if len(loci.ranges) == 1:
         _draw_points(axes, loci)
         return
@@ -55,10 +74,20 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
         _curve(axes, curve, emphasise)
         ends = curve.loose_ends(loci.ranges)
         if len(ends):
-            axes.plot(*ends.T, "x", color=KIND_COLOURS[curve.kind], ms=6, mew=1.4, label="tracing ends", zorder=4)
+            axes.plot(
+                *ends.T,
+                "x",
+                color=KIND_COLOURS[curve.kind],
+                ms=6,
+                mew=1.4,
+                label="tracing ends",
+                zorder=4,
+            )
     u, v = (_out(loci, k) for k in range(2))
     if all(low <= value <= high for value, (low, high) in zip((u, v), loci.ranges, strict=True)):
-        axes.plot([u], [v], "+", color=COLOURS["text"], ms=11, mew=1.6, label="configuration", zorder=5)
+        axes.plot(
+            [u], [v], "+", color=COLOURS["text"], ms=11, mew=1.6, label="configuration", zorder=5
+        )
     if not loci.curves:
         apart = 0.25 if v > float(np.mean(loci.ranges[1])) else 0.75
         look = {"transform": axes.transAxes, "color": COLOURS["quiet"], "zorder": 6, "fontsize": 12}
@@ -68,7 +97,10 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
     names = [f"{title} [{unit}]" for title, unit in zip(titles, loci.units, strict=True)]
     axes.set_xlabel(names[0] + _caption(loci), color=COLOURS["text"], parse_math=False)
     axes.set_ylabel(names[1], color=COLOURS["text"], parse_math=False)
-    if loci.units[0] == loci.units[1] and 1 / _NARROW <= np.ptp(loci.ranges[0]) / np.ptp(loci.ranges[1]) <= _NARROW:
+    if (
+        loci.units[0] == loci.units[1]
+        and 1 / _NARROW <= np.ptp(loci.ranges[0]) / np.ptp(loci.ranges[1]) <= _NARROW
+    ):
         axes.set_aspect("equal")
     axes.grid(color=COLOURS["grid"], lw=0.6)
 
@@ -76,11 +108,32 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
 def _draw_points(axes: Any, loci: Loci) -> None:
     """The singular points over one coordinate, on a line."""
     for curve in loci.curves:
-        axes.plot(curve.points[:, 0], [0.0], "D", color=KIND_COLOURS[curve.kind], ms=7, label=curve.kind, zorder=4)
-    axes.plot([_out(loci, 0)], [0.0], "+", color=COLOURS["text"], ms=11, mew=1.6, label="configuration", zorder=5)
+        axes.plot(
+            curve.points[:, 0],
+            [0.0],
+            "D",
+            color=KIND_COLOURS[curve.kind],
+            ms=7,
+            label=curve.kind,
+            zorder=4,
+        )
+    axes.plot(
+        [_out(loci, 0)],
+        [0.0],
+        "+",
+        color=COLOURS["text"],
+        ms=11,
+        mew=1.6,
+        label="configuration",
+        zorder=5,
+    )
     axes.axhline(0.0, color=COLOURS["grid"], lw=1.0, zorder=1)
     axes.set(xlim=loci.ranges[0], ylim=(-1.0, 1.0), yticks=[])
-    axes.set_xlabel(f"{loci.plane.names[0]} [{loci.units[0]}]" + _caption(loci), color=COLOURS["text"], parse_math=False)
+    axes.set_xlabel(
+        f"{loci.plane.names[0]} [{loci.units[0]}]" + _caption(loci),
+        color=COLOURS["text"],
+        parse_math=False,
+    )
 
 
 def point_look(curve: Locus) -> tuple[str, str]:
@@ -102,17 +155,29 @@ def _curve(axes: Any, curve: Locus, emphasise: bool) -> None:
     points, mode = curve.points, curve.in_mode | (not emphasise)
     if curve.is_point:
         marker, what = point_look(curve)
-        axes.plot(*points[:1].T, marker, color=colour, ms=6, label=f"{curve.kind}, {what}", zorder=4)
+        axes.plot(
+            *points[:1].T, marker, color=colour, ms=6, label=f"{curve.kind}, {what}", zorder=4
+        )
         return
     if curve.closed:
         points, mode = np.vstack([points, points[:1]]), np.append(mode, mode[0])
     if not mode.all():
-        axes.plot(*points.T, "-", color=colour, lw=0.8, alpha=0.45, label=f"{curve.kind}, other working modes", zorder=2)
+        axes.plot(
+            *points.T,
+            "-",
+            color=colour,
+            lw=0.8,
+            alpha=0.45,
+            label=f"{curve.kind}, other working modes",
+            zorder=2,
+        )
     if mode.any():
         strong = np.where(mode[:, None], points, np.nan)
         axes.plot(*strong.T, "-", color=colour, lw=1.9, label=curve.kind, zorder=3)
     if len(curve.cusps):
-        axes.plot(*curve.cusps.T, "o", mfc="white", mec=colour, ms=6, mew=1.4, label="cusp", zorder=4)
+        axes.plot(
+            *curve.cusps.T, "o", mfc="white", mec=colour, ms=6, mew=1.4, label="cusp", zorder=4
+        )
 
 
 def _out(loci: Loci, k: int) -> float:

@@ -1,4 +1,6 @@
-"""The lines that a mechanism is drawn with, at one configuration: NumPy only, base frame, length unit."""
+"""The lines that a mechanism is drawn with, at one configuration: NumPy only, base frame, length
+unit.
+"""
 
 from __future__ import annotations
 
@@ -49,8 +51,9 @@ class _Rail:
 
 @dataclass(eq=False)
 class LimbLines:
-    """One limb: `segments` on end from `base`, `rods` where it ends in rods, and its `ends` on the platform. `places` are those
-    of its joints by name, of a P joint the middle of its slide."""
+    """One limb: `segments` on end from `base`, `rods` where it ends in rods, and its `ends` on the
+    platform. `places` are those of its joints by name, of a P joint the middle of its slide.
+    """
 
     name: str
     base: np.ndarray
@@ -73,8 +76,9 @@ class LimbLines:
 
 @dataclass(frozen=True, eq=False)
 class MechanismLines:
-    """What is drawn of one configuration: the limbs, base and platform points (k, 3), and the platform's pose. An arm has a tool and
-    no platform, only the point where it ends."""
+    """What is drawn of one configuration: the limbs, base and platform points (k, 3), and the
+    platform's pose. An arm has a tool and no platform, only the point where it ends.
+    """
 
     limbs: tuple[LimbLines, ...]
     base: np.ndarray
@@ -85,16 +89,23 @@ class MechanismLines:
     @property
     def points(self) -> np.ndarray:
         """Every point drawn, shape (k, 3): what the axes must hold."""
-        ends = [p for limb in self.limbs for s in (*limb.segments, *limb.rods) for p in (s.start, s.end)]
-        return np.array([np.zeros(3), np.asarray(self.pose.position), *self.base, *self.platform, *ends])
+        ends = [
+            p for limb in self.limbs for s in (*limb.segments, *limb.rods) for p in (s.start, s.end)
+        ]
+        return np.array(
+            [np.zeros(3), np.asarray(self.pose.position), *self.base, *self.platform, *ends]
+        )
 
 
 def lines_at(mechanism: Mechanism, values: Mapping[str, Any], pose: Pose) -> MechanismLines:
-    """The lines of a configuration: `values` of the closure coordinates by name (radians, length unit; those of cut joints
-    are not among them) and the platform's pose, as in a Solution."""
+    """The lines of a configuration: `values` of the closure coordinates by name (radians, length
+    unit; those of cut joints are not among them) and the platform's pose, as in a Solution.
+    """
     places = _joint_places(mechanism)
     limbs = tuple(
-        _joint_limb_lines(mechanism, limb, places, values, pose) if limb.joints else _leg_lines(mechanism, limb, pose)
+        _joint_limb_lines(mechanism, limb, places, values, pose)
+        if limb.joints
+        else _leg_lines(mechanism, limb, pose)
         for limb in mechanism.limbs
     )
     base = np.array([limb.base for limb in limbs])
@@ -110,8 +121,9 @@ def reference_lines(mechanism: Mechanism) -> MechanismLines:
 
 
 def outline(points: np.ndarray) -> np.ndarray:
-    """Corners (k, 3) of the convex hull of points (n, 3) seen along the normal of their best plane, in order around it;
-    fewer than three for points on a line."""
+    """Corners (k, 3) of the convex hull of points (n, 3) seen along the normal of their best plane,
+    in order around it; fewer than three for points on a line.
+    """
     centred = points - points.mean(axis=0)
     _, s, vt = np.linalg.svd(centred, full_matrices=True)
     if len(s) < 2 or s[1] <= 1e-6 * max(s[0], 1e-300):
@@ -120,7 +132,7 @@ def outline(points: np.ndarray) -> np.ndarray:
     return points[_hull(centred @ vt[:2].T)]
 
 
-# --- limbs -------------------------------------------------------------------------------------------------------
+# --- limbs ----------------------------------------------------------------------------------------
 
 
 def _leg_lines(mechanism: Mechanism, limb: AnyLimb, pose: Pose) -> LimbLines:
@@ -133,7 +145,11 @@ def _leg_lines(mechanism: Mechanism, limb: AnyLimb, pose: Pose) -> LimbLines:
 
 
 def _joint_limb_lines(
-    mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndarray], values: Mapping[str, Any], pose: Pose
+    mechanism: Mechanism,
+    limb: AnyLimb,
+    places: Mapping[str, np.ndarray],
+    values: Mapping[str, Any],
+    pose: Pose,
 ) -> LimbLines:
     links = link_displacements(mechanism, limb, values, pose)
     lines = LimbLines(limb.name, _base_point(mechanism, limb, places))
@@ -156,9 +172,14 @@ def _joint_limb_lines(
 
 
 def _finish(
-    mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndarray], lines: LimbLines,
-    slides: Sequence[_Rail], last_link: Pose, pose: Pose,
-) -> None:  # fmt: skip
+    mechanism: Mechanism,
+    limb: AnyLimb,
+    places: Mapping[str, np.ndarray],
+    lines: LimbLines,
+    slides: Sequence[_Rail],
+    last_link: Pose,
+    pose: Pose,
+) -> None:
     """From the last joint to the platform: by rods, to the tool, or along what slides there."""
     rods = limb.bars(mechanism.reference_pose)
     if not rods:
@@ -177,7 +198,9 @@ def _finish(
 
 
 def _walk(lines: LimbLines, target: np.ndarray, slides: Sequence[_Rail]) -> None:
-    """Go on to `target`: straight, or along the axes of the P joints on the way, after what they cannot cover."""
+    """Go on to `target`: straight, or along the axes of the P joints on the way, after what they
+    cannot cover.
+    """
     last = lines.points[-1]
     if slides:
         axes = np.array([rail.axis for rail in slides])
@@ -185,14 +208,21 @@ def _walk(lines: LimbLines, target: np.ndarray, slides: Sequence[_Rail]) -> None
         lines.line_to(target - shares @ axes, "link")
         for k, (rail, share) in enumerate(zip(slides, shares, strict=True), start=1):
             begin = lines.points[-1]
-            lines.line_to(target if k == len(slides) else begin + share * rail.axis, _slide_kind(rail.actuated))
+            lines.line_to(
+                target if k == len(slides) else begin + share * rail.axis,
+                _slide_kind(rail.actuated),
+            )
             lines.places[rail.name] = 0.5 * (begin + lines.points[-1])
     else:
         lines.line_to(target, "link")
 
 
-def _base_point(mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Where the limb begins: a serial arm at the origin; P joints at the point of their rails nearest their own point."""
+def _base_point(
+    mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndarray]
+) -> np.ndarray:
+    """Where the limb begins: a serial arm at the origin; P joints at the point of their rails
+    nearest their own point.
+    """
     if mechanism.serial:
         return np.zeros(3)
     first = limb.joints[0]
@@ -206,9 +236,12 @@ def _base_point(mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.nda
     return _beside(mechanism.places[first.name], target, leading)
 
 
-def _end_point(mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndarray]) -> np.ndarray | None:
-    """Where a limb without rods ends at the reference: the tool, or behind P joints the point of their rails nearest the platform's
-    origin; None where it ends at its last joint."""
+def _end_point(
+    mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndarray]
+) -> np.ndarray | None:
+    """Where a limb without rods ends at the reference: the tool, or behind P joints the point of
+    their rails nearest the platform's origin; None where it ends at its last joint.
+    """
     origin = np.array(mechanism.platform_position)
     held = [joint for joint in limb.joints if joint.type != "P"]
     if mechanism.serial or not held:
@@ -218,20 +251,27 @@ def _end_point(mechanism: Mechanism, limb: AnyLimb, places: Mapping[str, np.ndar
 
 
 def _joint_places(mechanism: Mechanism) -> dict[str, np.ndarray]:
-    """A point on each joint at the reference; where the joints of all limbs meet in one point (a spherical mechanism),
-    points of their axes at the distance `size` from it stand for them."""
+    """A point on each joint at the reference; where the joints of all limbs meet in one point (a
+    spherical mechanism), points of their axes at the distance `size` from it stand for them.
+    """
     joints = [joint for _, joint in mechanism.joints]
     points = dict(mechanism.places)
     held = [points[joint.name] for joint in joints if joint.type != "P"]
-    if mechanism.bars or mechanism.serial or not held or np.ptp(held, axis=0).max() > 1e-9 * mechanism.characteristic_length:
+    if (
+        mechanism.bars
+        or mechanism.serial
+        or not held
+        or np.ptp(held, axis=0).max() > 1e-9 * mechanism.characteristic_length
+    ):
         return points
     return {
-        joint.name: points[joint.name] + mechanism.characteristic_length * np.array(joint.axis or (0.0, 0.0, 0.0))
+        joint.name: points[joint.name]
+        + mechanism.characteristic_length * np.array(joint.axis or (0.0, 0.0, 0.0))
         for joint in joints
     }
 
 
-# --- geometry ----------------------------------------------------------------------------------------------------
+# --- geometry -------------------------------------------------------------------------------------
 
 
 def _slide_kind(actuated: bool) -> SegmentKind:

@@ -23,8 +23,10 @@ _COUNTS = ("no mode of the sheet", "one", "two", "three or more")
 
 
 def figure_of_mode_graph(graph: ModeGraph, *, route: np.ndarray | None = None) -> Figure:
-    """A panel for each sheet: at each grid point how many of its modes belong to the sheet, edges without a singularity, the
-    chosen input as a cross; `route` (m, joints), a path of `ModeGraph.path`, on the first panel."""
+    """A panel for each sheet: at each grid point how many of its modes belong to the sheet, edges
+    without a singularity, the chosen input as a cross; `route` (m, joints), a path of
+    `ModeGraph.path`, on the first panel.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -33,7 +35,11 @@ def figure_of_mode_graph(graph: ModeGraph, *, route: np.ndarray | None = None) -
     down = max(1, -(-count // max(across, 1)))
     with drawing():
         high = 3.5 if len(graph.axes) == 2 else 1.3
-        figure = Figure(figsize=(3.6 * max(across, 1) + 0.6, high * down + 0.9), facecolor="white", layout="constrained")
+        figure = Figure(
+            figsize=(3.6 * max(across, 1) + 0.6, high * down + 0.9),
+            facecolor="white",
+            layout="constrained",
+        )
         FigureCanvasAgg(figure)
         axes = np.atleast_1d(figure.subplots(down, max(across, 1), squeeze=False)).ravel()
         for k, panel in enumerate(axes):
@@ -43,11 +49,23 @@ def figure_of_mode_graph(graph: ModeGraph, *, route: np.ndarray | None = None) -
                 panel.set_axis_off()
         if route is not None and count:
             last = len(graph.found) - 1
-            shown = next((k for k in range(count) if any(point == last for point, _ in graph.sheets[k])), 0)
-            axes[shown].plot(*_places(graph, route).T, "-", color=COLOURS["accent"], lw=2.0, zorder=4)
+            shown = next(
+                (k for k in range(count) if any(point == last for point, _ in graph.sheets[k])), 0
+            )
+            axes[shown].plot(
+                *_places(graph, route).T, "-", color=COLOURS["accent"], lw=2.0, zorder=4
+            )
         more = "" if count == len(graph.sheets) else f", the {count} largest of {len(graph.sheets)}"
         keys = [axes[0].scatter([], [], s=22, c=colour) for colour in _COLOURS]
-        figure.legend(keys, _COUNTS, loc="outside lower center", ncols=4, frameon=False, fontsize=9, labelcolor=COLOURS["quiet"])
+        figure.legend(
+            keys,
+            _COUNTS,
+            loc="outside lower center",
+            ncols=4,
+            frameon=False,
+            fontsize=9,
+            labelcolor=COLOURS["quiet"],
+        )
         title = f"{graph.mechanism.name}: modes joined without a singularity{more}"
         figure.suptitle(title, fontsize=12, fontweight="bold", color=COLOURS["text"])
     return figure

@@ -1,4 +1,6 @@
-"""Pictures of modes and single solutions: a panel for each configuration, with its pose or joints above it."""
+"""Pictures of modes and single solutions: a panel for each configuration, with its pose or joints
+above it.
+"""
 
 from __future__ import annotations
 
@@ -24,24 +26,44 @@ DEFAULT_MOST = 12
 
 
 def figure_of_modes(
-    found: Modes, *, modes: str | Sequence[int] | None = None, most: int = DEFAULT_MOST, names: str = "none",
+    found: Modes,
+    *,
+    modes: str | Sequence[int] | None = None,
+    most: int = DEFAULT_MOST,
+    names: str = "none",
     views: str | Sequence[str] = "main",
-) -> Figure:  # fmt: skip
-    """One panel per mode, those of `shown_numbers`, all with the same limits and equal axes; without modes the mechanism's reference
-    configuration. Raises InputError for `most` below 1, and for modes, names and views that are not there."""
+) -> Figure:
+    """One panel per mode, those of `shown_numbers`, all with the same limits and equal axes;
+    without modes the mechanism's reference configuration. Raises InputError for `most` below 1, and
+    for modes, names and views that are not there.
+    """
     mechanism = found.problem.mechanism
     numbers = shown_numbers(found, modes, most)
     look, given = look_of(mechanism), [c.name for c in found.problem.known_coordinates]
     shown = [(k, found[k - 1]) for k in numbers]
-    panels = [look.panel(f"mode {k}", look.text(s, given) + limits_text(s), look.lines(s)) for k, s in shown]
-    panels = panels or [look.panel(nothing_found(found), "drawn at the reference configuration", look.reference(mechanism))]
-    part = f" \N{EM DASH} {len(numbers)} of {found.total} modes shown" if len(numbers) < found.total else ""
+    panels = [
+        look.panel(f"mode {k}", look.text(s, given) + limits_text(s), look.lines(s))
+        for k, s in shown
+    ]
+    panels = panels or [
+        look.panel(
+            nothing_found(found), "drawn at the reference configuration", look.reference(mechanism)
+        )
+    ]
+    part = (
+        f" \N{EM DASH} {len(numbers)} of {found.total} modes shown"
+        if len(numbers) < found.total
+        else ""
+    )
     return look.figure(mechanism, panels, _facts(found), part, **looks_of(mechanism, names, views))
 
 
-def shown_numbers(modes: Modes, chosen: str | Sequence[int] | None = None, most: int = DEFAULT_MOST) -> list[int]:
-    """Numbers of the modes that a picture shows: the chosen ones, else `most` of them, poses and sets of actuated joints
-    before branches. Raises InputError."""
+def shown_numbers(
+    modes: Modes, chosen: str | Sequence[int] | None = None, most: int = DEFAULT_MOST
+) -> list[int]:
+    """Numbers of the modes that a picture shows: the chosen ones, else `most` of them, poses and
+    sets of actuated joints before branches. Raises InputError.
+    """
     if most < 1:
         raise InputError(f"most = {most} must be at least 1")
     if chosen is not None and len(modes):
@@ -54,23 +76,34 @@ def shown_numbers(modes: Modes, chosen: str | Sequence[int] | None = None, most:
 def left_out(modes: Modes, shown: Sequence[int]) -> str:
     """What a picture of some modes leaves out, in a sentence; empty where it shows all."""
     others = [k for k in range(1, len(modes) + 1) if k not in set(shown)]
-    unlisted = f"; {modes.total - len(modes)} more are not listed" if modes.total > len(modes) else ""
+    unlisted = (
+        f"; {modes.total - len(modes)} more are not listed" if modes.total > len(modes) else ""
+    )
     if not others and not unlisted:
         return ""
     numbers = f": {ranges_text(others)}" if others else ""
-    return f"shows {len(shown)} of {modes.total} modes, leaves out {modes.total - len(shown)}{numbers}{unlisted}; --modes chooses"
+    return (
+        f"shows {len(shown)} of {modes.total} modes, leaves out "
+        f"{modes.total - len(shown)}{numbers}{unlisted}; --modes chooses"
+    )
 
 
-def figure_of_solution(solution: Solution, *, names: str = "none", views: str | Sequence[str] = "main") -> Figure:
+def figure_of_solution(
+    solution: Solution, *, names: str = "none", views: str | Sequence[str] = "main"
+) -> Figure:
     """The mechanism in this configuration, a panel for each view."""
     look = look_of(solution.mechanism)
     panel = look.panel("", look.text(solution, ()) + limits_text(solution), look.lines(solution))
     unit = solution.mechanism.length_unit
     facts = [f"closure error {solution.residual:.1e} {unit}, condition {solution.condition:.3g}"]
-    return look.figure(solution.mechanism, [panel], facts, **looks_of(solution.mechanism, names, views))
+    return look.figure(
+        solution.mechanism, [panel], facts, **looks_of(solution.mechanism, names, views)
+    )
 
 
-def figure_of_solve(result: SolveResult, *, names: str = "none", views: str | Sequence[str] = "main") -> Figure:
+def figure_of_solve(
+    result: SolveResult, *, names: str = "none", views: str | Sequence[str] = "main"
+) -> Figure:
     """The configuration that a solve reached. Raises InputError where it reached none."""
     if result.solution is None:
         raise InputError(f"plot: {result.message}")
@@ -82,9 +115,15 @@ def _facts(modes: Modes) -> list[str]:
     mechanism = modes.problem.mechanism
     given = ", ".join(_given_text(key, values) for key, values in modes.given.items()) or "nothing"
     units = f"{mechanism.length_unit}, {mechanism.angle_unit}"
-    statement = f"{modes.counted}; completeness: {modes.completeness}" + (f", {modes.starts} starts" if modes.starts else "")
+    statement = f"{modes.counted}; completeness: {modes.completeness}" + (
+        f", {modes.starts} starts" if modes.starts else ""
+    )
     return [f"{modes.problem.name} problem at {given} [{units}]", statement]
 
 
 def _given_text(key: str, values: Any) -> str:
-    return f"{key} = {values:.5g}" if np.ndim(values) == 0 else f"{key} {listed(without_rounding(values))}"
+    return (
+        f"{key} = {values:.5g}"
+        if np.ndim(values) == 0
+        else f"{key} {listed(without_rounding(values))}"
+    )

@@ -1,4 +1,6 @@
-"""A figure of several configurations of one mechanism: equal 3-D panels with titles, one heading and one legend."""
+"""A figure of several configurations of one mechanism: equal 3-D panels with titles, one heading
+and one legend.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from symkin.model.mechanism import Mechanism
-from symkin.plots.configuration_panel import draw_lines, draw_twist, frame_handle, frame_text, legend_entries, twist_handle
+from symkin.plots.configuration_panel import (
+    draw_lines,
+    draw_twist,
+    frame_handle,
+    frame_text,
+    legend_entries,
+    twist_handle,
+)
 from symkin.plots.mechanism_lines import MechanismLines
 from symkin.plots.panel_labels import PanelLabels
 from symkin.plots.picture_options import Names, ViewName
@@ -22,7 +31,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _HEAD, _FOOT, _NARROWEST = 1.0, 0.62, 7.4
-"""Inches above the panels (figure title) and below them (legend), and the least width of a figure."""
+"""Inches above the panels (figure title) and below them (legend), and the least width of a
+figure.
+"""
 _VIEW_TITLES: dict[ViewName, str] = {
     "main": "at an angle",
     "top": "from above",
@@ -34,7 +45,9 @@ _VIEW_TITLES: dict[ViewName, str] = {
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One configuration: its title, a text below it, the mechanism's lines, and twists whose axes are drawn."""
+    """One configuration: its title, a text below it, the mechanism's lines, and twists whose axes
+    are drawn.
+    """
 
     title: str
     text: str
@@ -43,10 +56,17 @@ class Panel:
 
 
 def panel_figure(
-    mechanism: Mechanism, panels: Sequence[Panel], facts: Sequence[str], part: str = "", *,
-    names: Names = "none", views: Sequence[ViewName] = ("main",),
-) -> Figure:  # fmt: skip
-    """The panels in rows, to one scale; the mechanism's title, then `part`, above the `facts`, a line each."""
+    mechanism: Mechanism,
+    panels: Sequence[Panel],
+    facts: Sequence[str],
+    part: str = "",
+    *,
+    names: Names = "none",
+    views: Sequence[ViewName] = ("main",),
+) -> Figure:
+    """The panels in rows, to one scale; the mechanism's title, then `part`, above the `facts`, a
+    line each.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -63,7 +83,9 @@ def panel_figure(
 
 @dataclass(frozen=True, eq=False)
 class PanelBlock:
-    """Panels of configurations as a part of a figure: each panel from each of the views, all to one scale."""
+    """Panels of configurations as a part of a figure: each panel from each of the views, all to one
+    scale.
+    """
 
     mechanism: Mechanism
     panels: Sequence[Panel]
@@ -73,7 +95,11 @@ class PanelBlock:
 
     @staticmethod
     def of(
-        mechanism: Mechanism, panels: Sequence[Panel], names: Names, views: Sequence[ViewName], columns: int | None = None
+        mechanism: Mechanism,
+        panels: Sequence[Panel],
+        names: Names,
+        views: Sequence[ViewName],
+        columns: int | None = None,
     ) -> PanelBlock:
         around = View.around([panel.lines for panel in panels], mechanism.length_unit)
         seen = tuple(around.seen_from(name) for name in views)
@@ -86,25 +112,40 @@ class PanelBlock:
         return self.grid.size
 
     def draw(self, figure: Figure, middle: float, top: float) -> None:
-        """Draw the panels below `top` about `middle`, in inches from the figure's lower left corner."""
+        """Draw the panels below `top` about `middle`, in inches from the figure's lower left
+        corner.
+        """
         cells = [(panel, view) for panel in self.panels for view in self.views]
         for k, (panel, view) in enumerate(cells):
             across, down = self.grid.place(k)
             self._panel(figure, panel, view, middle + across, top - down)
 
     def _panel(self, figure: Figure, panel: Panel, view: View, middle: float, top: float) -> None:
-        """One panel: its title, and below it the axes, a square about the middle of the box as it is seen."""
+        """One panel: its title, and below it the axes, a square about the middle of the box as it
+        is seen.
+        """
         grid, (width, height) = self.grid, figure.get_size_inches()
-        centre = middle + 0.5 * (grid.margin[0] - grid.margin[1]), top - grid.title - 0.5 * grid.scale * view.picture[1]
+        centre = (
+            middle + 0.5 * (grid.margin[0] - grid.margin[1]),
+            top - grid.title - 0.5 * grid.scale * view.picture[1],
+        )
         side = 1.2 * max(grid.box)
-        box = ((centre[0] - 0.5 * side) / width, (centre[1] - 0.5 * side) / height, side / width, side / height)
+        box = (
+            (centre[0] - 0.5 * side) / width,
+            (centre[1] - 0.5 * side) / height,
+            side / width,
+            side / height,
+        )
         ax: Any = figure.add_axes(box, projection="3d")
         share = grid.scale * view.picture[0] / side
         draw_lines(ax, panel.lines, view, share=share, scale=0.8 if grid.columns > 2 else 1.0)
         for twist in panel.twists:
             draw_twist(ax, twist, panel.lines, view)
         self._titles(figure, panel, view, middle / width, top)
-        corner, sides = (middle - 0.5 * grid.width, top - grid.height), (grid.width, grid.height - grid.title)
+        corner, sides = (
+            (middle - 0.5 * grid.width, top - grid.height),
+            (grid.width, grid.height - grid.title),
+        )
         PanelLabels(figure, ax, view, corner, sides).draw(self.mechanism, panel.lines, self.names)
 
     def _titles(self, figure: Figure, panel: Panel, view: View, x: float, top: float) -> None:
@@ -117,7 +158,9 @@ class PanelBlock:
         _text(figure, x, top - 0.25, lines, ha="center", fontsize=8.5, color=COLOURS["quiet"])
 
     def draw_legend(self, figure: Figure, foot: float) -> None:
-        """One legend `foot` inches above the figure's lower edge, with an entry for each kind of part that is drawn."""
+        """One legend `foot` inches above the figure's lower edge, with an entry for each kind of
+        part that is drawn.
+        """
         from matplotlib.legend_handler import HandlerTuple
 
         entries, frame = legend_entries([panel.lines for panel in self.panels]), frame_handle()
@@ -126,10 +169,18 @@ class PanelBlock:
             entries["motion that is not held"] = twist_handle()
         for rows in range(1, len(entries) + 1):
             legend = figure.legend(
-                list(entries.values()), list(entries), loc="lower center", bbox_to_anchor=(0.5, foot / figure.get_figheight()),
-                ncols=math.ceil(len(entries) / rows), frameon=False, fontsize=9, labelcolor=COLOURS["quiet"], handletextpad=0.8,
-                columnspacing=1.6, handler_map={frame: HandlerTuple(ndivide=None, pad=0.2)},
-            )  # fmt: skip
+                list(entries.values()),
+                list(entries),
+                loc="lower center",
+                bbox_to_anchor=(0.5, foot / figure.get_figheight()),
+                ncols=math.ceil(len(entries) / rows),
+                frameon=False,
+                fontsize=9,
+                labelcolor=COLOURS["quiet"],
+                handletextpad=0.8,
+                columnspacing=1.6,
+                handler_map={frame: HandlerTuple(ndivide=None, pad=0.2)},
+            )
             extent = legend.get_window_extent(figure.canvas.get_renderer())  # type: ignore[attr-defined]
             if extent.width < 0.99 * figure.bbox.width or rows == len(entries):
                 return
@@ -137,7 +188,9 @@ class PanelBlock:
 
 
 def _columns(panels: int, views: int) -> int:
-    """Panels beside each other: as many rows as columns, the views of one configuration in one row."""
+    """Panels beside each other: as many rows as columns, the views of one configuration in one
+    row.
+    """
     if views == 1:
         return panels if panels <= 3 else math.ceil(math.sqrt(panels))
     if panels == 1:
@@ -147,13 +200,17 @@ def _columns(panels: int, views: int) -> int:
 
 def wrapped_lines(text: str, width: float) -> list[str]:
     """The lines of a text below a panel's title, of `width` inches."""
-    return [part for line in text.split("\n") for part in textwrap.wrap(line, int(15 * width)) or [""]]
+    return [
+        part for line in text.split("\n") for part in textwrap.wrap(line, int(15 * width)) or [""]
+    ]
 
 
 @dataclass(frozen=True)
 class _Grid:
-    """Where panels stand, in inches: a title of `title` inches above a box of `box` = (width, height) at most, `scale` inches a length
-    unit, with `margin` = (left, right, bottom) around it for labels."""
+    """Where panels stand, in inches: a title of `title` inches above a box of `box` = (width,
+    height) at most, `scale` inches a length unit, with `margin` = (left, right, bottom) around it
+    for labels.
+    """
 
     count: int
     columns: int
@@ -171,9 +228,14 @@ class _Grid:
         scale = min((width - margin[0] - margin[1]) / wide, 1.05 * width / high)
         lines = max(len(wrapped_lines(panel.text, width)) for panel in panels)
         return _Grid(
-            len(panels) * len(views), columns, width, 0.38 + 0.17 * lines, (scale * wide, scale * high),
-            (margin[0], margin[1], margin[2]), scale,
-        )  # fmt: skip
+            len(panels) * len(views),
+            columns,
+            width,
+            0.38 + 0.17 * lines,
+            (scale * wide, scale * high),
+            (margin[0], margin[1], margin[2]),
+            scale,
+        )
 
     @property
     def height(self) -> float:
@@ -194,13 +256,28 @@ def _heading(figure: Figure, mechanism: Mechanism, facts: Sequence[str], part: s
     width, height = figure.get_size_inches()
     title = mechanism.name + (f": {mechanism.title}" if mechanism.title else "")
     heading = figure.suptitle(
-        _shortened(title, int(10 * width) - len(part)) + part, y=1.0 - 0.12 / height, va="top", fontsize=14,
-        fontweight="bold", color=COLOURS["text"], parse_math=False,
-    )  # fmt: skip
+        _shortened(title, int(10 * width) - len(part)) + part,
+        y=1.0 - 0.12 / height,
+        va="top",
+        fontsize=14,
+        fontweight="bold",
+        color=COLOURS["text"],
+        parse_math=False,
+    )
     with warnings_ignored("Glyph .* missing"):
-        heading.set_fontsize(14.0 * min(1.0, 0.94 * width * figure.dpi / heading.get_window_extent().width))
+        heading.set_fontsize(
+            14.0 * min(1.0, 0.94 * width * figure.dpi / heading.get_window_extent().width)
+        )
     lines = [_shortened(line, int(width * 14)) for line in facts]
-    _text(figure, 0.5, height - 0.42, "\n".join(lines), ha="center", fontsize=9.5, color=COLOURS["quiet"])
+    _text(
+        figure,
+        0.5,
+        height - 0.42,
+        "\n".join(lines),
+        ha="center",
+        fontsize=9.5,
+        color=COLOURS["quiet"],
+    )
 
 
 def _shortened(text: str, room: int) -> str:
@@ -209,5 +286,10 @@ def _shortened(text: str, room: int) -> str:
 
 def _text(figure: Figure, x: float, y: float, text: str, **look: Any) -> None:
     """Text whose top is `y` inches above the figure's foot, taken as it is (no mathematics)."""
-    options: dict[str, Any] = {"va": "top", "linespacing": 1.4, "color": COLOURS["text"], "parse_math": False} | look
+    options: dict[str, Any] = {
+        "va": "top",
+        "linespacing": 1.4,
+        "color": COLOURS["text"],
+        "parse_math": False,
+    } | look
     figure.text(x, y / figure.get_figheight(), text, **options)

@@ -1,4 +1,6 @@
-"""Names in a 3-D panel: joints, limbs, links and frames beside what they name, none over another."""
+"""Names in a 3-D panel: joints, limbs, links and frames beside what they name, none over
+another.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,9 @@ class _Name:
 
 @dataclass(frozen=True, eq=False)
 class PanelLabels:
-    """Names in the panel of `ax`, whose lower left corner is `corner` and whose sides are `sides`, in inches of `figure`."""
+    """Names in the panel of `ax`, whose lower left corner is `corner` and whose sides are `sides`,
+    in inches of `figure`.
+    """
 
     figure: Figure
     ax: Any
@@ -52,15 +56,26 @@ class PanelLabels:
             return
         page = self._page(body)
         middle = np.mean(self._seen(body.points), axis=0)
-        wanted = [(name, self._seen(name.point[None])[0]) for name in _wanted(mechanism, body, names)]
+        wanted = [
+            (name, self._seen(name.point[None])[0]) for name in _wanted(mechanism, body, names)
+        ]
         for name, anchor in wanted:
             width, height = self._extent(name)
             wish = direction(anchor - middle)
-            label = Label(name.text, (anchor[0], anchor[1]), _DOT * self._dpi, width, height, (wish[0], wish[1]))
+            label = Label(
+                name.text,
+                (anchor[0], anchor[1]),
+                _DOT * self._dpi,
+                width,
+                height,
+                (wish[0], wish[1]),
+            )
             self._write(label, page.place(label), page, name.look)
 
     def _page(self, body: MechanismLines) -> Page:
-        """The panel with its lines, joints and the labels of its axes, which names keep clear of."""
+        """The panel with its lines, joints and the labels of its axes, which names keep clear
+        of.
+        """
         page = Page(self.sides[0] * self._dpi, self.sides[1] * self._dpi)
         for limb in body.limbs:
             for segment in (*limb.segments, *limb.rods):
@@ -72,7 +87,14 @@ class PanelLabels:
         for text in self.ax.texts:
             extent = text.get_window_extent(renderer)
             x, y = 0.5 * (extent.x0 + extent.x1), 0.5 * (extent.y0 + extent.y1)
-            page.placed.append(Box(x - self._origin[0], y - self._origin[1], 0.5 * extent.width, 0.5 * extent.height))
+            page.placed.append(
+                Box(
+                    x - self._origin[0],
+                    y - self._origin[1],
+                    0.5 * extent.width,
+                    0.5 * extent.height,
+                )
+            )
         return page
 
     @property
@@ -104,7 +126,13 @@ class PanelLabels:
             start = anchor + direction(edge - anchor) * label.reach
             page.add_line(start.tolist(), edge.tolist())
             ends = (np.array([start, edge]) + self._origin) / pixels
-            line = Line2D(*ends.T, color=COLOURS["axis"], linewidth=0.6, transform=self.figure.transFigure, gid="leader")
+            line = Line2D(
+                *ends.T,
+                color=COLOURS["axis"],
+                linewidth=0.6,
+                transform=self.figure.transFigure,
+                gid="leader",
+            )
             self.figure.add_artist(line)
         x, y = (self._origin + (box.x, box.y)) / pixels
         self.figure.text(
@@ -137,8 +165,18 @@ def _wanted(mechanism: Mechanism, body: MechanismLines, names: Names) -> Iterato
             if not limb.joints:
                 yield _Name(limb.name, 0.5 * (lines.segments[0].start + lines.segments[0].end))
         if names in ("all", "links") and limb.joints and body.has_platform:
-            yield _Name(limb.name, lines.base, {"color": COLOURS["base edge"], "fontstyle": "italic"})
+            yield _Name(
+                limb.name, lines.base, {"color": COLOURS["base edge"], "fontstyle": "italic"}
+            )
     if names in ("all", "links"):
-        yield _Name("base", np.mean(body.base, axis=0), {"color": COLOURS["base edge"], "fontstyle": "italic"})
+        yield _Name(
+            "base",
+            np.mean(body.base, axis=0),
+            {"color": COLOURS["base edge"], "fontstyle": "italic"},
+        )
         if body.has_platform:
-            yield _Name("platform", np.mean(body.platform, axis=0), {"color": COLOURS["platform edge"], "fontstyle": "italic"})
+            yield _Name(
+                "platform",
+                np.mean(body.platform, axis=0),
+                {"color": COLOURS["platform edge"], "fontstyle": "italic"},
+            )

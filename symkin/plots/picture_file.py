@@ -28,24 +28,39 @@ def write_picture(figure: Figure, target: Path) -> None:
     content = io.BytesIO()
     try:
         with drawing(), warnings_ignored("Glyph .* missing"):
-            figure.savefig(content, dpi=_DPI, format=target.suffix[1:].lower(), metadata=_UNDATED.get(target.suffix.lower()))
+            figure.savefig(
+                content,
+                dpi=_DPI,
+                format=target.suffix[1:].lower(),
+                metadata=_UNDATED.get(target.suffix.lower()),
+            )
         write_output(target, content.getvalue())
     except OSError as error:
-        raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None
+        raise InputError(
+            f"plot: {str(target)!r} cannot be written ({error.strerror or error})"
+        ) from None
     except InputError as error:
         raise InputError(f"plot: {error}") from None
 
 
 def check_picture_path(path: Path | str) -> Path:
-    """The path of a picture that can be written; to be asked before a long computation. Raises InputError."""
+    """The path of a picture that can be written; to be asked before a long computation. Raises
+    InputError.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     target = Path(path)
     formats = sorted(set(FigureCanvasAgg.get_supported_filetypes()).difference(_NOT_DRAWN))
     if target.suffix.lower().lstrip(".") not in formats:
-        raise InputError(f"plot: {str(target)!r} has no picture format as its suffix; allowed: .{', .'.join(formats)}")
+        raise InputError(
+            f"plot: {str(target)!r} has no picture format as its suffix; allowed: "
+            f".{', .'.join(formats)}"
+        )
     if not target.parent.is_dir():
-        raise InputError(f"plot: the folder {str(target.parent)!r} of {target.name!r} does not exist; create it first")
+        raise InputError(
+            f"plot: the folder {str(target.parent)!r} of {target.name!r} does not exist; create it "
+            f"first"
+        )
     if target.is_dir():
         raise InputError(f"plot: {str(target)!r} is a folder; the name of a file is needed")
     if not os.access(target if target.exists() else target.parent, os.W_OK):

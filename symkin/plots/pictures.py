@@ -1,4 +1,6 @@
-"""The picture of each result: what `result.plot()` draws, by the result's type. Matplotlib is imported only when one is drawn."""
+"""The picture of each result: what `result.plot()` draws, by the result's type. Matplotlib is
+imported only when one is drawn.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,10 @@ if TYPE_CHECKING:
 
 
 def draw(result: object, path: Path | str | None = None, **options: Any) -> Figure:
-    """The figure of a result, written to `path` where one is given. Raises InputError for what has no picture, for options that
-    it does not take, and for a file that cannot be written, before anything is drawn."""
+    """The figure of a result, written to `path` where one is given. Raises InputError for what has
+    no picture, for options that it does not take, and for a file that cannot be written, before
+    anything is drawn.
+    """
     target = None if path is None else check_picture_path(path)
     try:
         figure = figure_of(result, **options)
@@ -25,7 +29,10 @@ def draw(result: object, path: Path | str | None = None, **options: Any) -> Figu
         if "unexpected keyword argument" not in str(error):
             raise
         wrong = str(error).rsplit("'", 2)[-2]
-        raise InputError(f"plot: {wrong!r} is no option of the picture of a {type(result).__name__}{_taken(result)}") from None
+        raise InputError(
+            f"plot: {wrong!r} is no option of the picture of a "
+            f"{type(result).__name__}{_taken(result)}"
+        ) from None
     if target is not None:
         write_picture(figure, target)
     return figure
@@ -57,7 +64,9 @@ _FIGURES = {
     "Swept": ("sweep_plot", "figure_of_sweep"),
     "Track": ("track_plot", "figure_of_track"),
 }
-"""Module and function that draw a result, by the name of its type: the picture of one needs no import of the others."""
+"""Module and function that draw a result, by the name of its type: the picture of one needs no
+import of the others.
+"""
 
 
 def figure_of(result: object, **options: Any) -> Figure:

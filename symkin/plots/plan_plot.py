@@ -1,4 +1,6 @@
-"""The picture of a measurement plan: where its configurations are, in their groups, and the accuracy that is expected of them."""
+"""The picture of a measurement plan: where its configurations are, in their groups, and the
+accuracy that is expected of them.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +24,9 @@ _NEAR = 0.06
 
 @drawing()
 def figure_of_plan(plan: Plan) -> Figure:
-    """Positions of the platform or tool in two planes with their numbers, a colour a group, and the expected pose errors of the plan
-    beside those of random configurations."""
+    """Positions of the platform or tool in two planes with their numbers, a colour a group, and the
+    expected pose errors of the plan beside those of random configurations.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -34,12 +37,18 @@ def figure_of_plan(plan: Plan) -> Figure:
     for ax, (u, v) in ((first, (0, 1)), (second, (0, 2))):
         _places(ax, plan, u, v)
     _errors(third, f"position [{m.length_unit}]", [plan.accuracy.position, plan.random.position])
-    _errors(fourth, f"orientation [{m.angle_unit}]", [m.angle_out(plan.accuracy.angle), m.angle_out(plan.random.angle)])
+    _errors(
+        fourth,
+        f"orientation [{m.angle_unit}]",
+        [m.angle_out(plan.accuracy.angle), m.angle_out(plan.random.angle)],
+    )
     title = f"{m.name}: {len(plan.groups)} configurations to measure, {plan.criterion}-optimal"
     figure.suptitle(title, fontsize=12, fontweight="bold", color=COLOURS["text"], parse_math=False)
     if plan.groups.max(initial=-1) >= 0:
         handles, labels = first.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=6, frameon=False, fontsize=9)
+        figure.legend(
+            handles, labels, loc="outside lower center", ncols=6, frameon=False, fontsize=9
+        )
     return figure
 
 
@@ -50,7 +59,14 @@ def _places(ax: Any, plan: Plan, u: int, v: int) -> None:
         name = "" if group < 0 else f"group {group + 1}"
         ax.plot(*here.T, "o", ms=5, color=_COLOURS[int(group) % len(_COLOURS)], label=name or None)
     for numbers, point in _numbered(points):
-        ax.annotate(numbers, point, xytext=(4, 3), textcoords="offset points", fontsize=7, color=COLOURS["quiet"])
+        ax.annotate(
+            numbers,
+            point,
+            xytext=(4, 3),
+            textcoords="offset points",
+            fontsize=7,
+            color=COLOURS["quiet"],
+        )
     unit = plan.mechanism.length_unit
     ax.set(xlabel=f"{'xyz'[u]} [{unit}]", ylabel=f"{'xyz'[v]} [{unit}]")
     ax.set_aspect("equal", adjustable="datalim")
@@ -62,7 +78,10 @@ def _numbered(points: np.ndarray) -> list[tuple[str, np.ndarray]]:
     near = _NEAR * float(np.ptp(points, axis=0).max())
     found: list[tuple[list[str], np.ndarray]] = []
     for number, point in enumerate(points[:_MOST_NUMBERED], start=1):
-        numbers = next((numbers for numbers, other in found if float(np.linalg.norm(point - other)) <= near), None)
+        numbers = next(
+            (numbers for numbers, other in found if float(np.linalg.norm(point - other)) <= near),
+            None,
+        )
         if numbers is None:
             found.append(([str(number)], point))
         else:
@@ -72,8 +91,12 @@ def _numbered(points: np.ndarray) -> list[tuple[str, np.ndarray]]:
 
 def _errors(ax: Any, label: str, values: list[float]) -> None:
     """Expected errors (root mean square) of the plan and of random configurations."""
-    bars = ax.bar(["plan", "random"], values, color=[COLOURS["platform"], COLOURS["base"]], width=0.6)
-    ax.bar_label(bars, labels=[f"{value:.3g}" for value in values], fontsize=8, color=COLOURS["text"])
+    bars = ax.bar(
+        ["plan", "random"], values, color=[COLOURS["platform"], COLOURS["base"]], width=0.6
+    )
+    ax.bar_label(
+        bars, labels=[f"{value:.3g}" for value in values], fontsize=8, color=COLOURS["text"]
+    )
     ax.set_ylabel(f"expected error of {label}")
     ax.spines[["top", "right"]].set_visible(False)
     ax.margins(y=0.12)

@@ -20,13 +20,17 @@ def make_sheet(width: float, height: float) -> tuple[Figure, Any]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width / SHEET_DPI, height / SHEET_DPI), dpi=SHEET_DPI, facecolor="white")
+    figure = Figure(
+        figsize=(width / SHEET_DPI, height / SHEET_DPI), dpi=SHEET_DPI, facecolor="white"
+    )
     FigureCanvasAgg(figure)
     return figure, sheet_axes(figure)
 
 
 def sheet_axes(figure: Figure) -> Any:
-    """Axes over a whole figure, of `SHEET_DPI` pixels an inch, whose pixels they have as coordinates."""
+    """Axes over a whole figure, of `SHEET_DPI` pixels an inch, whose pixels they have as
+    coordinates.
+    """
     width, height = SHEET_DPI * figure.get_size_inches()
     ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     ax.set(xlim=(0.0, width), ylim=(0.0, height))
@@ -43,7 +47,9 @@ def text_extent(figure: Any, ax: Any, text: str, font: float, **look: Any) -> tu
 
 
 def symbol_size(centres: np.ndarray, share: float, least: float, most: float) -> float:
-    """Pixels of a joint's symbol: the share of the distance of the nearest two of the centres (n, 2) that are apart, within bounds."""
+    """Pixels of a joint's symbol: the share of the distance of the nearest two of the centres
+    (n, 2) that are apart, within bounds.
+    """
     gaps = np.linalg.norm(centres[:, None] - centres[None], axis=2)
     apart = gaps[gaps > _APART]
     return float(np.clip(share * (apart.min() if apart.size else most), least, most))

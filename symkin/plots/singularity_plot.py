@@ -1,5 +1,6 @@
-"""The picture of a singularity: the configuration, with the axes of the platform's motions that the actuated joints do not
-hold."""
+"""The picture of a singularity: the configuration, with the axes of the platform's motions that the
+actuated joints do not hold.
+"""
 
 from __future__ import annotations
 
@@ -18,19 +19,35 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def figure_of_singularity(found: Singularity, *, names: str = "none", views: str | Sequence[str] = "main") -> Figure:
-    """A panel for each view: the mechanism at the configuration; platform motions as dashed axes, translations as arrows. Where coordinates drive
-    that are told by name, the rates of joints that move while these stand are written above it."""
+def figure_of_singularity(
+    found: Singularity, *, names: str = "none", views: str | Sequence[str] = "main"
+) -> Figure:
+    """A panel for each view: the mechanism at the configuration; platform motions as dashed axes,
+    translations as arrows. Where coordinates drive that are told by name, the rates of joints that
+    move while these stand are written above it.
+    """
     solution, mechanism = found.solution, found.solution.mechanism
-    kinds = ", ".join(found.kinds) + " singularity" if found.kinds else "singular" if found.is_singular else "regular"
+    kinds = (
+        ", ".join(found.kinds) + " singularity"
+        if found.kinds
+        else "singular"
+        if found.is_singular
+        else "regular"
+    )
     distances = ", ".join(f"{kind} {plain(value):.3g}" for kind, value in found.distances.items())
     facts = [f"distance from singularities (0 singular): {distances}"]
     looks = looks_of(mechanism, names, views)
     if found.given:
         facts.insert(0, f"driven by {', '.join(found.given)}")
-        rates = [", ".join(f"{name} {rate:.4g}" for name, rate in motion.items()) for motion in found.motions if found.rank_loss]
+        rates = [
+            ", ".join(f"{name} {rate:.4g}" for name, rate in motion.items())
+            for motion in found.motions
+            if found.rank_loss
+        ]
         text = "\n".join(f"free to move: {motion}" for motion in rates)
-        return panels_of_graph(mechanism, [GraphPanel(kinds, text, solution_lines(solution))], facts, **looks)
+        return panels_of_graph(
+            mechanism, [GraphPanel(kinds, text, solution_lines(solution))], facts, **looks
+        )
     twists = "\n".join(str(twist) for twist in found.twists)
     panel = Panel(kinds, twists, lines_at(mechanism, solution.values, solution.pose), found.twists)
     return panel_figure(mechanism, [panel], facts, **looks)

@@ -24,7 +24,14 @@ COLOURS = {
     "axis": "#9aa5b1",
 }
 _matplotlib = threading.RLock()
-_FONTS = ("DejaVu Sans", "Noto Sans CJK SC", "Noto Sans CJK JP", "WenQuanYi Micro Hei", "Microsoft YaHei", "PingFang SC")
+_FONTS = (
+    "DejaVu Sans",
+    "Noto Sans CJK SC",
+    "Noto Sans CJK JP",
+    "WenQuanYi Micro Hei",
+    "Microsoft YaHei",
+    "PingFang SC",
+)
 """Fonts in order, as far as they are there: those after the first for titles in other scripts."""
 
 
@@ -35,16 +42,27 @@ def style() -> Any:
     there = set(get_font_names())
     panes = {f"axes3d.{axis}axis.panecolor": COLOURS["pane"] for axis in "xyz"}
     grid = {"grid.color": COLOURS["grid"], "grid.linewidth": 0.6, "axes.edgecolor": COLOURS["axis"]}
-    fonts = {"font.family": [name for name in _FONTS if name in there], "text.usetex": False, "axes.unicode_minus": True}
-    # fonts in PDF files as outlines that journals take (type 42); the salt makes names within SVG files the same at each run
-    files = {"savefig.bbox": None, "savefig.transparent": False, "pdf.fonttype": 42, "svg.hashsalt": "symkin"}
+    fonts = {
+        "font.family": [name for name in _FONTS if name in there],
+        "text.usetex": False,
+        "axes.unicode_minus": True,
+    }
+    # fonts in PDF files as outlines that journals take (type 42); the salt makes names within SVG
+    # files the same at each run
+    files = {
+        "savefig.bbox": None,
+        "savefig.transparent": False,
+        "pdf.fonttype": 42,
+        "svg.hashsalt": "symkin",
+    }
     return panes | grid | fonts | files
 
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """Make and save figures under `style`, one thread at a time: matplotlib's settings, fonts and parsers belong to the
-    process."""
+    """Make and save figures under `style`, one thread at a time: matplotlib's settings, fonts and
+    parsers belong to the process.
+    """
     from matplotlib import rc_context
 
     with _matplotlib, not_waiting(), rc_context(style()):

@@ -28,16 +28,39 @@ def draw_loci(figure: Any, ax: Any, loci: Loci, names: Sequence[str]) -> None:
         points = curve.points[:, order] if len(order) == 2 else curve.points
         name = f"singular, {curve.kind}"
         if len(order) == 1:
-            drawn = ax.axvline(points[0, 0], color=colour, lw=_WIDTH, path_effects=edge, zorder=5.0, gid=f"locus {curve.kind}")
+            drawn = ax.axvline(
+                points[0, 0],
+                color=colour,
+                lw=_WIDTH,
+                path_effects=edge,
+                zorder=5.0,
+                gid=f"locus {curve.kind}",
+            )
         else:
             closed = np.vstack([points, points[:1]]) if curve.closed else points
             look: dict[str, Any] = {"lw": _WIDTH}
             if curve.is_point:
                 marker, what = point_look(curve)
                 look, name = {"marker": marker, "ms": 6, "ls": "none"}, f"{name}, {what}"
-            drawn = ax.plot(*closed.T, color=colour, path_effects=edge, zorder=5.0, gid=f"locus {curve.kind}", **look)[0]
+            drawn = ax.plot(
+                *closed.T,
+                color=colour,
+                path_effects=edge,
+                zorder=5.0,
+                gid=f"locus {curve.kind}",
+                **look,
+            )[0]
             if len(curve.cusps):
-                ax.plot(*curve.cusps[:, order].T, "o", mfc="white", mec=colour, ms=6, mew=1.4, zorder=6.0, gid="cusp")
+                ax.plot(
+                    *curve.cusps[:, order].T,
+                    "o",
+                    mfc="white",
+                    mec=colour,
+                    ms=6,
+                    mew=1.4,
+                    zorder=6.0,
+                    gid="cusp",
+                )
         handles.setdefault(name, drawn)
     ax.set(xlim=limits[0], ylim=limits[1])
     missing = {MISSING, NONE_MET} & set(loci.notes)
@@ -45,11 +68,24 @@ def draw_loci(figure: Any, ax: Any, loci: Loci, names: Sequence[str]) -> None:
     note = f"{told}curves may be missing" if missing else told.removesuffix("; ")
     if note:
         ax.annotate(
-            note, (1.0, 1.0), xycoords="axes fraction", xytext=(0, -4), textcoords="offset points", ha="right", va="top", fontsize=8,
-            color=COLOURS["text"], path_effects=edge,
-        )  # fmt: skip
+            note,
+            (1.0, 1.0),
+            xycoords="axes fraction",
+            xytext=(0, -4),
+            textcoords="offset points",
+            ha="right",
+            va="top",
+            fontsize=8,
+            color=COLOURS["text"],
+            path_effects=edge,
+        )
     if handles:
         figure.legend(
-            list(handles.values()), list(handles), loc="outside lower center", ncols=3, frameon=False, fontsize=9,
+            list(handles.values()),
+            list(handles),
+            loc="outside lower center",
+            ncols=3,
+            frameon=False,
+            fontsize=9,
             labelcolor=COLOURS["text"],
-        )  # fmt: skip
+        )

@@ -1,6 +1,8 @@
-"""Maps of a sweep: the number of real modes, or the condition of the best one, over one or two of the swept values.
+"""Maps of a sweep: the number of real modes, or the condition of the best one, over one or two of
+the swept values.
 
-A grid of more dimensions is cut at the middle of the others, or where `slices` says; a random sample is drawn as points.
+A grid of more dimensions is cut at the middle of the others, or where `slices` says; a random
+sample is drawn as points.
 """
 
 from __future__ import annotations
@@ -30,26 +32,37 @@ _NONE, _UNKNOWN = "#dfe3e8", "#ffffff"
 """Colours of cells without a mode, and of points that are not counted."""
 _CROSS: dict[str, Any] = {"marker": "x", "color": "#b03a48", "linewidths": 0.8}
 _PLUS: dict[str, Any] = {"marker": "+", "color": COLOURS["quiet"], "linewidths": 0.8}
-"""Looks of single points without a mode, and of single points that are not counted: they have no area to be grey or white."""
+"""Looks of single points without a mode, and of single points that are not counted: they have no
+area to be grey or white.
+"""
 _MOST_ENTRIES = 12
 """Counts that the legend of a map names one by one; of more, it names evenly spaced ones."""
 _NARROW = 20.0
 """Ratio of conditions below which powers of ten alone make too few ticks."""
 
 
-def draw_sweep(folder: Path | str, path: Path | str, *, slices: Mapping[str, float] | None = None) -> None:
-    """Write the map of a sweep's folder to a picture, whose suffix is its format, as `figure_of_sweep` draws it."""
+def draw_sweep(
+    folder: Path | str, path: Path | str, *, slices: Mapping[str, float] | None = None
+) -> None:
+    """Write the map of a sweep's folder to a picture, whose suffix is its format, as
+    `figure_of_sweep` draws it.
+    """
     target = check_picture_path(path)
     write_picture(figure_of_sweep(folder, slices=slices), target)
 
 
 def figure_of_sweep(
-    sweep: Swept | Path | str, slices: Mapping[str, float] | None = None, of: str | Sequence[str] = (), loci: Loci | bool = False
+    sweep: Swept | Path | str,
+    slices: Mapping[str, float] | None = None,
+    of: str | Sequence[str] = (),
+    loci: Loci | bool = False,
 ) -> Figure:
-    """The map of a sweep or of its folder, or with `of` the paths of named points or the values of joints (see `sweep_values`).
-    `slices` gives values, in the mechanism's units, at which dimensions of a grid are cut: the nearest grid values are taken. `loci`
-    of the same plane, or True for a search, are laid over the map. Raises InputError for a folder that holds no sweep, a slice outside what is
-    swept, and loci of another plane."""
+    """The map of a sweep or of its folder, or with `of` the paths of named points or the values of
+    joints (see `sweep_values`). `slices` gives values, in the mechanism's units, at which
+    dimensions of a grid are cut: the nearest grid values are taken. `loci` of the same plane, or
+    True for a search, are laid over the map. Raises InputError for a folder that holds no sweep, a
+    slice outside what is swept, and loci of another plane.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -58,14 +71,21 @@ def figure_of_sweep(
         attributes, data = opened(folder)
         check_map(attributes, data, slices)
         if of and loci is not False:
-            raise InputError("plot: loci are laid over the map, and `of` draws points or joints in its place; give one of them")
+            raise InputError(
+                "plot: loci are laid over the map, and `of` draws points or joints in its place; "
+                "give one of them"
+            )
         if of:
-            return figure_of_values(attributes, data, (of,) if isinstance(of, str) else tuple(of), slices)
+            return figure_of_values(
+                attributes, data, (of,) if isinstance(of, str) else tuple(of), slices
+            )
         name = SHOWN[attributes["quantity"]]
         part = map_slice(attributes, data, name, slices)
     curves = loci_over(loci, attributes, part.ranges, part.cuts, part.some)
     with drawing():
-        figure = Figure(figsize=(7.4, 6.0 if part.y else 4.4), facecolor="white", layout="constrained")
+        figure = Figure(
+            figsize=(7.4, 6.0 if part.y else 4.4), facecolor="white", layout="constrained"
+        )
         FigureCanvasAgg(figure)
         ax: Any = figure.add_subplot()
         if part.y is None:
@@ -77,11 +97,12 @@ def figure_of_sweep(
         _words(figure, ax, part, attributes, name)
         if curves is not None:
             draw_loci(figure, ax, curves, list(part.ranges))
-        figure.draw_without_rendering()  # the layout of axes of one scale is found in two goes, the second when it is drawn
+        # the layout of axes of one scale is found in two goes, the second when it is drawn
+        figure.draw_without_rendering()
     return figure
 
 
-# --- drawing -----------------------------------------------------------------------------------------------------
+# --- drawing --------------------------------------------------------------------------------------
 
 
 def _curve(ax: Any, part: MapSlice, name: str) -> None:
@@ -96,12 +117,24 @@ def _curve(ax: Any, part: MapSlice, name: str) -> None:
     empty = np.isnan(values)
     if name != "least_condition" and empty.all():
         ax.set_xlim(x.min() - 0.5, x.max() + 0.5)
-        middle = {"ha": "center", "va": "center", "transform": ax.transAxes, "color": COLOURS["quiet"]}
+        middle = {
+            "ha": "center",
+            "va": "center",
+            "transform": ax.transAxes,
+            "color": COLOURS["quiet"],
+        }
         ax.text(0.5, 0.5, "too many modes to list at every point", **middle)
     if name == "least_condition" and empty.any():
         margin = 0.05 * float(np.ptp(x)) or 0.5
         ax.set_xlim(x.min() - margin, x.max() + margin)
-        ax.scatter(x[empty], np.zeros(empty.sum()), transform=ax.get_xaxis_transform(), clip_on=False, zorder=3, **_CROSS)
+        ax.scatter(
+            x[empty],
+            np.zeros(empty.sum()),
+            transform=ax.get_xaxis_transform(),
+            clip_on=False,
+            zorder=3,
+            **_CROSS,
+        )
     if name == "least_condition" and np.isfinite(values).any():
         ax.set_yscale("log")
     elif name != "least_condition":
@@ -113,12 +146,19 @@ def _curve(ax: Any, part: MapSlice, name: str) -> None:
 
 
 def _painted(ax: Any, part: MapSlice, **look: Any) -> Any:
-    """Cells of a grid, or points of a sample, with their values as colours; single points without a value get marks."""
+    """Cells of a grid, or points of a sample, with their values as colours; single points without a
+    value get marks.
+    """
     assert part.y is not None  # noqa: S101 - curves are drawn elsewhere
     if part.scattered:
         size = float(np.clip(40_000 / max(1, len(part.values)), 2.0, 40.0))
-        drawn = ax.scatter(part.x[2], part.y[2], c=part.values, s=size, linewidths=0, rasterized=True, **look)
-        for mark, where in ((_CROSS, np.isnan(part.values) | (part.values == 0)), (_PLUS, part.values < 0)):
+        drawn = ax.scatter(
+            part.x[2], part.y[2], c=part.values, s=size, linewidths=0, rasterized=True, **look
+        )
+        for mark, where in (
+            (_CROSS, np.isnan(part.values) | (part.values == 0)),
+            (_PLUS, part.values < 0),
+        ):
             ax.scatter(part.x[2][where], part.y[2][where], s=size, rasterized=True, **mark)
         return drawn
     return ax.pcolormesh(edges(part.x[2]), edges(part.y[2]), part.values.T, rasterized=True, **look)
@@ -132,17 +172,42 @@ def _discrete_map(ax: Any, part: MapSlice) -> None:
 
     counts, points = np.unique(part.values, return_counts=True)
     positive = counts[counts > 0]
-    shades = dict(zip(positive.tolist(), colormaps["viridis"](np.linspace(0.15, 0.97, len(positive))), strict=True))
+    shades = dict(
+        zip(
+            positive.tolist(),
+            colormaps["viridis"](np.linspace(0.15, 0.97, len(positive))),
+            strict=True,
+        )
+    )
     none = _UNKNOWN if part.scattered else _NONE
     colours = [_UNKNOWN if c < 0 else none if c == 0 else shades[int(c)] for c in counts]
-    norm = BoundaryNorm([*(counts - 0.5), counts[-1] + 0.5], len(counts)) if len(counts) > 1 else None
+    norm = (
+        BoundaryNorm([*(counts - 0.5), counts[-1] + 0.5], len(counts)) if len(counts) > 1 else None
+    )
     _painted(ax, part, cmap=ListedColormap(colours), norm=norm)
-    shown = np.unique(np.linspace(0, len(counts) - 1, min(_MOST_ENTRIES, len(counts))).round().astype(int))
+    shown = np.unique(
+        np.linspace(0, len(counts) - 1, min(_MOST_ENTRIES, len(counts))).round().astype(int)
+    )
     patches = [Patch(facecolor=colours[i], edgecolor=COLOURS["axis"], linewidth=0.5) for i in shown]
-    marks = [ax.scatter([], [], s=40.0, **(_CROSS if counts[i] == 0 else _PLUS)) for i in shown if counts[i] <= 0]
+    marks = [
+        ax.scatter([], [], s=40.0, **(_CROSS if counts[i] == 0 else _PLUS))
+        for i in shown
+        if counts[i] <= 0
+    ]
     handles = [*marks, *patches[len(marks) :]] if part.scattered else patches
-    texts = [f"{'not counted' if counts[i] < 0 else counts[i]}  ({100 * points[i] / points.sum():.3g} %)" for i in shown]
-    ax.legend(handles, texts, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9, labelcolor=COLOURS["text"])
+    texts = [
+        f"{'not counted' if counts[i] < 0 else counts[i]}  ({100 * points[i] / points.sum():.3g} %)"
+        for i in shown
+    ]
+    ax.legend(
+        handles,
+        texts,
+        loc="upper left",
+        bbox_to_anchor=(1.01, 1.0),
+        frameon=False,
+        fontsize=9,
+        labelcolor=COLOURS["text"],
+    )
 
 
 def _continuous_map(figure: Figure, ax: Any, part: MapSlice) -> None:
@@ -156,16 +221,24 @@ def _continuous_map(figure: Figure, ax: Any, part: MapSlice) -> None:
     ticks = np.geomspace(low, high, 5) if high < _NARROW * low else LogLocator(subs=(1.0, 2.0, 5.0))
     bar = figure.colorbar(drawn, ax=ax, pad=0.02, ticks=ticks, format="%.3g")
     bar.minorticks_off()
-    bar.set_label(f"condition ({'cross' if part.scattered else 'grey'}: no mode)", color=COLOURS["quiet"])
+    bar.set_label(
+        f"condition ({'cross' if part.scattered else 'grey'}: no mode)", color=COLOURS["quiet"]
+    )
     bar.ax.tick_params(colors=COLOURS["quiet"])
 
 
-def _words(figure: Figure, ax: Any, part: MapSlice, attributes: Mapping[str, Any], name: str) -> None:
+def _words(
+    figure: Figure, ax: Any, part: MapSlice, attributes: Mapping[str, Any], name: str
+) -> None:
     """Title, what is fixed, labels of the axes."""
     write_title(figure, ax, TITLES[name], attributes, part.fixed)
-    ax.set_xlabel(axis_text(attributes, part.x[0], part.x[1]), color=COLOURS["quiet"], parse_math=False)
+    ax.set_xlabel(
+        axis_text(attributes, part.x[0], part.x[1]), color=COLOURS["quiet"], parse_math=False
+    )
     if part.y is not None:
-        ax.set_ylabel(axis_text(attributes, part.y[0], part.y[1]), color=COLOURS["quiet"], parse_math=False)
+        ax.set_ylabel(
+            axis_text(attributes, part.y[0], part.y[1]), color=COLOURS["quiet"], parse_math=False
+        )
         spans = [float(np.ptp(axis[2])) for axis in (part.x, part.y)]
         if part.x[1] == part.y[1] and 0.8 < spans[0] / max(spans[1], 1e-300) < 1.25:
             ax.set_aspect("equal")

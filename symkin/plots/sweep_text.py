@@ -21,14 +21,25 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def write_title(figure: Figure, ax: Any, what: str, attributes: Mapping[str, Any], fixed: Sequence[str]) -> None:
+def write_title(
+    figure: Figure, ax: Any, what: str, attributes: Mapping[str, Any], fixed: Sequence[str]
+) -> None:
     """The title, and below it what is fixed besides what the sweep holds."""
     figure.suptitle(
-        f"{what}: {attributes['mechanism']}, {_problem(attributes)}", fontsize=13, fontweight="bold",
-        color=COLOURS["text"], parse_math=False,
-    )  # fmt: skip
+        f"{what}: {attributes['mechanism']}, {_problem(attributes)}",
+        fontsize=13,
+        fontweight="bold",
+        color=COLOURS["text"],
+        parse_math=False,
+    )
     lines = ", ".join([*fixed, *held_texts(attributes)])
-    ax.set_title(f"at {lines}" if lines else "", fontsize=9.5, color=COLOURS["quiet"], parse_math=False, wrap=True)
+    ax.set_title(
+        f"at {lines}" if lines else "",
+        fontsize=9.5,
+        color=COLOURS["quiet"],
+        parse_math=False,
+        wrap=True,
+    )
     ax.tick_params(colors=COLOURS["quiet"])
 
 
@@ -47,12 +58,16 @@ def axis_text(attributes: Mapping[str, Any], name: str, unit: str) -> str:
 
 
 def held_texts(attributes: Mapping[str, Any]) -> list[str]:
-    """Joints, or coordinates of the pose, that are not swept, with their values; rounding noise as 0."""
+    """Joints, or coordinates of the pose, that are not swept, with their values; rounding noise as
+    0.
+    """
     mechanism, base = parse(attributes["mechanism_file"]), attributes["base"]
     if attributes["sweeps over"] == "poses":
         return _held_pose(mechanism, base, attributes["axes"])
     by_name = isinstance(base, Mapping)
-    values = base if by_name else dict(zip((c.name for c in mechanism.actuated), base, strict=False))
+    values = (
+        base if by_name else dict(zip((c.name for c in mechanism.actuated), base, strict=False))
+    )
     coordinates = given_coordinates(mechanism)
     found = []
     for name, value in values.items():
@@ -65,8 +80,9 @@ def held_texts(attributes: Mapping[str, Any]) -> list[str]:
 
 
 def _held_pose(mechanism: Mechanism, base: Sequence[float], swept: Collection[str]) -> list[str]:
-    """Coordinates of the mechanism's motion: a planar one has no z and an angle gamma, one with a free rotation an
-    orientation."""
+    """Coordinates of the mechanism's motion: a planar one has no z and an angle gamma, one with a
+    free rotation an orientation.
+    """
     found, closure = [], build_closure(mechanism)
     for c in closure.role("pose"):
         name = c.name.removeprefix("pose.")
@@ -75,11 +91,14 @@ def _held_pose(mechanism: Mechanism, base: Sequence[float], swept: Collection[st
             found.append(f"orientation ({numbers}){turn_text(swept)}")
         elif name in ("x", "y", "z") and name not in swept:
             found.append(
-                f"{name} = {plain(base['xyz'.index(name)], mechanism.characteristic_length):.5g} {mechanism.length_unit}"
+                f"{name} = {plain(base['xyz'.index(name)], mechanism.characteristic_length):.5g} "
+                f"{mechanism.length_unit}"
             )
         elif name == "gamma" and "gamma" not in swept:
             turn = multiply(np.array(base[3:]), conjugate(mechanism.reference_pose.quaternion))
             angle = plain(mechanism.angle_out(2.0 * math.atan2(turn[3], turn[0])))
             if "rz" not in swept or angle:
-                found.append(f"gamma = {'rz + ' * ('rz' in swept)}{angle:.5g} {mechanism.angle_unit}")
+                found.append(
+                    f"gamma = {'rz + ' * ('rz' in swept)}{angle:.5g} {mechanism.angle_unit}"
+                )
     return found

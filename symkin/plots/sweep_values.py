@@ -1,7 +1,9 @@
-"""Pictures of what a sweep's modes do: the paths of named points in the plane of their largest extents, or joints over what is swept.
+"""Pictures of what a sweep's modes do: the paths of named points in the plane of their largest
+extents, or joints over what is swept.
 
-Every mode is a dot, coloured by the first swept value. Along one swept value the assembly that the mechanism file describes is drawn
-as a line: from the mode nearest to the reference on, sample by sample, as far as one mode is beyond doubt the nearest.
+Every mode is a dot, coloured by the first swept value. Along one swept value the assembly that the
+mechanism file describes is drawn as a line: from the mode nearest to the reference on, sample by
+sample, as far as one mode is beyond doubt the nearest.
 """
 
 from __future__ import annotations
@@ -22,10 +24,19 @@ from symkin.sweeps.layout import labels
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_LINES = (COLOURS["platform edge"], COLOURS["accent"], "#3a7d44", "#7a4b9e", "#b03a48", COLOURS["link"])
+_LINES = (
+    COLOURS["platform edge"],
+    COLOURS["accent"],
+    "#3a7d44",
+    "#7a4b9e",
+    "#b03a48",
+    COLOURS["link"],
+)
 """Colours of the lines of several points or joints."""
 _NEAREST = 0.5
-"""A mode goes on to the nearest one of the next sample where it is nearer than this share of the distance of the second."""
+"""A mode goes on to the nearest one of the next sample where it is nearer than this share of the
+distance of the second.
+"""
 _HALF_TURN = {"deg": 180.0, "rad": np.pi}
 """Difference of two neighbouring angles beyond which a whole turn is between them, by unit."""
 _MOST_DOTS = 200_000
@@ -36,8 +47,10 @@ _LEAST_AREA, _LARGEST_AREA, _ALL_DOTS = 3.0, 14.0, 4000.0
 
 @dataclass(frozen=True, eq=False)
 class _Modes:
-    """The modes of n points: which of the places (n, modes) hold one, `swept` values (n,) by name and unit of the first axis, and
-    `line` (n,), the place of the mode that the line goes through, -1 where there is none."""
+    """The modes of n points: which of the places (n, modes) hold one, `swept` values (n,) by name
+    and unit of the first axis, and `line` (n,), the place of the mode that the line goes through,
+    -1 where there is none.
+    """
 
     data: Any
     there: np.ndarray
@@ -46,8 +59,12 @@ class _Modes:
     fixed: tuple[str, ...]
 
 
-def figure_of_values(attributes: Mapping[str, Any], data: Any, names: Sequence[str], slices: Mapping[str, float]) -> Figure:
-    """The picture of named points, or of joints. Raises InputError for a name that the sweep does not have."""
+def figure_of_values(
+    attributes: Mapping[str, Any], data: Any, names: Sequence[str], slices: Mapping[str, float]
+) -> Figure:
+    """The picture of named points, or of joints. Raises InputError for a name that the sweep does
+    not have.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -55,14 +72,18 @@ def figure_of_values(attributes: Mapping[str, Any], data: Any, names: Sequence[s
     points = check_drawable(mechanism, attributes["quantity"], list(attributes["axes"]), names)
     modes = _modes(mechanism, attributes, data, slices, points)
     with drawing():
-        figure = Figure(figsize=(7.4, 6.0 if points else 4.8), facecolor="white", layout="constrained")
+        figure = Figure(
+            figsize=(7.4, 6.0 if points else 4.8), facecolor="white", layout="constrained"
+        )
         FigureCanvasAgg(figure)
         ax: Any = figure.add_subplot()
         if points:
             _paths(figure, ax, modes, attributes, names)
         else:
             _curves(ax, modes, attributes, names)
-        write_title(figure, ax, f"{_kind(modes, points)} of {', '.join(names)}", attributes, modes.fixed)
+        write_title(
+            figure, ax, f"{_kind(modes, points)} of {', '.join(names)}", attributes, modes.fixed
+        )
     return figure
 
 
@@ -73,10 +94,16 @@ def _kind(modes: _Modes, points: bool) -> str:
     return "Path" if (modes.line >= 0).any() else "Positions"
 
 
-# --- what is drawn -------------------------------------------------------------------------------------------------
+# --- what is drawn --------------------------------------------------------------------------------
 
 
-def _modes(mechanism: Mechanism, attributes: Mapping[str, Any], data: Any, slices: Mapping[str, float], points: bool) -> _Modes:
+def _modes(
+    mechanism: Mechanism,
+    attributes: Mapping[str, Any],
+    data: Any,
+    slices: Mapping[str, float],
+    points: bool,
+) -> _Modes:
     """All modes, or those at the slices; of joints, over the axis of most values alone."""
     names = list(attributes["axes"])
     sampled = attributes["sample"] is not None
@@ -85,7 +112,11 @@ def _modes(mechanism: Mechanism, attributes: Mapping[str, Any], data: Any, slice
     free = [n for n in names if n not in cuts]
     first = max(free, key=lambda n: data[by_label[n]].size)
     if not sampled and not points:
-        middle = {n: float(data[by_label[n]].values[(data[by_label[n]].size - 1) // 2]) for n in free if n != first}
+        middle = {
+            n: float(data[by_label[n]].values[(data[by_label[n]].size - 1) // 2])
+            for n in free
+            if n != first
+        }
         cuts |= middle
     fixed = []
     for n, value in cuts.items():
@@ -101,7 +132,9 @@ def _modes(mechanism: Mechanism, attributes: Mapping[str, Any], data: Any, slice
     line = np.full(len(count), -1)
     if not sampled and len(swept) == 1:
         line = _line(mechanism, data, there, _nearest_sample(mechanism, first, values))
-    return _Modes(data, there, (first, data[by_label[first]].attrs["units"], values), line, tuple(fixed))
+    return _Modes(
+        data, there, (first, data[by_label[first]].attrs["units"], values), line, tuple(fixed)
+    )
 
 
 def _numbers(modes: _Modes, name: str, width: int) -> np.ndarray:
@@ -121,7 +154,9 @@ def _nearest_sample(mechanism: Mechanism, name: str, values: np.ndarray) -> int:
 
 
 def _line(mechanism: Mechanism, data: Any, there: np.ndarray, begin: int) -> np.ndarray:
-    """The place of one mode at each sample, from the one nearest to the reference on in both directions; -1 where it is in doubt."""
+    """The place of one mode at each sample, from the one nearest to the reference on in both
+    directions; -1 where it is in doubt.
+    """
     units = data["joint_units"].values.tolist()
     features = _features(mechanism, data["joints"].values, units)
     reference = _features(mechanism, _reference(mechanism, data["joint"].values.tolist()), units)
@@ -153,26 +188,38 @@ def _reference(mechanism: Mechanism, labels_of_joints: Sequence[str]) -> np.ndar
 
 
 def _features(mechanism: Mechanism, joints: np.ndarray, units: Sequence[str]) -> np.ndarray:
-    """Joints (..., joints) so that equal configurations are equal: cosines and sines of angles, lengths over the size."""
+    """Joints (..., joints) so that equal configurations are equal: cosines and sines of angles,
+    lengths over the size.
+    """
     columns = []
     for k, unit in enumerate(units):
         value = joints[..., k]
         if unit == mechanism.angle_unit:
-            columns += [np.cos(mechanism.angle_in(1.0) * value), np.sin(mechanism.angle_in(1.0) * value)]
+            columns += [
+                np.cos(mechanism.angle_in(1.0) * value),
+                np.sin(mechanism.angle_in(1.0) * value),
+            ]
         else:
             columns.append(value if unit == "1" else value / mechanism.characteristic_length)
     return np.stack(columns, axis=-1)
 
 
-# --- drawing -------------------------------------------------------------------------------------------------------
+# --- drawing --------------------------------------------------------------------------------------
 
 
-def _paths(figure: Figure, ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequence[str]) -> None:
+def _paths(
+    figure: Figure, ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequence[str]
+) -> None:
     """Named points in the two directions in which they move most."""
     listed = modes.data["named_point"].values.tolist()
     all_points = _numbers(modes, "points", 2)
     points = all_points[:, :, [listed.index(name) for name in names]]
-    span = np.nan_to_num([np.ptp(points[modes.there][..., k], axis=None) if modes.there.any() else 0.0 for k in range(3)])
+    span = np.nan_to_num(
+        [
+            np.ptp(points[modes.there][..., k], axis=None) if modes.there.any() else 0.0
+            for k in range(3)
+        ]
+    )
     across = sorted(np.argsort(-span, kind="stable")[:2].tolist())
     unit = modes.data["points"].attrs["units"]
     name, swept_unit, values = modes.first
@@ -215,7 +262,15 @@ def _curves(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequen
     for k, joint in enumerate(names):
         place, colour = listed.index(joint), _LINES[k % len(_LINES)]
         flat = joints[:, :, place][modes.there][:_MOST_DOTS]
-        ax.scatter(values[owner], flat, color=colour, s=_dot_area(len(owner)), alpha=0.6, linewidths=0, rasterized=True)
+        ax.scatter(
+            values[owner],
+            flat,
+            color=colour,
+            s=_dot_area(len(owner)),
+            alpha=0.6,
+            linewidths=0,
+            rasterized=True,
+        )
         if (modes.line >= 0).any():
             path = _along(joints[:, :, [place]], modes.line)[:, 0]
             x, y = _without_turns(values, path, _HALF_TURN.get(units[place], np.inf))
@@ -224,7 +279,9 @@ def _curves(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequen
             ax.plot([], [], ".", color=colour, label=joint)
     ax.set_xlabel(axis_text(attributes, name, unit), color=COLOURS["quiet"], parse_math=False)
     ax.set_ylabel(
-        ", ".join(dict.fromkeys(f"{n} [{units[listed.index(n)]}]" for n in names)), color=COLOURS["quiet"], parse_math=False
+        ", ".join(dict.fromkeys(f"{n} [{units[listed.index(n)]}]" for n in names)),
+        color=COLOURS["quiet"],
+        parse_math=False,
     )
     ax.grid(True)
     _legend(ax)
@@ -248,6 +305,8 @@ def _dot_area(count: int) -> float:
 def _legend(ax: Any) -> None:
     handles, texts = ax.get_legend_handles_labels()
     if handles:
-        legend = ax.legend(handles, texts, frameon=False, fontsize=9, labelcolor=COLOURS["text"], loc="best")
+        legend = ax.legend(
+            handles, texts, frameon=False, fontsize=9, labelcolor=COLOURS["text"], loc="best"
+        )
         for text in legend.get_texts():
             text.set_parse_math(False)

@@ -1,4 +1,6 @@
-"""What a picture of a track shows over the path: inputs, what moves with them, distances to singularities and to limits."""
+"""What a picture of a track shows over the path: inputs, what moves with them, distances to
+singularities and to limits.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ _MOST_LIMITED = 6
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A quantity over the samples `at` (numbers into the track's samples), in the unit of its panel."""
+    """A quantity over the samples `at` (numbers into the track's samples), in the unit of its
+    panel.
+    """
 
     name: str
     values: np.ndarray
@@ -37,8 +41,9 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class CurvePanel:
-    """Curves over one axis; `stands` names what does not move, with its value; `floor` is the least value of the axis, where there is
-    one."""
+    """Curves over one axis; `stands` names what does not move, with its value; `floor` is the least
+    value of the axis, where there is one.
+    """
 
     label: str
     curves: tuple[Curve, ...]
@@ -48,7 +53,9 @@ class CurvePanel:
 
 @dataclass(frozen=True, eq=False)
 class Input:
-    """A coordinate that the path tells: its title and its values at the samples in the mechanism's units."""
+    """A coordinate that the path tells: its title and its values at the samples in the mechanism's
+    units.
+    """
 
     title: str
     values: np.ndarray
@@ -63,7 +70,10 @@ def inputs_of(track: Track) -> list[Input]:
         place = problem.closure.slices[c.name]
         name = c.name.removeprefix("pose.")
         if c.kind == "quaternion":
-            found += [Input(f"{turn} [{mechanism.angle_unit}]", v) for turn, v in _turns(track, values[:, place])]
+            found += [
+                Input(f"{turn} [{mechanism.angle_unit}]", v)
+                for turn, v in _turns(track, values[:, place])
+            ]
         elif c.width == 1 and _moves(track, c, values[:, place.start]):
             unit = mechanism.angle_unit if c.is_angular else mechanism.length_unit
             found.append(Input(f"{name} [{unit}]", _out(track, c, values[:, place.start])))
@@ -77,7 +87,9 @@ def panels_of(track: Track) -> Iterator[CurvePanel]:
         places = np.array([np.asarray(s.pose.position) for s in samples], dtype=float)
         size = _STILL * mechanism.characteristic_length
         yield _from_start(
-            f"{mechanism.frame_name}, from its\nstart [{mechanism.length_unit}]", dict(zip("xyz", places.T, strict=True)), size
+            f"{mechanism.frame_name}, from its\nstart [{mechanism.length_unit}]",
+            dict(zip("xyz", places.T, strict=True)),
+            size,
         )
         yield _turning(track)
     else:
@@ -97,24 +109,41 @@ def panels_of(track: Track) -> Iterator[CurvePanel]:
 def _joint_panels(track: Track) -> Iterator[CurvePanel]:
     """The joints that are found, lengths and angles apart."""
     mechanism, known = track.trajectory.mechanism, {c.name for c in track.problem.known_coordinates}
-    found = mechanism.actuated if track.trajectory.kind == "inverse" else listed_joints(track.problem)
+    found = (
+        mechanism.actuated if track.trajectory.kind == "inverse" else listed_joints(track.problem)
+    )
     for angular, unit in ((False, mechanism.length_unit), (True, mechanism.angle_unit)):
-        chosen = [c for c in found if c.is_angular == angular and c.kind != "quaternion" and c.name not in known]
+        chosen = [
+            c
+            for c in found
+            if c.is_angular == angular and c.kind != "quaternion" and c.name not in known
+        ]
         if chosen:
-            still = mechanism.angle_out(_STILL) if angular else _STILL * mechanism.characteristic_length
-            values = {c.name: np.array([s.joints[c.name] for s in track.samples], dtype=float) for c in chosen}
+            still = (
+                mechanism.angle_out(_STILL) if angular else _STILL * mechanism.characteristic_length
+            )
+            values = {
+                c.name: np.array([s.joints[c.name] for s in track.samples], dtype=float)
+                for c in chosen
+            }
             yield _from_start(f"joints, from their\nstart [{unit}]", values, still)
 
 
 def _from_start(label: str, values: dict[str, np.ndarray], still: float) -> CurvePanel:
     """Changes from the first sample; what moves by less than `still` stands."""
     moving = {name: v for name, v in values.items() if np.ptp(v) > still}
-    stands = tuple(f"{name} stays {_zero(float(v[0]), still):.5g}" for name, v in values.items() if name not in moving)
+    stands = tuple(
+        f"{name} stays {_zero(float(v[0]), still):.5g}"
+        for name, v in values.items()
+        if name not in moving
+    )
     starts = {name: f", from {_zero(float(v[0]), still):.5g}" for name, v in moving.items()}
     curves = []
     for together, v in _alike({name: v - v[0] for name, v in moving.items()}, still):
         told = {starts[name] for name in together}
-        curves.append(Curve(_joined(together) + (told.pop() if len(told) == 1 else ""), v, np.arange(len(v))))
+        curves.append(
+            Curve(_joined(together) + (told.pop() if len(told) == 1 else ""), v, np.arange(len(v)))
+        )
     return CurvePanel(label, tuple(curves), stands)
 
 
@@ -122,39 +151,64 @@ def _turning(track: Track) -> CurvePanel:
     """The rotation vector of the platform from its start, base frame."""
     mechanism = track.trajectory.mechanism
     first = conjugate(np.asarray(track.samples[0].pose.quaternion))
-    turns = np.array([_rotation_vector(multiply(np.asarray(s.pose.quaternion), first)) for s in track.samples])
+    turns = np.array(
+        [_rotation_vector(multiply(np.asarray(s.pose.quaternion), first)) for s in track.samples]
+    )
     shown = turns * mechanism.angle_out(1.0)
-    curves = [Curve(f"about {axis}", v, np.arange(len(v))) for axis, v in zip("xyz", shown.T, strict=True)]
+    curves = [
+        Curve(f"about {axis}", v, np.arange(len(v))) for axis, v in zip("xyz", shown.T, strict=True)
+    ]
     still = mechanism.angle_out(_STILL)
     moving = tuple(curve for curve in curves if np.ptp(curve.values) > still)
     stands = () if moving else ("does not turn",)
-    return CurvePanel(f"{mechanism.frame_name}, turned\nfrom its start [{mechanism.angle_unit}]", moving, stands)
+    return CurvePanel(
+        f"{mechanism.frame_name}, turned\nfrom its start [{mechanism.angle_unit}]", moving, stands
+    )
 
 
 def _rotation_vector(q: np.ndarray) -> np.ndarray:
-    """Angle times axis, an angle from 0 to a whole turn: it goes on beyond half a turn where the quaternions of a path do."""
+    """Angle times axis, an angle from 0 to a whole turn: it goes on beyond half a turn where the
+    quaternions of a path do.
+    """
     sine = float(np.linalg.norm(q[1:]))
-    return np.zeros(3) if sine == 0.0 else 2.0 * math.atan2(sine, float(q[0])) / sine * np.asarray(q[1:], dtype=float)
+    return (
+        np.zeros(3)
+        if sine == 0.0
+        else 2.0 * math.atan2(sine, float(q[0])) / sine * np.asarray(q[1:], dtype=float)
+    )
 
 
-# --- distances -----------------------------------------------------------------------------------------------------
+# --- distances ------------------------------------------------------------------------------------
 
 
 def _singular(track: Track) -> CurvePanel:
-    """The smallest singular value of what is followed, and the distances from each kind of singularity."""
+    """The smallest singular value of what is followed, and the distances from each kind of
+    singularity.
+    """
     samples, roles = track.samples, roles_followed(track.problem)
     at = np.unique(np.linspace(0, len(samples) - 1, _MOST_DISTANCES).round().astype(int))
     rows = [classify(samples[k].solution, roles=roles).distances for k in at]
-    kinds = [kind for kind in rows[0] if all(math.isfinite(row.get(kind, math.inf)) for row in rows)]
-    sigma = Curve("smallest singular value", np.array([s.smallest_singular_value for s in samples]), np.arange(len(samples)))
+    kinds = [
+        kind for kind in rows[0] if all(math.isfinite(row.get(kind, math.inf)) for row in rows)
+    ]
+    sigma = Curve(
+        "smallest singular value",
+        np.array([s.smallest_singular_value for s in samples]),
+        np.arange(len(samples)),
+    )
     # without unknowns nothing can be lost and the smallest singular value is 1
     first = () if track.nearest is None else (sigma,)
-    curves = (*first, *(Curve(f"from {kind}", np.array([row[kind] for row in rows]), at) for kind in kinds))
+    curves = (
+        *first,
+        *(Curve(f"from {kind}", np.array([row[kind] for row in rows]), at) for kind in kinds),
+    )
     return CurvePanel("distance to\nsingularity", curves, floor=0.0)
 
 
 def _limits(track: Track) -> Iterator[CurvePanel]:
-    """How far joints are from their limits, as a share of their ranges: 0.5 in the middle, 0 at a limit, negative beyond."""
+    """How far joints are from their limits, as a share of their ranges: 0.5 in the middle, 0 at a
+    limit, negative beyond.
+    """
     found = {}
     for c in track.trajectory.mechanism.coordinates:
         shares = _limit_shares(track, c)
@@ -163,15 +217,25 @@ def _limits(track: Track) -> Iterator[CurvePanel]:
     if not found:
         return
     nearest = sorted(_alike(found, _STILL), key=lambda entry: float(entry[1].min()))
-    curves = tuple(Curve(_joined(names), values, np.arange(len(values))) for names, values in nearest[:_MOST_LIMITED])
+    curves = tuple(
+        Curve(_joined(names), values, np.arange(len(values)))
+        for names, values in nearest[:_MOST_LIMITED]
+    )
     others = sum(len(names) for names, _ in nearest[_MOST_LIMITED:])
     more = (f"{others} others are farther",) if others else ()
     yield CurvePanel("distance to limits\n[share of the range]", curves, more, floor=0.0)
 
 
 def _limit_shares(track: Track, c: Coordinate) -> np.ndarray | None:
-    """Distances of a joint from the nearer of its limits; whole turns of an angle count as one place, that of the first sample."""
-    if c.limits is None or c.width != 1 or c.name not in track.samples[0].joints or not np.isfinite(c.limits).all():
+    """Distances of a joint from the nearer of its limits; whole turns of an angle count as one
+    place, that of the first sample.
+    """
+    if (
+        c.limits is None
+        or c.width != 1
+        or c.name not in track.samples[0].joints
+        or not np.isfinite(c.limits).all()
+    ):
         return None
     low, high = c.limits
     values = np.array([_inside(track, c, sample) for sample in track.samples])
@@ -184,7 +248,9 @@ def _alike(values: dict[str, np.ndarray], still: float) -> list[tuple[list[str],
     """Names of one curve, all along it: one line that has all their names hides none."""
     found: list[tuple[list[str], np.ndarray]] = []
     for name, v in values.items():
-        names = next((names for names, other in found if float(np.abs(v - other).max()) <= still), None)
+        names = next(
+            (names for names, other in found if float(np.abs(v - other).max()) <= still), None
+        )
         if names is None:
             found.append(([name], v))
         else:
@@ -196,7 +262,7 @@ def _joined(names: list[str]) -> str:
     return textwrap.fill(", ".join(names), _LONGEST_LINE)
 
 
-# --- values --------------------------------------------------------------------------------------------------------
+# --- values ---------------------------------------------------------------------------------------
 
 
 def _inside(track: Track, c: Coordinate, sample: Sample) -> float:
@@ -206,19 +272,30 @@ def _inside(track: Track, c: Coordinate, sample: Sample) -> float:
 
 
 def _out(track: Track, c: Coordinate, values: np.ndarray) -> np.ndarray:
-    return np.asarray(values * track.trajectory.mechanism.angle_out(1.0)) if c.is_angular else values
+    return (
+        np.asarray(values * track.trajectory.mechanism.angle_out(1.0)) if c.is_angular else values
+    )
 
 
 def _moves(track: Track, c: Coordinate, values: np.ndarray) -> bool:
-    return bool(np.ptp(values) > _STILL * (1.0 if c.is_angular else track.trajectory.mechanism.characteristic_length))
+    return bool(
+        np.ptp(values)
+        > _STILL * (1.0 if c.is_angular else track.trajectory.mechanism.characteristic_length)
+    )
 
 
 def _turns(track: Track, quaternions: np.ndarray) -> list[tuple[str, np.ndarray]]:
     """Roll, pitch and yaw of a told orientation, those that move."""
-    angles = np.array([np.asarray(euler_from_quaternion(q, "xyz"), dtype=float) for q in quaternions])
+    angles = np.array(
+        [np.asarray(euler_from_quaternion(q, "xyz"), dtype=float) for q in quaternions]
+    )
     shown = np.unwrap(angles, axis=0)
     out = track.trajectory.mechanism.angle_out(1.0)
-    return [(name, v * out) for name, v in zip(("roll", "pitch", "yaw"), shown.T, strict=True) if np.ptp(v) > _STILL]
+    return [
+        (name, v * out)
+        for name, v in zip(("roll", "pitch", "yaw"), shown.T, strict=True)
+        if np.ptp(v) > _STILL
+    ]
 
 
 def _zero(value: float, still: float) -> float:

@@ -1,4 +1,6 @@
-"""Limits, direction of view, ticks and labels of 3-D panels: all panels of a figure that are seen from one side share a `View`."""
+"""Limits, direction of view, ticks and labels of 3-D panels: all panels of a figure that are seen
+from one side share a `View`.
+"""
 
 from __future__ import annotations
 
@@ -21,14 +23,21 @@ _UPRIGHT = 0.3
 _THINNEST = 0.4
 """Least extent of the box in any direction, of the largest."""
 _ANGLES: dict[ViewName, tuple[float, float]] = {
-    "main": (21.0, -57.0), "top": (89.99, -90.01), "front": (0.01, -90.01), "side": (0.01, -0.01),
-}  # fmt: skip
-"""Elevation and azimuth of the eye in degrees; from above not quite 90, which leaves no up direction."""
+    "main": (21.0, -57.0),
+    "top": (89.99, -90.01),
+    "front": (0.01, -90.01),
+    "side": (0.01, -0.01),
+}
+"""Elevation and azimuth of the eye in degrees; from above not quite 90, which leaves no up
+direction.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What panels share: limits (3, 2) in `unit`, whether the mechanism is flat (its main view is from above), and the view's name."""
+    """What panels share: limits (3, 2) in `unit`, whether the mechanism is flat (its main view is
+    from above), and the view's name.
+    """
 
     limits: np.ndarray
     unit: str
@@ -73,10 +82,16 @@ class View:
 
     @property
     def edges(self) -> dict[str, np.ndarray]:
-        """The edges of the box that carry labels, each (2, 3), by the name of the axis; none for one that points to the eye."""
+        """The edges of the box that carry labels, each (2, 3), by the name of the axis; none for
+        one that points to the eye.
+        """
         (x0, x1), (y0, y1), (z0, z1) = self.limits
         if self.angles == _ANGLES["main"]:
-            corners = {"x": ((x0, y0, z0), (x1, y0, z0)), "y": ((x1, y0, z0), (x1, y1, z0)), "z": ((x1, y1, z0), (x1, y1, z1))}
+            corners = {
+                "x": ((x0, y0, z0), (x1, y0, z0)),
+                "y": ((x1, y0, z0), (x1, y1, z0)),
+                "z": ((x1, y1, z0), (x1, y1, z1)),
+            }
         elif self.angles == _ANGLES["top"]:
             corners = {"x": ((x0, y0, z1), (x1, y0, z1)), "y": ((x0, y0, z1), (x0, y1, z1))}
         elif self.name == "front":
@@ -92,7 +107,9 @@ class View:
 
 
 def set_axes(ax: Any, view: View, share: float) -> None:
-    """Set up Axes3D: the view's limits to equal scales, the box seen over `share` of the axes' width, ticks and labels."""
+    """Set up Axes3D: the view's limits to equal scales, the box seen over `share` of the axes'
+    width, ticks and labels.
+    """
     ax.computed_zorder = False
     ax.patch.set_visible(False)
     ax.set_proj_type("ortho")
@@ -104,10 +121,19 @@ def set_axes(ax: Any, view: View, share: float) -> None:
         axis.set_ticks([])
     ax.tick_params(colors=COLOURS["axis"])
     for name, edge in view.edges.items():
-        axis, limits = {"x": ax.xaxis, "y": ax.yaxis, "z": ax.zaxis}[name], view.limits["xyz".index(name)]
+        axis, limits = (
+            {"x": ax.xaxis, "y": ax.yaxis, "z": ax.zaxis}[name],
+            view.limits["xyz".index(name)],
+        )
         values = _ticks(limits, float(view.extent.max()))
         axis.set_ticks(values, labels=[""] * len(values))
-        _label_edge(ax, edge, (values - limits[0]) / (limits[1] - limits[0]), values, f"{name} [{view.unit}]")
+        _label_edge(
+            ax,
+            edge,
+            (values - limits[0]) / (limits[1] - limits[0]),
+            values,
+            f"{name} [{view.unit}]",
+        )
 
 
 def _zoom(ax: Any, view: View, share: float) -> None:
@@ -123,7 +149,9 @@ def project(ax: Any, points: np.ndarray) -> np.ndarray:
 
 
 def _ticks(limits: np.ndarray, largest: float) -> np.ndarray:
-    """Round values within the limits, as far apart on all edges, and off the corners, where labels would meet."""
+    """Round values within the limits, as far apart on all edges, and off the corners, where labels
+    would meet.
+    """
     from matplotlib.ticker import MaxNLocator
 
     step = float(np.diff(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, largest))[0])
@@ -131,18 +159,39 @@ def _ticks(limits: np.ndarray, largest: float) -> np.ndarray:
     return step * np.arange(np.ceil(low / step), np.floor(high / step) + 1)
 
 
-def _label_edge(ax: Any, edge: np.ndarray, places: np.ndarray, values: np.ndarray, name: str) -> None:
-    """Write tick values at `places` (0 to 1 along an edge of the box) and the axis's name, on the side away from the box."""
+def _label_edge(
+    ax: Any, edge: np.ndarray, places: np.ndarray, values: np.ndarray, name: str
+) -> None:
+    """Write tick values at `places` (0 to 1 along an edge of the box) and the axis's name, on the
+    side away from the box.
+    """
     start, end = project(ax, edge)
     along = (end - start) / np.linalg.norm(end - start)
     upright = abs(along[0]) < _UPRIGHT
-    outward = np.array([math.copysign(1.0, start[0]), 0.0]) if upright else np.array([along[1], -along[0]])
+    outward = (
+        np.array([math.copysign(1.0, start[0]), 0.0])
+        if upright
+        else np.array([along[1], -along[0]])
+    )
     side = "center" if not upright else "left" if outward[0] > 0.0 else "right"
     texts = [f"{value:g}".replace("-", "\N{MINUS SIGN}") for value in values + 0.0]
-    look: dict[str, Any] = {"textcoords": "offset points", "color": COLOURS["quiet"], "annotation_clip": False, "va": "center"}
+    look: dict[str, Any] = {
+        "textcoords": "offset points",
+        "color": COLOURS["quiet"],
+        "annotation_clip": False,
+        "va": "center",
+    }
     offset = (6.0 if upright else 10.0) * outward
     for place, text in zip(places, texts, strict=True):
         ax.annotate(text, start + place * (end - start), offset, fontsize=7.0, ha=side, **look)
     distance = 15.0 + 4.6 * max(map(len, texts), default=0) if upright else 28.0
     turn = float(np.degrees(np.arctan2(along[1], along[0])))
-    ax.annotate(name, 0.5 * (start + end), distance * outward, fontsize=8.0, rotation=turn, ha="center", **look)
+    ax.annotate(
+        name,
+        0.5 * (start + end),
+        distance * outward,
+        fontsize=8.0,
+        rotation=turn,
+        ha="center",
+        **look,
+    )

@@ -15,8 +15,9 @@ from symkin.numeric.system import System
 from symkin.position.problem import Problem
 
 DOUBLE_ROOT = 1e-8
-"""Discriminants and strengths (squares over the size's) within this of zero leave a doubt: two solutions are then nearer than 1e-4,
-or nothing decides a joint."""
+"""Discriminants and strengths (squares over the size's) within this of zero leave a doubt: two
+solutions are then nearer than 1e-4, or nothing decides a joint.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,11 +39,15 @@ class ArmFormulas:
 
     def random_known(self) -> np.ndarray:
         """A tool pose that some joints have."""
-        pose = forward(self.plan.arm, np.random.default_rng(0).uniform(-1.0, 1.0, len(self.plan.arm)))
+        pose = forward(
+            self.plan.arm, np.random.default_rng(0).uniform(-1.0, 1.0, len(self.plan.arm))
+        )
         return np.concatenate([pose.position, pose.quaternion])
 
     def solutions(self, known: np.ndarray) -> Solutions:
-        """Of all branches the points (n, count, joints), and which are real; which instances leave no doubt."""
+        """Of all branches the points (n, count, joints), and which are real; which instances leave
+        no doubt.
+        """
         values, marks = self._formulas(known)
         shape = (len(known), self.plan.count)
         marks = marks.reshape(*shape, 2, -1)
@@ -59,25 +64,35 @@ class ArmFormulas:
         places = {screw.name: i for i, screw in enumerate(self.plan.arm.screws)}
         order = [places[c.name] for c in self.block.unknowns]
         joints = ca.vertcat(*(branch.joints[order] for branch in found))
-        return Mapped.of([known], [joints, ca.vertcat(*(ca.vertcat(b.discriminants, b.strengths) for b in found))])
+        return Mapped.of(
+            [known],
+            [joints, ca.vertcat(*(ca.vertcat(b.discriminants, b.strengths) for b in found))],
+        )
 
 
 @lru_cache(maxsize=128)
 def arm_formulas(problem: Problem) -> ArmFormulas | None:
-    """The formulas of an arm's inverse problem; None of any other problem, and where the axes do not allow any."""
+    """The formulas of an arm's inverse problem; None of any other problem, and where the axes do
+    not allow any.
+    """
     if problem.kind != "inverse" or len(problem.blocks) != 1:
         return None
     (block,), plan = problem.blocks, plan_of(problem.mechanism)
-    if plan is None or {c.name for c in block.unknowns} != {screw.name for screw in plan.arm.screws}:
+    if plan is None or {c.name for c in block.unknowns} != {
+        screw.name for screw in plan.arm.screws
+    }:
         return None
     return ArmFormulas(problem, block, plan)
 
 
 def judged(discriminants: np.ndarray, strengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Which branches (n, count) are real, and which are in doubt, from the marks (n, count, steps) of their steps: behind a step
-    without real solution others mean nothing."""
+    """Which branches (n, count) are real, and which are in doubt, from the marks (n, count, steps)
+    of their steps: behind a step without real solution others mean nothing.
+    """
     with np.errstate(invalid="ignore"):
         regular = (discriminants > DOUBLE_ROOT) & (strengths > DOUBLE_ROOT)
         none = (discriminants < -DOUBLE_ROOT) & (strengths > DOUBLE_ROOT)
-    before = np.cumprod(np.concatenate([np.ones_like(regular[:, :, :1]), regular[:, :, :-1]], axis=2), axis=2).astype(bool)
+    before = np.cumprod(
+        np.concatenate([np.ones_like(regular[:, :, :1]), regular[:, :, :-1]], axis=2), axis=2
+    ).astype(bool)
     return np.asarray(regular.all(axis=2)), np.asarray((before & ~regular & ~none).any(axis=2))

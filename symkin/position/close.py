@@ -1,4 +1,6 @@
-"""The verb `close`: the closed configuration nearest to a file's own, and what its constraints leave free there."""
+"""The verb `close`: the closed configuration nearest to a file's own, and what its constraints
+leave free there.
+"""
 
 from __future__ import annotations
 
@@ -35,13 +37,18 @@ from symkin.spatial.rotation import conjugate
 from symkin.text import first_of
 
 
-def close(name_or_path: str | Path | Mechanism, read: ReadOptions = AS_IT_IS, *, seed: int = 0) -> ClosedConfiguration:
-    """Find the closed configuration nearest to the one that a file describes, and count its freedoms.
+def close(
+    name_or_path: str | Path | Mechanism, read: ReadOptions = AS_IT_IS, *, seed: int = 0
+) -> ClosedConfiguration:
+    """Find the closed configuration nearest to the one that a file describes, and count its
+    freedoms.
 
-    Takes what `load` takes, with what is told of a robot beside its file (`read`), or a Mechanism. Rank, mobility and redundant constraints of robots in other formats (MJCF, URDF, SDF)
-    are those of their closures and couplings on the freedoms of their tree, idle spins of rods included, as other tools count them.
-    `seed` is that of the steps to configurations at which the generic rank is taken. Raises as `load` does; where nothing closes
-    the loops, the result says so (`closed`), with what comes nearest.
+    Takes what `load` takes, with what is told of a robot beside its file (`read`), or a Mechanism.
+    Rank, mobility and redundant constraints of robots in other formats (MJCF, URDF, SDF) are those
+    of their closures and couplings on the freedoms of their tree, idle spins of rods included, as
+    other tools count them. `seed` is that of the steps to configurations at which the generic rank
+    is taken. Raises as `load` does; where nothing closes the loops, the result says so (`closed`),
+    with what comes nearest.
 
     >>> import symkin
     >>> found = symkin.close("four_bar")
@@ -75,7 +82,9 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         rank=rank,
         redundant=row_count(robot) - rank,
         generic_rank=None if generic is None else generic.value,
-        actuated=tuple(c.name for e in robot.joints if e.joint.actuated for c in e.joint.coordinates),
+        actuated=tuple(
+            c.name for e in robot.joints if e.joint.actuated for c in e.joint.coordinates
+        ),
         loops=tuple(LoopGap(name, found.gaps[name], found.residuals[name]) for name in found.gaps),
         open_by=found.open_by,
         residual=found.residual,
@@ -97,7 +106,11 @@ def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:
     names = [c.name for entry in robot.joints for c in entry.joint.coordinates]
     values = {name: found.values[name] for name in names}
     # a ball as seen from its other link turns back
-    values |= {name: tuple(conjugate(np.array(values[name]))) for name in robot.turned if len(values.get(name, ())) == 4}
+    values |= {
+        name: tuple(conjugate(np.array(values[name])))
+        for name in robot.turned
+        if len(values.get(name, ())) == 4
+    }
     return {name: value[0] if len(value) == 1 else list(value) for name, value in values.items()}
 
 
@@ -106,20 +119,26 @@ def _closing_notes(found: Closed, rank: int, generic: GenericRank | None) -> lis
         return [open_sentence(found)]
     notes, freedom = [], found.tree.freedom
     if not found.closed:
-        notes.append(f"the loops close only to the digits of the file: the nearest configuration leaves {found.residual:.1e} m")
+        notes.append(
+            f"the loops close only to the digits of the file: the nearest configuration leaves "
+            f"{found.residual:.1e} m"
+        )
     if generic is None:
         notes.append(
-            "the rank at closed configurations beside this one is not clear: freedoms here may be lost away from it, or not"
+            "the rank at closed configurations beside this one is not clear: freedoms here may be "
+            "lost away from it, or not"
         )
     elif rank > generic.value:
         notes.append(
-            f"the digits of the file make constraints of what is redundant: the rank is {rank} here, and {generic.value} at configurations "
+            f"the digits of the file make constraints of what is redundant: the rank is {rank} "
+            f"here, and {generic.value} at configurations "
             "beside this one, which close to those digits"
         )
     elif rank != generic.value:
         digits = ", which close to the digits of the file" if generic.to_digits else ""
         notes.append(
-            f"this configuration is singular: the rank is {rank} here, and {generic.value} at closed configurations beside it{digits}: "
+            f"this configuration is singular: the rank is {rank} here, and {generic.value} at "
+            f"closed configurations beside it{digits}: "
             f"the mobility is {freedom - rank} here, and {freedom - generic.value} there"
         )
     return notes
@@ -134,11 +153,13 @@ def _limit_notes(robot: Robot, found: Closed) -> list[str]:
             value = found.values[entry.joint.name][0]
             slack = LIMIT_SLACK * (found.tree.size if entry.joint.type == "P" else 1.0)
             if not limits[0] - slack <= value <= limits[1] + slack:
-                beyond.append(f"{entry.joint.name} = {value:.6g} (limits {limits[0]:g} to {limits[1]:g})")
+                beyond.append(
+                    f"{entry.joint.name} = {value:.6g} (limits {limits[0]:g} to {limits[1]:g})"
+                )
     return [f"beyond the limits of the file: {first_of(beyond)}"] if beyond else []
 
 
-# --- mechanism files ---------------------------------------------------------------------------------------------------
+# --- mechanism files ------------------------------------------------------------------------------
 
 
 def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
@@ -191,5 +212,7 @@ def _joint_values(closure: Closure, values: np.ndarray) -> dict[str, float | lis
         if c.kind == "quaternion":
             found[c.name] = [float(v) for v in numbers]
         else:
-            found[c.name] = mechanism.angle_out(float(numbers[0])) if c.is_angular else float(numbers[0])
+            found[c.name] = (
+                mechanism.angle_out(float(numbers[0])) if c.is_angular else float(numbers[0])
+            )
     return found

@@ -13,7 +13,9 @@ from symkin.spatial.pose import Pose
 
 @dataclass(frozen=True)
 class LoopGap:
-    """How far a closure or coupling is open in the file, and what is left at the closed configuration (length unit)."""
+    """How far a closure or coupling is open in the file, and what is left at the closed
+    configuration (length unit).
+    """
 
     name: str
     open_by: float
@@ -24,13 +26,15 @@ class LoopGap:
 class ClosedConfiguration(Result):
     """The closed configuration nearest to a file's own.
 
-    mobility = freedoms - rank, here as is `redundant`, the constraints that others imply (rows - rank where no motion is declared);
-    `generic_rank` is that of closed configurations beside it, None where it is not clear, `infinitesimal` counts freedoms of first
-    order that no motion follows there.
-    `open_by` and `residual` are the largest of what the loops leave open in the file and here, `joints` the values of all joints in
-    `units` (length, angle), `link_poses` the frames of links, and of bodies that are part of them, in the base frame. `closed` is
-    False where no search closed the loops: then this is what comes nearest, and `notes` name the loop that resists. `reference` is
-    the mechanism whose reference configuration this is, None where nothing closes or moves.
+    mobility = freedoms - rank, here as is `redundant`, the constraints that others imply (rows -
+    rank where no motion is declared); `generic_rank` is that of closed configurations beside it,
+    None where it is not clear, `infinitesimal` counts freedoms of first order that no motion
+    follows there. `open_by` and `residual` are the largest of what the loops leave open in the file
+    and here, `joints` the values of all joints in `units` (length, angle), `link_poses` the frames
+    of links, and of bodies that are part of them, in the base frame. `closed` is False where no
+    search closed the loops: then this is what comes nearest, and `notes` name the loop that
+    resists. `reference` is the mechanism whose reference configuration this is, None where nothing
+    closes or moves.
 
     >>> import symkin
     >>> found = symkin.close("jansen_leg")
@@ -67,20 +71,29 @@ class ClosedConfiguration(Result):
         """Mobility, how far the loops were open and are, then every joint's value."""
         length, angle = self.units
         above = [
-            f"{self.mechanism}: mobility {self.mobility} = {self.freedoms} freedoms - rank {self.rank} of {self.rows} rows; redundant "
+            f"{self.mechanism}: mobility {self.mobility} = {self.freedoms} freedoms - rank "
+            f"{self.rank} of {self.rows} rows; redundant "
             f"constraints: {self.redundant}"
         ]
         if not self.rows:
             above.append("it has no loop to close")
         elif self.closed:
             above.append(
-                f"closed to {self.residual:.1e} {length}; the file's own configuration is open by {self.open_by:.3g} {length}"
+                f"closed to {self.residual:.1e} {length}; the file's own configuration is open by "
+                f"{self.open_by:.3g} {length}"
             )
         above += [
-            f"  {loop.name}: open by {loop.open_by:.3g}, now {loop.residual:.1e}" for loop in self.loops if loop.open_by > 1e-9
+            f"  {loop.name}: open by {loop.open_by:.3g}, now {loop.residual:.1e}"
+            for loop in self.loops
+            if loop.open_by > 1e-9
         ]
         rows = [[name, _number(value)] for name, value in self.joints.items()]
-        return Summary(above, ["joint", f"value [{length}, {angle}]"], rows[:most_rows], [f"note: {note}" for note in self.notes])
+        return Summary(
+            above,
+            ["joint", f"value [{length}, {angle}]"],
+            rows[:most_rows],
+            [f"note: {note}" for note in self.notes],
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON object of `symkin close --json`."""
@@ -105,7 +118,10 @@ class ClosedConfiguration(Result):
             "closed": self.closed,
             "open_by": self.open_by,
             "residual": self.residual,
-            "each_loop": [{"name": loop.name, "open_by": loop.open_by, "residual": loop.residual} for loop in self.loops],
+            "each_loop": [
+                {"name": loop.name, "open_by": loop.open_by, "residual": loop.residual}
+                for loop in self.loops
+            ],
             "joints": dict(self.joints),
             "link_poses": {name: _pose(pose) for name, pose in self.link_poses.items()},
             "notes": list(self.notes),
@@ -119,4 +135,7 @@ def _number(value: float | list[float]) -> str:
 def _pose(pose: Pose) -> dict[str, list[float]]:
     """Position and quaternion, its first number not negative."""
     sign = -1.0 if pose.quaternion[0] < 0.0 else 1.0
-    return {"position": [float(v) for v in pose.position], "quaternion": [sign * float(v) + 0.0 for v in pose.quaternion]}
+    return {
+        "position": [float(v) for v in pose.position],
+        "quaternion": [sign * float(v) + 0.0 for v in pose.quaternion],
+    }

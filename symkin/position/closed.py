@@ -17,7 +17,9 @@ from symkin.spatial.rotation import wrapped
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """The steps of an arm's plan, at each choice the solution nearest to the start's joint; its angles are near the start's."""
+    """The steps of an arm's plan, at each choice the solution nearest to the start's joint; its
+    angles are near the start's.
+    """
 
     @property
     def name(self) -> str:
@@ -28,7 +30,8 @@ class ClosedForm:
         formula = _nearest_branch(problem)
         if formula is None:
             raise InputError(
-                f"solver = 'closed': the {problem.kind} problem of {problem.mechanism.name} has no closed form; allowed: newton, "
+                f"solver = 'closed': the {problem.kind} problem of {problem.mechanism.name} has no "
+                f"closed form; allowed: newton, "
                 "fast_newton, ipopt"
             )
         end = np.asarray(formula(known, start)).ravel()
@@ -38,7 +41,9 @@ class ClosedForm:
 
 @lru_cache(maxsize=128)
 def _nearest_branch(problem: Problem) -> ca.Function | None:
-    """Joint values from known values and a start, in the order of the unknowns; None without a closed form."""
+    """Joint values from known values and a start, in the order of the unknowns; None without a
+    closed form.
+    """
     plan = plan_of(problem.mechanism) if problem.kind == "inverse" else None
     if plan is None:
         return None
@@ -47,7 +52,12 @@ def _nearest_branch(problem: Problem) -> ca.Function | None:
     closure, start = problem.closure, ca.SX.sym("start", len(order))
     pose = closure.bound(ca.vertcat(closure.pose.position, closure.pose.quaternion))
     joints = _nearest(plan, pose, start[order])
-    return ca.Function("nearest", [problem.system.known, start], [joints[np.argsort(order).tolist()]], {"cse": True})
+    return ca.Function(
+        "nearest",
+        [problem.system.known, start],
+        [joints[np.argsort(order).tolist()]],
+        {"cse": True},
+    )
 
 
 def _nearest(plan: Plan, pose: ca.SX, start: ca.SX) -> ca.SX:

@@ -18,13 +18,21 @@ from symkin.position.own_component import Component, component_at_singular, regu
 def whole_system(closure: Closure) -> System:
     """The closure with every coordinate unknown."""
     rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
-    return System(closure.coordinates, closure.variables, ca.SX(0, 1), rows, errors, closure.characteristic_length)
+    return System(
+        closure.coordinates,
+        closure.variables,
+        ca.SX(0, 1),
+        rows,
+        errors,
+        closure.characteristic_length,
+    )
 
 
 @lru_cache(maxsize=128)
 def own_component(closure: Closure, seed: int) -> Component | None:
-    """Configurations of the assembly that the reference belongs to, or the nearest that closes where the reference is open; None
-    where least squares from there ends open."""
+    """Configurations of the assembly that the reference belongs to, or the nearest that closes
+    where the reference is open; None where least squares from there ends open.
+    """
     system, nothing, size = whole_system(closure), np.zeros(0), closure.characteristic_length
     start = closure.reference
     if not system.residual(start, nothing) <= CLOSURE_TOLERANCE * size:
@@ -34,15 +42,17 @@ def own_component(closure: Closure, seed: int) -> Component | None:
             return None
     found = regular_component(system, start, seed)
     if found.infinitesimal:
-        # a singular file of few digits: what closes exactly beside it is less than what its digits mean
+        # a singular file of few digits: what closes exactly beside it is less than what its digits
+        # mean
         digits = rank_to_digits(system, least_squares_ends(closure, seed), found.rank.value)
         return found if digits is not None else component_at_singular(system, start, seed)
     return found
 
 
 def closed_configurations(closure: Closure, seed: int) -> list[np.ndarray]:
-    """Generic closed configurations of the reference's own assembly; of a reference that is open and near to none, those where least
-    squares ends, or itself where none closes."""
+    """Generic closed configurations of the reference's own assembly; of a reference that is open
+    and near to none, those where least squares ends, or itself where none closes.
+    """
     own = own_component(closure, seed)
     if own is not None:
         return list(own.points)
@@ -52,5 +62,7 @@ def closed_configurations(closure: Closure, seed: int) -> list[np.ndarray]:
 
 @lru_cache(maxsize=128)
 def least_squares_ends(closure: Closure, seed: int) -> LeastSquaresEnds:
-    """Where least squares on all rows from random steps off the reference ends, in whatever assembly."""
+    """Where least squares on all rows from random steps off the reference ends, in whatever
+    assembly.
+    """
     return least_squares_from(whole_system(closure), closure.reference, seed)

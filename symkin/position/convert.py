@@ -17,17 +17,28 @@ from symkin.position.close import close
 from symkin.text import not_among
 
 _CLOSED = 1e-12
-"""Of the size: rods and couplings that miss their lengths and values by less are closed at the reference."""
+"""Of the size: rods and couplings that miss their lengths and values by less are closed at the
+reference.
+"""
 
 
-def convert(mechanism: str | Path | Mechanism, path: str | Path, read: ReadOptions = AS_IT_IS, *, loops: Loops = "loop") -> Path:
-    """Write a mechanism as a mechanism file (.toml), MJCF (.xml), URDF (.urdf) or SDF (.sdf), by the path's suffix; returns the path.
+def convert(
+    mechanism: str | Path | Mechanism,
+    path: str | Path,
+    read: ReadOptions = AS_IT_IS,
+    *,
+    loops: Loops = "loop",
+) -> Path:
+    """Write a mechanism as a mechanism file (.toml), MJCF (.xml), URDF (.urdf) or SDF (.sdf), by
+    the path's suffix; returns the path.
 
-    Takes what `load` takes, with what is told of a robot beside its file (`read`), or a Mechanism. The reference of the file is a
-    closed configuration. The other formats hold links, joints, loops and couplings in metres and radians, masses are plain; `load`
-    reads the same mechanism back, its limbs as joints and rods between links. `loops` of a URDF stand in it ("loop", those of URDF+)
-    or in a file of the same name beside it ("yaml"). Raises InputError for another suffix, a folder that is missing and an output
-    that would replace what is read, MechanismError for what the format cannot hold.
+    Takes what `load` takes, with what is told of a robot beside its file (`read`), or a Mechanism.
+    The reference of the file is a closed configuration. The other formats hold links, joints, loops
+    and couplings in metres and radians, masses are plain; `load` reads the same mechanism back, its
+    limbs as joints and rods between links. `loops` of a URDF stand in it ("loop", those of URDF+)
+    or in a file of the same name beside it ("yaml"). Raises InputError for another suffix, a folder
+    that is missing and an output that would replace what is read, MechanismError for what the
+    format cannot hold.
 
     >>> import symkin, tempfile, pathlib
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -51,30 +62,38 @@ def convert(mechanism: str | Path | Mechanism, path: str | Path, read: ReadOptio
 
 
 def _check_loops(output: Path, loops: str) -> None:
-    """Refuse an unknown form of loops, one that the format has not, and loops beside a file that has its own."""
+    """Refuse an unknown form of loops, one that the format has not, and loops beside a file that
+    has its own.
+    """
     if loops not in LOOPS:
         raise InputError(f"loops = {not_among(loops, LOOPS)}")
     if output.suffix != ".urdf":
         if loops != LOOPS[0]:
-            raise InputError(f"loops = {loops!r} is a form of URDF, and {str(output)!r} is none; leave it out")
+            raise InputError(
+                f"loops = {loops!r} is a form of URDF, and {str(output)!r} is none; leave it out"
+            )
         return
     beside = [file for ending in YAML_ENDINGS if (file := output.with_suffix(ending)).is_file()]
     other = [file for file in beside if loops != "yaml" or file.suffix != ".yaml"]
     if other:
         raise InputError(
-            f"{other[0]} stands beside the output, and would tell loops of a URDF of this name; move it, or give another name"
+            f"{other[0]} stands beside the output, and would tell loops of a URDF of this name; "
+            f"move it, or give another name"
             + ("" if loops == "yaml" else ", or --loops yaml, which replaces it")
         )
 
 
 def _closed(mechanism: Mechanism) -> Mechanism:
-    """The mechanism with a closed reference, its own where that is one. Raises MechanismError where nothing closes it."""
+    """The mechanism with a closed reference, its own where that is one. Raises MechanismError where
+    nothing closes it.
+    """
     if is_closed_at_reference(as_graph(mechanism), _CLOSED):
         return mechanism
     found = close(mechanism)
     if found.reference is None:
         raise MechanismError(
-            f"{mechanism.name}: no closed configuration was found, and files hold one as their reference; the best leaves "
+            f"{mechanism.name}: no closed configuration was found, and files hold one as their "
+            f"reference; the best leaves "
             f"{found.residual:.3g} {mechanism.length_unit}"
         )
     return found.reference
@@ -102,4 +121,9 @@ def _sdf(mechanism: Mechanism) -> str:
     return sdf_text(mechanism)
 
 
-_WRITERS: dict[str, Callable[[Mechanism], str]] = {".toml": _toml, ".xml": _mjcf, ".urdf": _urdf, ".sdf": _sdf}
+_WRITERS: dict[str, Callable[[Mechanism], str]] = {
+    ".toml": _toml,
+    ".xml": _mjcf,
+    ".urdf": _urdf,
+    ".sdf": _sdf,
+}

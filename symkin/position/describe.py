@@ -1,6 +1,8 @@
-"""What `symkin show` prints of limbs and arms: unknowns, rank, mobility, redundant constraints, reciprocal screws.
+"""What `symkin show` prints of limbs and arms: unknowns, rank, mobility, redundant constraints,
+reciprocal screws.
 
-Graphs: see `describe_graph`."""
+Graphs: see `describe_graph`.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,15 @@ from collections import Counter
 from symkin.model.bar import Bar
 from symkin.model.mechanism import Mechanism
 from symkin.position.describe_graph import describe_graph
-from symkin.position.describe_parts import coordinates_text, heading, joint_text, ranks_text, rows_text, vector_text, where_text
+from symkin.position.describe_parts import (
+    coordinates_text,
+    heading,
+    joint_text,
+    ranks_text,
+    rows_text,
+    vector_text,
+    where_text,
+)
 from symkin.position.mobility import mobility
 from symkin.position.mobility_result import Mobility
 from symkin.position.platform_motion import fewer_rows
@@ -21,7 +31,11 @@ def describe(mechanism: Mechanism) -> str:
     found = mobility(mechanism)
     if not found.limbs:
         return describe_graph(found)
-    kind = "serial arm" if mechanism.serial else f"parallel mechanism, platform motion {mechanism.motion}"
+    kind = (
+        "serial arm"
+        if mechanism.serial
+        else f"parallel mechanism, platform motion {mechanism.motion}"
+    )
     sections = [
         heading(mechanism, kind),
         _limbs(mechanism, found),
@@ -37,7 +51,12 @@ def _limbs(mechanism: Mechanism, found: Mobility) -> str:
     relations = Counter((row.limb, row.relation) for row in found.closure.row_sources)
     for limb in mechanism.limbs:
         rows = (
-            ", ".join(f"{count} {relation}" for (name, relation), count in relations.items() if name == limb.name) or "none left"
+            ", ".join(
+                f"{count} {relation}"
+                for (name, relation), count in relations.items()
+                if name == limb.name
+            )
+            or "none left"
         )
         lines.append(f"  {limb.name} ({limb.type}): rows: {rows}")
         lines += [f"    {joint_text(mechanism, joint)}" for joint in limb.joints]
@@ -50,7 +69,9 @@ def _limbs(mechanism: Mechanism, found: Mobility) -> str:
 def _rod(bar: Bar) -> str:
     offset = f", length = value + {bar.offset:g}" if bar.offset else ""
     drive = "" if bar.coordinate is None else f", actuated{offset}"
-    return f"rod from {vector_text(bar.start.point)} to {vector_text(bar.end.point)} (platform){drive}"
+    return (
+        f"rod from {vector_text(bar.start.point)} to {vector_text(bar.end.point)} (platform){drive}"
+    )
 
 
 def _closure(mechanism: Mechanism, found: Mobility) -> str:
@@ -58,22 +79,35 @@ def _closure(mechanism: Mechanism, found: Mobility) -> str:
     lines.append(f"  p, geometry: {len(found.closure.parameter_names)} parameters")
     for kind in ("direct", "inverse"):
         system = build_problem(mechanism, kind).system
-        lines.append(f"  {kind} problem: {system.rows.shape[0]} equations, {system.freedom} unknowns")
+        lines.append(
+            f"  {kind} problem: {system.rows.shape[0]} equations, {system.freedom} unknowns"
+        )
     return "\n".join(lines)
 
 
 def _mobility(m: Mobility) -> str:
-    lines = ["Mobility" + ("" if m.closed else " (no closed configuration was found: what follows holds at the open reference)")]
+    lines = [
+        "Mobility"
+        + (
+            ""
+            if m.closed
+            else " (no closed configuration was found: what follows holds at the open reference)"
+        )
+    ]
     lines += ranks_text(m, "equations")
     restriction = fewer_rows(m)
     if restriction is not None:
         motion, left = restriction
         lines.append(
-            f'  note: the joints leave the platform this motion anyway: with motion = "{motion}" in [platform] '
-            f"{left or 'none'} of them {'is' if left == 1 else 'are'} left{'' if left else ', and paths can be certified'}"
+            f'  note: the joints leave the platform this motion anyway: with motion = "{motion}" '
+            f"in [platform] "
+            f"{left or 'none'} of them {'is' if left == 1 else 'are'} "
+            f"left{'' if left else ', and paths can be certified'}"
         )
     lines += [f"  warning: {warning}" for warning in m.warnings]
-    lines.append(f"  screws below: at {where_text(m)}, base frame, (force; moment about the origin)")
+    lines.append(
+        f"  screws below: at {where_text(m)}, base frame, (force; moment about the origin)"
+    )
     return "\n".join(lines)
 
 
@@ -82,6 +116,11 @@ def _screws(m: Mobility) -> str:
     for limb in m.limbs:
         lines += rows_text(f"  {limb.limb}: constraint", limb.constraints)
         lines += rows_text(f"  {limb.limb}: with actuated joints locked", limb.locked)
-    lines += rows_text(f"  platform: constraints of all limbs, rank {len(m.platform_constraints)}", m.platform_constraints)
-    lines += rows_text("  platform: twists left (angular velocity; velocity at the origin)", m.platform_twists)
+    lines += rows_text(
+        f"  platform: constraints of all limbs, rank {len(m.platform_constraints)}",
+        m.platform_constraints,
+    )
+    lines += rows_text(
+        "  platform: twists left (angular velocity; velocity at the origin)", m.platform_twists
+    )
     return "\n".join(lines)

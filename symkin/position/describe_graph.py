@@ -1,4 +1,6 @@
-"""What `symkin show` prints of a graph of links: links, joints, rods, couplings, loops, unknowns, mobility, what the platform may do."""
+"""What `symkin show` prints of a graph of links: links, joints, rods, couplings, loops, unknowns,
+mobility, what the platform may do.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +10,29 @@ from symkin.model.graph import Coupling, LinkRod
 from symkin.model.graph_checks import links_of
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.position.describe_parts import coordinates_text, heading, joint_text, ranks_text, rows_text, vector_text, where_text
+from symkin.position.describe_parts import (
+    coordinates_text,
+    heading,
+    joint_text,
+    ranks_text,
+    rows_text,
+    vector_text,
+    where_text,
+)
 from symkin.position.mobility_result import Mobility
 
 
 def describe_graph(found: Mobility) -> str:
     """A readable account of a graph, with every figure computed from its closure."""
     mechanism = found.closure.mechanism
-    sections = [_heading(mechanism), _joints(mechanism), _loops(found), _closure(found), _mobility(found), _platform(found)]
+    sections = [
+        _heading(mechanism),
+        _joints(mechanism),
+        _loops(found),
+        _closure(found),
+        _mobility(found),
+        _platform(found),
+    ]
     return "\n\n".join(section for section in sections if section)
 
 
@@ -23,7 +40,11 @@ def _heading(m: Mechanism) -> str:
     counts = [
         _count(len(links_of(m)), "link"),
         _count(len(list(m.all_joints)), "joint"),
-        *(_count(len(some), word) for some, word in ((m.link_rods, "rod"), (m.couplings, "coupling"), (m.limbs, "limb")) if some),
+        *(
+            _count(len(some), word)
+            for some, word in ((m.link_rods, "rod"), (m.couplings, "coupling"), (m.limbs, "limb"))
+            if some
+        ),
     ]
     return heading(m, f"graph of {', '.join(counts)}")
 
@@ -38,10 +59,16 @@ def _joints(m: Mechanism) -> str:
         lines.append(f"  {limb.links[0]} - {limb.links[1]}: limb {limb.name} ({limb.type})")
         lines += [f"    {joint_text(m, joint)}" for joint in limb.joints]
     lines += [f"  coupling: {_coupling(m, coupling)}" for coupling in m.couplings]
-    lines += [f"  point {point.name} of {point.link} at {vector_text(point.point)}" for point in m.link_points]
+    lines += [
+        f"  point {point.name} of {point.link} at {vector_text(point.point)}"
+        for point in m.link_points
+    ]
     if m.platform_link is not None:
         restricted = "" if m.motion == "spatial" else f", its motion {m.motion}"
-        lines.append(f"  platform frame on {m.platform_link} at {vector_text(m.platform_position)}{restricted}")
+        lines.append(
+            f"  platform frame on {m.platform_link} at "
+            f"{vector_text(m.platform_position)}{restricted}"
+        )
     return "\n".join(lines)
 
 
@@ -60,9 +87,14 @@ def _coupling(m: Mechanism, coupling: Coupling) -> str:
     if coupling.polynomial is not None:
         (name,) = coupling.names
         powers = ["", f" {name}", *(f" {name}^{k}" for k in range(2, len(coupling.polynomial)))]
-        terms = [(c / own * unit[name] ** k, power) for k, (c, power) in enumerate(zip(coupling.polynomial, powers, strict=True))]
+        terms = [
+            (c / own * unit[name] ** k, power)
+            for k, (c, power) in enumerate(zip(coupling.polynomial, powers, strict=True))
+        ]
     else:
-        terms = [(factor / own * unit[name], f" {name}") for name, factor in coupling.terms] + [(coupling.offset / own, "")]
+        terms = [(factor / own * unit[name], f" {name}") for name, factor in coupling.terms] + [
+            (coupling.offset / own, "")
+        ]
     text = " + ".join(f"{factor:.6g}{power}" for factor, power in terms if factor) or "0"
     return f"{coupling.joint} = {text}".replace("+ -", "- ")
 
@@ -75,18 +107,30 @@ def _coordinates(m: Mechanism) -> Iterable[Coordinate]:
 def _loops(m: Mobility) -> str:
     if not m.loops:
         return "Loops: none"
-    lines = [f"Loops ({len(m.loops)} independent ones; rows of each by itself, cut at its passive joint of most freedom)"]
+    lines = [
+        f"Loops ({len(m.loops)} independent ones; rows of each by itself, cut at its passive joint "
+        f"of most freedom)"
+    ]
     for number, loop in enumerate(m.loops, start=1):
         redundant = f", {loop.redundant} redundant" if loop.redundant else ""
-        lines.append(f"  {number}: {loop.name}: {_count(loop.rows, 'row')}, rank {loop.rank}{redundant}")
+        lines.append(
+            f"  {number}: {loop.name}: {_count(loop.rows, 'row')}, rank {loop.rank}{redundant}"
+        )
     return "\n".join(lines)
 
 
 def _closure(m: Mobility) -> str:
     closure = m.closure
     lines = coordinates_text(closure)
-    vanishing = f", and {_count(closure.vanishing, 'row')} that vanish everywhere" if closure.vanishing else ""
-    lines.append(f"  {_count(closure.rows.shape[0], 'row')}{vanishing}; p, geometry: {len(closure.parameter_names)} parameters")
+    vanishing = (
+        f", and {_count(closure.vanishing, 'row')} that vanish everywhere"
+        if closure.vanishing
+        else ""
+    )
+    lines.append(
+        f"  {_count(closure.rows.shape[0], 'row')}{vanishing}; p, geometry: "
+        f"{len(closure.parameter_names)} parameters"
+    )
     if closure.idle:
         lines.append(f"  not in the closure: {'; '.join(closure.idle)}")
     return "\n".join(lines)
@@ -99,7 +143,8 @@ def _mobility(m: Mobility) -> str:
         if m.reference_rank is not None and not m.at_reference:
             there = m.reference_rank.value
             lines.append(
-                f"  at the reference: rank {there}, mobility {m.freedoms - there}, redundant constraints {m.redundant_at_reference}"
+                f"  at the reference: rank {there}, mobility {m.freedoms - there}, redundant "
+                f"constraints {m.redundant_at_reference}"
             )
     return "\n".join([*lines, *(f"  warning: {warning}" for warning in m.warnings)])
 
@@ -110,7 +155,9 @@ def _platform(m: Mobility) -> str:
         return ""
     lines = [f"Screws of {mechanism.platform_link} at {where_text(m)}, base frame"]
     lines += rows_text("  constraints (force; moment about the origin)", m.platform_constraints)
-    lines += rows_text("  twists left (angular velocity; velocity at the origin)", m.platform_twists)
+    lines += rows_text(
+        "  twists left (angular velocity; velocity at the origin)", m.platform_twists
+    )
     return "\n".join(lines)
 
 

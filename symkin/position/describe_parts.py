@@ -17,7 +17,9 @@ def joint_text(mechanism: Mechanism, joint: Joint) -> str:
     second = f"then {vector_text(joint.axis2)}" if joint.axis2 else ""
     pitch = f"pitch {joint.pitch:g} {mechanism.length_unit} a turn" if joint.type == "H" else ""
     drive = "actuated" if joint.actuated else ""
-    return " ".join(part for part in (joint.type, joint.name, place, axis, second, pitch, drive) if part)
+    return " ".join(
+        part for part in (joint.type, joint.name, place, axis, second, pitch, drive) if part
+    )
 
 
 def heading(mechanism: Mechanism, kind: str) -> str:
@@ -27,13 +29,22 @@ def heading(mechanism: Mechanism, kind: str) -> str:
         lines.append(f"source: {mechanism.source}")
     size = f"{mechanism.characteristic_length:.6g}"
     return "\n".join(
-        [*lines, f"units: {mechanism.length_unit}, {mechanism.angle_unit}; size (largest distance of joint points): {size}"]
+        [
+            *lines,
+            f"units: {mechanism.length_unit}, {mechanism.angle_unit}; size (largest distance of "
+            f"joint points): {size}",
+        ]
     )
 
 
 def coordinates_text(closure: Closure) -> list[str]:
     """The closure's coordinates by their roles; poses only where there are any."""
-    roles = (("actuated", "q, actuated"), ("passive", "x, passive"), ("body", "x, poses of floating links"), ("pose", "X, pose"))
+    roles = (
+        ("actuated", "q, actuated"),
+        ("passive", "x, passive"),
+        ("body", "x, poses of floating links"),
+        ("pose", "X, pose"),
+    )
     lines = ["Closure F(q, x, X, p) = 0"]
     for role, text in roles:
         coordinates = closure.role(role)
@@ -44,13 +55,17 @@ def coordinates_text(closure: Closure) -> list[str]:
 
 
 def ranks_text(found: Mobility, rows: str) -> list[str]:
-    """Rank, mobility and redundant constraints at generic closed configurations; `rows` is what the closure's rows are called."""
+    """Rank, mobility and redundant constraints at generic closed configurations; `rows` is what the
+    closure's rows are called.
+    """
     alone = found.generic_rank != found.rank.value or (found.infinitesimal and not found.mobility)
     where = "the reference" if alone else "generic closed configurations"
     less = f" - {found.infinitesimal} of first order alone" if found.infinitesimal else ""
     return [
-        f"  {rows} {found.rows}, rank at {where} {found.rank.value}, freedoms of the coordinates {found.freedoms}",
-        f"  mobility = {found.freedoms} - {found.rank.value}{less} = {found.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: "
+        f"  {rows} {found.rows}, rank at {where} {found.rank.value}, freedoms of the coordinates "
+        f"{found.freedoms}",
+        f"  mobility = {found.freedoms} - {found.rank.value}{less} = {found.mobility}   "
+        f"(Gruebler-Kutzbach, geometry and idle freedoms unseen: "
         f"{found.gruebler})",
         f"  redundant constraints: {found.redundant}{_whose(found)}",
     ]
@@ -65,7 +80,11 @@ def _whose(found: Mobility) -> str:
 
 def where_text(found: Mobility) -> str:
     """Where screws are those of."""
-    return "the reference configuration" if found.at_reference else "a configuration near the reference"
+    return (
+        "the reference configuration"
+        if found.at_reference
+        else "a configuration near the reference"
+    )
 
 
 def rows_text(title: str, rows: np.ndarray) -> list[str]:
@@ -83,4 +102,8 @@ def _plain(values: np.ndarray) -> str:
 
 def vector_text(values: object) -> str:
     """A vector to six digits, rounding noise as 0."""
-    return "(" + ", ".join(f"{0.0 if abs(v) < 1e-12 else v:.6g}" for v in np.asarray(values, dtype=float)) + ")"
+    return (
+        "("
+        + ", ".join(f"{0.0 if abs(v) < 1e-12 else v:.6g}" for v in np.asarray(values, dtype=float))
+        + ")"
+    )

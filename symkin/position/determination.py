@@ -1,4 +1,6 @@
-"""Whether given coordinates decide a configuration: as many as the mobility, and none that others decide."""
+"""Whether given coordinates decide a configuration: as many as the mobility, and none that others
+decide.
+"""
 
 from __future__ import annotations
 
@@ -14,26 +16,36 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.rank import Rank, generic
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, RANK_TOLERANCE
-from symkin.position.closed_configurations import closed_configurations, least_squares_ends, whole_system
+from symkin.position.closed_configurations import (
+    closed_configurations,
+    least_squares_ends,
+    whole_system,
+)
 from symkin.position.file_digits import rank_to_digits
 from symkin.position.problem import Problem
 
 DIGITS = 1e-4
 """Largest closure error, as a share of the size, that may be due to the digits of a file."""
 _OPEN_RANK = 1e3
-"""Singular values below this many times the share of the size by which loops stay open are those of redundant rows."""
+"""Singular values below this many times the share of the size by which loops stay open are those of
+redundant rows.
+"""
 _STATIONARY = 0.9
 """A configuration whose rows one step would lessen to below this share is no minimum of them."""
 _REGULAR = 1e-5
-"""Singular value, over the largest, below which a configuration is at the end of its reach and not one of redundant rows."""
+"""Singular value, over the largest, below which a configuration is at the end of its reach and not
+one of redundant rows.
+"""
 _SUGGESTED = 4
 """Names that a message lists."""
 
 
 @dataclass(frozen=True)
 class Determination:
-    """Given coordinates that others decide; freedoms that are left; coordinates that would bind them; the mobility. `misfit` (length
-    unit) is not 0 where loops of redundant constraints close only to the digits of a file."""
+    """Given coordinates that others decide; freedoms that are left; coordinates that would bind
+    them; the mobility. `misfit` (length unit) is not 0 where loops of redundant constraints close
+    only to the digits of a file.
+    """
 
     decided: tuple[str, ...]
     free: int
@@ -43,15 +55,25 @@ class Determination:
 
 
 def refuse_unless_determined(problem: Problem) -> None:
-    """Raise InputError where the given coordinates leave some motion free, or say the same thing twice."""
+    """Raise InputError where the given coordinates leave some motion free, or say the same thing
+    twice.
+    """
     refuse_contradictions(problem)
     found = determination(problem)
     if found.free:
-        name, some = problem.mechanism.name, ", ".join(found.binding[:_SUGGESTED] or _pose_names(problem))
+        name, some = (
+            problem.mechanism.name,
+            ", ".join(found.binding[:_SUGGESTED] or _pose_names(problem)),
+        )
         listed = ", ".join(c.name for c in _given(problem)) or "nothing"
-        what = f"give {found.free} more, for example {some}; or use" if some else "no joint is left to be given; use"
+        what = (
+            f"give {found.free} more, for example {some}; or use"
+            if some
+            else "no joint is left to be given; use"
+        )
         raise InputError(
-            f"given: {listed}; that leaves {name} {found.free} freedom{'s' * (found.free != 1)}, and its configurations are not "
+            f"given: {listed}; that leaves {name} {found.free} freedom{'s' * (found.free != 1)}, "
+            f"and its configurations are not "
             f"isolated: {what} solve with a start for one of them"
         )
 
@@ -59,11 +81,17 @@ def refuse_unless_determined(problem: Problem) -> None:
 def _pose_names(problem: Problem) -> tuple[str, ...]:
     """What may bind where no joint does."""
     known = {c.name for c in problem.known_coordinates}
-    return tuple(name for name in POSE_CONDITIONS if name not in known) if problem.mechanism.platform_link is not None else ()
+    return (
+        tuple(name for name in POSE_CONDITIONS if name not in known)
+        if problem.mechanism.platform_link is not None
+        else ()
+    )
 
 
 def refuse_contradictions(problem: Problem) -> None:
-    """Raise InputError where given coordinates say what others decide. A pose as a whole may hold what the joints decide anyway."""
+    """Raise InputError where given coordinates say what others decide. A pose as a whole may hold
+    what the joints decide anyway.
+    """
     found = determination(problem)
     decided = [name for name in found.decided if not name.startswith("pose.")]
     if not decided:
@@ -71,8 +99,10 @@ def refuse_contradictions(problem: Problem) -> None:
     names = [c.name for c in _given(problem)]
     one = len(names) == 1
     raise InputError(
-        f"given: {', '.join(names)} {'is' if one else 'are'} {len(names)} coordinate{'' if one else 's'} of "
-        f"{problem.mechanism.name}, whose mobility is {found.mobility}: {'nothing is free, and ' if one else 'the others decide '}"
+        f"given: {', '.join(names)} {'is' if one else 'are'} {len(names)} "
+        f"coordinate{'' if one else 's'} of "
+        f"{problem.mechanism.name}, whose mobility is {found.mobility}: "
+        f"{'nothing is free, and ' if one else 'the others decide '}"
         + (f"{names[0]} is decided" if one else ", ".join(decided))
         + f"; leave {'it' if len(decided) == 1 else 'them'} out"
     )
@@ -88,7 +118,9 @@ def determination(problem: Problem) -> Determination:
     closure = build_closure(problem.mechanism, replace(problem.closure.partition, geometry=False))
     system = whole_system(closure)
     jacobians = [system.linearise_one(z, np.zeros(0))[1] for z in closed_configurations(closure, 0)]
-    found = _determination(problem, closure, jacobians[generic([Rank.of(j) for j in jacobians])], RANK_TOLERANCE, 0.0)
+    found = _determination(
+        problem, closure, jacobians[generic([Rank.of(j) for j in jacobians])], RANK_TOLERANCE, 0.0
+    )
     if not found.decided:
         beside = _beside_singular(closure, system.freedom - found.mobility) if found.free else None
         return found if beside is None else _determination(problem, closure, *beside)
@@ -98,14 +130,20 @@ def determination(problem: Problem) -> Determination:
         return found
     z, misfit = nearly
     tolerance = min(_OPEN_RANK * misfit / closure.characteristic_length, 1e-2)
-    loose = _determination(problem, closure, system.linearise_one(z, np.zeros(0))[1], tolerance, misfit)
+    loose = _determination(
+        problem, closure, system.linearise_one(z, np.zeros(0))[1], tolerance, misfit
+    )
     return loose if len(loose.decided) < len(found.decided) else found
 
 
-def _determination(problem: Problem, closure: Closure, jacobian: np.ndarray, tolerance: float, misfit: float) -> Determination:
+def _determination(
+    problem: Problem, closure: Closure, jacobian: np.ndarray, tolerance: float, misfit: float
+) -> Determination:
     left = null_space(jacobian, tolerance, relative=True).T
     columns: dict[str, list[int]] = {}
-    for column, coordinate in enumerate(held for held in closure.coordinates for _ in range(held.freedom)):
+    for column, coordinate in enumerate(
+        held for held in closure.coordinates for _ in range(held.freedom)
+    ):
         columns.setdefault(coordinate.name, []).append(column)
     decided: list[str] = []
     basis = np.zeros((0, left.shape[1]))
@@ -126,10 +164,15 @@ def _determination(problem: Problem, closure: Closure, jacobian: np.ndarray, tol
 
 
 def is_least(problem: Problem, known: np.ndarray, z: np.ndarray, residual: float) -> bool:
-    """Whether rows that are redundant but for digits are all that is left at a minimum z of the closure error: the error is small, and
-    no motion would lessen it."""
+    """Whether rows that are redundant but for digits are all that is left at a minimum z of the
+    closure error: the error is small, and no motion would lessen it.
+    """
     system = problem.system
-    if not CLOSURE_TOLERANCE * system.characteristic_length < residual <= DIGITS * system.characteristic_length:
+    if (
+        not CLOSURE_TOLERANCE * system.characteristic_length
+        < residual
+        <= DIGITS * system.characteristic_length
+    ):
         return False
     needed = system.freedom - determination(problem).free
     rows, jacobian = system.linearise_one(z, known)
@@ -143,16 +186,21 @@ def is_least(problem: Problem, known: np.ndarray, z: np.ndarray, residual: float
 
 
 def misfit_note(problem: Problem, misfit: float) -> str:
-    """What is said of configurations that close only to the digits of a file, by a largest error in the length unit."""
+    """What is said of configurations that close only to the digits of a file, by a largest error in
+    the length unit.
+    """
     return (
-        f"the loops close only to {misfit:.2g} {problem.mechanism.length_unit}: constraints are redundant, and the numbers of the "
+        f"the loops close only to {misfit:.2g} {problem.mechanism.length_unit}: constraints are "
+        f"redundant, and the numbers of the "
         "description do not meet them to more digits; what is given here is of least squares"
     )
 
 
 def _beside_singular(closure: Closure, rank: int) -> tuple[np.ndarray, float, float] | None:
-    """Where nothing but a singular reference of this rank closes exactly: the Jacobian at a configuration beside it that closes to the
-    digits of a file, the share below which its singular values are zero, and the closure error. None elsewhere."""
+    """Where nothing but a singular reference of this rank closes exactly: the Jacobian at a
+    configuration beside it that closes to the digits of a file, the share below which its singular
+    values are zero, and the closure error. None elsewhere.
+    """
     system, ends = whole_system(closure), least_squares_ends(closure, 0)
     digits = rank_to_digits(system, ends, rank)
     if digits is None or not digits.beside_alone:
@@ -163,16 +211,24 @@ def _beside_singular(closure: Closure, rank: int) -> tuple[np.ndarray, float, fl
     values = np.hstack([values, np.zeros((len(near), 1))])
     drops = values[:, digits.rank] / values[:, digits.rank - 1]
     best = int(np.argmin(drops))
-    share = np.sqrt(values[best, digits.rank - 1] * max(values[best, digits.rank], np.finfo(float).tiny)) / values[best, 0]
+    share = (
+        np.sqrt(
+            values[best, digits.rank - 1] * max(values[best, digits.rank], np.finfo(float).tiny)
+        )
+        / values[best, 0]
+    )
     return jacobians[best], float(share), digits.misfit
 
 
 def _nearly_closed(closure: Closure) -> tuple[np.ndarray, float] | None:
-    """A configuration off the reference of least closure error, and that error, where it is more than rounding and no more than that
-    of digits."""
+    """A configuration off the reference of least closure error, and that error, where it is more
+    than rounding and no more than that of digits.
+    """
     system, rng = whole_system(closure), np.random.default_rng(0)
     begin = np.tile(closure.reference, (8, 1))
-    starts = system.move(begin, 0.1 * closure.characteristic_length * rng.normal(size=(8, system.freedom)))
+    starts = system.move(
+        begin, 0.1 * closure.characteristic_length * rng.normal(size=(8, system.freedom))
+    )
     ends = levenberg_marquardt(system, starts, np.zeros(0), max_iterations=200).points
     ends = system.polish_many(ends[np.isfinite(ends).all(axis=1)], np.zeros(0)).points
     left = system.residuals(ends, np.zeros(0))

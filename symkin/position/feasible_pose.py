@@ -1,5 +1,6 @@
-"""The nearest pose that a mechanism can take, where its joints tie the pose's coordinates to each other (a 3-RPS platform, a
-tool on four joints): a pose written with few digits lies beside these poses and closes no loop.
+"""The nearest pose that a mechanism can take, where its joints tie the pose's coordinates to each
+other (a 3-RPS platform, a tool on four joints): a pose written with few digits lies beside these
+poses and closes no loop.
 """
 
 from __future__ import annotations
@@ -20,22 +21,27 @@ from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem, build_problem
 
 PROJECTED = 1e-4
-"""Distance over the size below which a pose is one of few digits: tables print three of a length, five of a quaternion."""
+"""Distance over the size below which a pose is one of few digits: tables print three of a length,
+five of a quaternion.
+"""
 _CLOSED = 1e-11
 """Largest closure error over the size of a pose that is left as it is."""
 _STARTS = 32
 """Random joint values from which each limb is brought as near to the pose as it comes."""
 _HELD = 1e-6
-"""Share of the largest singular value below which joints do not move the rows: beside a singular configuration of a limb the
-joints would move far to follow the pose by little."""
+"""Share of the largest singular value below which joints do not move the rows: beside a singular
+configuration of a limb the joints would move far to follow the pose by little.
+"""
 _STEPS = 40
 """Steps to the nearest feasible pose at most."""
 
 
 @dataclass(frozen=True, eq=False)
 class NearestPose:
-    """Pose coordinates that close all loops, near given ones, and their distance: the largest difference of a coordinate, angles
-    times the size. `beyond_reach`: the given ones lie off them where joints are stretched, not only where they tie poses."""
+    """Pose coordinates that close all loops, near given ones, and their distance: the largest
+    difference of a coordinate, angles times the size. `beyond_reach`: the given ones lie off them
+    where joints are stretched, not only where they tie poses.
+    """
 
     values: np.ndarray
     distance: float
@@ -44,10 +50,13 @@ class NearestPose:
 
 @lru_cache(maxsize=128)
 def ties_poses(mechanism: Mechanism) -> bool:
-    """Whether the joints put conditions on the pose's coordinates: at closed configurations, moves of the pose that no joints
-    follow."""
+    """Whether the joints put conditions on the pose's coordinates: at closed configurations, moves
+    of the pose that no joints follow.
+    """
     problem = build_problem(mechanism, "inverse")
-    if not problem.closure.role("pose") or problem.generic_rank == int(problem.system.rows.shape[0]):
+    if not problem.closure.role("pose") or problem.generic_rank == int(
+        problem.system.rows.shape[0]
+    ):
         return False
     return all(both > joints for both, joints in _ranks(mechanism))
 
@@ -63,14 +72,18 @@ def _ranks(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
     problem = build_problem(mechanism, "inverse")
     whole, joints = _whole(problem), problem.system.freedom
     jacobians = [
-        whole.linearise_one(_take(problem, values), np.zeros(0))[1] for values in closed_configurations(problem.closure, 2)[:3]
+        whole.linearise_one(_take(problem, values), np.zeros(0))[1]
+        for values in closed_configurations(problem.closure, 2)[:3]
     ]
-    return tuple((Rank.of(jacobian).value, Rank.of(jacobian[:, :joints]).value) for jacobian in jacobians)
+    return tuple(
+        (Rank.of(jacobian).value, Rank.of(jacobian[:, :joints]).value) for jacobian in jacobians
+    )
 
 
 def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
-    """The feasible pose nearest to pose coordinates; None where the joints do not tie them, the pose closes all loops already,
-    or no feasible one was found."""
+    """The feasible pose nearest to pose coordinates; None where the joints do not tie them, the
+    pose closes all loops already, or no feasible one was found.
+    """
     if not ties_poses(mechanism) or closing_poses(mechanism, pose[None])[0]:
         return None
     problem = build_problem(mechanism, "inverse")
@@ -93,7 +106,9 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
 
 
 def _is_beyond_reach(problem: Problem, whole: System, z: np.ndarray, off: np.ndarray) -> bool:
-    """Whether the way `off` from the nearest pose to the wanted one leads where joints could follow at other configurations."""
+    """Whether the way `off` from the nearest pose to the wanted one leads where joints could follow
+    at other configurations.
+    """
     jacobian, count = whole.linearise_one(z, np.zeros(0))[1], problem.system.freedom
     left, singular, _ = np.linalg.svd(jacobian[:, :count])
     rank = int(np.sum(singular > _HELD * max(float(singular[0]), 1e-300))) if singular.size else 0
@@ -103,7 +118,9 @@ def _is_beyond_reach(problem: Problem, whole: System, z: np.ndarray, off: np.nda
 
 
 def closing_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
-    """Which pose coordinates (n, numbers) formulas show to close all loops (n,); those not shown may close them all the same."""
+    """Which pose coordinates (n, numbers) formulas show to close all loops (n,); those not shown
+    may close them all the same.
+    """
     problem = build_problem(mechanism, "inverse")
     arm, shown = arm_formulas(problem), np.zeros(len(poses), dtype=bool)
     if arm is not None:
@@ -123,7 +140,9 @@ def _nearest_joints(problem: Problem, pose: np.ndarray) -> np.ndarray:
         here = np.concatenate([values[problem.closure.slices[c.name]] for c in block.unknowns])
         starts = block.move(
             np.tile(here, (_STARTS, 1)),
-            block.characteristic_length * rng.normal(size=(_STARTS, block.freedom)) * (np.arange(_STARTS) > 0)[:, None],
+            block.characteristic_length
+            * rng.normal(size=(_STARTS, block.freedom))
+            * (np.arange(_STARTS) > 0)[:, None],
         )
         batch = levenberg_marquardt(block, starts, pose, max_iterations=200, patience=40)
         largest = np.where(np.isfinite(batch.largest_row), batch.largest_row, np.inf)
@@ -133,8 +152,10 @@ def _nearest_joints(problem: Problem, pose: np.ndarray) -> np.ndarray:
 
 
 def _step(problem: Problem, whole: System, z: np.ndarray, wanted: np.ndarray) -> np.ndarray | None:
-    """A step to rows that vanish whose pose part is as near to the wanted pose as the linearised rows allow: with N the rows'
-    combinations that no joint moves, N (F + J_X x) = 0, |x - x0| least, x0 the way back to the wanted pose; the joints follow."""
+    """A step to rows that vanish whose pose part is as near to the wanted pose as the linearised
+    rows allow: with N the rows' combinations that no joint moves, N (F + J_X x) = 0, |x - x0|
+    least, x0 the way back to the wanted pose; the joints follow.
+    """
     rows, jacobian = whole.linearise_one(z, np.zeros(0))
     if not np.isfinite(jacobian).all():
         return None
@@ -173,5 +194,8 @@ def _whole(problem: Problem) -> System:
 
 def _take(problem: Problem, values: np.ndarray) -> np.ndarray:
     return np.concatenate(
-        [problem.select_values(values, problem.system.unknowns), problem.select_values(values, problem.known_coordinates)]
+        [
+            problem.select_values(values, problem.system.unknowns),
+            problem.select_values(values, problem.known_coordinates),
+        ]
     )

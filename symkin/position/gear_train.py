@@ -1,8 +1,9 @@
-"""Solve the couplings of a structure group by their whole numbers: n joint = n1 first + n2 second + ... + n offset.
+"""Solve the couplings of a structure group by their whole numbers: n joint = n1 first + n2 second +
+... + n offset.
 
-Whole turns of any angle leave such a row as it is. A group of nothing but couplings is therefore Q u = r modulo whole turns, with a
-square matrix Q of whole numbers, and has |det Q| solutions, which differ by turns times Q^-1 k for vectors k of whole numbers. They
-are all of the complex ones.
+Whole turns of any angle leave such a row as it is. A group of nothing but couplings is therefore Q
+u = r modulo whole turns, with a square matrix Q of whole numbers, and has |det Q| solutions, which
+differ by turns times Q^-1 k for vectors k of whole numbers. They are all of the complex ones.
 """
 
 from __future__ import annotations
@@ -20,8 +21,9 @@ _TURN = 2.0 * np.pi
 
 @dataclass(frozen=True, eq=False)
 class GearTrain:
-    """The couplings `own` u + `read` k = `constant` (modulo whole turns) of unknown angles u and known ones k, and the angles
-    `places` (count, unknowns) by which the solutions differ."""
+    """The couplings `own` u + `read` k = `constant` (modulo whole turns) of unknown angles u and
+    known ones k, and the angles `places` (count, unknowns) by which the solutions differ.
+    """
 
     own: np.ndarray
     read: np.ndarray
@@ -36,14 +38,23 @@ class GearTrain:
 
 @lru_cache(maxsize=256)
 def gear_train(group: Problem) -> GearTrain | None:
-    """The gear train that a structure group is; None where it is anything else, or has more places than are listed."""
+    """The gear train that a structure group is; None where it is anything else, or has more places
+    than are listed.
+    """
     unknowns, known = group.system.unknowns, group.known_coordinates
     sources = [group.closure.row_sources[place] for place in group.places_of_rows]
     angles = all(c.kind == "angle" for c in (*unknowns, *known))
-    if not sources or not angles or len(sources) != len(unknowns) or any(row.relation != "coupling" for row in sources):
+    if (
+        not sources
+        or not angles
+        or len(sources) != len(unknowns)
+        or any(row.relation != "coupling" for row in sources)
+    ):
         return None
     column = {c.name: place for place, c in enumerate((*unknowns, *known))}
-    couplings = {f"coupling of {coupling.joint}": coupling for coupling in group.mechanism.couplings}
+    couplings = {
+        f"coupling of {coupling.joint}": coupling for coupling in group.mechanism.couplings
+    }
     matrix, constant = np.zeros((len(sources), len(column))), np.zeros(len(sources))
     for line, source in enumerate(sources):
         coupling = couplings[source.limb]
@@ -60,7 +71,9 @@ def gear_train(group: Problem) -> GearTrain | None:
 
 
 def _places(own: np.ndarray) -> np.ndarray | None:
-    """The angles Q^-1 k modulo whole turns for all whole k, the first of them 0; None where they are too many."""
+    """The angles Q^-1 k modulo whole turns for all whole k, the first of them 0; None where they
+    are too many.
+    """
     count = round(abs(float(np.linalg.det(own))))
     if not 1 <= count <= MOST_MODES:
         return None

@@ -1,4 +1,6 @@
-"""What the user gives: joint values, a pose or a start, read at the border into radians and unit quaternions."""
+"""What the user gives: joint values, a pose or a start, read at the border into radians and unit
+quaternions.
+"""
 
 from __future__ import annotations
 
@@ -28,14 +30,17 @@ Joints = Sequence[float] | Mapping[str, float]
 """Values of all actuated joints in the mechanism's units: in file order, or by name."""
 
 LARGEST_GIVEN = 1e150
-"""Largest magnitude of a given value, in the mechanism's units: the square of a larger one overflows a double."""
+"""Largest magnitude of a given value, in the mechanism's units: the square of a larger one
+overflows a double.
+"""
 
 
 @dataclass(frozen=True)
 class Given:
-    """Known values of a problem: `values` in inside units, `echo` as the user gave them; `off_motion` is how far a
-    pose lies off the platform's motion (length unit), 0 when it lies on it or was projected; `names` are the coordinates of a
-    "given" problem."""
+    """Known values of a problem: `values` in inside units, `echo` as the user gave them;
+    `off_motion` is how far a pose lies off the platform's motion (length unit), 0 when it lies on
+    it or was projected; `names` are the coordinates of a "given" problem.
+    """
 
     kind: Kind
     values: np.ndarray
@@ -45,12 +50,17 @@ class Given:
     off_motion: float = 0.0
 
 
-def given_from(mechanism: Mechanism, joints: Joints | None, pose: Sequence[float] | Pose | None) -> Given:
-    """Joints make a direct problem, a pose an inverse one; neither: the example's, else the reference's joints."""
+def given_from(
+    mechanism: Mechanism, joints: Joints | None, pose: Sequence[float] | Pose | None
+) -> Given:
+    """Joints make a direct problem, a pose an inverse one; neither: the example's, else the
+    reference's joints.
+    """
     require_mechanism(mechanism)
     if joints is not None and pose is not None:
         raise InputError(
-            "both joints and a pose are given; joints make a direct problem, a pose an inverse one: give one of them"
+            "both joints and a pose are given; joints make a direct problem, a pose an inverse "
+            "one: give one of them"
         )
     if joints is None and pose is None:
         example = mechanism.example
@@ -61,13 +71,21 @@ def given_from(mechanism: Mechanism, joints: Joints | None, pose: Sequence[float
         else:
             joints = [_coordinate_out(mechanism, c) for c in mechanism.actuated]
             if not joints:
-                raise InputError(f"{mechanism.name} has no actuated joint and no [example]; nothing to solve: give a pose")
+                raise InputError(
+                    f"{mechanism.name} has no actuated joint and no [example]; nothing to solve: "
+                    f"give a pose"
+                )
     if pose is not None:
         return _given_pose(mechanism, pose)
     assert joints is not None  # noqa: S101 - one of the branches above has set it
     ordered = in_file_order(mechanism, joints)
     values = joint_values(mechanism, ordered)
-    return Given("direct", values, {"joints": [float(v) for v in ordered]}, notes=_turn_notes(mechanism, ordered))
+    return Given(
+        "direct",
+        values,
+        {"joints": [float(v) for v in ordered]},
+        notes=_turn_notes(mechanism, ordered),
+    )
 
 
 def _turn_notes(mechanism: Mechanism, ordered: Sequence[float]) -> tuple[str, ...]:
@@ -75,14 +93,24 @@ def _turn_notes(mechanism: Mechanism, ordered: Sequence[float]) -> tuple[str, ..
     if mechanism.angle_unit != "rad":
         return ()
     told = [
-        f"{c.name} = {v:g}" for c, v in zip(mechanism.actuated, ordered, strict=True) if c.kind == "angle" and abs(v) > FULL_TURN
+        f"{c.name} = {v:g}"
+        for c, v in zip(mechanism.actuated, ordered, strict=True)
+        if c.kind == "angle" and abs(v) > FULL_TURN
     ]
-    return (f"{first_of(told, 3)} rad: more than a turn, taken without its whole turns; are degrees meant?",) if told else ()
+    return (
+        (
+            f"{first_of(told, 3)} rad: more than a turn, taken without its whole turns; are "
+            f"degrees meant?",
+        )
+        if told
+        else ()
+    )
 
 
 def are_many(values: Any) -> bool:
-    """Whether values are those of several inputs: an array (n, numbers), a sequence of sequences, mappings or poses, or a
-    mapping of names to columns."""
+    """Whether values are those of several inputs: an array (n, numbers), a sequence of sequences,
+    mappings or poses, or a mapping of names to columns.
+    """
     if values is None or isinstance(values, (Pose, str)):
         return False
     if isinstance(values, Mapping):
@@ -98,8 +126,9 @@ def are_many(values: Any) -> bool:
 
 
 def given_many(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
-    """As `given_from`, for n inputs: all joints (n, joints) or all poses (n, 7); a message names the input that does not fit,
-    counted from 0."""
+    """As `given_from`, for n inputs: all joints (n, joints) or all poses (n, 7); a message names
+    the input that does not fit, counted from 0.
+    """
     require_mechanism(mechanism)
     if joints is not None and pose is not None:
         return [given_from(mechanism, joints, pose)]
@@ -108,9 +137,16 @@ def given_many(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
     joints = joint_rows(mechanism, joints) if isinstance(joints, Mapping) else joints
     rows = _rows_without_fault(mechanism, joints)
     if rows is None:
-        return [_named_input(i, partial(given_from, mechanism, one, None)) for i, one in enumerate(joints)]
-    values = rows * np.array([mechanism.angle_in(1.0) if c.is_angular else 1.0 for c in mechanism.actuated])
-    return [Given("direct", v, {"joints": echo}) for v, echo in zip(values, rows.tolist(), strict=True)]
+        return [
+            _named_input(i, partial(given_from, mechanism, one, None))
+            for i, one in enumerate(joints)
+        ]
+    values = rows * np.array(
+        [mechanism.angle_in(1.0) if c.is_angular else 1.0 for c in mechanism.actuated]
+    )
+    return [
+        Given("direct", v, {"joints": echo}) for v, echo in zip(values, rows.tolist(), strict=True)
+    ]
 
 
 def _named_input(number: int, read: Callable[[], Given]) -> Given:
@@ -121,13 +157,19 @@ def _named_input(number: int, read: Callable[[], Given]) -> Given:
 
 
 def _rows_without_fault(mechanism: Mechanism, joints: Any) -> np.ndarray | None:
-    """Joint values (n, joints) that all fit and are within a turn, so that they need no look one by one; else None."""
+    """Joint values (n, joints) that all fit and are within a turn, so that they need no look one by
+    one; else None.
+    """
     coordinates = mechanism.actuated
     try:
         rows = np.array(joints, dtype=float)
     except (TypeError, ValueError):
         return None
-    if rows.ndim != 2 or rows.shape[1] != len(coordinates) or not (np.abs(rows) <= LARGEST_GIVEN).all():
+    if (
+        rows.ndim != 2
+        or rows.shape[1] != len(coordinates)
+        or not (np.abs(rows) <= LARGEST_GIVEN).all()
+    ):
         return None
     turn = mechanism.angle_out(2 * math.pi)
     least = np.array([-np.inf if c.least is None else c.least for c in coordinates])
@@ -136,8 +178,10 @@ def _rows_without_fault(mechanism: Mechanism, joints: Any) -> np.ndarray | None:
 
 
 def in_file_order(mechanism: Mechanism, joints: Joints, what: str = "joints") -> Sequence[float]:
-    """The values of all actuated joints in file order; those given in a row stay as they are, those given by name are put in
-    their places. Raises InputError for a name that is no actuated joint, and for one that is missing."""
+    """The values of all actuated joints in file order; those given in a row stay as they are, those
+    given by name are put in their places. Raises InputError for a name that is no actuated joint,
+    and for one that is missing.
+    """
     if not isinstance(joints, Mapping):
         return joints
     names = [c.name for c in mechanism.actuated]
@@ -145,76 +189,117 @@ def in_file_order(mechanism: Mechanism, joints: Joints, what: str = "joints") ->
     unknown = [str(name) for name in joints if name not in names]
     if unknown:
         verb, near = "is" if len(unknown) == 1 else "are", meant(unknown[0], names)
-        raise InputError(f"{what}: {', '.join(map(shown, unknown))} {verb} unknown{near}; {allowed}")
+        raise InputError(
+            f"{what}: {', '.join(map(shown, unknown))} {verb} unknown{near}; {allowed}"
+        )
     missing = [name for name in names if name not in joints]
     if missing:
-        raise InputError(f"{what}: no value is given for {', '.join(missing)}; {allowed}, and each one needs a value")
+        raise InputError(
+            f"{what}: no value is given for {', '.join(missing)}; {allowed}, and each one needs a "
+            f"value"
+        )
     return [joints[name] for name in names]
 
 
 def joint_rows(
     mechanism: Mechanism, joints: Sequence[Joints] | Mapping[str, Sequence[float]] | np.ndarray
 ) -> list[Sequence[float]]:
-    """Rows of actuated joint values in file order, from rows of either form or from a column for each name. Raises InputError."""
+    """Rows of actuated joint values in file order, from rows of either form or from a column for
+    each name. Raises InputError.
+    """
     if not isinstance(joints, Mapping):
-        return [in_file_order(mechanism, row, f"joints of sample {k}") for k, row in enumerate(joints, start=1)]
+        return [
+            in_file_order(mechanism, row, f"joints of sample {k}")
+            for k, row in enumerate(joints, start=1)
+        ]
     columns = in_file_order(mechanism, joints)  # type: ignore[arg-type]
     lengths = {np.size(column) for column in columns}
     if len(lengths) > 1:
-        counts = ", ".join(f"{c.name} {np.size(column)}" for c, column in zip(mechanism.actuated, columns, strict=True))
-        raise InputError(f"joints: the columns have different counts of values ({counts}); each joint needs one a sample")
-    return [list(row) for row in zip(*(np.ravel(column).tolist() for column in columns), strict=True)]
+        counts = ", ".join(
+            f"{c.name} {np.size(column)}"
+            for c, column in zip(mechanism.actuated, columns, strict=True)
+        )
+        raise InputError(
+            f"joints: the columns have different counts of values ({counts}); each joint needs one "
+            f"a sample"
+        )
+    return [
+        list(row) for row in zip(*(np.ravel(column).tolist() for column in columns), strict=True)
+    ]
 
 
 def joint_values(mechanism: Mechanism, values: Joints, what: str = "joints") -> np.ndarray:
-    """Actuated joint values in file order, from the mechanism's units to radians, angles of more than a turn
-    without their whole turns; lengths must not be negative."""
+    """Actuated joint values in file order, from the mechanism's units to radians, angles of more
+    than a turn without their whole turns; lengths must not be negative.
+    """
     coordinates = mechanism.actuated
     numbers = _numbers(in_file_order(mechanism, values, what), what)
     if len(numbers) != len(coordinates):
         names = ", ".join(c.name for c in coordinates) or "none"
         raise InputError(
-            f"{what}: {counted(len(numbers))} given, {mechanism.name} has {len(coordinates)} actuated joints ({names})"
+            f"{what}: {counted(len(numbers))} given, {mechanism.name} has {len(coordinates)} "
+            f"actuated joints ({names})"
         )
     for coordinate, number in zip(coordinates, numbers, strict=True):
         if coordinate.least is not None and number < coordinate.least:
             raise InputError(
-                f"{what}: {coordinate.name} = {number:g} makes a rod of length {number - coordinate.least:g} "
+                f"{what}: {coordinate.name} = {number:g} makes a rod of length "
+                f"{number - coordinate.least:g} "
                 f"{mechanism.length_unit}; allowed: {coordinate.least + 0.0:g} and above"
             )
     turn = mechanism.angle_out(2 * math.pi)
     whole = [
-        math.remainder(n, turn) if c.kind == "angle" and abs(n) > turn else n for c, n in zip(coordinates, numbers, strict=True)
+        math.remainder(n, turn) if c.kind == "angle" and abs(n) > turn else n
+        for c, n in zip(coordinates, numbers, strict=True)
     ]
-    return np.array([mechanism.angle_in(n) if c.is_angular else n for c, n in zip(coordinates, whole, strict=True)])
+    return np.array(
+        [
+            mechanism.angle_in(n) if c.is_angular else n
+            for c, n in zip(coordinates, whole, strict=True)
+        ]
+    )
 
 
 def pose_from(values: Joints | Pose, what: str = "pose") -> Pose:
-    """A pose from x, y, z, qw, qx, qy, qz; the quaternion is normalised, refused when its norm is off by over 1e-2."""
+    """A pose from x, y, z, qw, qx, qy, qz; the quaternion is normalised, refused when its norm is
+    off by over 1e-2.
+    """
     if isinstance(values, Mapping):
         raise InputError(
-            f"{what}: values by name are given ({', '.join(map(str, values))}); a pose x, y, z, qw, qx, qy, qz is needed"
+            f"{what}: values by name are given ({', '.join(map(str, values))}); a pose x, y, z, "
+            f"qw, qx, qy, qz is needed"
         )
     if isinstance(values, Pose):
         values = [*np.asarray(values.position).ravel(), *np.asarray(values.quaternion).ravel()]
     numbers = _numbers(values, what)
     if len(numbers) != 7:
-        raise InputError(f"{what}: {counted(len(numbers))} given, 7 are needed: x, y, z, qw, qx, qy, qz")
+        raise InputError(
+            f"{what}: {counted(len(numbers))} given, 7 are needed: x, y, z, qw, qx, qy, qz"
+        )
     norm = math.hypot(*numbers[3:])
     if abs(norm - 1.0) > 1e-2:
-        raise InputError(f"{what}: the quaternion {numbers[3:]} has norm {norm:.6g}; allowed: 1 to within 0.01")
+        raise InputError(
+            f"{what}: the quaternion {numbers[3:]} has norm {norm:.6g}; allowed: 1 to within 0.01"
+        )
     return Pose(np.array(numbers[:3]), np.array(numbers[3:]) / norm)
 
 
 def pose_coordinates(mechanism: Mechanism, pose: Pose) -> tuple[np.ndarray, float]:
-    """Pose coordinates of the motion nearest to a pose, and the distance left (length unit, angles times the size)."""
-    values, off = poses_coordinates(mechanism, np.asarray(pose.position)[:, None], np.asarray(pose.quaternion)[:, None])
+    """Pose coordinates of the motion nearest to a pose, and the distance left (length unit, angles
+    times the size).
+    """
+    values, off = poses_coordinates(
+        mechanism, np.asarray(pose.position)[:, None], np.asarray(pose.quaternion)[:, None]
+    )
     return values[0], float(off[0])
 
 
-def poses_coordinates(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of poses with position (3, n) and unit quaternion (4, n): coordinates (n, numbers) of the motion nearest to each, and the
-    distances left (n,)."""
+def poses_coordinates(
+    mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of poses with position (3, n) and unit quaternion (4, n): coordinates (n, numbers) of the
+    motion nearest to each, and the distances left (n,).
+    """
     n = position.shape[1]
     if mechanism.motion == "spatial":
         return np.concatenate([position, quaternion]).T, np.zeros(n)
@@ -223,14 +308,18 @@ def poses_coordinates(mechanism: Mechanism, position: np.ndarray, quaternion: np
     turn = 2.0 * np.arctan2(delta[3], delta[0])
     turn = turn - 2 * np.pi * np.rint(turn / (2 * np.pi))
     about_z = np.stack([np.cos(0.5 * turn), np.zeros(n), np.zeros(n), np.sin(0.5 * turn)])
-    tilt = np.linalg.norm(rotation_vector_from_quaternion(multiply(conjugate(about_z), delta)), axis=0)
+    tilt = np.linalg.norm(
+        rotation_vector_from_quaternion(multiply(conjugate(about_z), delta)), axis=0
+    )
     whole = np.linalg.norm(rotation_vector_from_quaternion(delta), axis=0)
     away = np.abs(position - np.asarray(reference.position)[:, None])
     match mechanism.motion:
         case "schoenflies":
             return np.stack([*position, turn], axis=1), size * tilt
         case "planar":
-            return np.stack([position[0], position[1], turn], axis=1), np.maximum(size * tilt, away[2])
+            return np.stack([position[0], position[1], turn], axis=1), np.maximum(
+                size * tilt, away[2]
+            )
         case "translation":
             return position.T.copy(), size * whole
         case _:
@@ -238,27 +327,42 @@ def poses_coordinates(mechanism: Mechanism, position: np.ndarray, quaternion: np
 
 
 def leaves_motion(mechanism: Mechanism, poses: Sequence[Pose]) -> bool:
-    """Whether any of some poses lies off the motion that is declared of the platform, by more than rounding: where joints carry the
-    platform, they decide how it moves."""
+    """Whether any of some poses lies off the motion that is declared of the platform, by more than
+    rounding: where joints carry the platform, they decide how it moves.
+    """
     if mechanism.motion == "spatial" or not poses:
         return False
-    position, quaternion = (np.array([getattr(pose, part) for pose in poses]).T for part in ("position", "quaternion"))
-    return bool(np.any(poses_coordinates(mechanism, position, quaternion)[1] > _ON_MOTION * mechanism.characteristic_length))
+    position, quaternion = (
+        np.array([getattr(pose, part) for pose in poses]).T for part in ("position", "quaternion")
+    )
+    return bool(
+        np.any(
+            poses_coordinates(mechanism, position, quaternion)[1]
+            > _ON_MOTION * mechanism.characteristic_length
+        )
+    )
 
 
 def motion_note(mechanism: Mechanism, poses: Sequence[Pose]) -> str | None:
-    """What is said of poses that lie off the motion that is declared of the platform; None where none does."""
+    """What is said of poses that lie off the motion that is declared of the platform; None where
+    none does.
+    """
     if not leaves_motion(mechanism, poses):
         return None
     return (
-        f"the platform's motion is declared {mechanism.motion}, and the joints that carry it move it otherwise too: whole poses are told; "
+        f"the platform's motion is declared {mechanism.motion}, and the joints that carry it move "
+        f"it otherwise too: whole poses are told; "
         "leave the declaration out"
     )
 
 
-def feasible_poses(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pose coordinates (n, numbers) that the mechanism can take, nearest to poses with position (3, n) and unit quaternion (4,
-    n), and how far those that are more than rounding lie off them, 0 for others."""
+def feasible_poses(
+    mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pose coordinates (n, numbers) that the mechanism can take, nearest to poses with position (3,
+    n) and unit quaternion (4, n), and how far those that are more than rounding lie off them, 0 for
+    others.
+    """
     values, off = poses_coordinates(mechanism, position, quaternion)
     off = np.where(off < _ON_MOTION * mechanism.characteristic_length, 0.0, off)
     if ties_poses(mechanism):
@@ -274,32 +378,53 @@ def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
     if 0.0 < off < _ON_MOTION * mechanism.characteristic_length:
         if off > 1e-12 * mechanism.characteristic_length:
             notes = (
-                f"the pose was projected onto the platform's {mechanism.motion} motion, by {off:.3g} {mechanism.length_unit}",
+                f"the pose was projected onto the platform's {mechanism.motion} motion, by "
+                f"{off:.3g} {mechanism.length_unit}",
             )
         off = 0.0
     elif off > 0.0:
-        notes = (f"the pose lies off the platform's {mechanism.motion} motion by {off:.3g} {mechanism.length_unit}",)
+        notes = (
+            f"the pose lies off the platform's {mechanism.motion} motion by {off:.3g} "
+            f"{mechanism.length_unit}",
+        )
     if off == 0.0:
         values, off, more = _feasible(mechanism, values)
         notes += more
-    return Given("inverse", values, {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]}, (), notes, off)
+    return Given(
+        "inverse",
+        values,
+        {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]},
+        (),
+        notes,
+        off,
+    )
 
 
-def _feasible(mechanism: Mechanism, values: np.ndarray) -> tuple[np.ndarray, float, tuple[str, ...]]:
-    """Pose coordinates that the joints can take, where they tie them to each other: those of a pose with few digits are moved to
-    the nearest; a distance that is more than that or beyond reach, and what is said of it."""
+def _feasible(
+    mechanism: Mechanism, values: np.ndarray
+) -> tuple[np.ndarray, float, tuple[str, ...]]:
+    """Pose coordinates that the joints can take, where they tie them to each other: those of a pose
+    with few digits are moved to the nearest; a distance that is more than that or beyond reach, and
+    what is said of it.
+    """
     nearest = nearest_pose(mechanism, values)
     if nearest is None:
         return values, 0.0, ()
     frame, unit = mechanism.frame_name, mechanism.length_unit
     if nearest.distance <= PROJECTED * mechanism.characteristic_length and not nearest.beyond_reach:
-        note = (f"the pose was projected onto those that the {frame} can take, by {nearest.distance:.3g} {unit}",)
+        note = (
+            f"the pose was projected onto those that the {frame} can take, by "
+            f"{nearest.distance:.3g} {unit}",
+        )
         return nearest.values, 0.0, note
     numbers = np.asarray(_pose_numbers(mechanism, nearest.values), dtype=float)
     scales = [mechanism.characteristic_length] * 3 + [1.0] * 4
-    there = ", ".join(f"{plain(v, scale):.7g}" for v, scale in zip(numbers.tolist(), scales, strict=False))
+    there = ", ".join(
+        f"{plain(v, scale):.7g}" for v, scale in zip(numbers.tolist(), scales, strict=False)
+    )
     note = (
-        f"the joints tie the coordinates of the {frame}'s pose, and this one lies {nearest.distance:.3g} {unit} (angles times the "
+        f"the joints tie the coordinates of the {frame}'s pose, and this one lies "
+        f"{nearest.distance:.3g} {unit} (angles times the "
         f"size) off those that it can take; the nearest is {there}",
     )
     return values, nearest.distance, note
@@ -310,14 +435,19 @@ def _pose_numbers(mechanism: Mechanism, values: np.ndarray) -> list[float]:
     if mechanism.motion == "spatial":
         return [float(v) + 0.0 for v in values]
     reference = mechanism.reference_pose
-    position, q = np.array(reference.position, dtype=float), np.array(reference.quaternion, dtype=float)
+    position, q = (
+        np.array(reference.position, dtype=float),
+        np.array(reference.quaternion, dtype=float),
+    )
     if mechanism.motion == "spherical":
         q = np.asarray(values)
     else:
         lengths = 2 if mechanism.motion == "planar" else 3
         position[:lengths] = values[:lengths]
         turn = float(values[lengths]) if len(values) > lengths else 0.0
-        q = np.asarray(multiply(np.array([math.cos(0.5 * turn), 0.0, 0.0, math.sin(0.5 * turn)]), q))
+        q = np.asarray(
+            multiply(np.array([math.cos(0.5 * turn), 0.0, 0.0, math.sin(0.5 * turn)]), q)
+        )
     return [float(v) + 0.0 for v in (*position, *q)]
 
 
@@ -336,7 +466,8 @@ def _numbers(values: Sequence[float], what: str) -> list[float]:
             raise InputError(f"{what}: value {k} = {value!r} is not finite")
         if abs(number) > LARGEST_GIVEN:
             raise InputError(
-                f"{what}: value {k} = {number:g} is too large to compute with; allowed: magnitudes up to {LARGEST_GIVEN:g}"
+                f"{what}: value {k} = {number:g} is too large to compute with; allowed: magnitudes "
+                f"up to {LARGEST_GIVEN:g}"
             )
         numbers.append(number)
     return numbers

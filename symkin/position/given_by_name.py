@@ -1,4 +1,6 @@
-"""Read values of coordinates that are given by name: joints, passive ones too, and coordinates of the platform's pose."""
+"""Read values of coordinates that are given by name: joints, passive ones too, and coordinates of
+the platform's pose.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +25,18 @@ Columns = Mapping[str, float | Sequence[float] | Sequence[Sequence[float]] | np.
 
 
 def given_by_name(mechanism: Mechanism, values: Values) -> Given:
-    """The known values of a problem from values by name, in the mechanism's units; "pose" is x, y, z, qw, qx, qy, qz as a whole.
-    Raises InputError for a name that nothing has and a value that is none."""
+    """The known values of a problem from values by name, in the mechanism's units; "pose" is x, y,
+    z, qw, qx, qy, qz as a whole. Raises InputError for a name that nothing has and a value that is
+    none.
+    """
     if not isinstance(values, Mapping):
-        raise InputError(f"given = {shown(str(values))} has no names; values by name are needed, as in given={{'crank': 60.0}}")
-    whole = given_from(mechanism, None, values["pose"]) if is_whole_pose(mechanism, values) else None  # type: ignore[arg-type]
+        raise InputError(
+            f"given = {shown(str(values))} has no names; values by name are needed, as in "
+            f"given={{'crank': 60.0}}"
+        )
+    whole = (
+        given_from(mechanism, None, values["pose"]) if is_whole_pose(mechanism, values) else None  # type: ignore[arg-type]
+    )
     names = [] if whole is None else list(pose_names(mechanism))
     numbers = [] if whole is None else whole.values.tolist()
     coordinates = given_coordinates(mechanism)
@@ -40,17 +49,29 @@ def given_by_name(mechanism: Mechanism, values: Values) -> Given:
         numbers.append(_number(mechanism, coordinates[name], value))
     clash = sorted(set(names) & set(POSE_CONDITIONS)) if whole is not None else []
     if clash:
-        raise InputError(f"given: the whole pose and {', '.join(clash)} beside it; give one or the other")
+        raise InputError(
+            f"given: the whole pose and {', '.join(clash)} beside it; give one or the other"
+        )
     single = {name: v for name, v in values.items() if name != "pose" or whole is None}
     echo: dict[str, Any] = {name: float(v) for name, v in single.items()}  # type: ignore[arg-type]
     if whole is not None:
-        return replace(whole, kind="given", values=np.array(numbers), names=tuple(names), echo=whole.echo | echo)
+        return replace(
+            whole,
+            kind="given",
+            values=np.array(numbers),
+            names=tuple(names),
+            echo=whole.echo | echo,
+        )
     return Given("given", np.array(numbers), echo, tuple(names))
 
 
 def is_whole_pose(mechanism: Mechanism, values: Values) -> bool:
     """Whether values by name hold the platform's pose as a whole."""
-    return "pose" in values and "pose" not in given_coordinates(mechanism) and mechanism.platform_link is not None
+    return (
+        "pose" in values
+        and "pose" not in given_coordinates(mechanism)
+        and mechanism.platform_link is not None
+    )
 
 
 def pose_names(mechanism: Mechanism) -> tuple[str, ...]:
@@ -59,40 +80,59 @@ def pose_names(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> Given:
-    """What is given of a mechanism whose coordinates are told by name: `given`, or all actuated joints, or the whole pose."""
+    """What is given of a mechanism whose coordinates are told by name: `given`, or all actuated
+    joints, or the whole pose.
+    """
     require_mechanism(mechanism)
     given = _of_example(mechanism, joints, pose, given)
     if given is not None:
         if joints is not None or pose is not None:
-            raise InputError("given: values by name and joints or a pose beside them; give one of them")
+            raise InputError(
+                "given: values by name and joints or a pose beside them; give one of them"
+            )
         return given_by_name(mechanism, given)
     if joints is None and pose is None and mechanism.example is None and not mechanism.actuated:
         return Given("given", np.zeros(0), {})
     if pose is not None and mechanism.platform_link is None:
         raise InputError(
-            f"pose: {mechanism.name} has no platform link; name it by [platform] link in its mechanism file, of a robot's file by --platform LINK, or give joints"
+            f"pose: {mechanism.name} has no platform link; name it by [platform] link in its "
+            f"mechanism file, of a robot's file by --platform LINK, or give joints"
         )
     return told_by_name(mechanism, given_from(mechanism, joints, pose))
 
 
 def told_by_name(mechanism: Mechanism, given: Given) -> Given:
-    """The same values of all actuated joints, or of the whole pose, with the names of their coordinates."""
-    names = tuple(c.name for c in mechanism.actuated) if given.kind == "direct" else pose_names(mechanism)
+    """The same values of all actuated joints, or of the whole pose, with the names of their
+    coordinates.
+    """
+    names = (
+        tuple(c.name for c in mechanism.actuated)
+        if given.kind == "direct"
+        else pose_names(mechanism)
+    )
     return replace(given, kind="given", names=names)
 
 
 def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
-    """What can be given: coordinates of joints, actuated rods, and those of the pose that no joint has the name of."""
+    """What can be given: coordinates of joints, actuated rods, and those of the pose that no joint
+    has the name of.
+    """
     found = {c.name: c for c in mechanism.coordinates if c.kind != "quaternion"}
     if mechanism.platform_link is not None:
-        pose = {n: Coordinate(n, "length" if n in ("x", "y", "z") else "angle", "given") for n in POSE_CONDITIONS}
+        pose = {
+            n: Coordinate(n, "length" if n in ("x", "y", "z") else "angle", "given")
+            for n in POSE_CONDITIONS
+        }
         found = pose | found
     return found
 
 
 def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = "given") -> str:
     """A sentence about a name that no coordinate has, with the nearest ones."""
-    return f"{what}: {mechanism.name} has no coordinate {shown(name)}{meant(name, known)}; allowed: {', '.join(known)}"
+    return (
+        f"{what}: {mechanism.name} has no coordinate {shown(name)}{meant(name, known)}; allowed: "
+        f"{', '.join(known)}"
+    )
 
 
 def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:
@@ -101,18 +141,23 @@ def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:
     except (TypeError, ValueError):
         raise InputError(f"given: {c.name} = {value!r} is not a number") from None
     if not math.isfinite(number) or abs(number) > LARGEST_GIVEN:
-        raise InputError(f"given: {c.name} = {value!r}; a finite number is needed, of magnitude up to {LARGEST_GIVEN:g}")
+        raise InputError(
+            f"given: {c.name} = {value!r}; a finite number is needed, of magnitude up to "
+            f"{LARGEST_GIVEN:g}"
+        )
     if c.least is not None and number < c.least:
         raise InputError(
-            f"given: {c.name} = {number:g} makes a rod of length {number - c.least:g} {mechanism.length_unit}; allowed: "
+            f"given: {c.name} = {number:g} makes a rod of length {number - c.least:g} "
+            f"{mechanism.length_unit}; allowed: "
             f"{c.least + 0.0:g} and above"
         )
     return mechanism.angle_in(number) if c.is_angular else number
 
 
 def plain_kind(mechanism: Mechanism, names: Collection[str]) -> Kind | None:
-    """ "direct" or "inverse" where known coordinates are all actuated joints or the whole pose of limbs; None for any others, and for
-    a graph."""
+    """ "direct" or "inverse" where known coordinates are all actuated joints or the whole pose of
+    limbs; None for any others, and for a graph.
+    """
     if mechanism.is_graph:
         return None
     actuated = {c.name for c in mechanism.actuated}
@@ -122,9 +167,13 @@ def plain_kind(mechanism: Mechanism, names: Collection[str]) -> Kind | None:
     return "direct" if actuated and set(names) == actuated else None
 
 
-def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> tuple[Any, Any] | None:
-    """Joints and pose as they are given, or where the values by name are all actuated joints or the whole pose: the direct and the
-    inverse problem of limbs. None for any other values, and for a graph."""
+def plain_case(
+    mechanism: Mechanism, joints: Any, pose: Any, given: Values | None
+) -> tuple[Any, Any] | None:
+    """Joints and pose as they are given, or where the values by name are all actuated joints or the
+    whole pose: the direct and the inverse problem of limbs. None for any other values, and for a
+    graph.
+    """
     if mechanism.is_graph:
         return None
     given = _of_example(mechanism, joints, pose, given)
@@ -138,28 +187,54 @@ def plain_case(mechanism: Mechanism, joints: Any, pose: Any, given: Values | Non
     return (given, None) if kind == "direct" else None
 
 
-def _of_example(mechanism: Mechanism, joints: Any, pose: Any, given: Values | None) -> Values | None:
+def _of_example(
+    mechanism: Mechanism, joints: Any, pose: Any, given: Values | None
+) -> Values | None:
     """The values by name; where nothing is given those of the example, if it tells names."""
     example = mechanism.example
-    if given is not None or joints is not None or pose is not None or example is None or example.given is None:
+    if (
+        given is not None
+        or joints is not None
+        or pose is not None
+        or example is None
+        or example.given is None
+    ):
         return given
     return dict(example.given)
 
 
-def problem_of_names(mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] = ()) -> Problem:
-    """The problem whose known coordinates have these names; `held` are others that a closure of names must hold."""
+def problem_of_names(
+    mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] = ()
+) -> Problem:
+    """The problem whose known coordinates have these names; `held` are others that a closure of
+    names must hold.
+    """
     kind = plain_kind(mechanism, names)
-    return build_problem(mechanism, "given", names, held) if kind is None else build_problem(mechanism, kind)
+    return (
+        build_problem(mechanism, "given", names, held)
+        if kind is None
+        else build_problem(mechanism, kind)
+    )
 
 
-def any_given(mechanism: Mechanism, joints: Any = None, pose: Any = None, given: Values | None = None) -> Given:
-    """What is given in any form: joints or a pose, which of limbs make the direct and the inverse problem, or values by name."""
+def any_given(
+    mechanism: Mechanism, joints: Any = None, pose: Any = None, given: Values | None = None
+) -> Given:
+    """What is given in any form: joints or a pose, which of limbs make the direct and the inverse
+    problem, or values by name.
+    """
     plain = plain_case(mechanism, joints, pose, given)
-    return named_given(mechanism, joints, pose, given) if plain is None else given_from(mechanism, *plain)
+    return (
+        named_given(mechanism, joints, pose, given)
+        if plain is None
+        else given_from(mechanism, *plain)
+    )
 
 
 def many_given(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | None) -> list[Given]:
-    """What is given of many inputs, as `any_given` has one: rows of joints or of poses, or by name a column or one value each."""
+    """What is given of many inputs, as `any_given` has one: rows of joints or of poses, or by name
+    a column or one value each.
+    """
     if given is not None:
         return [any_given(mechanism, joints, pose, row) for row in _rows(given)]
     if pose is not None and mechanism.platform_link is None:
@@ -170,18 +245,29 @@ def many_given(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | No
 
 
 def has_columns(given: Any) -> bool:
-    """Whether values by name are those of several inputs: some are a column, of whole poses several rows."""
-    return isinstance(given, Mapping) and any(np.ndim(value) > (name == "pose") for name, value in given.items())
+    """Whether values by name are those of several inputs: some are a column, of whole poses several
+    rows.
+    """
+    return isinstance(given, Mapping) and any(
+        np.ndim(value) > (name == "pose") for name, value in given.items()
+    )
 
 
 def _rows(given: Columns) -> list[dict[str, Any]]:
-    """Values by name of each input; one value is that of all. Raises InputError for columns of different lengths."""
+    """Values by name of each input; one value is that of all. Raises InputError for columns of
+    different lengths.
+    """
     several = {name: value for name, value in given.items() if np.ndim(value) > (name == "pose")}
     lengths = {name: len(value) for name, value in several.items()}  # type: ignore[arg-type]
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{name} {length}" for name, length in lengths.items())
-        raise InputError(f"given: the columns have different counts of values ({told}); each needs one an input")
-    columns = {name: value if name in lengths else [value] * max(lengths.values()) for name, value in given.items()}
+        raise InputError(
+            f"given: the columns have different counts of values ({told}); each needs one an input"
+        )
+    columns = {
+        name: value if name in lengths else [value] * max(lengths.values())
+        for name, value in given.items()
+    }
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 

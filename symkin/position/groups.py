@@ -1,12 +1,15 @@
-"""Decompose a problem into structure groups: parts that are solved one after another (Assur groups).
+"""Decompose a problem into structure groups: parts that are solved one after another (Assur
+groups).
 
-The rows' derivatives at random points show which rows hold which unknowns; at closed configurations such a derivative may vanish
-because of the assembly (the bar of a parallelogram stays level). Of each branch's rows a set is kept that is independent at generic
-closed configurations; Dulmage and Mendelsohn's decomposition of what is left, a matching of rows and unknowns and the strongly
-connected components of the graph that it makes, is the block triangular form. In kinematics its blocks are Assur groups. All rows
-of a block, redundant ones included, go with it.
+The rows' derivatives at random points show which rows hold which unknowns; at closed configurations
+such a derivative may vanish because of the assembly (the bar of a parallelogram stays level). Of
+each branch's rows a set is kept that is independent at generic closed configurations; Dulmage and
+Mendelsohn's decomposition of what is left, a matching of rows and unknowns and the strongly
+connected components of the graph that it makes, is the block triangular form. In kinematics its
+blocks are Assur groups. All rows of a block, redundant ones included, go with it.
 
-Source: A. L. Dulmage, N. S. Mendelsohn, Coverings of bipartite graphs, Canadian J. Math. 10 (1958) 517-534.
+Source: A. L. Dulmage, N. S. Mendelsohn, Coverings of bipartite graphs, Canadian J. Math. 10 (1958)
+517-534.
 """
 
 from __future__ import annotations
@@ -35,11 +38,14 @@ _ZERO = 1e-9
 
 @lru_cache(maxsize=128)
 def structure_groups(problem: Problem) -> tuple[Problem, ...]:
-    """The parts of a problem in the order of their solution, each a problem of its own: unknown are its coordinates, known those
-    of the given ones and of earlier parts that its rows hold."""
+    """The parts of a problem in the order of their solution, each a problem of its own: unknown are
+    its coordinates, known those of the given ones and of earlier parts that its rows hold.
+    """
     closure = problem.closure
     whole = dependence_of(problem.system.rows, closure)
-    rows, errors = (_held(part, closure) for part in (whole, dependence_of(problem.system.errors, closure)))
+    rows, errors = (
+        _held(part, closure) for part in (whole, dependence_of(problem.system.errors, closure))
+    )
     found: list[Problem] = []
     earlier: list[Coordinate] = []
     for places in _parts(problem, whole):
@@ -72,19 +78,25 @@ def _part(
         closure.mechanism.farthest,
     )
     rows_in_closure = tuple(problem.places_of_rows[k] for k in places)
-    return replace(problem, kind="given", system=system, known_coordinates=known, row_places=rows_in_closure)
+    return replace(
+        problem, kind="given", system=system, known_coordinates=known, row_places=rows_in_closure
+    )
 
 
 @lru_cache(maxsize=256)
 def is_linear(group: Problem) -> bool:
-    """Whether a group's rows are linear in the unknowns, as those of couplings are: one solution, without a search."""
+    """Whether a group's rows are linear in the unknowns, as those of couplings are: one solution,
+    without a search.
+    """
     system = group.system
     turning = any(c.kind == "quaternion" for c in system.unknowns)
     return not turning and not any(ca.which_depends(system.rows, system.unknown, 2, True))
 
 
 def without_later(rows: ca.SX, closure: Closure, allowed: Collection[str]) -> ca.SX:
-    """The same rows with the reference's values of coordinates that they hold with coefficients of rounding only."""
+    """The same rows with the reference's values of coordinates that they hold with coefficients of
+    rounding only.
+    """
     held = _coordinates_in(rows, closure)
     later = [c for c in closure.coordinates if c.name in held and c.name not in allowed]
     if not later:
@@ -105,30 +117,50 @@ def _coordinates_in(rows: ca.SX, closure: Closure) -> set[str]:
 
 
 def dependence_of(rows: ca.SX, closure: Closure) -> np.ndarray:
-    """Which rows hold which numbers of the closure's variables (rows, variables); lengths are compared in sizes, as angles are."""
+    """Which rows hold which numbers of the closure's variables (rows, variables); lengths are
+    compared in sizes, as angles are.
+    """
     rng = np.random.default_rng(0)
-    values = [random_values(closure.coordinates, closure.characteristic_length, rng) for _ in range(_POINTS)]
+    values = [
+        random_values(closure.coordinates, closure.characteristic_length, rng)
+        for _ in range(_POINTS)
+    ]
     jacobian = ca.Function("j", [closure.variables], [ca.jacobian(rows, closure.variables)])
-    lengths = np.array([c.kind == "length" for c in closure.coordinates for _ in range(c.width)], dtype=bool)
+    lengths = np.array(
+        [c.kind == "length" for c in closure.coordinates for _ in range(c.width)], dtype=bool
+    )
     units = np.where(lengths, closure.characteristic_length, 1.0)
     sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0) * units
     return np.asarray(sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300))
 
 
 def _held(dependence: np.ndarray, closure: Closure) -> list[set[str]]:
-    """Names of the coordinates that each row holds, of the numbers (rows, variables) that it holds."""
+    """Names of the coordinates that each row holds, of the numbers (rows, variables) that it
+    holds.
+    """
     owner = np.repeat(np.arange(len(closure.coordinates)), [c.width for c in closure.coordinates])
-    return [{closure.coordinates[k].name for k in set(owner[np.flatnonzero(line)].tolist())} for line in dependence]
+    return [
+        {closure.coordinates[k].name for k in set(owner[np.flatnonzero(line)].tolist())}
+        for line in dependence
+    ]
 
 
-def _rows_of(dependence: Sequence[set[str]], unknowns: tuple[Coordinate, ...], allowed: Collection[str]) -> list[int]:
+def _rows_of(
+    dependence: Sequence[set[str]], unknowns: tuple[Coordinate, ...], allowed: Collection[str]
+) -> list[int]:
     """Places of the rows that hold some of the unknowns and nothing that is found later."""
     own = {c.name for c in unknowns}
-    return [k for k, held in enumerate(dependence) if held & own and all(name in allowed for name in held)]
+    return [
+        k
+        for k, held in enumerate(dependence)
+        if held & own and all(name in allowed for name in held)
+    ]
 
 
 def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
-    """Places of unknowns, part by part in the order of solution; one part where the rows leave unknowns free."""
+    """Places of unknowns, part by part in the order of solution; one part where the rows leave
+    unknowns free.
+    """
     system, slices = problem.system, problem.closure.slices
     if not system.unknowns:
         return []
@@ -136,11 +168,16 @@ def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
     independent = _independent_rows(problem, _closed_jacobian(problem))
     if len(independent) != system.freedom:
         return [set(range(len(system.unknowns)))]
-    holds = np.array([dependence[independent, slices[system.unknowns[k].name]].any(axis=1) for k in columns]).T
+    holds = np.array(
+        [dependence[independent, slices[system.unknowns[k].name]].any(axis=1) for k in columns]
+    ).T
     match = _matching(holds)
     if match is None:
         return [set(range(len(system.unknowns)))]
-    after = [{int(columns[j]) for j in np.flatnonzero(holds[match[column]])} for column in range(system.freedom)]
+    after = [
+        {int(columns[j]) for j in np.flatnonzero(holds[match[column]])}
+        for column in range(system.freedom)
+    ]
     needs: list[set[int]] = [set() for _ in system.unknowns]
     for column, others in enumerate(after):
         needs[int(columns[column])] |= others
@@ -163,7 +200,9 @@ def _bodies(unknowns: tuple[Coordinate, ...]) -> list[set[int]]:
 def _closed_jacobian(problem: Problem) -> np.ndarray:
     """dF/dd (rows, freedoms) at a generic closed configuration, that of highest rank."""
     values = np.array(closed_configurations(problem.closure, 0))
-    jacobians = problem.system.linearise(values[:, problem.unknown_places], values[:, problem.known_places])[1]
+    jacobians = problem.system.linearise(
+        values[:, problem.unknown_places], values[:, problem.known_places]
+    )[1]
     return np.asarray(max(jacobians, key=lambda jacobian: Rank.of(jacobian).value))
 
 
@@ -173,7 +212,9 @@ def _independent_rows(problem: Problem, jacobian: np.ndarray) -> np.ndarray:
     groups: dict[str, list[int]] = {}
     for k, name in enumerate(sources):
         groups.setdefault(name, []).append(k)
-    width = {name: int(np.any(jacobian[rows] != 0.0, axis=0).sum()) for name, rows in groups.items()}
+    width = {
+        name: int(np.any(jacobian[rows] != 0.0, axis=0).sum()) for name, rows in groups.items()
+    }
     basis, kept = np.zeros((0, jacobian.shape[1])), list[int]()
     largest = float(np.linalg.norm(jacobian, 2)) or 1.0
     for name in sorted(groups, key=lambda n: width[n]):
@@ -192,10 +233,13 @@ def _independent_rows(problem: Problem, jacobian: np.ndarray) -> np.ndarray:
 
 
 def _matching(holds: np.ndarray) -> list[int] | None:
-    """A row for each column of a square pattern, None where there is none: the diagonal of its block triangular form."""
+    """A row for each column of a square pattern, None where there is none: the diagonal of its
+    block triangular form.
+    """
     pattern = ca.Sparsity.triplet(*holds.shape, *(places.tolist() for places in np.nonzero(holds)))
     _, rows, columns, _, _, coarse, _ = pattern.btf()
-    # the coarse blocks before and after the well determined one are empty where every row has a column
+    # the coarse blocks before and after the well determined one are empty where every row has a
+    # column
     if coarse[-1] - coarse[0] != len(holds) or coarse[1] > 0:
         return None
     return [row for _, row in sorted(zip(columns, rows, strict=True))]
@@ -203,7 +247,11 @@ def _matching(holds: np.ndarray) -> list[int] | None:
 
 def _components(needs: list[set[int]]) -> list[set[int]]:
     """Strongly connected components, each after those that it needs."""
-    pairs = [(other, place) for place, others in enumerate(needs) for other in sorted(others | {place})]
+    pairs = [
+        (other, place) for place, others in enumerate(needs) for other in sorted(others | {place})
+    ]
     # of a pattern's components casadi lists each before those that its rows hold
-    places, ends = ca.Sparsity.triplet(len(needs), len(needs), *map(list, zip(*pairs, strict=True))).scc()[1:]
+    places, ends = ca.Sparsity.triplet(
+        len(needs), len(needs), *map(list, zip(*pairs, strict=True))
+    ).scc()[1:]
     return [set(places[i:j]) for i, j in pairwise(ends)]

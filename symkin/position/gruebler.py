@@ -13,8 +13,10 @@ def gruebler_kutzbach(mechanism: Mechanism) -> int:
 
 
 def counts(mechanism: Mechanism) -> tuple[int, int, int]:
-    """Links, joints, and the freedoms of the joints; a coupling takes one. Rods of limbs are links between spherical joints (legs two,
-    with a slide between them); in a graph a rod is one joint, of five freedoms, or six where its length is a coordinate."""
+    """Links, joints, and the freedoms of the joints; a coupling takes one. Rods of limbs are links
+    between spherical joints (legs two, with a slide between them); in a graph a rod is one joint,
+    of five freedoms, or six where its length is a coordinate.
+    """
     edges = list(edges_of(mechanism))
     links, joints = len({link for edge in edges for link in edge.ends}), len(edges)
     freedoms = sum(edge.elements[0].freedom for edge in edges) - len(mechanism.couplings)

@@ -1,4 +1,6 @@
-"""Nonlinear least squares by IPOPT: the closure where it may not close, with joint limits as bounds."""
+"""Nonlinear least squares by IPOPT: the closure where it may not close, with joint limits as
+bounds.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +15,15 @@ from symkin.position.problem import Problem
 
 Path = list[np.ndarray]
 IPOPT = threading.Lock()
-"""Held by the thread that runs IPOPT: its linear solver MUMPS has variables that all runs of a process share."""
+"""Held by the thread that runs IPOPT: its linear solver MUMPS has variables that all runs of a
+process share.
+"""
 
 
 @dataclass(frozen=True)
 class LeastSquares:
-    """min |F(z) / size|^2 / 2 with |q| = 1 for each quaternion and `limits` as bounds, by IPOPT with the Gauss-Newton
-    Hessian.
+    """min |F(z) / size|^2 / 2 with |q| = 1 for each quaternion and `limits` as bounds, by IPOPT
+    with the Gauss-Newton Hessian.
 
     A minimum is a solution only where F vanishes there; the driver checks that on all rows.
     """
@@ -37,7 +41,9 @@ class LeastSquares:
         low, high = _bounds(problem)
         with IPOPT:
             recorder.path.clear()
-            result = solver(x0=np.clip(start, low, high), p=known, lbx=low, ubx=high, lbg=0.0, ubg=0.0)
+            result = solver(
+                x0=np.clip(start, low, high), p=known, lbx=low, ubx=high, lbg=0.0, ubg=0.0
+            )
             path = [start, *recorder.path[1:]]
         final = np.asarray(result["x"]).ravel()
         return path if len(path) > 1 and np.array_equal(path[-1], final) else [*path, final]
@@ -49,7 +55,14 @@ class _Recorder(ca.Callback):  # type: ignore[misc]  # CasADi is untyped here
     def __init__(self, width: int, equations: int, parameters: int) -> None:
         super().__init__()
         self.path: Path = []
-        self._sizes = {"x": width, "f": 1, "g": equations, "lam_x": width, "lam_g": equations, "lam_p": parameters}
+        self._sizes = {
+            "x": width,
+            "f": 1,
+            "g": equations,
+            "lam_x": width,
+            "lam_g": equations,
+            "lam_p": parameters,
+        }
         self.construct("recorder", {})
 
     def get_n_in(self) -> int:
@@ -84,15 +97,27 @@ def _solver(problem: Problem, settings: LeastSquares) -> tuple[ca.Function, _Rec
         "show_eval_warnings": False,
         "calc_lam_p": False,
         "iteration_callback": recorder,
-        "ipopt": {"print_level": 0, "sb": "yes", "tol": settings.tolerance, "max_iter": settings.max_iterations},
+        "ipopt": {
+            "print_level": 0,
+            "sb": "yes",
+            "tol": settings.tolerance,
+            "max_iter": settings.max_iterations,
+        },
     }
     options["hess_lag"] = _gauss_newton_hessian(system.unknown, system.known, scaled, norms)
-    nlp = {"x": system.unknown, "p": system.known, "f": 0.5 * ca.sumsqr(scaled), "g": ca.vertcat(*norms)}
+    nlp = {
+        "x": system.unknown,
+        "p": system.known,
+        "f": 0.5 * ca.sumsqr(scaled),
+        "g": ca.vertcat(*norms),
+    }
     return ca.nlpsol("least_squares", "ipopt", nlp, options), recorder
 
 
 def _gauss_newton_hessian(z: ca.SX, known: ca.SX, rows: ca.SX, norms: list[ca.SX]) -> ca.Function:
-    """J^T J of the rows and the curvature of the norms: positive where the exact Hessian leads to saddles."""
+    """J^T J of the rows and the curvature of the norms: positive where the exact Hessian leads to
+    saddles.
+    """
     jacobian = ca.jacobian(rows, z)
     weight, multipliers = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", len(norms))
     curvature = weight * ca.mtimes(jacobian.T, jacobian)

@@ -1,8 +1,9 @@
 """Reciprocal screws of limbs and platform at one configuration.
 
-With the closure's rows F(q, x, X) = 0 differentiated, A twist + B rates = 0 for each limb. A wrench of the limb's
-constraint system is A^T y for y^T B = 0: it does no work on any twist that the limb's joints, cut ones included, allow.
-With the actuated joints locked, only the passive columns of B count.
+With the closure's rows F(q, x, X) = 0 differentiated, A twist + B rates = 0 for each limb. A wrench
+of the limb's constraint system is A^T y for y^T B = 0: it does no work on any twist that the limb's
+joints, cut ones included, allow. With the actuated joints locked, only the passive columns of B
+count.
 """
 
 from __future__ import annotations
@@ -27,8 +28,9 @@ from symkin.spatial.screw import tidy_rows
 
 @dataclass(frozen=True, eq=False)
 class LimbScrews:
-    """Wrenches (force; moment about the base origin), as rows: those that a limb always exerts on the platform, and
-    those with its actuated joints locked."""
+    """Wrenches (force; moment about the base origin), as rows: those that a limb always exerts on
+    the platform, and those with its actuated joints locked.
+    """
 
     limb: str
     constraints: np.ndarray
@@ -40,8 +42,9 @@ class LimbScrews:
 
 
 def limb_screws(closure: Closure, values: np.ndarray) -> tuple[LimbScrews, ...]:
-    """Constraint wrenches of each limb against a free platform, whatever motion is declared; none where joints or rods other than
-    limbs hold the platform."""
+    """Constraint wrenches of each limb against a free platform, whatever motion is declared; none
+    where joints or rods other than limbs hold the platform.
+    """
     if closure.mechanism.is_graph:
         return ()
     spatial = build_closure(replace(closure.mechanism, motion="spatial"))
@@ -58,9 +61,15 @@ def limb_screws(closure: Closure, values: np.ndarray) -> tuple[LimbScrews, ...]:
         twist_rows = jacobian[rows][:, [k for k, c in enumerate(columns) if c.role == "pose"]]
         systems = []
         for kept in (joints, passive):
-            wrenches = null_space(jacobian[np.ix_(rows, kept)].T, RANK_TOLERANCE, relative=True) @ twist_rows
+            wrenches = (
+                null_space(jacobian[np.ix_(rows, kept)].T, RANK_TOLERANCE, relative=True)
+                @ twist_rows
+            )
             systems.append(
-                row_space(_at_base_origin(wrenches, position, closure.characteristic_length), closure.characteristic_length)
+                row_space(
+                    _at_base_origin(wrenches, position, closure.characteristic_length),
+                    closure.characteristic_length,
+                )
             )
         screws.append(LimbScrews(limb.name, systems[0], systems[1]))
     return tuple(screws)
@@ -77,7 +86,9 @@ def _with_free_platform(closure: Closure, spatial: Closure, values: np.ndarray) 
 
 
 def _at_base_origin(wrenches: np.ndarray, position: np.ndarray, size: float) -> np.ndarray:
-    """From (force, moment / size about the platform origin) to (force; moment about the base origin)."""
+    """From (force, moment / size about the platform origin) to (force; moment about the base
+    origin).
+    """
     force, moment = wrenches[:, :3], size * wrenches[:, 3:]
     return np.hstack([force, moment + np.cross(position, force)])
 
@@ -85,8 +96,9 @@ def _at_base_origin(wrenches: np.ndarray, position: np.ndarray, size: float) -> 
 def platform_screws(
     closure: Closure, system: System, values: np.ndarray, limbs: Sequence[LimbScrews]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Wrenches that the platform takes and the twists that it has left, as rows: from those of its limbs, else from what the closed
-    loops leave; none without a platform."""
+    """Wrenches that the platform takes and the twists that it has left, as rows: from those of its
+    limbs, else from what the closed loops leave; none without a platform.
+    """
     size = closure.characteristic_length
     if limbs:
         wrenches = row_space(np.vstack([limb.constraints for limb in limbs]), size)
@@ -103,7 +115,9 @@ def _reciprocal(screws: np.ndarray, size: float) -> np.ndarray:
 
 
 def _platform_twists(closure: Closure, system: System, values: np.ndarray) -> np.ndarray:
-    """Twists (angular velocity; velocity at the base origin) of the platform link that the closed loops leave, as rows."""
+    """Twists (angular velocity; velocity at the base origin) of the platform link that the closed
+    loops leave, as rows.
+    """
     free = null_space(system.linearise_one(values, np.zeros(0))[1], RANK_TOLERANCE, relative=True)
     pose = ca.vertcat(closure.pose.position, closure.pose.quaternion)
     rates = ca.mtimes(ca.jacobian(closure.bound(pose), closure.variables), system.tangent)
@@ -120,7 +134,9 @@ def _platform_twists(closure: Closure, system: System, values: np.ndarray) -> np
 
 
 def reciprocal_system(screws: np.ndarray, size: float = 1.0) -> np.ndarray:
-    """Basis (rows) of the screws reciprocal to every row of `screws`; moments are weighed by the length `size`."""
+    """Basis (rows) of the screws reciprocal to every row of `screws`; moments are weighed by the
+    length `size`.
+    """
     weights = np.array([1.0, 1.0, 1.0, 1 / size, 1 / size, 1 / size])
     scaled = np.atleast_2d(screws) * weights
     swapped = np.hstack([scaled[:, 3:], scaled[:, :3]])
@@ -128,8 +144,9 @@ def reciprocal_system(screws: np.ndarray, size: float = 1.0) -> np.ndarray:
 
 
 def row_space(wrenches: np.ndarray, size: float) -> np.ndarray:
-    """A readable basis of the span of wrenches: unit forces, and unit couples where there is no force. Moments are
-    weighed by the size in judging rank."""
+    """A readable basis of the span of wrenches: unit forces, and unit couples where there is no
+    force. Moments are weighed by the size in judging rank.
+    """
     weights = np.array([1.0, 1.0, 1.0, 1 / size, 1 / size, 1 / size])
     scaled = wrenches * weights
     rank = Rank.of(scaled).value

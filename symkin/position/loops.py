@@ -1,8 +1,10 @@
-"""The loops of a mechanism by the joints that they run through, what each holds by itself, and what all hold together.
+"""The loops of a mechanism by the joints that they run through, what each holds by itself, and what
+all hold together.
 
-Links are the vertices of a graph, joints and rods its edges, and joints - links + 1 loops are independent. Chosen are those with
-the fewest joints (a minimum cycle basis: J. D. Horton, SIAM Journal on Computing 16, 1987). The rank of a loop is that of its joints'
-screws, of a rod's all but the force along it.
+Links are the vertices of a graph, joints and rods its edges, and joints - links + 1 loops are
+independent. Chosen are those with the fewest joints (a minimum cycle basis: J. D. Horton, SIAM
+Journal on Computing 16, 1987). The rank of a loop is that of its joints' screws, of a rod's all but
+the force along it.
 """
 
 from __future__ import annotations
@@ -30,8 +32,10 @@ _SPATIAL = 6
 
 @dataclass(frozen=True)
 class Loop:
-    """A loop: its joints and rods in order, and the rows that close it by itself, cut at its passive joint of most freedom; `rank`
-    of the rows are independent, the `redundant` others follow from them."""
+    """A loop: its joints and rods in order, and the rows that close it by itself, cut at its
+    passive joint of most freedom; `rank` of the rows are independent, the `redundant` others follow
+    from them.
+    """
 
     joints: tuple[str, ...]
     links: tuple[str, ...]
@@ -49,8 +53,12 @@ class Loop:
         return self.rows - self.rank
 
 
-def loops_at(closure: Closure, values: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[Loop, ...]:
-    """The independent loops with their ranks at one configuration; singular values below `tolerance` of the largest are zero."""
+def loops_at(
+    closure: Closure, values: np.ndarray, tolerance: float = RANK_TOLERANCE
+) -> tuple[Loop, ...]:
+    """The independent loops with their ranks at one configuration; singular values below
+    `tolerance` of the largest are zero.
+    """
     mechanism = closure.mechanism
     edges = list(edges_of(mechanism))
     poses = link_poses(closure, values[None]).at(0)
@@ -59,18 +67,22 @@ def loops_at(closure: Closure, values: np.ndarray, tolerance: float = RANK_TOLER
     for cycle in independent_cycles(mechanism):
         span = np.vstack([screws[k] for k in cycle])
         cut = _cut_freedom([edges[k] for k in cycle])
-        # the cut joint's own freedoms are in the span: what is left of it is the rank of the rows that remain
+        # the cut joint's own freedoms are in the span: what is left of it is the rank of the rows
+        # that remain
         rank = _rank(span, tolerance) - cut
         names = tuple(_name(edges[k]) for k in cycle)
-        found.append(Loop(names, _links_along([edges[k] for k in cycle]), _SPATIAL - cut, max(rank, 0)))
+        found.append(
+            Loop(names, _links_along([edges[k] for k in cycle]), _SPATIAL - cut, max(rank, 0))
+        )
     return tuple(found)
 
 
 def redundant_constraints(closure: Closure, values: np.ndarray) -> int:
     """Count the constraints of the machine in space that others imply at one configuration.
 
-    Along each independent loop the joints' twists add up to zero, which are six rows, and a coupling is
-    one more; redundant are these rows less their rank. A motion declared of the platform changes nothing.
+    Along each independent loop the joints' twists add up to zero, which are six rows, and a
+    coupling is one more; redundant are these rows less their rank. A motion declared of the
+    platform changes nothing.
     """
     mechanism, placed = closure.mechanism, link_poses(closure, values[None])
     edges, poses = list(edges_of(mechanism)), placed.at(0)
@@ -84,7 +96,9 @@ def redundant_constraints(closure: Closure, values: np.ndarray) -> int:
             sign = 1.0 if edges[k].ends[0] == link else -1.0
             loop[:, starts[k] : starts[k + 1]] += sign * screws[k].T
         rows = np.vstack([rows, loop])
-    columns = {name: starts[k] + place for k, edge in enumerate(edges) for name, place in _columns(edge)}
+    columns = {
+        name: starts[k] + place for k, edge in enumerate(edges) for name, place in _columns(edge)
+    }
     rates = _coupling_rates(closure, joint_readings(closure, placed))
     couplings = np.zeros((len(rates), rows.shape[1]))
     for row, terms in zip(couplings, rates, strict=True):
@@ -111,7 +125,12 @@ def independent_cycles(mechanism: Mechanism) -> tuple[tuple[int, ...], ...]:
         if _adds(basis, sum(1 << edge for edge in cycle)):
             chosen.append(cycle)
     # in the order in which the file names the joint that each begins at
-    return tuple(sorted((_from_first(cycle) for cycle in chosen), key=lambda cycle: (cycle[0], len(cycle), cycle)))
+    return tuple(
+        sorted(
+            (_from_first(cycle) for cycle in chosen),
+            key=lambda cycle: (cycle[0], len(cycle), cycle),
+        )
+    )
 
 
 def _neighbours(edges: Sequence[Branch]) -> dict[str, list[tuple[int, str]]]:
@@ -123,7 +142,9 @@ def _neighbours(edges: Sequence[Branch]) -> dict[str, list[tuple[int, str]]]:
     return found
 
 
-def _cycles_through(root: str, edges: Sequence[Branch], neighbours: Mapping[str, list[tuple[int, str]]]) -> list[tuple[int, ...]]:
+def _cycles_through(
+    root: str, edges: Sequence[Branch], neighbours: Mapping[str, list[tuple[int, str]]]
+) -> list[tuple[int, ...]]:
     """The cycles of shortest paths from a link to both ends of an edge."""
     paths: dict[str, tuple[int, ...]] = {root: ()}
     places: dict[str, frozenset[str]] = {root: frozenset((root,))}
@@ -158,7 +179,9 @@ def _from_first(cycle: tuple[int, ...]) -> tuple[int, ...]:
     """The same cycle from its first edge on, towards the lower of the two beside it."""
     start = cycle.index(min(cycle))
     turned = cycle[start:] + cycle[:start]
-    return turned if len(turned) < 3 or turned[1] <= turned[-1] else (turned[0], *reversed(turned[1:]))
+    return (
+        turned if len(turned) < 3 or turned[1] <= turned[-1] else (turned[0], *reversed(turned[1:]))
+    )
 
 
 def _links_along(cycle: Sequence[Branch]) -> tuple[str, ...]:
@@ -172,26 +195,38 @@ def _links_along(cycle: Sequence[Branch]) -> tuple[str, ...]:
     return tuple(links)
 
 
-# --- screws --------------------------------------------------------------------------------------------------------
+# --- screws ---------------------------------------------------------------------------------------
 
 
 def _name(edge: Branch) -> str:
     """A joint or rod by its name; a rod at the end of a limb by the limb's as well."""
     part = edge.elements[0].part
-    return f"{edge.name}.{part.name}" if isinstance(part, Bar) and part.name != edge.name else part.name
+    return (
+        f"{edge.name}.{part.name}"
+        if isinstance(part, Bar) and part.name != edge.name
+        else part.name
+    )
 
 
 def _cut_freedom(cycle: Sequence[Branch]) -> int:
-    """Freedoms of what a loop is cut at: a rod, or all between two spherical joints, else the passive joint of most freedom."""
+    """Freedoms of what a loop is cut at: a rod, or all between two spherical joints, else the
+    passive joint of most freedom.
+    """
     parts = [edge.elements[0].part for edge in cycle]
     if sum(edge.elements[0].balls for edge in cycle) >= 2:
         return _ROD_FREEDOM
-    passive = [part.freedom for part in parts if isinstance(part, Joint) and not part.actuated and part.type != "H"]
+    passive = [
+        part.freedom
+        for part in parts
+        if isinstance(part, Joint) and not part.actuated and part.type != "H"
+    ]
     return max(passive, default=0)
 
 
 def _screws(mechanism: Mechanism, edge: Branch, poses: Mapping[str, Pose]) -> np.ndarray:
-    """Twists (angular velocity; velocity at the mechanism's middle over the size) of an edge's freedoms, as rows."""
+    """Twists (angular velocity; velocity at the mechanism's middle over the size) of an edge's
+    freedoms, as rows.
+    """
     part, size, middle = edge.elements[0].part, mechanism.characteristic_length, _middle(mechanism)
     before, after = (poses[link] for link in edge.ends)
     if isinstance(part, Bar):
@@ -201,7 +236,9 @@ def _screws(mechanism: Mechanism, edge: Branch, poses: Mapping[str, Pose]) -> np
         turns = np.vstack([_turns(np.eye(3), end - middle, size) for end in ends])
         along = np.concatenate([np.zeros(3), ends[1] - ends[0]])[None]
         length = float(np.linalg.norm(along))
-        return turns if part.coordinate is None or not length else np.vstack([turns, along / length])
+        return (
+            turns if part.coordinate is None or not length else np.vstack([turns, along / length])
+        )
     if part.type == "weld":
         return np.zeros((0, _SPATIAL))
     point = np.asarray(before.apply(np.array(mechanism.places[part.name]))) - middle
@@ -244,7 +281,10 @@ def _coupling_rates(closure: Closure, readings: Mapping[str, np.ndarray]) -> lis
     """The differential of each coupling by coordinate: of the one that follows, and less those that
     lead; lengths are shares of the size, as in the screws of slides."""
     mechanism = closure.mechanism
-    scales = {c.name: 1.0 if c.is_angular else mechanism.characteristic_length for c in mechanism.coordinates}
+    scales = {
+        c.name: 1.0 if c.is_angular else mechanism.characteristic_length
+        for c in mechanism.coordinates
+    }
     found = []
     for coupling in mechanism.couplings:
         if coupling.polynomial is None:
@@ -253,7 +293,10 @@ def _coupling_rates(closure: Closure, readings: Mapping[str, np.ndarray]) -> lis
             (leader,) = coupling.names
             slope = np.polynomial.Polynomial(coupling.polynomial).deriv()
             rates = {leader: float(slope(readings[leader][0]))}
-        found.append({coupling.joint: scales[coupling.joint]} | {n: -scales[n] * rate for n, rate in rates.items()})
+        found.append(
+            {coupling.joint: scales[coupling.joint]}
+            | {n: -scales[n] * rate for n, rate in rates.items()}
+        )
     return found
 
 

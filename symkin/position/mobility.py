@@ -18,7 +18,13 @@ from symkin.position.closed_configurations import (
     own_component,
     whole_system,
 )
-from symkin.position.file_digits import BLUR, FILE_DIGITS, LeastSquaresEnds, ToDigits, rank_to_digits
+from symkin.position.file_digits import (
+    BLUR,
+    FILE_DIGITS,
+    LeastSquaresEnds,
+    ToDigits,
+    rank_to_digits,
+)
 from symkin.position.gruebler import gruebler_kutzbach
 from symkin.position.limb_screws import limb_screws, per_freedom, platform_screws
 from symkin.position.loops import loops_at, redundant_constraints
@@ -27,13 +33,16 @@ from symkin.position.own_component import Component
 
 
 def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
-    """Count the freedoms of a mechanism: rank of the closure at generic configurations of the assembly that its file describes.
+    """Count the freedoms of a mechanism: rank of the closure at generic configurations of the
+    assembly that its file describes.
 
-    mobility = freedoms of all coordinates - rank of dF / d(q, x, X) (the singular values below 1e-8 of the largest count as
-    zero), less freedoms of first order that no motion follows. Generic are configurations to which steps lead from the
-    reference, along motions; other assemblies of the same links are told apart. Constraint wrenches of the limbs and the platform's twists, reciprocal to them, are those at the reference where its
-    rank is the generic one, else at a configuration beside it. `seed` is that of the steps' directions. Raises
-    MechanismError for what is no Mechanism. Screws: Hunt, Kinematic Geometry of Mechanisms, 1978.
+    mobility = freedoms of all coordinates - rank of dF / d(q, x, X) (the singular values below 1e-8
+    of the largest count as zero), less freedoms of first order that no motion follows. Generic are
+    configurations to which steps lead from the reference, along motions; other assemblies of the
+    same links are told apart. Constraint wrenches of the limbs and the platform's twists,
+    reciprocal to them, are those at the reference where its rank is the generic one, else at a
+    configuration beside it. `seed` is that of the steps' directions. Raises MechanismError for what
+    is no Mechanism. Screws: Hunt, Kinematic Geometry of Mechanisms, 1978.
 
     >>> import symkin
     >>> found = symkin.mobility(symkin.load("zhao2000"))
@@ -73,7 +82,9 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         reference_rank=reference_rank,
         digits=found.digits,
         other_ranks=found.other_ranks,
-        misfit=_misfit(closure, system, least_squares_ends(closure, seed)) if not found.closed and found.digits is None else None,
+        misfit=_misfit(closure, system, least_squares_ends(closure, seed))
+        if not found.closed and found.digits is None
+        else None,
         infinitesimal=found.infinitesimal,
         ranks_apart=found.ranks_apart,
     )
@@ -93,15 +104,29 @@ class _Generic:
 
 
 def _of_component(closure: Closure, own: Component, seed: int) -> _Generic:
-    """The assembly that the reference belongs to. Least squares from far off is asked where singular values are small, or no motion
-    leads away, as of loops that close to a file's digits; and for other assemblies."""
+    """The assembly that the reference belongs to. Least squares from far off is asked where
+    singular values are small, or no motion leads away, as of loops that close to a file's digits;
+    and for other assemblies.
+    """
     system = whole_system(closure)
     least = Rank.of(system.linearise_one(own.points[0], np.zeros(0))[1], BLUR * FILE_DIGITS)
     digits = None
     if least.value < own.rank.value or (own.infinitesimal and len(own.points) == 1):
         digits = rank_to_digits(system, least_squares_ends(closure, seed), own.rank.value)
-    apart = tuple(v for v in _ranks_apart(closure) if v not in (own.rank.value, *own.other_ranks)) if digits is None else ()
-    return _Generic(own.points[0], own.rank, True, digits, own.infinitesimal if digits is None else 0, own.other_ranks, apart)
+    apart = (
+        tuple(v for v in _ranks_apart(closure) if v not in (own.rank.value, *own.other_ranks))
+        if digits is None
+        else ()
+    )
+    return _Generic(
+        own.points[0],
+        own.rank,
+        True,
+        digits,
+        own.infinitesimal if digits is None else 0,
+        own.other_ranks,
+        apart,
+    )
 
 
 def _by_least_squares(closure: Closure, seed: int) -> _Generic:
@@ -111,13 +136,16 @@ def _by_least_squares(closure: Closure, seed: int) -> _Generic:
     ranks = [Rank.of(system.linearise_one(z, np.zeros(0))[1]) for z in candidates]
     best, closed = generic_one(ranks), bool(ends.closed.any())
     digits = rank_to_digits(system, ends, ranks[best].value if closed else None)
-    values = candidates[best] if closed or digits is None else ends.points[int(np.argmin(ends.misfits))]
+    values = (
+        candidates[best] if closed or digits is None else ends.points[int(np.argmin(ends.misfits))]
+    )
     return _Generic(values, ranks[best], closed, digits)
 
 
 def _ranks_apart(closure: Closure) -> tuple[int, ...]:
-    """Ranks that are clear at two closed configurations or more, wherever least squares from far off ends; of seed 0, so that
-    what is said does not depend on the seed."""
+    """Ranks that are clear at two closed configurations or more, wherever least squares from far
+    off ends; of seed 0, so that what is said does not depend on the seed.
+    """
     system, ends = whole_system(closure), least_squares_ends(closure, 0)
     jacobians = system.linearise(ends.points[ends.closed], np.zeros(0))[1]
     clear = [rank.value for rank in map(Rank.of, jacobians) if rank.is_clear]
@@ -125,8 +153,9 @@ def _ranks_apart(closure: Closure) -> tuple[int, ...]:
 
 
 def _redundant(closure: Closure, values: np.ndarray, rank: int) -> int:
-    """Redundant constraints of the machine in space: a declared motion leaves rows out, or says what
-    they say, so that they are counted by the loops."""
+    """Redundant constraints of the machine in space: a declared motion leaves rows out, or says
+    what they say, so that they are counted by the loops.
+    """
     if closure.mechanism.motion != "spatial":
         return redundant_constraints(closure, values)
     return _count_rows(closure) - rank
@@ -138,14 +167,18 @@ def _unknown_columns(closure: Closure) -> list[int]:
 
 
 def _count_rows(closure: Closure) -> int:
-    """Rows of the closure, with those that vanish everywhere, unless the motion declared of a floating platform is why they do."""
+    """Rows of the closure, with those that vanish everywhere, unless the motion declared of a
+    floating platform is why they do.
+    """
     declared = closure.mechanism.motion != "spatial" and closure.role("pose")
     return int(closure.rows.shape[0]) + (0 if declared else closure.vanishing)
 
 
 @lru_cache(maxsize=64)
 def open_loops_note(mechanism: Mechanism) -> str | None:
-    """What is said of a mechanism that has no solution, whatever is given: how far its loops stay open, and which; else None."""
+    """What is said of a mechanism that has no solution, whatever is given: how far its loops stay
+    open, and which; else None.
+    """
     closure = build_closure(mechanism)
     size = closure.characteristic_length
     if whole_system(closure).residual(closure.reference, np.zeros(0)) <= CLOSURE_TOLERANCE * size:
@@ -154,17 +187,22 @@ def open_loops_note(mechanism: Mechanism) -> str | None:
     if misfit is None:
         return None
     return (
-        f"no configuration closes the loops, whatever is given: the best one found leaves {misfit.length:.3g} {mechanism.length_unit}, "
+        f"no configuration closes the loops, whatever is given: the best one found leaves "
+        f"{misfit.length:.3g} {mechanism.length_unit}, "
         f"most of it in the loop of {misfit.loop}; check its lengths and couplings"
     )
 
 
 def _misfit(closure: Closure, system: System, ends: LeastSquaresEnds) -> Misfit:
-    """The least of the misfits, and the smallest loop through the joint or rod whose row has most of it."""
+    """The least of the misfits, and the smallest loop through the joint or rod whose row has most
+    of it.
+    """
     points = np.vstack([closure.reference, ends.points])
     errors = np.concatenate([system.residuals(closure.reference[None], np.zeros(0)), ends.misfits])
     best = int(np.argmin(errors))
     rows, _ = system.linearise_one(points[best], np.zeros(0))
     worst = closure.row_sources[int(np.argmax(np.abs(rows)))].limb
     loops = [loop for loop in loops_at(closure, points[best]) if worst in loop.joints]
-    return Misfit(float(errors[best]), min(loops, key=lambda loop: len(loop.joints)).name if loops else worst)
+    return Misfit(
+        float(errors[best]), min(loops, key=lambda loop: len(loop.joints)).name if loops else worst
+    )

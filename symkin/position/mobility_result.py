@@ -20,7 +20,9 @@ from symkin.result import Result, Summary
 
 @dataclass(frozen=True)
 class Misfit:
-    """How far loops stay open: the largest closure error at the best configuration found, and the loop that has it."""
+    """How far loops stay open: the largest closure error at the best configuration found, and the
+    loop that has it.
+    """
 
     length: float
     loop: str
@@ -30,16 +32,17 @@ class Misfit:
 class Mobility(Result):
     """What the closure's differential says at one closed configuration.
 
-    mobility = freedoms of all coordinates - rank - `infinitesimal`, freedoms of first order that no motion
-    follows. `redundant` counts the constraints of the machine in space that others imply, whatever motion is
-    declared; without a declared motion it is rows - rank, rows that vanish at every configuration
-    included. `values` are the closure's variables there;
-    `at_reference` says that it is the reference configuration, `reference_rank` is the rank there, None where it is open.
-    `platform_constraints` spans the wrenches of all limbs together and `platform_twists` the instantaneous platform motions
-    reciprocal to them (rows, base origin). `digits` is set where they close only to the digits of the
-    file, `misfit` where they do not close at all. `other_ranks` are those of other branches that meet at the reference,
-    `ranks_apart` of other assemblies of the same links. `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry
-    and counts idle freedoms.
+    mobility = freedoms of all coordinates - rank - `infinitesimal`, freedoms of first order that no
+    motion follows. `redundant` counts the constraints of the machine in space that others imply,
+    whatever motion is declared; without a declared motion it is rows - rank, rows that vanish at
+    every configuration included. `values` are the closure's variables there; `at_reference` says
+    that it is the reference configuration, `reference_rank` is the rank there, None where it is
+    open. `platform_constraints` spans the wrenches of all limbs together and `platform_twists` the
+    instantaneous platform motions reciprocal to them (rows, base origin). `digits` is set where
+    they close only to the digits of the file, `misfit` where they do not close at all.
+    `other_ranks` are those of other branches that meet at the reference, `ranks_apart` of other
+    assemblies of the same links. `gruebler` is the Gruebler-Kutzbach count, which knows nothing of
+    geometry and counts idle freedoms.
 
     >>> import symkin
     >>> found = symkin.mobility(symkin.load("zhao2000_links"))
@@ -70,7 +73,9 @@ class Mobility(Result):
     @cached_property
     def loops(self) -> tuple[Loop, ...]:
         """The independent loops, each with its own rank."""
-        return loops_at(self.closure, self.values, RANK_TOLERANCE if self.digits is None else FILE_DIGITS)
+        return loops_at(
+            self.closure, self.values, RANK_TOLERANCE if self.digits is None else FILE_DIGITS
+        )
 
     @property
     def mobility(self) -> int:
@@ -79,8 +84,14 @@ class Mobility(Result):
 
     @property
     def generic_rank(self) -> int:
-        """The rank at closed configurations beside the reference; to the digits of the file where nothing else closes exactly."""
-        return self.digits.rank if self.digits is not None and self.digits.beside_alone else self.rank.value
+        """The rank at closed configurations beside the reference; to the digits of the file where
+        nothing else closes exactly.
+        """
+        return (
+            self.digits.rank
+            if self.digits is not None and self.digits.beside_alone
+            else self.rank.value
+        )
 
     @property
     def implied_rows(self) -> int:
@@ -107,51 +118,79 @@ class Mobility(Result):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is doubtful: an unclear rank, actuated joints that are not as many as the mobility or do not decide it."""
+        """What is doubtful: an unclear rank, actuated joints that are not as many as the mobility
+        or do not decide it.
+        """
         found = [*self._closing]
         if self.rank.gap < CLEAR_GAP:
-            found.append(f"the rank is not clear, the singular values beside the cut differ by only {self.rank.gap:.3g}")
+            found.append(
+                f"the rank is not clear, the singular values beside the cut differ by only "
+                f"{self.rank.gap:.3g}"
+            )
         if self.misfit is not None:
             return tuple(found)
         if len(self._beyond_motion):
-            screws = ", ".join("(" + ", ".join(f"{v + 0.0:.5g}" for v in twist) + ")" for twist in self._beyond_motion)
+            screws = ", ".join(
+                "(" + ", ".join(f"{v + 0.0:.5g}" for v in twist) + ")"
+                for twist in self._beyond_motion
+            )
             found.append(
-                f"the platform's motion is declared {self.closure.mechanism.motion}, and its joints let it move otherwise too (twists, angular "
+                f"the platform's motion is declared {self.closure.mechanism.motion}, and its "
+                f"joints let it move otherwise too (twists, angular "
                 f"velocity first: {screws})"
             )
         if self.digits is None:
             found += self._beside
         mobility = self.mobility if self.digits is None else self.freedoms - self.digits.rank
         if self.actuated != mobility:
-            more = "some motion stays free" if self.actuated < mobility else "the inputs cannot be chosen freely"
-            found.append(
-                f"{self.actuated} actuated joint{'' if self.actuated == 1 else 's'} for a mobility of {mobility}: {more}"
+            more = (
+                "some motion stays free"
+                if self.actuated < mobility
+                else "the inputs cannot be chosen freely"
             )
-        elif self.digits is None and not self.infinitesimal and self.direct_rank.value < self.freedoms - self.actuated:
-            found.append("the actuated joints do not determine the configuration, although their number is the mobility")
+            found.append(
+                f"{self.actuated} actuated joint{'' if self.actuated == 1 else 's'} for a mobility "
+                f"of {mobility}: {more}"
+            )
+        elif (
+            self.digits is None
+            and not self.infinitesimal
+            and self.direct_rank.value < self.freedoms - self.actuated
+        ):
+            found.append(
+                "the actuated joints do not determine the configuration, although their number is "
+                "the mobility"
+            )
         return tuple(found)
 
     @property
     def _beside(self) -> list[str]:
-        """What is said of motions that end at once, of branches that meet and of other assemblies."""
+        """What is said of motions that end at once, of branches that meet and of other
+        assemblies.
+        """
         found, first_order = [], self.freedoms - self.rank.value
         if self.infinitesimal == first_order > 0:
             found.append(
-                f"no motion leads away from the reference: it is shaky in {first_order} freedom{_s(first_order)} of first order"
+                f"no motion leads away from the reference: it is shaky in {first_order} "
+                f"freedom{_s(first_order)} of first order"
             )
         elif self.infinitesimal:
             found.append(
-                f"{self.infinitesimal} of {first_order} freedoms of first order {_is(self.infinitesimal)} no motion: every configuration "
+                f"{self.infinitesimal} of {first_order} freedoms of first order "
+                f"{_is(self.infinitesimal)} no motion: every configuration "
                 "of this assembly is singular"
             )
         if self.other_ranks:
             found.append(
-                f"branches meet near the reference: closed configurations beside it have a mobility of {self._mobilities(self.other_ranks)} "
-                "too; what is said here is of one branch, and a declared motion or another reference chooses"
+                f"branches meet near the reference: closed configurations beside it have a "
+                f"mobility of {self._mobilities(self.other_ranks)} "
+                "too; what is said here is of one branch, and a declared motion or another "
+                "reference chooses"
             )
         if self.ranks_apart:
             found.append(
-                f"other assemblies of the same links have a mobility of {self._mobilities(self.ranks_apart)}; what is said here is of the "
+                f"other assemblies of the same links have a mobility of "
+                f"{self._mobilities(self.ranks_apart)}; what is said here is of the "
                 "one that the reference belongs to"
             )
         return found
@@ -161,7 +200,9 @@ class Mobility(Result):
 
     @property
     def _beyond_motion(self) -> np.ndarray:
-        """Of the twists that the joints leave the platform those that the motion declared of it does not have, as rows."""
+        """Of the twists that the joints leave the platform those that the motion declared of it
+        does not have, as rows.
+        """
         mechanism, twists = self.closure.mechanism, self.platform_twists
         if mechanism.motion == "spatial" or not len(twists):
             return np.zeros((0, 6))
@@ -172,7 +213,9 @@ class Mobility(Result):
         elif mechanism.motion == "translation":
             outside = turns
         else:
-            outside = np.hstack([turns[:, :2], speeds[:, 2:] if mechanism.motion == "planar" else speeds[:, :0]])
+            outside = np.hstack(
+                [turns[:, :2], speeds[:, 2:] if mechanism.motion == "planar" else speeds[:, :0]]
+            )
         largest = np.linalg.norm(np.hstack([turns, speeds]), axis=1)
         return np.asarray(twists[np.linalg.norm(outside, axis=1) > RANK_TOLERANCE * largest])
 
@@ -182,31 +225,49 @@ class Mobility(Result):
         unit = self.closure.mechanism.length_unit
         if self.misfit is not None:
             return (
-                f"no configuration closes the loops: the best one found leaves {self.misfit.length:.3g} {unit}, most of it in the loop "
+                f"no configuration closes the loops: the best one found leaves "
+                f"{self.misfit.length:.3g} {unit}, most of it in the loop "
                 f"of {self.misfit.loop}; what is said here holds at the open reference",
             )
         if self.digits is None:
             return ()
         rank = self.digits.rank
-        where, exactly = ("away from the reference ", f"; exactly, it is {self.mobility}") if self.closed else ("", "")
+        where, exactly = (
+            ("away from the reference ", f"; exactly, it is {self.mobility}")
+            if self.closed
+            else ("", "")
+        )
         if self.digits.beside_alone:
-            exactly = f"; at the reference, which is singular, it is {self.freedoms - self.rank.value}"
+            exactly = (
+                f"; at the reference, which is singular, it is {self.freedoms - self.rank.value}"
+            )
         return (
-            f"{where}the loops close only to the digits of the file: least-squares configurations leave {self.digits.misfit:.1e} "
-            f"{unit}; to these digits the mobility is {self.freedoms - rank}, with {self.redundant_of(rank)} redundant constraints{exactly}",
+            f"{where}the loops close only to the digits of the file: least-squares configurations "
+            f"leave {self.digits.misfit:.1e} "
+            f"{unit}; to these digits the mobility is {self.freedoms - rank}, with "
+            f"{self.redundant_of(rank)} redundant constraints{exactly}",
         )
 
     def summary(self, most_rows: int | None = None) -> Summary:
-        """Mobility and redundant constraints, then the count of constraint wrenches that each limb exerts."""
-        name, where = self.closure.mechanism.name, "" if self.closed else " (no closed configuration was found)"
+        """Mobility and redundant constraints, then the count of constraint wrenches that each limb
+        exerts.
+        """
+        name, where = (
+            self.closure.mechanism.name,
+            "" if self.closed else " (no closed configuration was found)",
+        )
         less = f" - {self.infinitesimal} of first order alone" if self.infinitesimal else ""
         above = [
-            f"{name}: mobility {self.mobility} = {self.freedoms} freedoms of the coordinates - rank {self.rank.value} of "
+            f"{name}: mobility {self.mobility} = {self.freedoms} freedoms of the coordinates - "
+            f"rank {self.rank.value} of "
             f"{self.rows} rows{less}; redundant constraints: {self.redundant}{where}"
         ]
         below = [f"warning: {warning}" for warning in self.warnings]
         if not self.limbs:
-            cells = [[loop.name, str(loop.rows), str(loop.rank), str(loop.redundant)] for loop in self.loops]
+            cells = [
+                [loop.name, str(loop.rows), str(loop.rank), str(loop.redundant)]
+                for loop in self.loops
+            ]
             return Summary(above, ["loop", "rows", "rank", "redundant"], cells[:most_rows], below)
         rows = [[limb.limb, *map(str, limb.counts)] for limb in self.limbs]
         rows.append(["platform", str(len(self.platform_constraints)), ""])
@@ -214,8 +275,9 @@ class Mobility(Result):
         return Summary(above, header, rows[:most_rows], below)
 
     def to_dict(self) -> dict[str, Any]:
-        """The JSON object of `symkin show --json`; wrenches are (force; moment), twists (angular velocity; velocity), about the
-        base origin."""
+        """The JSON object of `symkin show --json`; wrenches are (force; moment), twists (angular
+        velocity; velocity), about the base origin.
+        """
         closure, reference = self.closure, self.reference_rank
         mechanism = closure.mechanism
         links, joints, _ = counts(mechanism)
@@ -231,14 +293,20 @@ class Mobility(Result):
             "mobility": None if reference is None else self.freedoms - reference.value,
             "redundant": self.redundant_at_reference,
             "generic": {
-                "rank": self.generic_rank, "mobility": self.freedoms - self.generic_rank - self.infinitesimal,
-                "infinitesimal": self.infinitesimal, "redundant": self.redundant_of(self.generic_rank),
+                "rank": self.generic_rank,
+                "mobility": self.freedoms - self.generic_rank - self.infinitesimal,
+                "infinitesimal": self.infinitesimal,
+                "redundant": self.redundant_of(self.generic_rank),
                 "closed": self.closed,
             },
             "gruebler": self.gruebler,
             "actuated": [c.name for c in mechanism.actuated],
             "limbs": [
-                {"name": limb.limb, "constraints": limb.constraints.tolist(), "locked": limb.locked.tolist()}
+                {
+                    "name": limb.limb,
+                    "constraints": limb.constraints.tolist(),
+                    "locked": limb.locked.tolist(),
+                }
                 for limb in self.limbs
             ],
             "platform_constraints": self.platform_constraints.tolist(),
@@ -249,7 +317,10 @@ class Mobility(Result):
             "couplings": len(mechanism.couplings),
             "each_loop": [
                 {
-                    "joints": list(loop.joints), "links": list(loop.links), "rows": loop.rows, "rank": loop.rank,
+                    "joints": list(loop.joints),
+                    "links": list(loop.links),
+                    "rows": loop.rows,
+                    "rank": loop.rank,
                     "redundant": loop.redundant,
                 }
                 for loop in self.loops
@@ -259,8 +330,12 @@ class Mobility(Result):
             "misfit": None if self.misfit is None else self.misfit.length,
             "to_digits": None
             if self.digits is None
-            else {"misfit": self.digits.misfit, "rank": self.digits.rank, "mobility": self.freedoms - self.digits.rank},
-        }  # fmt: skip
+            else {
+                "misfit": self.digits.misfit,
+                "rank": self.digits.rank,
+                "mobility": self.freedoms - self.digits.rank,
+            },
+        }
 
 
 def _s(count: int) -> str:

@@ -1,4 +1,6 @@
-"""The same mechanism described at another of its configurations: points, axes and zeros are those there."""
+"""The same mechanism described at another of its configurations: points, axes and zeros are those
+there.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +20,17 @@ from symkin.spatial.pose import Pose
 
 
 def with_reference_at(closure: Closure, values: np.ndarray) -> Mechanism:
-    """The closure's mechanism with the configuration of a full vector of variables as its reference.
+    """The closure's mechanism with the configuration of a full vector of variables as its
+    reference.
 
-    Values of R, P and H joints and of rods stay what they are. Coordinates of C, U and S joints count from the reference, and couplings
-    that name them are written for the new one; an example that gives them, a DH table and meshes are left out.
+    Values of R, P and H joints and of rods stay what they are. Coordinates of C, U and S joints
+    count from the reference, and couplings that name them are written for the new one; an example
+    that gives them, a DH table and meshes are left out.
     """
     poses = link_poses(closure, values[None])
-    read = {name: float(np.ravel(value)[0]) for name, value in joint_readings(closure, poses).items()}
+    read = {
+        name: float(np.ravel(value)[0]) for name, value in joint_readings(closure, poses).items()
+    }
     held = {c.name for c in closure.coordinates}
     read |= {name: float(values[closure.slices[name]][0]) for name in read if name in held}
     return _Moved(closure.mechanism, poses.at(0), read).mechanism()
@@ -33,7 +39,9 @@ def with_reference_at(closure: Closure, values: np.ndarray) -> Mechanism:
 class _Moved:
     """A mechanism, how far its links are displaced, and the values of its joints there."""
 
-    def __init__(self, mechanism: Mechanism, links: Mapping[str, Pose], values: Mapping[str, float]) -> None:
+    def __init__(
+        self, mechanism: Mechanism, links: Mapping[str, Pose], values: Mapping[str, float]
+    ) -> None:
         self.given, self.links, self.values = mechanism, links, values
         several = [c for j in mechanism.all_joints if j.type in ("C", "U") for c in j.coordinates]
         self.shifts = {c.name: values[c.name] for c in several}
@@ -42,13 +50,21 @@ class _Moved:
         given, link = self.given, self.given.platform_link
         pose = given.reference_pose if link is None else self.links[link] @ given.reference_pose
         example = given.example
-        named = {c.name for c in given.actuated} | {name for name, _ in (example.given or ()) if example} if example else set()
+        named = (
+            {c.name for c in given.actuated}
+            | {name for name, _ in (example.given or ()) if example}
+            if example
+            else set()
+        )
         return replace(
             given,
             limbs=[self._limb(limb) for limb in given.limbs],
             platform_position=tuple(pose.position),
             platform_quaternion=tuple(pose.quaternion),
-            link_joints=[LinkJoint(self._joint(e.joint, e.links[0], e.links[1]), e.links) for e in given.link_joints],
+            link_joints=[
+                LinkJoint(self._joint(e.joint, e.links[0], e.links[1]), e.links)
+                for e in given.link_joints
+            ],
             link_rods=[self._rod(rod) for rod in given.link_rods],
             couplings=[self._coupling(coupling) for coupling in given.couplings],
             link_points=[replace(p, point=self._point(p.link, p.point)) for p in given.link_points],
@@ -78,7 +94,10 @@ class _Moved:
         return replace(limb, joints=joints, rods=rods)
 
     def _rod(self, rod: LinkRod) -> LinkRod:
-        start, end = (self._point(link, point) for link, point in zip(rod.links, (rod.start, rod.end), strict=True))
+        start, end = (
+            self._point(link, point)
+            for link, point in zip(rod.links, (rod.start, rod.end), strict=True)
+        )
         return replace(rod, start=start, end=end)
 
     def _coupling(self, coupling: Coupling) -> Coupling:
@@ -88,9 +107,16 @@ class _Moved:
         if not own and not any(away.values()):
             return coupling
         if coupling.polynomial is None:
-            offset = coupling.offset - own + sum(factor * away[name] for name, factor in coupling.terms)
+            offset = (
+                coupling.offset - own + sum(factor * away[name] for name, factor in coupling.terms)
+            )
             return replace(coupling, offset=offset)
         (shift,) = away.values()
-        moved = np.polynomial.Polynomial(coupling.polynomial)(np.polynomial.Polynomial([shift, 1.0])) - own
+        moved = (
+            np.polynomial.Polynomial(coupling.polynomial)(np.polynomial.Polynomial([shift, 1.0]))
+            - own
+        )
         powers = [float(c) for c in moved.coef]
-        return replace(coupling, polynomial=[*powers, *[0.0] * (len(coupling.polynomial) - len(powers))])
+        return replace(
+            coupling, polynomial=[*powers, *[0.0] * (len(coupling.polynomial) - len(powers))]
+        )

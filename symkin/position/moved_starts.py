@@ -1,8 +1,10 @@
-"""Starts moved off a singularity, where the Jacobian of the closure in the unknowns has less than its generic rank.
+"""Starts moved off a singularity, where the Jacobian of the closure in the unknowns has less than
+its generic rank.
 
-With the singular values s_1 >= ... >= s_r at a start, r the generic rank, the start is singular where s_r vanishes beside s_1:
-Newton's step divides by s_r, and least squares see no slope along its direction. Moved starts are random directions from a fixed
-seed, at growing distances; of each distance those are kept whose s_r is largest.
+With the singular values s_1 >= ... >= s_r at a start, r the generic rank, the start is singular
+where s_r vanishes beside s_1: Newton's step divides by s_r, and least squares see no slope along
+its direction. Moved starts are random directions from a fixed seed, at growing distances; of each
+distance those are kept whose s_r is largest.
 """
 
 from __future__ import annotations
@@ -18,7 +20,9 @@ from symkin.position.solution import pose_of
 SINGULAR_START = 1e-10
 """s_r / s_1 below this is rounding: no step is defined."""
 NEARLY_SINGULAR_START = 1e-3
-"""s_r / s_1 below this makes first steps a thousand times as long as the closure error: a start that fails there is moved too."""
+"""s_r / s_1 below this makes first steps a thousand times as long as the closure error: a start
+that fails there is moved too.
+"""
 NEAR_CLOSING = 1e-2
 """A start whose closure error is below this times the size is meant as it is, singular or not."""
 DISTANCES = (0.1, 0.2, 0.4)
@@ -43,7 +47,11 @@ class StartRank:
             return StartRank(generic, generic, 1.0)
         singular = np.linalg.svd(jacobian, compute_uv=False)
         largest = max(float(singular[0]), 1e-300)
-        return StartRank(int(np.sum(singular > SINGULAR_START * largest)), generic, float(singular[generic - 1]) / largest)
+        return StartRank(
+            int(np.sum(singular > SINGULAR_START * largest)),
+            generic,
+            float(singular[generic - 1]) / largest,
+        )
 
     @property
     def is_singular(self) -> bool:
@@ -69,12 +77,18 @@ def nearly_closes(problem: Problem, z: np.ndarray, known: np.ndarray) -> bool:
 
 
 def moved_starts(problem: Problem, start: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Starts (rows) about a singular one, nearest first, within `limits`; the same for the same start."""
+    """Starts (rows) about a singular one, nearest first, within `limits`; the same for the same
+    start.
+    """
     system, rng = problem.system, np.random.default_rng(0)
     rows = []
     for distance in DISTANCES:
-        steps = distance * system.characteristic_length * rng.normal(size=(DIRECTIONS, system.freedom))
-        points = _within_limits(problem, system.fold(system.move(np.tile(start, (DIRECTIONS, 1)), steps)))
+        steps = (
+            distance * system.characteristic_length * rng.normal(size=(DIRECTIONS, system.freedom))
+        )
+        points = _within_limits(
+            problem, system.fold(system.move(np.tile(start, (DIRECTIONS, 1)), steps))
+        )
         best = np.argsort(-_ratios(problem, points, known), kind="stable")[:KEPT]
         rows += [points[k] for k in best]
     return np.array(rows)
@@ -95,8 +109,12 @@ def _within_limits(problem: Problem, points: np.ndarray) -> np.ndarray:
     return points
 
 
-def moved_note(problem: Problem, given: Given, rank: StartRank, moved: np.ndarray, which: str) -> str:
-    """What was done, with the moved start as a user gives it: joints for an inverse problem, else a pose."""
+def moved_note(
+    problem: Problem, given: Given, rank: StartRank, moved: np.ndarray, which: str
+) -> str:
+    """What was done, with the moved start as a user gives it: joints for an inverse problem, else a
+    pose.
+    """
     mechanism, values = problem.mechanism, problem.join_values(moved, given.values)
     if given.kind == "inverse":
         numbers = [float(values[problem.closure.slices[c.name]][0]) for c in mechanism.actuated]

@@ -1,7 +1,8 @@
 """Roots from varied initial guesses.
 
-All starts of a block run at once through one mapped function; roots are merged modulo whole turns and quaternion sign
-and counted. Nothing here knows when all roots are found: the counts give an estimate of how many are still unseen (Chao
+All starts of a block run at once through one mapped function; roots are merged modulo whole turns
+and quaternion sign and counted. Nothing here knows when all roots are found: the counts give an
+estimate of how many are still unseen (Chao
 1984) and how likely the next hit is a new one (Good 1953).
 """
 
@@ -30,7 +31,12 @@ LOG = logging.getLogger(__name__)
 
 
 def batched(
-    problem: Problem, block: System, given: Given, starts: int, rng: np.random.Generator, progress: Progress | None = None
+    problem: Problem,
+    block: System,
+    given: Given,
+    starts: int,
+    rng: np.random.Generator,
+    progress: Progress | None = None,
 ) -> Roots:
     """Roots of a block that Levenberg-Marquardt on all rows reaches, all starts at once."""
     LOG.info("%d random starts", starts)
@@ -42,7 +48,9 @@ def batched(
     return distinct(block, ends, given.values, starts)
 
 
-def _no_roots(block: System, points: np.ndarray, largest: np.ndarray, given: Given, starts: int) -> Roots:
+def _no_roots(
+    block: System, points: np.ndarray, largest: np.ndarray, given: Given, starts: int
+) -> Roots:
     """Refine the best ends, so that the smallest residual is that of a minimum."""
     order = np.argsort(np.where(np.isfinite(largest), largest, np.inf))[:16]
     batch = levenberg_marquardt(block, points[order], given.values, max_iterations=300, patience=60)
@@ -51,9 +59,13 @@ def _no_roots(block: System, points: np.ndarray, largest: np.ndarray, given: Giv
 
 
 def one_by_one(
-    problem: Problem, given: Given, starts: int, rng: np.random.Generator,
-    solver: str | Newton | LeastSquares, progress: Progress | None,
-) -> Roots:  # fmt: skip
+    problem: Problem,
+    given: Given,
+    starts: int,
+    rng: np.random.Generator,
+    solver: str | Newton | LeastSquares,
+    progress: Progress | None,
+) -> Roots:
     """Roots of the whole problem by a solver of `solve`, called once a start."""
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None:

@@ -18,12 +18,14 @@ Path = list[np.ndarray]
 
 @dataclass(frozen=True)
 class Newton:
-    """z <- z - (dG/dz)^-1 G(z), one rootfinder call an iteration so that each iterate is seen and judged.
+    """z <- z - (dG/dz)^-1 G(z), one rootfinder call an iteration so that each iterate is seen and
+    judged.
 
-    The rootfinder wants as many equations as unknowns. G holds the closure rows and the quaternions' norms; where the
-    rows are more than the unknowns (overconstrained mechanisms, arms of fewer than six joints) or depend on each other,
-    G = S F + T (z - z0): S projects the rows onto the range of the Jacobian at the start, T holds what the rows leave
-    free (arms of more than six joints) at the start. The driver checks the answer on all rows.
+    The rootfinder wants as many equations as unknowns. G holds the closure rows and the
+    quaternions' norms; where the rows are more than the unknowns (overconstrained mechanisms, arms
+    of fewer than six joints) or depend on each other, G = S F + T (z - z0): S projects the rows
+    onto the range of the Jacobian at the start, T holds what the rows leave free (arms of more than
+    six joints) at the start. The driver checks the answer on all rows.
     """
 
     method: Literal["newton", "fast_newton"] = "newton"
@@ -35,7 +37,9 @@ class Newton:
         return self.method
 
     def iterate(self, problem: Problem, start: np.ndarray, known: np.ndarray) -> Path:
-        """Iterates from `start` until the largest row is below `tolerance` times the size or no longer shrinks."""
+        """Iterates from `start` until the largest row is below `tolerance` times the size or no
+        longer shrinks.
+        """
         system = problem.system
         steps, rows = _functions(problem, self.method)
         project, hold = _squaring(problem, start, known)
@@ -85,7 +89,9 @@ def _functions(problem: Problem, method: str) -> tuple[Pool[ca.Function], ca.Fun
     return Pool(lambda: ca.rootfinder("step", method, equations, options)), evaluate
 
 
-def _squaring(problem: Problem, start: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _squaring(
+    problem: Problem, start: np.ndarray, known: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """S (n x m) and T (n x n) from the singular vectors of dG/dz at the start."""
     jacobian = np.asarray(_flat_jacobian(problem)(start, known))
     m, n = jacobian.shape
@@ -103,4 +109,6 @@ def _squaring(problem: Problem, start: np.ndarray, known: np.ndarray) -> tuple[n
 def _flat_jacobian(problem: Problem) -> ca.Function:
     system = problem.system
     rows = flat_rows(system)
-    return ca.Function("jacobian", [system.unknown, system.known], [ca.densify(ca.jacobian(rows, system.unknown))])
+    return ca.Function(
+        "jacobian", [system.unknown, system.known], [ca.densify(ca.jacobian(rows, system.unknown))]
+    )

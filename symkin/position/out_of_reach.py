@@ -19,16 +19,19 @@ from symkin.text import first_of
 _STARTS = 24
 """Random starts of least squares, the first at the reference."""
 _LEAST = 1e-15
-"""Of the size: rows down to which least squares go on; given values may lie that little beyond reach."""
+"""Of the size: rows down to which least squares go on; given values may lie that little beyond
+reach.
+"""
 _MUCH = 0.5
 """Share of the largest row from which a limb's rows count as the ones that stay open."""
 
 
 @without_float_warnings
 def reach_note(problem: Problem, given: Given) -> str | None:
-    """Name the limbs that cannot reach a pose, each by itself; for other given values those that stay open most where all loops
-    together come nearest to closing; and say by how much. None where least squares close them after all, and where nothing is
-    sought."""
+    """Name the limbs that cannot reach a pose, each by itself; for other given values those that
+    stay open most where all loops together come nearest to closing; and say by how much. None where
+    least squares close them after all, and where nothing is sought.
+    """
     system, sources = problem.system, problem.closure.row_sources
     if given.off_motion > 0.0 or not system.width or int(system.rows.shape[0]) != len(sources):
         return None
@@ -41,32 +44,56 @@ def reach_note(problem: Problem, given: Given) -> str | None:
         return _few_digits(gap)
     rows = np.abs(system.linearise(nearest.points, given.values)[0])
     names = list(dict.fromkeys(row.limb for row in sources))
-    largest = np.stack([rows[:, [k for k, row in enumerate(sources) if row.limb == name]].max(axis=1) for name in names], axis=1)
+    largest = np.stack(
+        [
+            rows[:, [k for k, row in enumerate(sources) if row.limb == name]].max(axis=1)
+            for name in names
+        ],
+        axis=1,
+    )
     if given.kind != "inverse":
         return _open(names, largest[int(np.argmin(left))], gap)
     zero = float(rounding(system, nearest.points).max())
-    return _out_of_reach(problem, [name for name, least in zip(names, largest.min(axis=0), strict=True) if least > zero], gap)
+    return _out_of_reach(
+        problem,
+        [name for name, least in zip(names, largest.min(axis=0), strict=True) if least > zero],
+        gap,
+    )
 
 
 def _nearest(problem: Problem, given: Given) -> Polished | None:
-    """Where least squares from random starts end; None where that is nowhere, or some end is a root."""
+    """Where least squares from random starts end; None where that is nowhere, or some end is a
+    root.
+    """
     system = problem.system
     starts = random_starts(problem, system, given, _STARTS, np.random.default_rng(0))
-    ends = levenberg_marquardt(system, starts, given.values, tolerance=_LEAST, max_iterations=200, patience=30).points
+    ends = levenberg_marquardt(
+        system, starts, given.values, tolerance=_LEAST, max_iterations=200, patience=30
+    ).points
     ends = ends[np.all(np.isfinite(ends), axis=1)]
     rows, jacobians = system.linearise(ends, given.values)
     left = system.residuals(ends, given.values)
-    if not len(ends) or not np.all(np.isfinite(left)) or are_roots(system, Polished(ends, rows, jacobians), left).any():
+    if (
+        not len(ends)
+        or not np.all(np.isfinite(left))
+        or are_roots(system, Polished(ends, rows, jacobians), left).any()
+    ):
         return None
     return Polished(ends, rows, jacobians)
 
 
 def _gap(problem: Problem, nearest: Polished, given: Given) -> float:
-    """The least closure error (length unit) of the part of the problem for which that is largest."""
-    places = dict(zip((c.name for c in problem.system.unknowns), problem.system.slices, strict=True))
+    """The least closure error (length unit) of the part of the problem for which that is
+    largest.
+    """
+    places = dict(
+        zip((c.name for c in problem.system.unknowns), problem.system.slices, strict=True)
+    )
     gaps = [0.0]
     for block in problem.blocks:
-        columns = np.concatenate([np.arange(places[c.name].start, places[c.name].stop) for c in block.unknowns])
+        columns = np.concatenate(
+            [np.arange(places[c.name].start, places[c.name].stop) for c in block.unknowns]
+        )
         gaps.append(float(block.residuals(nearest.points[:, columns], given.values).min()))
     return max(gaps)
 
@@ -74,7 +101,8 @@ def _gap(problem: Problem, nearest: Polished, given: Given) -> float:
 def _few_digits(gap: str) -> str:
     """What is said where nothing is out of reach, but redundant rows contradict each other."""
     return (
-        f"the loops close to within {gap} only: redundant constraints want more digits in the mechanism's numbers (arithmetic such as "
+        f"the loops close to within {gap} only: redundant constraints want more digits in the "
+        f"mechanism's numbers (arithmetic such as "
         '"1/sqrt(3)" is allowed)'
     )
 
@@ -85,19 +113,31 @@ def _out_of_reach(problem: Problem, names: Sequence[str], gap: str) -> str | Non
         return None
     nearest = f"where it comes nearest, the loop stays open by {gap}"
     if problem.mechanism.serial:
-        return f"the arm cannot reach this pose: it is too far away, or its joints cannot turn the tool so; {nearest}"
+        return (
+            f"the arm cannot reach this pose: it is too far away, or its joints cannot turn the "
+            f"tool so; {nearest}"
+        )
     if len(names) == len(problem.mechanism.limbs):
-        return f"none of the limbs can reach this pose; where they come nearest, loops stay open by up to {gap}"
+        return (
+            f"none of the limbs can reach this pose; where they come nearest, loops stay open by "
+            f"up to {gap}"
+        )
     if len(names) == 1:
-        return f"limb {names[0]} cannot reach this pose, in whatever configuration; the others can; {nearest}"
+        return (
+            f"limb {names[0]} cannot reach this pose, in whatever configuration; the others can; "
+            f"{nearest}"
+        )
     return (
-        f"limbs {first_of(names, 8)} cannot reach this pose, in whatever configuration; the others can; where they come nearest, "
+        f"limbs {first_of(names, 8)} cannot reach this pose, in whatever configuration; the others "
+        f"can; where they come nearest, "
         f"loops stay open by up to {gap}"
     )
 
 
 def _open(names: Sequence[str], errors: np.ndarray, gap: str) -> str:
-    """The limbs, joints or rods at which the loops stay open most, unless that is most of them; and by how much."""
+    """The limbs, joints or rods at which the loops stay open most, unless that is most of them; and
+    by how much.
+    """
     worst = [names[k] for k in np.argsort(-errors) if errors[k] > _MUCH * errors.max()]
     nearest = "where the loops come nearest to closing"
     if len(worst) > max(2, len(names) // 2):

@@ -1,11 +1,13 @@
-"""Walk from a closed configuration along its own assembly: other points of the component of the solution set that holds it.
+"""Walk from a closed configuration along its own assembly: other points of the component of the
+solution set that holds it.
 
-Least squares from far off may end at another assembly of the same links (cranks that were parallel cross), whose mobility is
-another one. Here each step goes along a motion of first order or on in the direction of the last step, and what brings it back
-to closed loops must be much shorter than the step. Where that succeeds for random motions of first order, the rank is the same
-all around and each of them is a motion. Else the configuration is singular: the closed configurations at a small distance are
-sought, since every one near enough is joined to it (a real algebraic set is locally a cone, Milnor 1968). Where there are none,
-no motion leads away.
+Least squares from far off may end at another assembly of the same links (cranks that were parallel
+cross), whose mobility is another one. Here each step goes along a motion of first order or on in
+the direction of the last step, and what brings it back to closed loops must be much shorter than
+the step. Where that succeeds for random motions of first order, the rank is the same all around and
+each of them is a motion. Else the configuration is singular: the closed configurations at a small
+distance are sought, since every one near enough is joined to it (a real algebraic set is locally a
+cone, Milnor 1968). Where there are none, no motion leads away.
 """
 
 from __future__ import annotations
@@ -29,7 +31,9 @@ _WALKS, _FEW_WALKS, _MANY_FREEDOMS = 8, 2, 40
 _FIRST, _LONGEST = 0.03, 0.2
 """Of the size: the first step of a walk, shorter than the whole of any, and the longest one."""
 _SIDEWAYS = 0.3
-"""Share of a step that the way back to closed loops is at most, else the step left the component and a shorter one is tried."""
+"""Share of a step that the way back to closed loops is at most, else the step left the component
+and a shorter one is tried.
+"""
 _SHORTENED, _TRIES = 0.25, 4
 """Factor of the shorter steps, and how many lengths are tried."""
 _SPREAD = (0.7, 1.3)
@@ -39,8 +43,10 @@ _STEPS = 24
 _CLOSED_STEP = 1e-12
 """Of the size: rows below which a step's end is closed; rounding leaves 1e-15."""
 _MEETING = 0.01
-"""Of the size: distance from a singular configuration at which its branches are sought. An obstacle of fifth order still leaves
-rows of 1e-10 there, and where a branch touches another one its rank is clear (1e-6)."""
+"""Of the size: distance from a singular configuration at which its branches are sought. An obstacle
+of fifth order still leaves rows of 1e-10 there, and where a branch touches another one its rank is
+clear (1e-6).
+"""
 _BESIDE = 0.2
 """Of the size: distance at which branches that touch are apart."""
 _SEARCHES, _FEW_SEARCHES = 40, 12
@@ -58,14 +64,18 @@ _NOTHING = np.zeros(0)
 _LOOKED = 3
 """Configurations of a branch at which its dimension is found."""
 _TANGENT, _SPANNED = 0.003, 0.1
-"""Of the size: distance of configurations whose directions are nearly tangents; and singular value of such unit directions, over
-the root of their number, above which they span another dimension: radii of curvature are above a thirtieth of the size."""
+"""Of the size: distance of configurations whose directions are nearly tangents; and singular value
+of such unit directions, over the root of their number, above which they span another dimension:
+radii of curvature are above a thirtieth of the size.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Component:
-    """Generic configurations of the assembly that a closed configuration belongs to (n, width), that one alone where no motion
-    leads away; their rank; how many freedoms of first order no motion follows; the ranks of other branches that meet there."""
+    """Generic configurations of the assembly that a closed configuration belongs to (n, width),
+    that one alone where no motion leads away; their rank; how many freedoms of first order no
+    motion follows; the ranks of other branches that meet there.
+    """
 
     points: np.ndarray
     rank: Rank
@@ -74,8 +84,10 @@ class Component:
 
 
 def regular_component(system: System, start: np.ndarray, seed: int) -> Component:
-    """Walk away from a closed configuration of a system without known values, in random motions of first order. Where these are not
-    all motions, all of them are counted as infinitesimal: see `component_at_singular`."""
+    """Walk away from a closed configuration of a system without known values, in random motions of
+    first order. Where these are not all motions, all of them are counted as infinitesimal: see
+    `component_at_singular`.
+    """
     walker = _Walker(system, system.residual(start, _NOTHING), np.random.default_rng(seed))
     motions, rank = walker.motions(start, RANK_TOLERANCE)
     if not len(motions):
@@ -90,8 +102,10 @@ def regular_component(system: System, start: np.ndarray, seed: int) -> Component
 
 
 def component_at_singular(system: System, start: np.ndarray, seed: int) -> Component:
-    """The branch of largest rank of those that meet at a singular configuration. Branches that touch there are told from each other
-    at a larger distance only, and one of these is a branch of this configuration if its rank is met at the small one too."""
+    """The branch of largest rank of those that meet at a singular configuration. Branches that
+    touch there are told from each other at a larger distance only, and one of these is a branch of
+    this configuration if its rank is met at the small one too.
+    """
     walker = _Walker(system, system.residual(start, _NOTHING), np.random.default_rng(seed))
     motions, rank = walker.motions(start, RANK_TOLERANCE)
     searches = _FEW_SEARCHES if system.freedom > _MANY_FREEDOMS else _SEARCHES
@@ -106,8 +120,15 @@ def component_at_singular(system: System, start: np.ndarray, seed: int) -> Compo
     best = looked[generic_one([found for _, _, found in looked])][2]
     clear = [found.value for _, _, found in looked if found.is_clear and found.value != best.value]
     others = tuple(sorted({value for value in clear if clear.count(value) > 1}))
-    kept = [(z, left) for z, left, found in looked if found.value == best.value and (found.is_clear or not best.is_clear)]
-    points, freedoms = np.array([z for z, _ in kept[: len(_LENGTHS) * _WALKS]]), [left for _, left in kept]
+    kept = [
+        (z, left)
+        for z, left, found in looked
+        if found.value == best.value and (found.is_clear or not best.is_clear)
+    ]
+    points, freedoms = (
+        np.array([z for z, _ in kept[: len(_LENGTHS) * _WALKS]]),
+        [left for _, left in kept],
+    )
     some = slice(0, len(points), max(1, len(points) // _LOOKED))
     followed = walker.dimension(points[some], freedoms[: len(points)][some])
     return Component(points, best, len(freedoms[0]) - followed, others)
@@ -120,8 +141,9 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class _Walker:
-    """Steps among the closed configurations of a system; `misfit` is what the first one leaves open (length unit): digits of a
-    file that cannot be mended by a step."""
+    """Steps among the closed configurations of a system; `misfit` is what the first one leaves open
+    (length unit): digits of a file that cannot be mended by a step.
+    """
 
     system: System
     misfit: float
@@ -132,7 +154,9 @@ class _Walker:
         return self.system.characteristic_length
 
     def allowed(self, share: float) -> float:
-        """Closure error (length unit) up to which a configuration is closed, a share of the size at least."""
+        """Closure error (length unit) up to which a configuration is closed, a share of the size at
+        least.
+        """
         return max(share * self.size, 10.0 * self.misfit)
 
     def motions(self, z: np.ndarray, share: float) -> tuple[np.ndarray, Rank]:
@@ -150,8 +174,9 @@ class _Walker:
         return ends if went.all() else None
 
     def walked(self, start: np.ndarray, points: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-        """Go on from points in the direction in which they lie of the start, as far as `lengths` (of the size); a walk that finds no
-        way on ends where it is."""
+        """Go on from points in the direction in which they lie of the start, as far as `lengths`
+        (of the size); a walk that finds no way on ends where it is.
+        """
         points, lengths = points.copy(), lengths * self.size
         before = np.tile(start, (len(points), 1))
         last = np.linalg.norm(self.system.difference(before, points), axis=1)
@@ -163,21 +188,29 @@ class _Walker:
                 break
             ways = _unit(self.system.difference(before[going], points[going]))
             most = np.minimum(2.0 * last[going], _LONGEST * self.size)
-            ends, went = self.stepped(points[going], ways, np.minimum(lengths[going] - gone[going], most))
+            ends, went = self.stepped(
+                points[going], ways, np.minimum(lengths[going] - gone[going], most)
+            )
             going, ends = going[went], ends[went]
             before[going], points[going] = points[going], ends
             last[going] = np.linalg.norm(self.system.difference(before[going], ends), axis=1)
             gone[going] += last[going]
         return points
 
-    def stepped(self, z: np.ndarray, ways: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def stepped(
+        self, z: np.ndarray, ways: np.ndarray, lengths: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """One step from each point, as long as it can be, and which of them went."""
         ends, lengths, left = z.copy(), lengths.copy(), np.arange(len(z))
         for _ in range(_TRIES):
             there = self.system.move(z[left], lengths[left, None] * ways[left])
-            batch = levenberg_marquardt(self.system, there, _NOTHING, tolerance=_CLOSED_STEP, max_iterations=40)
+            batch = levenberg_marquardt(
+                self.system, there, _NOTHING, tolerance=_CLOSED_STEP, max_iterations=40
+            )
             back = np.linalg.norm(self.system.difference(there, batch.points), axis=1)
-            good = (batch.largest_row <= self.allowed(_CLOSED_STEP)) & (back <= _SIDEWAYS * lengths[left])
+            good = (batch.largest_row <= self.allowed(_CLOSED_STEP)) & (
+                back <= _SIDEWAYS * lengths[left]
+            )
             ends[left[good]] = batch.points[good]
             left = left[~good]
             if not left.size:
@@ -188,30 +221,46 @@ class _Walker:
     def closed(self, points: np.ndarray) -> np.ndarray:
         """The points to full precision, those that close."""
         points = self.system.polish_many(points, _NOTHING).points
-        return np.asarray(points[self.system.residuals(points, _NOTHING) <= self.allowed(CLOSED_CONFIGURATION)])
+        return np.asarray(
+            points[self.system.residuals(points, _NOTHING) <= self.allowed(CLOSED_CONFIGURATION)]
+        )
 
-    def near(self, centre: np.ndarray, motions: np.ndarray, count: int, distance: float) -> np.ndarray:
-        """Closed configurations at a small distance from a singular one, by least squares from random motions of first order."""
+    def near(
+        self, centre: np.ndarray, motions: np.ndarray, count: int, distance: float
+    ) -> np.ndarray:
+        """Closed configurations at a small distance from a singular one, by least squares from
+        random motions of first order.
+        """
         here = _Branching.at(self.system, centre, len(motions), distance * self.size)
         y = here.distance * _unit(self.rng.normal(size=(count, len(motions))))
         starts = here.move(np.tile(centre, (count, 1)), y)
-        batch = levenberg_marquardt(here, starts, _NOTHING, tolerance=_CLOSED_STEP, max_iterations=100, patience=20)
-        # where motions of first order end at second order all along a branch, each step of Newton halves what is left
+        batch = levenberg_marquardt(
+            here, starts, _NOTHING, tolerance=_CLOSED_STEP, max_iterations=100, patience=20
+        )
+        # where motions of first order end at second order all along a branch, each step of Newton
+        # halves what is left
         ends = polish(here, batch.points, _NOTHING, _HALVINGS).points
         open_by = self.system.residuals(ends, _NOTHING)
         return np.asarray(ends[open_by <= self.allowed(_CLOSED_STEP)])
 
     def dimension(self, points: np.ndarray, motions: list[np.ndarray]) -> int:
-        """How many dimensions of the motions of first order at generic configurations those span that lead away: the least, since
-        other branches that pass nearby add theirs."""
-        return min(self._followed(point, there) for point, there in zip(points, motions, strict=True))
+        """How many dimensions of the motions of first order at generic configurations those span
+        that lead away: the least, since other branches that pass nearby add theirs.
+        """
+        return min(
+            self._followed(point, there) for point, there in zip(points, motions, strict=True)
+        )
 
     def _followed(self, point: np.ndarray, motions: np.ndarray) -> int:
         count = 4 * len(motions) + 8
         if not len(motions) or self.begun(point, self.directions(motions, count)) is not None:
             return len(motions)
         near = self.near(point, motions, count, _TANGENT)
-        near = near[np.array([len(self.motions(z, SINGULAR_VALUE)[0]) == len(motions) for z in near], dtype=bool)]
+        near = near[
+            np.array(
+                [len(self.motions(z, SINGULAR_VALUE)[0]) == len(motions) for z in near], dtype=bool
+            )
+        ]
         if not len(near):
             return 0
         ways = _unit(self.system.difference(np.tile(point, (len(near), 1)), near))
@@ -220,11 +269,12 @@ class _Walker:
 
 @dataclass(frozen=True, eq=False)
 class _Branching:
-    """What second and higher order ask of motions of first order at a singular configuration (Lyapunov and Schmidt's reduction), for
-    configurations at one distance of it.
+    """What second and higher order ask of motions of first order at a singular configuration
+    (Lyapunov and Schmidt's reduction), for configurations at one distance of it.
 
-    With J = U S V^T there, U = (U1, U2), V = (V1, N) split at its rank: each motion y of first order, z = centre + N y + V1 c, has
-    its c from U1^T F(z) = 0. What is left is U2^T F(z) = 0 in y, here times size / distance, on the sphere |y| = distance.
+    With J = U S V^T there, U = (U1, U2), V = (V1, N) split at its rank: each motion y of first
+    order, z = centre + N y + V1 c, has its c from U1^T F(z) = 0. What is left is U2^T F(z) = 0 in
+    y, here times size / distance, on the sphere |y| = distance.
     """
 
     system: System
@@ -238,7 +288,9 @@ class _Branching:
         _, jacobian = system.linearise_one(centre, _NOTHING)
         u, _, v = np.linalg.svd(jacobian)
         rank = len(v) - motions
-        return _Branching(system, centre, distance, (u[:, :rank], v[:rank].T), (u[:, rank:], v[rank:].T))
+        return _Branching(
+            system, centre, distance, (u[:, :rank], v[:rank].T), (u[:, rank:], v[rank:].T)
+        )
 
     @property
     def characteristic_length(self) -> float:
@@ -268,15 +320,21 @@ class _Branching:
             held = rows @ u1
             if not np.max(np.abs(held), initial=0.0) > _FOLLOWED * self.characteristic_length:
                 break
-            z = self.system.move(z, -_solved(u1.T @ jacobians @ v1, held[:, :, None])[:, :, 0] @ v1.T)
+            z = self.system.move(
+                z, -_solved(u1.T @ jacobians @ v1, held[:, :, None])[:, :, 0] @ v1.T
+            )
         return z
 
     def _motion_of(self, z: np.ndarray) -> np.ndarray:
-        return np.asarray(self.system.difference(np.tile(self.centre, (len(z), 1)), z) @ self.left[1])
+        return np.asarray(
+            self.system.difference(np.tile(self.centre, (len(z), 1)), z) @ self.left[1]
+        )
 
 
 def _solved(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solutions of square systems, in dimensionless numbers; of a singular one far off, any: it closes nothing."""
+    """Solutions of square systems, in dimensionless numbers; of a singular one far off, any: it
+    closes nothing.
+    """
     try:
         return np.linalg.solve(matrices, right)
     except np.linalg.LinAlgError:

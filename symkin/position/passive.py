@@ -1,4 +1,6 @@
-"""Passive joints for joints and a pose that are both given, if only roughly: the branch of each limb that a start means."""
+"""Passive joints for joints and a pose that are both given, if only roughly: the branch of each
+limb that a start means.
+"""
 
 from __future__ import annotations
 
@@ -15,17 +17,29 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System, split_blocks
 
 _STARTS = 23
-"""Further starts, with random angles, of a limb that the values given do not lead to a closed loop."""
+"""Further starts, with random angles, of a limb that the values given do not lead to a closed
+loop.
+"""
 _AS_GOOD = 2.0
-"""Branches that leave at most this many times the least closure error are equals; the nearest to the values given is taken."""
+"""Branches that leave at most this many times the least closure error are equals; the nearest to
+the values given is taken.
+"""
 
 
 def fit_passive(mechanism: Mechanism, values: np.ndarray) -> np.ndarray:
-    """Values of all variables, the passive ones such that each limb closes as well as it can with its actuated joints and
-    the pose held; of branches that close equally well, the one nearest to `values`."""
+    """Values of all variables, the passive ones such that each limb closes as well as it can with
+    its actuated joints and the pose held; of branches that close equally well, the one nearest to
+    `values`.
+    """
     closure, found = build_closure(mechanism), values.copy()
     parts = limbs(mechanism)
-    known = np.concatenate([values[closure.slices[c.name]] for role in ("actuated", "pose") for c in closure.role(role)])
+    known = np.concatenate(
+        [
+            values[closure.slices[c.name]]
+            for role in ("actuated", "pose")
+            for c in closure.role(role)
+        ]
+    )
     for part in parts:
         here = np.concatenate([values[closure.slices[c.name]] for c in part.unknowns])
         fitted = _best(part, here, known)
@@ -36,15 +50,30 @@ def fit_passive(mechanism: Mechanism, values: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=128)
 def limbs(mechanism: Mechanism) -> tuple[System, ...]:
-    """The rows of each limb that has passive joints: these unknown, actuated joints and pose known."""
+    """The rows of each limb that has passive joints: these unknown, actuated joints and pose
+    known.
+    """
     closure = build_closure(mechanism)
     passive = closure.role("passive")
     if not passive:
         return ()
-    known = [closure.variables[closure.slices[c.name]] for role in ("actuated", "pose") for c in closure.role(role)]
+    known = [
+        closure.variables[closure.slices[c.name]]
+        for role in ("actuated", "pose")
+        for c in closure.role(role)
+    ]
     unknown = [closure.variables[closure.slices[c.name]] for c in passive]
     rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
-    return split_blocks(System(passive, ca.vertcat(*unknown), ca.vertcat(*known), rows, errors, closure.characteristic_length))
+    return split_blocks(
+        System(
+            passive,
+            ca.vertcat(*unknown),
+            ca.vertcat(*known),
+            rows,
+            errors,
+            closure.characteristic_length,
+        )
+    )
 
 
 def _best(part: System, here: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -77,7 +106,8 @@ def _starts(part: System, here: np.ndarray) -> np.ndarray:
 def _distance(part: System, a: np.ndarray, b: np.ndarray) -> float:
     """Largest difference of a coordinate: angles without whole turns (rad), lengths by the size."""
     return max(
-        _apart(c, a[place], b[place], part.characteristic_length) for c, place in zip(part.unknowns, part.slices, strict=True)
+        _apart(c, a[place], b[place], part.characteristic_length)
+        for c, place in zip(part.unknowns, part.slices, strict=True)
     )
 
 

@@ -1,8 +1,10 @@
-"""Whether a platform's pose coordinates can vary alone, the others held, or the joints put a condition on them.
+"""Whether a platform's pose coordinates can vary alone, the others held, or the joints put a
+condition on them.
 
-A platform of fewer freedoms than its pose has coordinates takes hardly any pose of a grid. Closed configurations with the
-held coordinates at their values are found; from each the varied ones are moved by a small random step and the joints are
-asked to follow. A condition lets none of the steps pass, whatever its order; an end of the workspace stops some.
+A platform of fewer freedoms than its pose has coordinates takes hardly any pose of a grid. Closed
+configurations with the held coordinates at their values are found; from each the varied ones are
+moved by a small random step and the joints are asked to follow. A condition lets none of the steps
+pass, whatever its order; an end of the workspace stops some.
 """
 
 from __future__ import annotations
@@ -28,30 +30,49 @@ _STARTS = 24
 _TRIED = 6
 """Closed configurations from which a step is tried."""
 _STEP = 0.01
-"""Step of the varied coordinates, of the size or in rad: a condition of third order leaves a thousand times the tolerance."""
+"""Step of the varied coordinates, of the size or in rad: a condition of third order leaves a
+thousand times the tolerance.
+"""
 _FOLLOWING = 8
 """Starts for the joints near a configuration, so that one of them leaves a singular one."""
 
 Box = tuple[tuple[str, float, float], ...]
-"""Names of varied coordinates (x, y, z, gamma, rx, ry, rz) with their least and largest values, in length units and rad."""
+"""Names of varied coordinates (x, y, z, gamma, rx, ry, rz) with their least and largest values, in
+length units and rad.
+"""
 
 
 @lru_cache(maxsize=32)
-def poses_vary(mechanism: Mechanism, base: tuple[float, ...], box: Box, seed: int = 0) -> bool | None:
-    """Whether poses near closed ones are taken when the coordinates of `box` vary and all others are those of `base`
-    (x, y, z, qw, qx, qy, qz); None where no closed configuration was found, so that nothing is known."""
+def poses_vary(
+    mechanism: Mechanism, base: tuple[float, ...], box: Box, seed: int = 0
+) -> bool | None:
+    """Whether poses near closed ones are taken when the coordinates of `box` vary and all others
+    are those of `base` (x, y, z, qw, qx, qy, qz); None where no closed configuration was found, so
+    that nothing is known.
+    """
     closure = build_closure(mechanism)
     joints = closure.role("actuated", "passive")
     unknown = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in joints))
     names = [name for name, _, _ in box]
     varied = ca.SX.sym("varied", len(names))
     held = _held(closure, Pose(np.array(base[:3]), np.array(base[3:])))
-    pose = ca.vertcat(*varied_pose(closure, held, dict(zip(names, ca.vertsplit(varied), strict=True))))
+    pose = ca.vertcat(
+        *varied_pose(closure, held, dict(zip(names, ca.vertsplit(varied), strict=True)))
+    )
     place = closure.variables[closure.variables.shape[0] - pose.shape[0] :]
-    rows, errors = (ca.substitute(closure.bound(e), place, pose) for e in (closure.rows, closure.errors))
-    coordinates = tuple(Coordinate(f"varied.{n}", "length" if n in "xyz" else "angle", "pose") for n in names)
+    rows, errors = (
+        ca.substitute(closure.bound(e), place, pose) for e in (closure.rows, closure.errors)
+    )
+    coordinates = tuple(
+        Coordinate(f"varied.{n}", "length" if n in "xyz" else "angle", "pose") for n in names
+    )
     together = System(
-        (*joints, *coordinates), ca.vertcat(unknown, varied), ca.SX(0, 1), rows, errors, closure.characteristic_length
+        (*joints, *coordinates),
+        ca.vertcat(unknown, varied),
+        ca.SX(0, 1),
+        rows,
+        errors,
+        closure.characteristic_length,
     )
     rng = np.random.default_rng(seed)
     found = _closed(together, _starts(closure, together, box, rng))
@@ -60,13 +81,20 @@ def poses_vary(mechanism: Mechanism, base: tuple[float, ...], box: Box, seed: in
     return any(_follows(alone, z, units, rng) for z in found) if found else None
 
 
-def condition_sentence(mechanism: Mechanism, varied: str, instead: str, freedoms: int, coordinates: int) -> str:
-    """Why `varied` pose coordinates cannot vary alone, for a platform whose `freedoms` are less than its pose's coordinates."""
+def condition_sentence(
+    mechanism: Mechanism, varied: str, instead: str, freedoms: int, coordinates: int
+) -> str:
+    """Why `varied` pose coordinates cannot vary alone, for a platform whose `freedoms` are less
+    than its pose's coordinates.
+    """
     frame = mechanism.frame_name
     named = fewer_rows(mobility(mechanism))
-    motion = "" if named is None else f", or pose coordinates with motion = {named[0]!r} in [platform]"
+    motion = (
+        "" if named is None else f", or pose coordinates with motion = {named[0]!r} in [platform]"
+    )
     return (
-        f"the {frame} of {mechanism.name} has {freedoms} freedom{'s' * (freedoms != 1)} of {coordinates}, so that {varied} cannot vary alone; "
+        f"the {frame} of {mechanism.name} has {freedoms} freedom{'s' * (freedoms != 1)} of "
+        f"{coordinates}, so that {varied} cannot vary alone; "
         f"allowed: {instead}{motion}"
     )
 
@@ -80,7 +108,9 @@ def _held(closure: Closure, base: Pose) -> dict[str, np.ndarray]:
 
 
 def _starts(closure: Closure, system: System, box: Box, rng: np.random.Generator) -> np.ndarray:
-    """Joints about the reference; varied coordinates anywhere in the box, in half of the starts those of the reference."""
+    """Joints about the reference; varied coordinates anywhere in the box, in half of the starts
+    those of the reference.
+    """
     rest, _ = pose_coordinates(closure.mechanism, closure.mechanism.reference_pose)
     names = [c.name.removeprefix("pose.") for c in closure.role("pose") if c.kind != "quaternion"]
     at_rest = dict(zip(names, rest, strict=False))
@@ -99,17 +129,27 @@ def _closed(system: System, starts: np.ndarray) -> list[np.ndarray]:
     nothing = np.zeros(0)
     batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
     ends = system.polish_many(batch.points[batch.converged], nothing).points
-    return list(ends[system.residuals(ends, nothing) <= CLOSURE_TOLERANCE * system.characteristic_length])[:_TRIED]
+    return list(
+        ends[system.residuals(ends, nothing) <= CLOSURE_TOLERANCE * system.characteristic_length]
+    )[:_TRIED]
 
 
 def _follows(system: System, z: np.ndarray, units: np.ndarray, rng: np.random.Generator) -> bool:
-    """Whether the joints follow one of two opposite steps of the varied coordinates from a closed configuration."""
+    """Whether the joints follow one of two opposite steps of the varied coordinates from a closed
+    configuration.
+    """
     joints, varied = z[: system.width], z[system.width :]
     step = _STEP * units * rng.choice([-1.0, 1.0], len(units)) * rng.uniform(0.5, 1.0, len(units))
     for target in (varied + step, varied - step):
-        spread = _STEP * system.characteristic_length * rng.normal(size=(_FOLLOWING, system.freedom))
-        batch = levenberg_marquardt(system, system.move(np.tile(joints, (_FOLLOWING, 1)), spread), target)
+        spread = (
+            _STEP * system.characteristic_length * rng.normal(size=(_FOLLOWING, system.freedom))
+        )
+        batch = levenberg_marquardt(
+            system, system.move(np.tile(joints, (_FOLLOWING, 1)), spread), target
+        )
         ends = system.polish_many(batch.points[batch.converged], target).points
-        if (system.residuals(ends, target) <= CLOSURE_TOLERANCE * system.characteristic_length).any():
+        if (
+            system.residuals(ends, target) <= CLOSURE_TOLERANCE * system.characteristic_length
+        ).any():
             return True
     return False

@@ -1,6 +1,7 @@
 """A position problem: a partition of the closure's variables into known and unknown.
 
-direct: known q, unknown (x, X); inverse: known X, unknown (q, x); given: any coordinates known, by name.
+direct: known q, unknown (x, X); inverse: known X, unknown (q, x); given: any coordinates known, by
+name.
 """
 
 from __future__ import annotations
@@ -27,8 +28,9 @@ KNOWN: dict[Kind, str] = {"direct": "actuated", "inverse": "pose"}
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A position problem of one mechanism; values of the known coordinates are bound at each solve. `row_places` are the rows of
-    the closure that its system holds, None for all of them."""
+    """A position problem of one mechanism; values of the known coordinates are bound at each solve.
+    `row_places` are the rows of the closure that its system holds, None for all of them.
+    """
 
     closure: Closure
     kind: Kind
@@ -43,17 +45,26 @@ class Problem:
     @property
     def places_of_rows(self) -> tuple[int, ...]:
         """The place in the closure of each row of the system."""
-        return tuple(range(int(self.system.rows.shape[0]))) if self.row_places is None else self.row_places
+        return (
+            tuple(range(int(self.system.rows.shape[0])))
+            if self.row_places is None
+            else self.row_places
+        )
 
     @property
     def name(self) -> Kind:
-        """The kind as users read it: a problem whose coordinates are told by name is direct where these are all actuated joints,
-        inverse where they are the whole pose."""
+        """The kind as users read it: a problem whose coordinates are told by name is direct where
+        these are all actuated joints, inverse where they are the whole pose.
+        """
         if self.kind != "given" or not self.known_coordinates:
             return self.kind
         if all(c.role == "pose" for c in self.known_coordinates):
             return "inverse"
-        return "direct" if {c.name for c in self.known_coordinates} == {c.name for c in self.mechanism.actuated} else "given"
+        return (
+            "direct"
+            if {c.name for c in self.known_coordinates} == {c.name for c in self.mechanism.actuated}
+            else "given"
+        )
 
     @cached_property
     def reference_known(self) -> np.ndarray:
@@ -62,20 +73,29 @@ class Problem:
 
     @cached_property
     def blocks(self) -> tuple[System, ...]:
-        """Independent parts of the system: limbs decouple once the pose is given. A rotation that is sought stays with all
-        other unknowns, and the joints of a limb that is not cut stay together, as over the complex numbers, where the
-        position belongs to the rotation's coordinates and such a limb is cut at another joint."""
+        """Independent parts of the system: limbs decouple once the pose is given. A rotation that
+        is sought stays with all other unknowns, and the joints of a limb that is not cut stay
+        together, as over the complex numbers, where the position belongs to the rotation's
+        coordinates and such a limb is cut at another joint.
+        """
         return split_blocks(self.system, self._together)
 
     @property
     def _together(self) -> list[set[int]]:
         """Places of unknowns that make one part whatever the rows hold."""
         unknowns = self.system.unknowns
-        if self.kind == "given" or any(c.role == "pose" and c.kind == "quaternion" for c in unknowns):
+        if self.kind == "given" or any(
+            c.role == "pose" and c.kind == "quaternion" for c in unknowns
+        ):
             return [set(range(len(unknowns)))]
         whole = {row.limb for row in self.closure.row_sources if row.relation == "frame"}
-        owners = {c.name: limb.name for limb, joint in self.mechanism.joints for c in joint.coordinates}
-        return [{k for k, c in enumerate(unknowns) if owners.get(c.name) == limb} for limb in sorted(whole)]
+        owners = {
+            c.name: limb.name for limb, joint in self.mechanism.joints for c in joint.coordinates
+        }
+        return [
+            {k for k, c in enumerate(unknowns) if owners.get(c.name) == limb}
+            for limb in sorted(whole)
+        ]
 
     @cached_property
     def conditions(self) -> System:
@@ -84,30 +104,43 @@ class Problem:
 
     @cached_property
     def generic_rank(self) -> int:
-        """Rank of the rows' tangent Jacobian at a random point: below `system.freedom`, no solution is isolated."""
+        """Rank of the rows' tangent Jacobian at a random point: below `system.freedom`, no solution
+        is isolated.
+        """
         rng = np.random.default_rng(1)
         ranks = []
         for _ in range(2):
-            values = random_values(self.closure.coordinates, self.closure.characteristic_length, rng)
+            values = random_values(
+                self.closure.coordinates, self.closure.characteristic_length, rng
+            )
             _, jacobian = self.system.linearise_one(
-                self.select_values(values, self.system.unknowns), self.select_values(values, self.known_coordinates)
+                self.select_values(values, self.system.unknowns),
+                self.select_values(values, self.known_coordinates),
             )
             ranks.append(Rank.of(jacobian).value)
         return max(ranks)
 
     @cached_property
     def _forward(self) -> ca.Function | None:
-        """Pose of the platform from the joints alone, where a limb of actuated joints only carries it."""
+        """Pose of the platform from the joints alone, where a limb of actuated joints only carries
+        it.
+        """
         pose = self.closure.forward
         if pose is None:
             return None
         known = _stack(self.closure, self.known_coordinates)
-        return ca.Function("forward", [known], [self.closure.bound(ca.vertcat(pose.position, pose.quaternion))])
+        return ca.Function(
+            "forward", [known], [self.closure.bound(ca.vertcat(pose.position, pose.quaternion))]
+        )
 
     @property
     def is_explicit(self) -> bool:
         """The pose is a function of the joints: the direct problem of a serial arm."""
-        return self.kind == "direct" and self.closure.forward is not None and not self.closure.role("passive")
+        return (
+            self.kind == "direct"
+            and self.closure.forward is not None
+            and not self.closure.role("passive")
+        )
 
     def forward(self, known: np.ndarray) -> np.ndarray | None:
         """(x, y, z, qw, qx, qy, qz) where the pose is a function of the joints, else None."""
@@ -116,7 +149,9 @@ class Problem:
         return np.asarray(self._forward(known)).ravel()
 
     def select_values(self, values: np.ndarray, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
-        """The part of full vectors of variables (..., variables) that belongs to some coordinates."""
+        """The part of full vectors of variables (..., variables) that belongs to some
+        coordinates.
+        """
         return np.asarray(values[..., self.places(coordinates)])
 
     def join_values(self, unknown: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -139,7 +174,10 @@ class Problem:
     def places(self, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
         """Places of the numbers of some coordinates in a full vector of variables."""
         slices = self.closure.slices
-        return np.array([i for c in coordinates for i in range(slices[c.name].start, slices[c.name].stop)], dtype=int)
+        return np.array(
+            [i for c in coordinates for i in range(slices[c.name].start, slices[c.name].stop)],
+            dtype=int,
+        )
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism and the kind, from which the symbols are built anew."""
@@ -149,21 +187,39 @@ class Problem:
         return build_problem, (self.mechanism, self.kind, names, self._held(names))
 
     def _held(self, names: tuple[str, ...]) -> tuple[str, ...] | None:
-        """What the closure holds beside known coordinates of these names; None where the geometry is known."""
+        """What the closure holds beside known coordinates of these names; None where the geometry
+        is known.
+        """
         partition = self.closure.partition
         if partition.geometry:
             return None
         told = {name for name in names if name.startswith("pose.")}
-        pose = [f"pose.{name}" for name, _ in POSE_COORDINATES[self.mechanism.motion]] if partition.pose and not told else []
-        held = tuple(name for name in (*sorted(partition.kept), *partition.pose_conditions, *pose) if name not in names)
+        pose = (
+            [f"pose.{name}" for name, _ in POSE_COORDINATES[self.mechanism.motion]]
+            if partition.pose and not told
+            else []
+        )
+        held = tuple(
+            name
+            for name in (*sorted(partition.kept), *partition.pose_conditions, *pose)
+            if name not in names
+        )
         return held or (None if names else ())
 
 
-def build_problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...] = (), held: tuple[str, ...] | None = None) -> Problem:
-    """The problem of a mechanism; built once for each closure and kind, so that problems of one closure share its symbols.
+def build_problem(
+    mechanism: Mechanism,
+    kind: Kind,
+    names: tuple[str, ...] = (),
+    held: tuple[str, ...] | None = None,
+) -> Problem:
+    """The problem of a mechanism; built once for each closure and kind, so that problems of one
+    closure share its symbols.
 
-    `names` are the known coordinates of a "given" one, in the order of their values; `held` are others that the closure must hold, where
-    they tell a start. Without `names` and `held` the geometry is what is known."""
+    `names` are the known coordinates of a "given" one, in the order of their values; `held` are
+    others that the closure must hold, where they tell a start. Without `names` and `held` the
+    geometry is what is known.
+    """
     return _problem(build_closure(mechanism, _partition(mechanism, kind, names, held)), kind, names)
 
 
@@ -179,7 +235,9 @@ def _problem(closure: Closure, kind: Kind, names: tuple[str, ...]) -> Problem:
         unknowns,
         _stack(closure, unknowns),
         _stack(closure, known),
-        numbered_rows(closure) if kind == "given" and not closure.partition.geometry else closure.bound(closure.rows),
+        numbered_rows(closure)
+        if kind == "given" and not closure.partition.geometry
+        else closure.bound(closure.rows),
         closure.bound(closure.errors),
         closure.characteristic_length,
         closure.mechanism.farthest,
@@ -187,7 +245,9 @@ def _problem(closure: Closure, kind: Kind, names: tuple[str, ...]) -> Problem:
     return Problem(closure, kind, system, known)
 
 
-def _partition(mechanism: Mechanism, kind: Kind, names: tuple[str, ...], held: tuple[str, ...] | None) -> Partition:
+def _partition(
+    mechanism: Mechanism, kind: Kind, names: tuple[str, ...], held: tuple[str, ...] | None
+) -> Partition:
     """What the closure must hold for the known coordinates and those that are held beside them."""
     if kind != "given":
         return ALL_JOINTS
@@ -196,7 +256,9 @@ def _partition(mechanism: Mechanism, kind: Kind, names: tuple[str, ...], held: t
     conditions = tuple(name for name in POSE_CONDITIONS if name in wanted and name not in joints)
     whole = any(name.startswith("pose.") for name in wanted)
     geometry = not names and held is None
-    return Partition(frozenset(wanted) & joints, pose=whole, pose_conditions=conditions, geometry=geometry)
+    return Partition(
+        frozenset(wanted) & joints, pose=whole, pose_conditions=conditions, geometry=geometry
+    )
 
 
 def _stack(closure: Closure, coordinates: tuple[Coordinate, ...]) -> ca.SX:

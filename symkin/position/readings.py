@@ -1,4 +1,6 @@
-"""Coordinates of joints that a closure leaves out, limits of all joints, and named points of links."""
+"""Coordinates of joints that a closure leaves out, limits of all joints, and named points of
+links.
+"""
 
 from __future__ import annotations
 
@@ -21,14 +23,19 @@ def left_out(closure: Closure) -> tuple[Coordinate, ...]:
 
 
 def readings(closure: Closure, poses: LinkPoses) -> dict[str, np.ndarray]:
-    """Values (m, width) of the coordinates that the closure leaves out, in their standard writing, from the poses of links."""
+    """Values (m, width) of the coordinates that the closure leaves out, in their standard writing,
+    from the poses of links.
+    """
     coordinates = left_out(closure)
     if not coordinates:
         return {}
     read = joint_readings(closure, poses)
     columns = [np.atleast_2d(read[c.name]).T for c in coordinates]
     ends = np.cumsum([c.width for c in coordinates])
-    places = {c.name: slice(int(end) - c.width, int(end)) for c, end in zip(coordinates, ends, strict=True)}
+    places = {
+        c.name: slice(int(end) - c.width, int(end))
+        for c, end in zip(coordinates, ends, strict=True)
+    }
     values = canonical(coordinates, places, np.concatenate(columns, axis=1))
     return {name: values[:, place] for name, place in places.items()}
 
@@ -40,12 +47,15 @@ def readings_at(closure: Closure, values: np.ndarray) -> dict[str, np.ndarray]:
 
 def points_at(mechanism: Mechanism, poses: LinkPoses) -> dict[str, np.ndarray]:
     """Where the named points are (m, 3)."""
-    return {p.name: poses[p.link].apply(np.array(p.point)[:, None]).T for p in mechanism.link_points}
+    return {
+        p.name: poses[p.link].apply(np.array(p.point)[:, None]).T for p in mechanism.link_points
+    }
 
 
 def within_limits(closure: Closure, values: np.ndarray) -> np.ndarray | None:
-    """Which configurations (m, variables), in their standard writing, lie within the limits of all joints; None where there are
-    none."""
+    """Which configurations (m, variables), in their standard writing, lie within the limits of all
+    joints; None where there are none.
+    """
     limited = [(c, c.limits) for c in closure.coordinates if c.limits is not None]
     others = [(c, c.limits) for c in left_out(closure) if c.limits is not None]
     if not limited and not others:

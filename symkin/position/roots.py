@@ -10,7 +10,14 @@ import numpy as np
 
 from symkin.numeric.linear_algebra import extreme_singular_values
 from symkin.numeric.newton import Polished
-from symkin.numeric.root_checks import NEARLY_SINGULAR, POLISHING, are_one, are_roots, are_suspect, lost_directions
+from symkin.numeric.root_checks import (
+    NEARLY_SINGULAR,
+    POLISHING,
+    are_one,
+    are_roots,
+    are_suspect,
+    lost_directions,
+)
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import (
     CLOSED_CONFIGURATION,
@@ -21,9 +28,13 @@ from symkin.position.solution import PartialProof
 
 MOST_MODES = 20_000
 _TO_A_SIDE = 1e-4
-"""Of the size: steps aside from a nearly singular root to where Newton's method leads to the one on that side."""
+"""Of the size: steps aside from a nearly singular root to where Newton's method leads to the one on
+that side.
+"""
 _NEAR_SINGULAR = 1e-3
-"""Of the size: distance within which singular roots may be one, if the rows between them vanish too."""
+"""Of the size: distance within which singular roots may be one, if the rows between them vanish
+too.
+"""
 NOT_KNOWN = nan
 """A count that is not known, in arrays of counts: no product and no sum with it is a number."""
 _CONTINUUM_SAMPLE = 5
@@ -31,10 +42,12 @@ _CONTINUUM_SAMPLE = 5
 
 @dataclass(frozen=True, eq=False)
 class Proofs:
-    """Of each real root: whether it is certified, and its radius (length unit; NaN without certificate). `theorem` names
-    the bound that the certified roots reach, so that there are no others; `distinct` complex roots were certified and
-    proved to differ; `reason` why some real root is not certified; `partial` what is proved of each all the same, where rows are
-    redundant (None for certified roots)."""
+    """Of each real root: whether it is certified, and its radius (length unit; NaN without
+    certificate). `theorem` names the bound that the certified roots reach, so that there are no
+    others; `distinct` complex roots were certified and proved to differ; `reason` why some real
+    root is not certified; `partial` what is proved of each all the same, where rows are redundant
+    (None for certified roots).
+    """
 
     certified: np.ndarray
     radius: np.ndarray
@@ -54,11 +67,12 @@ class Proofs:
 class Roots:
     """Distinct real roots of one block: points (n, width) and what is known of them.
 
-    From starts: `hits` (n,) and `starts`. From paths: `complex_count` distinct complex roots, `unresolved` paths. In
-    both: the least error reached where there is no root, members of a continuum that were met, and what is proved.
-    `engine`: what has tracked the paths. `complex_sets`: paths ended on a set of complex roots that are not isolated.
-    `missing`: why there are fewer complex roots than generic ones. `late`: hits of the second half of the starts, and how many of
-    them are at roots that the first half has not hit.
+    From starts: `hits` (n,) and `starts`. From paths: `complex_count` distinct complex roots,
+    `unresolved` paths. In both: the least error reached where there is no root, members of a
+    continuum that were met, and what is proved. `engine`: what has tracked the paths.
+    `complex_sets`: paths ended on a set of complex roots that are not isolated. `missing`: why
+    there are fewer complex roots than generic ones. `late`: hits of the second half of the starts,
+    and how many of them are at roots that the first half has not hit.
     """
 
     system: System
@@ -86,18 +100,24 @@ class Roots:
 
     @property
     def next_new(self) -> float:
-        """Good-Turing: the share of hits that are single, the probability that the next hit is a new root."""
+        """Good-Turing: the share of hits that are single, the probability that the next hit is a
+        new root.
+        """
         total = 0 if self.hits is None else int(np.sum(self.hits))
         return float(np.sum(self.hits == 1)) / total if total else 1.0
 
     def unseen_share(self, doubt: float) -> float:
-        """An upper bound of the share of hits at roots that are not hit yet, which holds but for a probability `doubt`: Clopper and
-        Pearson's of the second half of the starts, whose hits are new with the probability that the first half left."""
+        """An upper bound of the share of hits at roots that are not hit yet, which holds but for a
+        probability `doubt`: Clopper and Pearson's of the second half of the starts, whose hits are
+        new with the probability that the first half left.
+        """
         return binomial_bound(*self.late, doubt)
 
 
 def binomial_bound(trials: int, seen: int, doubt: float) -> float:
-    """The largest probability at which as few as `seen` of `trials` have a probability of `doubt` (Clopper, Pearson 1934)."""
+    """The largest probability at which as few as `seen` of `trials` have a probability of `doubt`
+    (Clopper, Pearson 1934).
+    """
     if seen >= trials:
         return 1.0
     choices = [lgamma(trials + 1) - lgamma(k + 1) - lgamma(trials - k + 1) for k in range(seen + 1)]
@@ -122,8 +142,9 @@ def sum_of_counts(counts: Iterable[float]) -> int | None:
 
 
 def features(system: System, points: np.ndarray) -> np.ndarray:
-    """Coordinates in which equal configurations are equal: lengths, size (cos, sin) of angles, size times the
-    products q_i q_j of quaternions."""
+    """Coordinates in which equal configurations are equal: lengths, size (cos, sin) of angles, size
+    times the products q_i q_j of quaternions.
+    """
     columns = []
     for c, place in zip(system.unknowns, system.slices, strict=True):
         part = points[:, place]
@@ -131,15 +152,19 @@ def features(system: System, points: np.ndarray) -> np.ndarray:
             outer = part[:, :, None] * part[:, None, :]
             columns.append(system.characteristic_length * outer.reshape(len(part), 16))
         elif c.kind == "angle":
-            columns += [system.characteristic_length * np.cos(part), system.characteristic_length * np.sin(part)]
+            columns += [
+                system.characteristic_length * np.cos(part),
+                system.characteristic_length * np.sin(part),
+            ]
         else:
             columns.append(system.characteristic_length * part if c.kind == "turns" else part)
     return np.hstack(columns)
 
 
 def merge(points: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Representatives and the label of each row of `points` (features); rows within `tolerance` are one. At most
-    `MOST_MODES` are told apart; rows beyond have the label -1."""
+    """Representatives and the label of each row of `points` (features); rows within `tolerance` are
+    one. At most `MOST_MODES` are told apart; rows beyond have the label -1.
+    """
     labels = np.full(len(points), -1)
     chosen: list[int] = []
     left = np.arange(len(points))
@@ -152,8 +177,10 @@ def merge(points: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]
 
 
 def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -> Roots:
-    """Merge ends, polish the representatives to full precision, drop what is no root, merge again. Roots of a
-    continuum are set apart; once they outnumber the isolated ones, a few of them stand for the rest."""
+    """Merge ends, polish the representatives to full precision, drop what is no root, merge again.
+    Roots of a continuum are set apart; once they outnumber the isolated ones, a few of them stand
+    for the rest.
+    """
     ends = system.wrap(system.fold(ends))
     first, labels = merge(features(system, ends), 1e-5 * system.characteristic_length)
     ends_at, hits = labels, np.bincount(labels[labels >= 0], minlength=len(first))
@@ -161,16 +188,28 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
     found = polished_roots(system, ends[first[order]], known, most_of_continuum=_CONTINUUM_SAMPLE)
     first, labels = unite(system, found.points, known, continuum_met=found.continuum is not None)
     counts = np.where(found.origin < 0, 0, hits[order][found.origin])
-    totals = np.bincount(labels[labels >= 0], weights=counts[labels >= 0], minlength=len(first)).astype(int)
+    totals = np.bincount(
+        labels[labels >= 0], weights=counts[labels >= 0], minlength=len(first)
+    ).astype(int)
     own = (found.origin >= 0) & (labels >= 0)
     root_of = np.full(len(hits) + 1, -1)
     root_of[order[found.origin[own]]] = labels[own]
     late = _late_hits(root_of[ends_at])
-    return Roots(system, found.points[first], np.maximum(totals, 1), found.smallest_residual, starts, found.continuum, late=late)
+    return Roots(
+        system,
+        found.points[first],
+        np.maximum(totals, 1),
+        found.smallest_residual,
+        starts,
+        found.continuum,
+        late=late,
+    )
 
 
 def _late_hits(at: np.ndarray) -> tuple[int, int]:
-    """Hits in the second half of the starts, and those of roots that the first half has not met; `at` are roots by starts, -1 of none."""
+    """Hits in the second half of the starts, and those of roots that the first half has not met;
+    `at` are roots by starts, -1 of none.
+    """
     at = at[at >= 0]
     half = len(at) // 2
     return len(at) - half, int(np.sum(~np.isin(at[half:], at[:half])))
@@ -178,8 +217,10 @@ def _late_hits(at: np.ndarray) -> tuple[int, int]:
 
 @dataclass(frozen=True, eq=False)
 class PolishedRoots:
-    """Isolated roots `points` (n, width) with the candidates `origin` (n,) that they come from, -1 for those found beside others;
-    members of a continuum; the least closure error of all candidates."""
+    """Isolated roots `points` (n, width) with the candidates `origin` (n,) that they come from, -1
+    for those found beside others; members of a continuum; the least closure error of all
+    candidates.
+    """
 
     points: np.ndarray
     origin: np.ndarray
@@ -188,24 +229,41 @@ class PolishedRoots:
 
 
 def polished_roots(
-    system: System, candidates: np.ndarray, known: np.ndarray, *, most_of_continuum: int | None = None
+    system: System,
+    candidates: np.ndarray,
+    known: np.ndarray,
+    *,
+    most_of_continuum: int | None = None,
 ) -> PolishedRoots:
-    """Candidates (n, width) polished on all rows: those that are roots (see `are_roots`). Beside nearly singular ones the other root
-    of the pair is looked for, on either side. The candidates are left once `most_of_continuum` of their roots lie on one and
-    these outnumber other singular ones."""
+    """Candidates (n, width) polished on all rows: those that are roots (see `are_roots`). Beside
+    nearly singular ones the other root of the pair is looked for, on either side. The candidates
+    are left once `most_of_continuum` of their roots lie on one and these outnumber other singular
+    ones.
+    """
     polished = system.polish_many(candidates, known, POLISHING)
     polished = replace(polished, points=system.fold(polished.points))
     residuals = system.residuals(polished.points, known)
-    closed, extremes = are_roots(system, polished, residuals), extreme_singular_values(polished.jacobians)
+    closed, extremes = (
+        are_roots(system, polished, residuals),
+        extreme_singular_values(polished.jacobians),
+    )
     suspect = are_suspect(extremes)
     roots: list[int] = []
     continuum: list[int] = []
     for i in np.flatnonzero(closed).tolist():
-        (continuum if suspect[i] and moves_freely(system, polished.points[i], known) else roots).append(i)
+        (
+            continuum if suspect[i] and moves_freely(system, polished.points[i], known) else roots
+        ).append(i)
         singular = np.count_nonzero(suspect[roots])
-        if most_of_continuum is not None and len(continuum) >= most_of_continuum and len(continuum) > len(roots) - 2 * singular:
+        if (
+            most_of_continuum is not None
+            and len(continuum) >= most_of_continuum
+            and len(continuum) > len(roots) - 2 * singular
+        ):
             break
-    beside = _beside(system, polished, [i for i in roots if extremes[i, 1] < NEARLY_SINGULAR], known)
+    beside = _beside(
+        system, polished, [i for i in roots if extremes[i, 1] < NEARLY_SINGULAR], known
+    )
     return PolishedRoots(
         np.concatenate([polished.points[roots], beside]),
         np.concatenate([np.array(roots, dtype=int), np.full(len(beside), -1)]),
@@ -215,23 +273,36 @@ def polished_roots(
 
 
 def _beside(system: System, polished: Polished, places: list[int], known: np.ndarray) -> np.ndarray:
-    """Roots (n, width) that Newton's method reaches from either side of nearly singular ones: of two that nearly meet, both."""
+    """Roots (n, width) that Newton's method reaches from either side of nearly singular ones: of
+    two that nearly meet, both.
+    """
     directions = [lost_directions(polished.jacobians[i], MULTIPLE_ROOT_SHARE) for i in places]
     if not directions:
         return np.zeros((0, system.width))
     begin = np.repeat(polished.points[places], [len(d) for d in directions], axis=0)
-    starts = system.move(begin, _TO_A_SIDE * system.characteristic_length * np.concatenate(directions))
+    starts = system.move(
+        begin, _TO_A_SIDE * system.characteristic_length * np.concatenate(directions)
+    )
     found = system.polish_many(starts, known, POLISHING)
     points = system.fold(found.points)
-    return np.asarray(points[are_roots(system, replace(found, points=points), system.residuals(points, known))])
+    return np.asarray(
+        points[are_roots(system, replace(found, points=points), system.residuals(points, known))]
+    )
 
 
-def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_met: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Representatives and labels of polished roots: two near each other are one where the rows halfway vanish to rounding (see
-    `are_one`). Where a continuum was met, singular roots are counted with it (-1)."""
+def unite(
+    system: System, points: np.ndarray, known: np.ndarray, *, continuum_met: bool = False
+) -> tuple[np.ndarray, np.ndarray]:
+    """Representatives and labels of polished roots: two near each other are one where the rows
+    halfway vanish to rounding (see `are_one`). Where a continuum was met, singular roots are
+    counted with it (-1).
+    """
     if not len(points):
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
-    f, extremes = features(system, points), extreme_singular_values(system.linearise(points, known)[1])
+    f, extremes = (
+        features(system, points),
+        extreme_singular_values(system.linearise(points, known)[1]),
+    )
     singular = are_suspect(extremes)
     near = np.where(singular, _NEAR_SINGULAR, DISTINCT_ROOTS) * system.characteristic_length
     labels = np.full(len(points), -1)
@@ -250,10 +321,14 @@ def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_me
 
 
 def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:
-    """Whether the root z lies on a continuum: a step of 1e-3 of the size along a direction in which the Jacobian has
-    lost its rank closes again nearby without coming back (from an isolated multiple root it comes back)."""
+    """Whether the root z lies on a continuum: a step of 1e-3 of the size along a direction in which
+    the Jacobian has lost its rank closes again nearby without coming back (from an isolated
+    multiple root it comes back).
+    """
     _, jacobian = system.linearise_one(z, known)
-    return any(_closes_beside(system, z, d, known) for d in lost_directions(jacobian, MULTIPLE_ROOT_SHARE))
+    return any(
+        _closes_beside(system, z, d, known) for d in lost_directions(jacobian, MULTIPLE_ROOT_SHARE)
+    )
 
 
 def _closes_beside(system: System, z: np.ndarray, direction: np.ndarray, known: np.ndarray) -> bool:

@@ -27,8 +27,9 @@ DOUBLE_NOTE = "double: two solutions or more meet here within rounding"
 
 @dataclass(frozen=True)
 class PartialProof:
-    """`independent` of `rows` rows vanish at one exact point within `radius` of the given one (length unit, angles times the
-    size); no other row is more than `remaining` there (length unit)."""
+    """`independent` of `rows` rows vanish at one exact point within `radius` of the given one
+    (length unit, angles times the size); no other row is more than `remaining` there (length unit).
+    """
 
     independent: int
     rows: int
@@ -47,20 +48,24 @@ class PartialProof:
         if len(kept) < len(parts):
             return None
         return PartialProof(
-            sum(p.independent for p in kept), sum(p.rows for p in kept),
-            max(p.radius for p in kept), max(p.remaining for p in kept),
-        )  # fmt: skip
+            sum(p.independent for p in kept),
+            sum(p.rows for p in kept),
+            max(p.radius for p in kept),
+            max(p.remaining for p in kept),
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution(Result):
     """One configuration that closes all loops: F(q, x, X, p) = 0 to within `residual`.
 
-    `values` maps each closure coordinate to its value (a unit quaternion for S joints); `residual` is the largest
-    closure error over all constraints in the length unit; `condition` that of the unknowns' Jacobian with angles times
-    the size; `hits` counts the starts that reached it; `ground` is what is proved where rows are redundant, so that none of it is
-    `certified`. `values` are in radians and the length unit, those of the closure for a `partition`; `joints`, in the mechanism's
-    units, those of all joints. `pose` is the base's own where a graph names no platform link.
+    `values` maps each closure coordinate to its value (a unit quaternion for S joints); `residual`
+    is the largest closure error over all constraints in the length unit; `condition` that of the
+    unknowns' Jacobian with angles times the size; `hits` counts the starts that reached it;
+    `ground` is what is proved where rows are redundant, so that none of it is `certified`. `values`
+    are in radians and the length unit, those of the closure for a `partition`; `joints`, in the
+    mechanism's units, those of all joints. `pose` is the base's own where a graph names no platform
+    link.
 
     >>> import symkin
     >>> found = symkin.solve(symkin.load("zhao2000"), joints=[81.6, 202.8, 330.6, 105.2]).solution
@@ -83,19 +88,24 @@ class Solution(Result):
 
     @cached_property
     def joints(self) -> dict[str, Any]:
-        """The coordinates of all joints in the mechanism's units: passive and cut ones too, in file order for a graph, else those
-        of the closure first."""
+        """The coordinates of all joints in the mechanism's units: passive and cut ones too, in file
+        order for a graph, else those of the closure first.
+        """
         order = dict.fromkeys([*self._printed_names, *(c.name for c in self.mechanism.coordinates)])
         return {name: self._in_units(name, self.all_values[name]) for name in order}
 
     @cached_property
     def all_values(self) -> dict[str, Any]:
-        """`values` with those of joints that the closure leaves out beside them, in radians and the length unit."""
+        """`values` with those of joints that the closure leaves out beside them, in radians and the
+        length unit.
+        """
         closure = self._closure
         if not left_out(closure):
             return self.values
         read = {name: v[0] for name, v in readings(closure, self._links).items()}
-        return self.values | {name: tuple(v.tolist()) if len(v) > 1 else float(v[0]) for name, v in read.items()}
+        return self.values | {
+            name: tuple(v.tolist()) if len(v) > 1 else float(v[0]) for name, v in read.items()
+        }
 
     @cached_property
     def held_joints(self) -> dict[str, Any]:
@@ -107,7 +117,10 @@ class Solution(Result):
         """Where the named points of links are, in the base frame."""
         if not self.mechanism.link_points:
             return {}
-        return {name: point[0].tolist() for name, point in points_at(self.mechanism, self._links).items()}
+        return {
+            name: point[0].tolist()
+            for name, point in points_at(self.mechanism, self._links).items()
+        }
 
     @cached_property
     def link_poses(self) -> dict[str, Pose]:
@@ -145,7 +158,9 @@ class Solution(Result):
 
     @property
     def actuated_values(self) -> list[float]:
-        """Actuated joint values in file order and the mechanism's units: what `modes(joints=...)` takes."""
+        """Actuated joint values in file order and the mechanism's units: what `modes(joints=...)`
+        takes.
+        """
         values = self.joints
         return [values[c.name] for c in self.mechanism.actuated]
 
@@ -160,7 +175,9 @@ class Solution(Result):
 
     @property
     def gamma(self) -> float:
-        """The angle about z of a platform of planar or Schoenflies motion, from the reference, whether the closure has it or not."""
+        """The angle about z of a platform of planar or Schoenflies motion, from the reference,
+        whether the closure has it or not.
+        """
         if "pose.gamma" in self.values:
             return float(self.values["pose.gamma"])
         values, _ = pose_coordinates(self.mechanism, self.pose)
@@ -199,18 +216,34 @@ class Solution(Result):
         unit = self.mechanism.length_unit
         pose = dict(
             zip(
-                (*(f"{axis} [{unit}]" for axis in "xyz"), "qw", "qx", "qy", "qz"), (*self.position, *self.quaternion), strict=True
+                (*(f"{axis} [{unit}]" for axis in "xyz"), "qw", "qx", "qy", "qz"),
+                (*self.position, *self.quaternion),
+                strict=True,
             )
         )
         points = {
-            f"{name}.{axis} [{unit}]": v for name, point in self.points.items() for axis, v in zip("xyz", point, strict=True)
+            f"{name}.{axis} [{unit}]": v
+            for name, point in self.points.items()
+            for axis, v in zip("xyz", point, strict=True)
         }
-        units = {c.name: self.mechanism.angle_unit if c.is_angular else unit for c in self.mechanism.coordinates}
-        joints = {f"{name} [{units[name]}]": v for name, v in self.printed_joints.items() if isinstance(v, float)}
+        units = {
+            c.name: self.mechanism.angle_unit if c.is_angular else unit
+            for c in self.mechanism.coordinates
+        }
+        joints = {
+            f"{name} [{units[name]}]": v
+            for name, v in self.printed_joints.items()
+            if isinstance(v, float)
+        }
         values = {**(pose if self.has_platform else {}), **points, **joints}
         values |= {f"residual [{unit}]": self.residual, "condition": self.condition}
         rows = [[name, f"{value:.7g}"] for name, value in values.items()]
-        return Summary([self.mechanism.name], ["", "value"], rows[:most_rows], [f"note: {note}" for note in self.notes])
+        return Summary(
+            [self.mechanism.name],
+            ["", "value"],
+            rows[:most_rows],
+            [f"note: {note}" for note in self.notes],
+        )
 
     @property
     def _held_names(self) -> list[str]:
@@ -219,7 +252,11 @@ class Solution(Result):
     @property
     def _printed_names(self) -> list[str]:
         """All joints of a graph, those of the closure of limbs."""
-        return [c.name for c in self.mechanism.coordinates] if self.mechanism.is_graph else self._held_names
+        return (
+            [c.name for c in self.mechanism.coordinates]
+            if self.mechanism.is_graph
+            else self._held_names
+        )
 
     @cached_property
     def printed_joints(self) -> dict[str, Any]:
@@ -234,8 +271,16 @@ class Solution(Result):
             position = ", ".join(f"{v:.6g}" for v in self.position)
             quaternion = ", ".join(f"{v:.6f}" for v in self.quaternion)
             where += f" at ({position}) {self.mechanism.length_unit}, quaternion ({quaternion})"
-        points = [f"{name} ({', '.join(f'{v:.6g}' for v in point)})" for name, point in self.points.items()]
-        texts = [where, *points, ", ".join(parts), f"residual {self.residual:.1e}, condition {self.condition:.3g}"]
+        points = [
+            f"{name} ({', '.join(f'{v:.6g}' for v in point)})"
+            for name, point in self.points.items()
+        ]
+        texts = [
+            where,
+            *points,
+            ", ".join(parts),
+            f"residual {self.residual:.1e}, condition {self.condition:.3g}",
+        ]
         return "; ".join(text for text in texts if text)
 
     def __repr__(self) -> str:
@@ -243,7 +288,9 @@ class Solution(Result):
 
 
 def named_values(closure: Closure, values: np.ndarray) -> dict[str, Any]:
-    """A full vector of variables by the names of its coordinates; a quaternion is a tuple of four."""
+    """A full vector of variables by the names of its coordinates; a quaternion is a tuple of
+    four.
+    """
     numbers = values.tolist()
     named: dict[str, Any] = {}
     for c in (c for c in closure.coordinates if c.role != "geometry"):

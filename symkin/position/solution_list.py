@@ -1,4 +1,6 @@
-"""Checked solutions from values of all variables, held as arrays; each is made an object when it is asked for."""
+"""Checked solutions from values of all variables, held as arrays; each is made an object when it is
+asked for.
+"""
 
 from __future__ import annotations
 
@@ -22,10 +24,12 @@ from symkin.spatial.pose import Pose
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SolutionList(Sequence[Solution]):
-    """Solutions (m,) of one closure in their standard writing: `values` (m, variables), `position` (m, 3), `quaternion` (m, 4),
-    `residual`, `condition`, `within_limits` and `certified` (1, 0, or -1 where there are no limits or nothing was tried),
-    `radius` (m,), `ground` (m,) the partial proofs of those that are not certified, `double` (m,) which of them two or more meet
-    in, `hits` (m,) of random starts (-1: none were counted); `notes` are those of all."""
+    """Solutions (m,) of one closure in their standard writing: `values` (m, variables), `position`
+    (m, 3), `quaternion` (m, 4), `residual`, `condition`, `within_limits` and `certified` (1, 0, or
+    -1 where there are no limits or nothing was tried), `radius` (m,), `ground` (m,) the partial
+    proofs of those that are not certified, `double` (m,) which of them two or more meet in, `hits`
+    (m,) of random starts (-1: none were counted); `notes` are those of all.
+    """
 
     closure: Closure
     values: np.ndarray
@@ -58,8 +62,14 @@ class SolutionList(Sequence[Solution]):
         return self._made[place]
 
     def chosen(self, places: np.ndarray | Sequence[int] | slice) -> SolutionList:
-        """Some of the solutions, in the order of their places (any,), a part of them, or where a mask (m,) holds."""
-        arrays = {f.name: getattr(self, f.name)[places] for f in fields(self) if isinstance(getattr(self, f.name), np.ndarray)}
+        """Some of the solutions, in the order of their places (any,), a part of them, or where a
+        mask (m,) holds.
+        """
+        arrays = {
+            f.name: getattr(self, f.name)[places]
+            for f in fields(self)
+            if isinstance(getattr(self, f.name), np.ndarray)
+        }
         return replace(self, **arrays, _made={})
 
     def __repr__(self) -> str:
@@ -88,8 +98,12 @@ class SolutionList(Sequence[Solution]):
         return double if self.condition[i] < SINGULAR_CONDITION else (*double, SINGULAR_NOTE)
 
 
-def checked_solutions(problem: Problem, values: np.ndarray, notes: tuple[str, ...] = ()) -> SolutionList:
-    """Solutions from full vectors of variables (m, variables): in their standard writing, with closure errors and conditions."""
+def checked_solutions(
+    problem: Problem, values: np.ndarray, notes: tuple[str, ...] = ()
+) -> SolutionList:
+    """Solutions from full vectors of variables (m, variables): in their standard writing, with
+    closure errors and conditions.
+    """
     closure, system = problem.closure, problem.system
     values = canonical(closure.coordinates, closure.slices, values)
     unknown, known = values[:, problem.unknown_places], values[:, problem.known_places]
@@ -118,7 +132,11 @@ def _double(problem: Problem, values: np.ndarray, jacobians: np.ndarray) -> np.n
         return found
     suspect = np.flatnonzero(extreme_singular_values(jacobians)[:, 1] < NEARLY_SINGULAR)
     near = values[suspect]
-    for part in (structure_groups(problem) if problem.kind == "given" else [problem]) if suspect.size else ():
+    for part in (
+        (structure_groups(problem) if problem.kind == "given" else [problem])
+        if suspect.size
+        else ()
+    ):
         known = near[:, part.known_places]
         for block in part.blocks:
             found[suspect] |= are_double(block, near[:, part.places(block.unknowns)], known)

@@ -57,21 +57,25 @@ def solve(
     solver: str | Solver = "newton",
     check: bool = True,
 ) -> SolveResult:
-    """Find one solution of F(q, x, X, p) = 0 near `start`, for given `joints` q, a `pose` X, or values `given` by name.
+    """Find one solution of F(q, x, X, p) = 0 near `start`, for given `joints` q, a `pose` X, or
+    values `given` by name.
 
-    Values are in the mechanism's units: actuated joints in file order or by name; a pose is x, y, z, qw, qx, qy, qz. `start` is a
-    pose for the direct problem and all actuated joints for the inverse one; default: the example's, else the
-    reference. A start where the closure's Jacobian loses rank is moved, and `notes` says where to. `solver` is "newton",
-    "fast_newton" (CasADi's rootfinders), "ipopt" (least squares with joint limits as bounds), "closed" (the
-    formulas of an arm that has some, at each choice the solution nearest to the start), or a value of
-    `symkin.position.newton.Newton` or `symkin.position.least_squares.LeastSquares`. The answer is checked on all rows.
+    Values are in the mechanism's units: actuated joints in file order or by name; a pose is x, y,
+    z, qw, qx, qy, qz. `start` is a pose for the direct problem and all actuated joints for the
+    inverse one; default: the example's, else the reference. A start where the closure's Jacobian
+    loses rank is moved, and `notes` says where to. `solver` is "newton", "fast_newton" (CasADi's
+    rootfinders), "ipopt" (least squares with joint limits as bounds), "closed" (the formulas of an
+    arm that has some, at each choice the solution nearest to the start), or a value of
+    `symkin.position.newton.Newton` or `symkin.position.least_squares.LeastSquares`. The answer is
+    checked on all rows.
 
-    `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth, tilt and torsion of the platform, or
-    its whole "pose". With it, and for a graph of links, `start` maps names to values as well, and "newton" means
-    Levenberg-Marquardt on all rows; where fewer are given than the mobility, the configuration is one near the start.
+    `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth,
+    tilt and torsion of the platform, or its whole "pose". With it, and for a graph of links,
+    `start` maps names to values as well, and "newton" means Levenberg-Marquardt on all rows; where
+    fewer are given than the mobility, the configuration is one near the start.
 
-    Raises SolveError when no solution is reached, unless `check` is False; InputError for values that do not fit, and for
-    a `start` where nothing is iterated.
+    Raises SolveError when no solution is reached, unless `check` is False; InputError for values
+    that do not fit, and for a `start` where nothing is iterated.
 
     >>> import symkin
     >>> platform = symkin.load("zhao2000")
@@ -87,7 +91,10 @@ def solve(
         raise InputError(f"solver = {not_among(solver, SOLVERS)}")
     plain = plain_case(mechanism, joints, pose, given)
     if plain is None:
-        own, known = None if solver == "newton" else chosen, named_given(mechanism, joints, pose, given)
+        own, known = (
+            None if solver == "newton" else chosen,
+            named_given(mechanism, joints, pose, given),
+        )
         result = solve_by_name(mechanism, known, start, own)
     else:
         known = given_from(mechanism, *plain)
@@ -118,19 +125,29 @@ def _solved(mechanism: Mechanism, given: Given, start: Start, chosen: Solver) ->
         else:
             result = solve_beside(problem, given, chosen, z, "start")
             if result.solution is not None:
-                result = replace(result, notes=(*result.notes, *start_notes(result.solution, given.kind, start)))
+                result = replace(
+                    result, notes=(*result.notes, *start_notes(result.solution, given.kind, start))
+                )
     return replace(result, elapsed_s=time.perf_counter() - begin)
 
 
 def _nothing_iterated(problem: Problem) -> str:
     """Why `solve` needs no start."""
     if problem.is_explicit:
-        return "the direct problem of a serial arm is a function of its joints, and nothing is iterated"
-    return f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing is iterated"
+        return (
+            "the direct problem of a serial arm is a function of its joints, and nothing is "
+            "iterated"
+        )
+    return (
+        f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing is "
+        f"iterated"
+    )
 
 
 def solve_problem(problem: Problem, given: Given, solver: Solver, start: np.ndarray) -> SolveResult:
-    """Iterate from a start (unknowns of the problem's system), verify on all rows, name the outcome."""
+    """Iterate from a start (unknowns of the problem's system), verify on all rows, name the
+    outcome.
+    """
     begin = time.perf_counter()
     name = solver.name
     if given.off_motion > 0.0:
@@ -157,11 +174,14 @@ def solve_problem(problem: Problem, given: Given, solver: Solver, start: np.ndar
     )
 
 
-def solve_beside(problem: Problem, given: Given, solver: Solver, start: np.ndarray, which: str) -> SolveResult:
-    """Iterate from a start; where it is singular, or nearly so and leads nowhere, from starts moved off it, and say so.
+def solve_beside(
+    problem: Problem, given: Given, solver: Solver, start: np.ndarray, which: str
+) -> SolveResult:
+    """Iterate from a start; where it is singular, or nearly so and leads nowhere, from starts moved
+    off it, and say so.
 
-    At a singular start Newton's step is rounding over rounding, and least squares do not slope along what is lost: what it leads
-    to is left to chance, unless the start nearly closes.
+    At a singular start Newton's step is rounding over rounding, and least squares do not slope
+    along what is lost: what it leads to is left to chance, unless the start nearly closes.
     """
     if given.off_motion > 0.0 or problem.is_explicit or problem.system.width == 0:
         return solve_problem(problem, given, solver, start)
@@ -176,26 +196,40 @@ def solve_beside(problem: Problem, given: Given, solver: Solver, start: np.ndarr
         began, again = found
         return replace(again, notes=(*again.notes, moved_note(problem, given, rank, began, which)))
     tried = [solve_problem(problem, given, solver, z) for z in (start, starts[0])]
-    verdict = min(tried, key=lambda r: (r.solution is None, r.status != "infeasible", r.smallest_residual or 0.0))
+    verdict = min(
+        tried,
+        key=lambda r: (r.solution is None, r.status != "infeasible", r.smallest_residual or 0.0),
+    )
     if verdict.solution is not None:
         return verdict
-    note = f"the {which} is {rank}, and {len(starts)} starts beside it led to no solution: give another start, or list all with modes"
+    note = (
+        f"the {which} is {rank}, and {len(starts)} starts beside it led to no solution: give "
+        f"another start, or list all with modes"
+    )
     return replace(verdict, notes=(*verdict.notes, note))
 
 
-def _from_moved(problem: Problem, given: Given, solver: Solver, starts: np.ndarray) -> tuple[np.ndarray, SolveResult] | None:
-    """The start that has led to a solution, and the result: the first, then, where Levenberg-Marquardt finds the problem to have
-    one, the others and the ends of Levenberg-Marquardt."""
+def _from_moved(
+    problem: Problem, given: Given, solver: Solver, starts: np.ndarray
+) -> tuple[np.ndarray, SolveResult] | None:
+    """The start that has led to a solution, and the result: the first, then, where
+    Levenberg-Marquardt finds the problem to have one, the others and the ends of
+    Levenberg-Marquardt.
+    """
     tries = starts[:1]
     found = _first_that_closes(problem, given, solver, tries)
     if found is None:
-        ends = levenberg_marquardt(problem.system, starts, given.values, max_iterations=300, patience=60)
+        ends = levenberg_marquardt(
+            problem.system, starts, given.values, max_iterations=300, patience=60
+        )
         tries = np.vstack([starts[1:], ends.points[ends.converged]])
         found = _first_that_closes(problem, given, solver, tries) if ends.converged.any() else None
     return None if found is None else (tries[found[0]], found[1])
 
 
-def _first_that_closes(problem: Problem, given: Given, solver: Solver, starts: np.ndarray) -> tuple[int, SolveResult] | None:
+def _first_that_closes(
+    problem: Problem, given: Given, solver: Solver, starts: np.ndarray
+) -> tuple[int, SolveResult] | None:
     """The first of some starts that leads to a solution: its index, and the result."""
     for k, start in enumerate(starts):
         path = solver.iterate(problem, start, given.values)
@@ -216,7 +250,9 @@ def _from_default(problem: Problem, given: Given, solver: Solver, begin: np.ndar
     if found is None:
         return result
     k, again = found
-    note = f"the default start led to no solution ({result.status}); random start {k + 1} (seed 0) did"
+    note = (
+        f"the default start led to no solution ({result.status}); random start {k + 1} (seed 0) did"
+    )
     return replace(again, notes=(*again.notes, note))
 
 
@@ -224,11 +260,14 @@ def _judge_root(problem: Problem, end: np.ndarray, known: np.ndarray) -> bool:
     system = problem.system
     return (
         bool(np.all(np.isfinite(end)))
-        and system.residual(system.wrap(system.unit(end)), known) <= 1e-6 * system.characteristic_length
+        and system.residual(system.wrap(system.unit(end)), known)
+        <= 1e-6 * system.characteristic_length
     )
 
 
-def _iterates(problem: Problem, solver: Solver, start: np.ndarray, known: np.ndarray) -> list[np.ndarray]:
+def _iterates(
+    problem: Problem, solver: Solver, start: np.ndarray, known: np.ndarray
+) -> list[np.ndarray]:
     if problem.system.width == 0:
         return [start]
     return solver.iterate(problem, start, known)
@@ -243,11 +282,15 @@ def _judge(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> tuple
         return ("singular" if is_singular(problem, path[0], known) else "nonfinite"), left
     end = system.wrap(system.unit(end))
     left = system.residual(system.polish(end, known), known)
-    if left <= CLOSURE_TOLERANCE * system.characteristic_length and is_root(system, system.polish(end, known, POLISHING), known):
+    if left <= CLOSURE_TOLERANCE * system.characteristic_length and is_root(
+        system, system.polish(end, known, POLISHING), known
+    ):
         return "ok", left
     if is_singular(problem, path[0], known):
         return "singular", left
-    batch = levenberg_marquardt(system, np.stack([end, path[0]]), known, max_iterations=300, patience=60)
+    batch = levenberg_marquardt(
+        system, np.stack([end, path[0]]), known, max_iterations=300, patience=60
+    )
     best = min(system.residual(z, known) for z in batch.points if np.all(np.isfinite(z)))
     reached = [system.polish(z, known, POLISHING) for z in batch.points[batch.converged]]
     if not any(is_root(system, z, known) for z in reached):
@@ -255,11 +298,17 @@ def _judge(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> tuple
     return ("singular" if is_singular(problem, end, known) else "max_iterations"), left
 
 
-def _verified(problem: Problem, end: np.ndarray, given: Given, status: str, left: float) -> tuple[Solution | None, float]:
+def _verified(
+    problem: Problem, end: np.ndarray, given: Given, status: str, left: float
+) -> tuple[Solution | None, float]:
     if status != "ok":
         return None, left
     system = problem.system
-    z = system.polish(system.wrap(system.unit(end)), given.values, POLISHING) if system.width else end
+    z = (
+        system.polish(system.wrap(system.unit(end)), given.values, POLISHING)
+        if system.width
+        else end
+    )
     solution = make_solution(problem, problem.join_values(z, given.values), notes=given.notes)
     return (solution if is_root(system, z, given.values) else None), solution.residual
 
@@ -270,6 +319,10 @@ def _history(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> lis
         values = problem.join_values(z, known)
         if np.all(np.isfinite(values)):
             steps.append(
-                Iterate(values, pose_of(problem.closure, values), problem.system.residual(problem.system.unit(z), known))
+                Iterate(
+                    values,
+                    pose_of(problem.closure, values),
+                    problem.system.residual(problem.system.unit(z), known),
+                )
             )
     return steps

@@ -1,4 +1,6 @@
-"""What one solve returns: the solution or the reason why there is none, with the steps on the way."""
+"""What one solve returns: the solution or the reason why there is none, with the steps on the
+way.
+"""
 
 from __future__ import annotations
 
@@ -19,16 +21,27 @@ Status = Literal["ok", "max_iterations", "singular", "infeasible", "nonfinite"]
 
 REMEDIES: dict[str, str] = {
     "ok": "the solution satisfies every closure row",
-    "max_iterations": "the iteration did not settle: start nearer, use the other solver (newton, ipopt), or list all with modes",
-    "singular": "the Jacobian lost rank on the way: start elsewhere, or look at the mechanism's singularities",
-    "infeasible": "no configuration near the start closes all loops: check the given values against the mechanism's reach",
+    "max_iterations": (
+        "the iteration did not settle: start nearer, use the other solver (newton, ipopt), or "
+        "list all with modes"
+    ),
+    "singular": (
+        "the Jacobian lost rank on the way: start elsewhere, or look at the mechanism's "
+        "singularities"
+    ),
+    "infeasible": (
+        "no configuration near the start closes all loops: check the given values against the "
+        "mechanism's reach"
+    ),
     "nonfinite": "the iteration met NaN or infinity: check the given values and start nearer",
 }
 
 
 @dataclass(frozen=True, eq=False)
 class Iterate:
-    """One step of an iteration: pose (or None for unknown joints only) and the largest closure row (length unit)."""
+    """One step of an iteration: pose (or None for unknown joints only) and the largest closure row
+    (length unit).
+    """
 
     values: np.ndarray
     pose: Pose
@@ -37,10 +50,12 @@ class Iterate:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SolveResult(Result):
-    """Outcome of one solve: a status with a remedy, the verified solution or None, and the iteration history.
+    """Outcome of one solve: a status with a remedy, the verified solution or None, and the
+    iteration history.
 
-    `status` is "ok", "max_iterations", "singular", "infeasible" or "nonfinite"; `smallest_residual` (length unit) is the closure
-    error that was left where there is no solution; `history` holds pose and residual of each iterate.
+    `status` is "ok", "max_iterations", "singular", "infeasible" or "nonfinite"; `smallest_residual`
+    (length unit) is the closure error that was left where there is no solution; `history` holds
+    pose and residual of each iterate.
 
     >>> import symkin
     >>> found = symkin.solve(symkin.load("zhang2009"), joints=[1, 900, 1, 900, 1, 900], check=False)
@@ -63,8 +78,15 @@ class SolveResult(Result):
     def message(self) -> str:
         """The status with its remedy, in one sentence."""
         mechanism = self.problem.mechanism
-        left = "" if self.smallest_residual is None else f" (closure error {self.smallest_residual:.3g} {mechanism.length_unit})"
-        return f"{mechanism.name}: {self.status} after {self.iterations} iterations{left}; {REMEDIES[self.status]}"
+        left = (
+            ""
+            if self.smallest_residual is None
+            else f" (closure error {self.smallest_residual:.3g} {mechanism.length_unit})"
+        )
+        return (
+            f"{mechanism.name}: {self.status} after {self.iterations} iterations{left}; "
+            f"{REMEDIES[self.status]}"
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON object of `symkin solve --json`."""
@@ -80,27 +102,35 @@ class SolveResult(Result):
         }
 
     def summary(self, most_rows: int | None = None, *, everything: bool = False) -> Summary:
-        """The solution with its checks, or the status with its remedy; with `everything` all joints and named points too."""
+        """The solution with its checks, or the status with its remedy; with `everything` all joints
+        and named points too.
+        """
         mechanism, s = self.problem.mechanism, self.solution
         above = [f"{mechanism.name}: {self.problem.name} problem, {given_text(self.given)}"]
         below = [f"note: {note}" for note in self.notes]
         if s is None:
             return Summary([*above, self.message], below=below)
         checks = (
-            f"ok after {self.iterations} iterations ({self.method}); closure error {s.residual:.1e} "
+            f"ok after {self.iterations} iterations ({self.method}); closure error "
+            f"{s.residual:.1e} "
             f"{mechanism.length_unit}, condition {s.condition:.3g}"
         )
         if most_rows == 0:
             return Summary([*above, checks], below=below)
         table = solution_table(self.problem, [s], everything)
-        return Summary(above, table.header, table.rows, [*([table.left_out] if table.left_out else []), checks, *below])
+        return Summary(
+            above,
+            table.header,
+            table.rows,
+            [*([table.left_out] if table.left_out else []), checks, *below],
+        )
 
 
 class SolveError(SymkinError):
     """A configuration that was not reached, or a Jacobian that is not defined there.
 
-    `result` is the outcome of the solve (status, iterations, closure error left); None where no solve was made, as for a
-    Jacobian at a singular configuration.
+    `result` is the outcome of the solve (status, iterations, closure error left); None where no
+    solve was made, as for a Jacobian at a singular configuration.
 
     >>> import symkin
     >>> try:

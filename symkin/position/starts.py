@@ -17,8 +17,10 @@ from symkin.spatial.pose import Pose
 
 
 def start_values(problem: Problem, given: Given, start: Joints | Pose | None) -> np.ndarray:
-    """Unknowns at the start. Passive joints are fitted to joints and pose, one given, the other the start's, so that the pose or
-    the joints of a mode lead to it; where limbs have several branches there, to those nearest to the reference."""
+    """Unknowns at the start. Passive joints are fitted to joints and pose, one given, the other the
+    start's, so that the pose or the joints of a mode lead to it; where limbs have several branches
+    there, to those nearest to the reference.
+    """
     mechanism, closure = problem.mechanism, problem.closure
     if start is None and mechanism.example is not None:
         start = _example_start(mechanism, given)
@@ -40,7 +42,8 @@ def start_values(problem: Problem, given: Given, start: Joints | Pose | None) ->
         coordinates, off = pose_coordinates(mechanism, pose_from(start, "start"))
         if off > 1e-6 * mechanism.characteristic_length:
             raise InputError(
-                f"start: the pose lies off the platform's {mechanism.motion} motion by {off:.3g} {mechanism.length_unit}"
+                f"start: the pose lies off the platform's {mechanism.motion} motion by {off:.3g} "
+                f"{mechanism.length_unit}"
             )
         _set(values, problem, closure.role("pose"), coordinates)
         _set(values, problem, closure.role("actuated"), given.values)
@@ -48,18 +51,26 @@ def start_values(problem: Problem, given: Given, start: Joints | Pose | None) ->
     return problem.select_values(values, problem.system.unknowns)
 
 
-def _set(values: np.ndarray, problem: Problem, coordinates: Sequence[Coordinate], numbers: np.ndarray) -> None:
+def _set(
+    values: np.ndarray, problem: Problem, coordinates: Sequence[Coordinate], numbers: np.ndarray
+) -> None:
     place = 0
     for c in coordinates:
         values[problem.closure.slices[c.name]] = numbers[place : place + c.width]
         place += c.width
 
 
-def random_starts(problem: Problem, system: System, given: Given, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Starts (count, width): lengths about the reference within 1.5 times the mechanism's reach, angles and rotations
-    uniform, screws by two turns and, every second time, as far as the reach; the first start at the reference; within `limits` where given."""
+def random_starts(
+    problem: Problem, system: System, given: Given, count: int, rng: np.random.Generator
+) -> np.ndarray:
+    """Starts (count, width): lengths about the reference within 1.5 times the mechanism's reach,
+    angles and rotations uniform, screws by two turns and, every second time, as far as the reach;
+    the first start at the reference; within `limits` where given.
+    """
     closure = problem.closure
-    lengths = [abs(v) for c, v in _named(problem.known_coordinates, given.values) if c.kind == "length"]
+    lengths = [
+        abs(v) for c, v in _named(problem.known_coordinates, given.values) if c.kind == "length"
+    ]
     reach = 1.5 * max([closure.characteristic_length, *lengths])
     points = np.empty((count, system.width))
     for c, place in zip(system.unknowns, system.slices, strict=True):
@@ -72,7 +83,9 @@ def random_starts(problem: Problem, system: System, given: Given, count: int, rn
         elif c.kind == "angle":
             points[:, place] = rng.uniform(-np.pi, np.pi, (count, 1))
         elif c.kind == "turns":
-            spans = np.where(np.arange(count) % 2, 2 * np.pi, _turns_within(problem.mechanism, c, reach))
+            spans = np.where(
+                np.arange(count) % 2, 2 * np.pi, _turns_within(problem.mechanism, c, reach)
+            )
             points[:, place] = reference + (spans * rng.uniform(-1, 1, count))[:, None]
         else:
             points[:, place] = reference + reach * rng.uniform(-1, 1, (count, 1))
@@ -81,7 +94,9 @@ def random_starts(problem: Problem, system: System, given: Given, count: int, rn
 
 
 def _turns_within(mechanism: Mechanism, c: Coordinate, reach: float) -> float:
-    """The angle by which a screw advances by the reach; one turn to both sides where that is less, and for what is no screw."""
+    """The angle by which a screw advances by the reach; one turn to both sides where that is less,
+    and for what is no screw.
+    """
     pitch = mechanism.pitches.get(c.name, 0.0)
     return max(2 * np.pi, 2 * np.pi * reach / abs(pitch)) if pitch else 2 * np.pi
 

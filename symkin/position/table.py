@@ -21,7 +21,9 @@ _ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class Table:
-    """Header and rows of solutions; `left_out` says what the table does not show, empty where it shows all."""
+    """Header and rows of solutions; `left_out` says what the table does not show, empty where it
+    shows all.
+    """
 
     header: list[str]
     rows: list[list[str]]
@@ -29,15 +31,24 @@ class Table:
 
 
 def solution_table(
-    problem: Problem, solutions: Sequence[Solution], everything: bool = False, numbers: Sequence[int] | None = None
+    problem: Problem,
+    solutions: Sequence[Solution],
+    everything: bool = False,
+    numbers: Sequence[int] | None = None,
 ) -> Table:
-    """The solutions of one problem, with their `numbers` where they are some of a list: pose and actuated joints, or what else tells them apart; `everything`: all coordinates and
-    named points. Empty where there is no solution."""
+    """The solutions of one problem, with their `numbers` where they are some of a list: pose and
+    actuated joints, or what else tells them apart; `everything`: all coordinates and named points.
+    Empty where there is no solution.
+    """
     if not solutions:
         return Table([], [])
     shown, points, passive = _coordinate_columns(problem, solutions)
     kept = points | passive if everything else _needed(shown, points, passive)
-    left = "" if everything else _left_out([t for t in points if t not in kept], [t for t in passive if t not in kept])
+    left = (
+        ""
+        if everything
+        else _left_out([t for t in points if t not in kept], [t for t in passive if t not in kept])
+    )
     columns = {"#": [str(k) for k in numbers or range(1, len(solutions) + 1)], **shown, **kept}
     if any(s.within_limits is not None for s in solutions):
         columns["limits"] = ["in" if s.within_limits else "out" for s in solutions]
@@ -49,22 +60,31 @@ def solution_table(
     return Table(list(columns), [list(row) for row in zip(*columns.values(), strict=True)], left)
 
 
-def _coordinate_columns(problem: Problem, solutions: Sequence[Solution]) -> tuple[Columns, Columns, Columns]:
-    """What differs between solutions: the pose where there is one that is not given, with actuated joints; named points; other
-    joints."""
+def _coordinate_columns(
+    problem: Problem, solutions: Sequence[Solution]
+) -> tuple[Columns, Columns, Columns]:
+    """What differs between solutions: the pose where there is one that is not given, with actuated
+    joints; named points; other joints.
+    """
     mechanism = problem.mechanism
-    pose = _pose_columns(solutions) if solutions[0].has_platform and problem.name != "inverse" else {}
+    pose = (
+        _pose_columns(solutions) if solutions[0].has_platform and problem.name != "inverse" else {}
+    )
     points: Columns = {}
     for name in solutions[0].points:
         for i, axis in enumerate("xyz"):
             values = [s.points[name][i] for s in solutions]
-            points[f"{name}.{axis} [{mechanism.length_unit}]"] = [_length(mechanism, v) for v in values]
+            points[f"{name}.{axis} [{mechanism.length_unit}]"] = [
+                _length(mechanism, v) for v in values
+            ]
     actuated, passive = _joint_columns(problem, solutions)
     return pose | actuated, points, passive
 
 
 def _needed(shown: Columns, points: Columns, passive: Columns) -> Columns:
-    """Of points and passive joints those without which nothing would be shown, or two solutions would look the same."""
+    """Of points and passive joints those without which nothing would be shown, or two solutions
+    would look the same.
+    """
     kept = {} if shown else points or passive
     rows = list(zip(*(shown | kept).values(), strict=True))
     for title, cells in {**passive, **points}.items():
@@ -76,7 +96,10 @@ def _needed(shown: Columns, points: Columns, passive: Columns) -> Columns:
 
 
 def _left_out(points: Sequence[str], passive: Sequence[str]) -> str:
-    counts = [_counted(len(passive), "passive joint"), _counted(len({p.rpartition(".")[0] for p in points}), "named point")]
+    counts = [
+        _counted(len(passive), "passive joint"),
+        _counted(len({p.rpartition(".")[0] for p in points}), "named point"),
+    ]
     told = " and ".join(text for text in counts if text)
     return f"{told} not shown: --all, or summary(everything=True)" if told else ""
 
@@ -103,21 +126,37 @@ def _pose_columns(solutions: Sequence[Solution]) -> Columns:
 
 
 def _turn_columns(solutions: Sequence[Solution]) -> Columns:
-    return {name: [_fixed(s.quaternion[i], 5) for s in solutions] for i, name in enumerate(("qw", "qx", "qy", "qz"))}
+    return {
+        name: [_fixed(s.quaternion[i], 5) for s in solutions]
+        for i, name in enumerate(("qw", "qx", "qy", "qz"))
+    }
 
 
 def _joint_columns(problem: Problem, solutions: Sequence[Solution]) -> tuple[Columns, Columns]:
-    """Joint coordinates that are one number and were not given: the actuated ones, and the others."""
+    """Joint coordinates that are one number and were not given: the actuated ones, and the
+    others.
+    """
     mechanism = problem.mechanism
     given = {c.name for c in problem.known_coordinates}
     actuated = {c.name for c in mechanism.actuated}
-    units = {c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in mechanism.coordinates}
+    units = {
+        c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit
+        for c in mechanism.coordinates
+    }
     digits = 3 if mechanism.characteristic_length > 10 else 5
     rows = [s.printed_joints for s in solutions]
-    names = [name for name, value in rows[0].items() if name not in given and isinstance(value, float)]
+    names = [
+        name for name, value in rows[0].items() if name not in given and isinstance(value, float)
+    ]
     cells = {name: [_fixed(row[name], digits) for row in rows] for name in names}
-    titled = {name: (f"{name} [{units[name]}]" if name in units else name, column) for name, column in cells.items()}
-    return tuple(dict(titled[name] for name in names if (name in actuated) == which) for which in (True, False))  # type: ignore[return-value]
+    titled = {
+        name: (f"{name} [{units[name]}]" if name in units else name, column)
+        for name, column in cells.items()
+    }
+    return tuple(
+        dict(titled[name] for name in names if (name in actuated) == which)
+        for which in (True, False)
+    )  # type: ignore[return-value]
 
 
 def _length(mechanism: Mechanism, value: float) -> str:
@@ -130,9 +169,14 @@ def _fixed(value: float, digits: int) -> str:
 
 
 def given_text(given: Mapping[str, Any]) -> str:
-    """The given values: `joints 1, 2, 3`, `crank 60`; roundings beside the largest number of a list are zeros."""
+    """The given values: `joints 1, 2, 3`, `crank 60`; roundings beside the largest number of a list
+    are zeros.
+    """
     return (
-        "; ".join(f"{key} {', '.join(f'{v:.7g}' for v in without_rounding(values))}" for key, values in given.items())
+        "; ".join(
+            f"{key} {', '.join(f'{v:.7g}' for v in without_rounding(values))}"
+            for key, values in given.items()
+        )
         or "nothing given"
     )
 

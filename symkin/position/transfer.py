@@ -1,4 +1,6 @@
-"""Configurations in the variables of another closure of the same mechanism, which may cut its loops elsewhere."""
+"""Configurations in the variables of another closure of the same mechanism, which may cut its loops
+elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +17,17 @@ from symkin.position.solution import Solution
 
 
 def variables_elsewhere(closure: Closure, solution: Solution) -> np.ndarray:
-    """The full vector of a closure's variables at a solution, its own where the closure is the solution's."""
+    """The full vector of a closure's variables at a solution, its own where the closure is the
+    solution's.
+    """
     own = build_closure(solution.mechanism, solution.partition)
     return np.asarray(many_elsewhere(closure, own, solution.variables[None])[0])
 
 
 def many_elsewhere(closure: Closure, own: Closure, values: np.ndarray) -> np.ndarray:
-    """Full vectors of a closure's variables (m, variables) at configurations (m, own variables) of another one; these themselves where
-    both hold the same."""
+    """Full vectors of a closure's variables (m, variables) at configurations (m, own variables) of
+    another one; these themselves where both hold the same.
+    """
     if closure.partition == own.partition:
         return values
     found = np.tile(closure.reference, (len(values), 1))

@@ -1,4 +1,5 @@
-"""Named coordinates of a pose that vary while the others are held: one meaning in grids, planes and checks.
+"""Named coordinates of a pose that vary while the others are held: one meaning in grids, planes and
+checks.
 
     x, y, z       position of the platform origin
     gamma         angle about z from the reference orientation, q = Rz(gamma) q_reference
@@ -35,9 +36,12 @@ POSE_AXES: dict[Motion, tuple[str, ...]] = {
 ALL_POSE_AXES = ("x", "y", "z", "gamma", *TURNS)
 
 
-def varied_pose(closure: Closure, held: Mapping[str, Any], varied: Mapping[str, ca.SX]) -> list[ca.SX]:
-    """Values of the closure's pose coordinates, one column each: those of `held` (by the closure's names) where the
-    coordinates of `varied` (length unit, radians) leave them."""
+def varied_pose(
+    closure: Closure, held: Mapping[str, Any], varied: Mapping[str, ca.SX]
+) -> list[ca.SX]:
+    """Values of the closure's pose coordinates, one column each: those of `held` (by the closure's
+    names) where the coordinates of `varied` (length unit, radians) leave them.
+    """
     found = []
     for c in closure.role("pose"):
         name, value = c.name.removeprefix("pose."), ca.SX(ca.DM(held[c.name]))
@@ -52,7 +56,9 @@ def varied_pose(closure: Closure, held: Mapping[str, Any], varied: Mapping[str, 
 
 
 def pose_at(mechanism: Mechanism, base: Sequence[float], varied: Mapping[str, float]) -> Pose:
-    """The pose `base` (x, y, z, qw, qx, qy, qz) with varied coordinates in the mechanism's units."""
+    """The pose `base` (x, y, z, qw, qx, qy, qz) with varied coordinates in the mechanism's
+    units.
+    """
     position = [varied.get(name, value) for name, value in zip("xyz", base[:3], strict=True)]
     quaternion = np.asarray(base[3:])
     if "gamma" in varied:
@@ -61,7 +67,9 @@ def pose_at(mechanism: Mechanism, base: Sequence[float], varied: Mapping[str, fl
         quaternion = np.asarray(multiply(about_z, mechanism.reference_pose.quaternion))
     turn = [mechanism.angle_in(varied.get(name, 0.0)) for name in TURNS]
     if any(turn):
-        quaternion = np.asarray(multiply(quaternion_from_rotation_vector(np.array(turn)), quaternion))
+        quaternion = np.asarray(
+            multiply(quaternion_from_rotation_vector(np.array(turn)), quaternion)
+        )
     return Pose(np.array(position), quaternion)
 
 
@@ -80,5 +88,7 @@ def turn_text(names: Collection[str]) -> str:
 def angle_meaning(names: Collection[str]) -> str | None:
     """What varied angles mean, as a sentence; None where no angle varies."""
     if set(names) & set(TURNS):
-        return "rx, ry, rz: one rotation vector in the base frame, before the orientation that is held"
+        return (
+            "rx, ry, rz: one rotation vector in the base frame, before the orientation that is held"
+        )
     return "gamma: angle about z from the reference orientation" if "gamma" in names else None

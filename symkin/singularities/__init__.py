@@ -1,1 +1,3 @@
-"""Singular configurations: which kind, how near, the motion or wrench that shows them, and their loci over a plane."""
+"""Singular configurations: which kind, how near, the motion or wrench that shows them, and their
+loci over a plane.
+"""

@@ -1,8 +1,10 @@
-"""Classify a configuration: which kind of singularity, how near, and the motion or wrench that shows it.
+"""Classify a configuration: which kind of singularity, how near, and the motion or wrench that
+shows it.
 
-With the limbs' velocity equations A t + B q' = 0 (passive joints eliminated, rows orthonormal limb by limb, see
-`limb_equations`) the feasible motions are the pairs (t, q') of their null space. Compared with a generic configuration
-of the same mechanism nearby, a configuration is singular when (Zlatanov, Fenton and Benhabib 1995; types 1 and 2 by Gosselin and Angeles 1990)
+With the limbs' velocity equations A t + B q' = 0 (passive joints eliminated, rows orthonormal limb
+by limb, see `limb_equations`) the feasible motions are the pairs (t, q') of their null space.
+Compared with a generic configuration of the same mechanism nearby, a configuration is singular when
+(Zlatanov, Fenton and Benhabib 1995; types 1 and 2 by Gosselin and Angeles 1990)
 
     RI   redundant input: q' != 0 with t = 0                      type 1 (B loses rank)
     RO   redundant output: t != 0 with q' = 0                     type 2 (A loses rank)
@@ -11,8 +13,9 @@ of the same mechanism nearby, a configuration is singular when (Zlatanov, Fenton
     RPM  redundant passive motion: passive joints move alone      P loses rank
     IIM  increased instantaneous mobility: more motions in all    F loses rank
 
-where q' may be the rates of any coordinates that drive and t those of any that are wanted, told by name (see `roles`),
-and where the limbs' constraint wrenches lose rank it is a constraint singularity (Zlatanov, Bonev and Gosselin 2002).
+where q' may be the rates of any coordinates that drive and t those of any that are wanted, told by
+name (see `roles`), and where the limbs' constraint wrenches lose rank it is a constraint
+singularity (Zlatanov, Bonev and Gosselin 2002).
 """
 
 from __future__ import annotations
@@ -37,7 +40,14 @@ from symkin.singularities.held_motions import held_motions
 from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, row_span
 from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
-from symkin.singularities.output import Output, OutputEquations, coordinate_names, make_output, output_equations, output_twists
+from symkin.singularities.output import (
+    Output,
+    OutputEquations,
+    coordinate_names,
+    make_output,
+    output_equations,
+    output_twists,
+)
 from symkin.singularities.roles import Roles, roles_of
 from symkin.singularities.singular_groups import SingularGroup, singular_groups
 from symkin.singularities.singularity_result import Singularity
@@ -57,23 +67,28 @@ def singularity(
     output: Sequence[str] | None = None,
     point: Sequence[float] | None = None,
 ) -> Singularity:
-    """Classify a configuration: which kinds of singularity, how near each is, and the screws that show it.
+    """Classify a configuration: which kinds of singularity, how near each is, and the screws that
+    show it.
 
-    With the velocity equations A t + B q' = 0, t the platform's twist and q' the actuated joints' rates, passive joints
-    eliminated: type 1 where B loses rank, type 2 where A does (Gosselin and Angeles 1990), and Zlatanov's conditions
-    (Zlatanov, Fenton and Benhabib 1995). A distance is a singular value of rows of unit length; below `tolerance` it is zero.
+    With the velocity equations A t + B q' = 0, t the platform's twist and q' the actuated joints'
+    rates, passive joints eliminated: type 1 where B loses rank, type 2 where A does (Gosselin and
+    Angeles 1990), and Zlatanov's conditions (Zlatanov, Fenton and Benhabib 1995). A distance is a
+    singular value of rows of unit length; below `tolerance` it is zero.
 
-    `mechanism` is a Mechanism, whose configuration is the one that `symkin.solve` reaches from `joints`, `pose` or `given` and
-    `start` (in the mechanism's units); or a Solution that is there already, from `solve` or `modes`. At a singular
-    configuration Newton's steps may fail; Levenberg-Marquardt from the same start then takes over. `output` names what type 1 and
-    type 2 are about, in place of the platform's position and orientation together: some of x, y, z (velocity of `point`, given in
-    the platform's frame, its origin without) and rx, ry, rz (angular velocity), base frame; or coordinates by name. Raises SolveError
-    where no configuration is reached, InputError for values that do not fit.
+    `mechanism` is a Mechanism, whose configuration is the one that `symkin.solve` reaches from
+    `joints`, `pose` or `given` and `start` (in the mechanism's units); or a Solution that is there
+    already, from `solve` or `modes`. At a singular configuration Newton's steps may fail;
+    Levenberg-Marquardt from the same start then takes over. `output` names what type 1 and type 2
+    are about, in place of the platform's position and orientation together: some of x, y, z
+    (velocity of `point`, given in the platform's frame, its origin without) and rx, ry, rz (angular
+    velocity), base frame; or coordinates by name. Raises SolveError where no configuration is
+    reached, InputError for values that do not fit.
 
-    The coordinates that `given` names drive, q' are their rates; with a Solution their names are enough. Without `output` t is the
-    platform's twist, or all other joints' rates where no link is the platform or its own coordinates drive; "increased" is what the
-    mechanism as a whole gains. `Singularity.motions` are the joints that may move while the given coordinates stand, `groups` the
-    structure groups that are singular, with their loops.
+    The coordinates that `given` names drive, q' are their rates; with a Solution their names are
+    enough. Without `output` t is the platform's twist, or all other joints' rates where no link is
+    the platform or its own coordinates drive; "increased" is what the mechanism as a whole gains.
+    `Singularity.motions` are the joints that may move while the given coordinates stand, `groups`
+    the structure groups that are singular, with their loops.
 
         >>> import symkin
         >>> arm = symkin.load("gluon_6l3")
@@ -92,17 +107,31 @@ def singularity(
     wanted = make_output(output if names is None else None, point)
     if isinstance(mechanism, Solution):
         if not (joints is None and pose is None and start is None):
-            raise InputError("a Solution is classified as it is: give joints, pose and start with a mechanism only")
-        return classify(mechanism, tolerance, wanted, roles_of(mechanism.mechanism, _names(given), names))
+            raise InputError(
+                "a Solution is classified as it is: give joints, pose and start with a mechanism "
+                "only"
+            )
+        return classify(
+            mechanism, tolerance, wanted, roles_of(mechanism.mechanism, _names(given), names)
+        )
     if not isinstance(mechanism, Mechanism):
         raise InputError(
-            f"a {type(mechanism).__name__} is given; allowed: a Mechanism, or a Solution, such as `symkin.solve(...).solution` "
+            f"a {type(mechanism).__name__} is given; allowed: a Mechanism, or a Solution, such as "
+            f"`symkin.solve(...).solution` "
             "or one of `symkin.modes(...)`"
         )
     if given is not None and not isinstance(given, Mapping):
-        raise InputError("given: values by name are needed, as in given={'crank': 60.0}; names alone go with a Solution")
+        raise InputError(
+            "given: values by name are needed, as in given={'crank': 60.0}; names alone go with a "
+            "Solution"
+        )
     roles = roles_of(mechanism, _names(given), names)
-    return classify(configuration(mechanism, joints=joints, pose=pose, given=given, start=start), tolerance, wanted, roles)
+    return classify(
+        configuration(mechanism, joints=joints, pose=pose, given=given, start=start),
+        tolerance,
+        wanted,
+        roles,
+    )
 
 
 def _names(given: Values | Sequence[str] | None) -> list[str] | None:
@@ -114,9 +143,14 @@ def _names(given: Values | Sequence[str] | None) -> list[str] | None:
 
 @without_float_warnings
 def classify(
-    solution: Solution, tolerance: float = SINGULAR_VALUE, output: Output | None = None, roles: Roles | None = None
+    solution: Solution,
+    tolerance: float = SINGULAR_VALUE,
+    output: Output | None = None,
+    roles: Roles | None = None,
 ) -> Singularity:
-    """Kind, distances and singular screws at a closed configuration; distances below `tolerance` count as zero."""
+    """Kind, distances and singular screws at a closed configuration; distances below `tolerance`
+    count as zero.
+    """
     if not 0.0 < tolerance < 1e-2:
         raise InputError(f"tolerance = {tolerance!r}; allowed: above 0 and below 0.01")
     roles = roles_of(solution.mechanism) if roles is None else roles
@@ -125,14 +159,22 @@ def classify(
     closure = roles.closure
     values = variables_elsewhere(closure, solution)
     whole = limbwise_equations(closure, values, tolerance, roles)
-    reduced = None if output is None else output_equations(closure, values, whole, output, tolerance)
+    reduced = (
+        None if output is None else output_equations(closure, values, whole, output, tolerance)
+    )
     equations = whole if reduced is None else reduced.equations
     ranks = Ranks.of(equations, tolerance)
-    generic = generic_ranks(solution.mechanism, output, roles if roles.by_name else None).at_other_assembly(ranks)
+    generic = generic_ranks(
+        solution.mechanism, output, roles if roles.by_name else None
+    ).at_other_assembly(ranks)
     conditions = _conditions(ranks, generic)
     kinds = _kinds(closure, ranks, generic, conditions, roles)
     feasible = feasible_motions(whole, tolerance)[:, : whole.twist.shape[1]]
-    wrenches = _borne_wrenches(feasible, reduced, tolerance) if "IO" in conditions and roles.has_twist else feasible[:0]
+    wrenches = (
+        _borne_wrenches(feasible, reduced, tolerance)
+        if "IO" in conditions and roles.has_twist
+        else feasible[:0]
+    )
     inputs = null_space(equations.rates, tolerance) if "type 1" in kinds else equations.rates[:0]
     return Singularity(
         solution=solution,
@@ -143,20 +185,30 @@ def classify(
         kinds=kinds,
         distances=distances(closure, equations, generic, roles),
         singular_values=_direct_map(equations, ranks, generic, tolerance),
-        twists=_twists(solution, whole, _free_twists(whole, reduced, ranks, kinds, tolerance)) if roles.has_twist else (),
+        twists=_twists(solution, whole, _free_twists(whole, reduced, ranks, kinds, tolerance))
+        if roles.has_twist
+        else (),
         wrenches=tuple(named_wrench(solution, row) for row in tidy_rows(wrenches @ whole.motion.T)),
-        inputs=tuple(joint_rates(solution.mechanism, roles.driven(closure), row) for row in tidy_rows(inputs)),
-        feasible_twists=_twists(solution, whole, row_span(feasible, tolerance)) if roles.has_twist else (),
+        inputs=tuple(
+            joint_rates(solution.mechanism, roles.driven(closure), row) for row in tidy_rows(inputs)
+        ),
+        feasible_twists=_twists(solution, whole, row_span(feasible, tolerance))
+        if roles.has_twist
+        else (),
         notes=_notes(closure, ranks, generic, output, roles),
         output=output,
         roles=roles,
         motions=held_motions(closure, values, roles, tolerance) if roles.by_name else (),
-        groups=_groups(solution, roles, tolerance) if roles.by_name and {"type 2", "passive"} & set(kinds) else (),
+        groups=_groups(solution, roles, tolerance)
+        if roles.by_name and {"type 2", "passive"} & set(kinds)
+        else (),
     )
 
 
 def _groups(solution: Solution, roles: Roles, tolerance: float) -> tuple[SingularGroup, ...]:
-    """The structure groups of the problem whose known coordinates drive that are singular at a solution."""
+    """The structure groups of the problem whose known coordinates drive that are singular at a
+    solution.
+    """
     problem = build_problem(solution.mechanism, "given", roles.inputs or ())
     return singular_groups(problem, variables_elsewhere(problem.closure, solution), tolerance)
 
@@ -164,16 +216,21 @@ def _groups(solution: Solution, roles: Roles, tolerance: float) -> tuple[Singula
 def _no_twist(roles: Roles, output: Output) -> str:
     name, names = roles.mechanism.name, ", ".join(output.names)
     if roles.mechanism.platform_link is None:
-        return f"output = {names}: {name} has no platform link; name coordinates of joints, or the link by [platform] link"
+        return (
+            f"output = {names}: {name} has no platform link; name coordinates of joints, or the "
+            f"link by [platform] link"
+        )
     return f"output = {names}: coordinates of the platform drive {name}; name coordinates of joints"
 
 
-# --- kinds ---------------------------------------------------------------------------------------------------------
+# --- kinds ----------------------------------------------------------------------------------------
 
 
 def _conditions(ranks: Ranks, generic: Ranks) -> tuple[str, ...]:
-    """Zlatanov's names, each a count beside the generic one. RI and RO are the ranks of B and A, whose singular values are the
-    distances of type 1 and type 2, so that one tolerance decides both."""
+    """Zlatanov's names, each a count beside the generic one. RI and RO are the ranks of B and A,
+    whose singular values are the distances of type 1 and type 2, so that one tolerance decides
+    both.
+    """
     tests = {
         "RI": ranks.rates < generic.rates,
         "RO": ranks.twist < generic.twist,
@@ -185,7 +242,9 @@ def _conditions(ranks: Ranks, generic: Ranks) -> tuple[str, ...]:
     return tuple(name for name, holds in tests.items() if holds)
 
 
-def _kinds(closure: Closure, ranks: Ranks, generic: Ranks, conditions: tuple[str, ...], roles: Roles) -> tuple[str, ...]:
+def _kinds(
+    closure: Closure, ranks: Ranks, generic: Ranks, conditions: tuple[str, ...], roles: Roles
+) -> tuple[str, ...]:
     lost = closure.mechanism.motion == "spatial" and ranks.constraints < generic.constraints
     tests = {
         "type 1": "RI" in conditions and roles.names_output,
@@ -197,8 +256,12 @@ def _kinds(closure: Closure, ranks: Ranks, generic: Ranks, conditions: tuple[str
     return tuple(name for name, holds in tests.items() if holds)
 
 
-def _direct_map(equations: LimbwiseEquations, ranks: Ranks, generic: Ranks, tolerance: float) -> np.ndarray:
-    """Singular values of q' -> t on the feasible motions; infinite where a platform motion needs no joint rate."""
+def _direct_map(
+    equations: LimbwiseEquations, ranks: Ranks, generic: Ranks, tolerance: float
+) -> np.ndarray:
+    """Singular values of q' -> t on the feasible motions; infinite where a platform motion needs no
+    joint rate.
+    """
     motions = feasible_motions(equations, tolerance)
     outputs, inputs = np.split(motions, [equations.twist.shape[1]], axis=1)
     count = min(generic.outputs, generic.inputs)
@@ -209,32 +272,46 @@ def _direct_map(equations: LimbwiseEquations, ranks: Ranks, generic: Ranks, tole
     return np.asarray(np.where(values > tolerance, values, 0.0))
 
 
-# --- the screws that show it -----------------------------------------------------------------------------------------
+# --- the screws that show it ----------------------------------------------------------------------
 
 
 def _free_twists(
-    whole: LimbwiseEquations, reduced: OutputEquations | None, ranks: Ranks, kinds: tuple[str, ...], tolerance: float
+    whole: LimbwiseEquations,
+    reduced: OutputEquations | None,
+    ranks: Ranks,
+    kinds: tuple[str, ...],
+    tolerance: float,
 ) -> np.ndarray:
-    """Twists (n, r) with the actuated joints held, or with all joints free where a constraint is lost; none where no such motion
-    is told."""
+    """Twists (n, r) with the actuated joints held, or with all joints free where a constraint is
+    lost; none where no such motion is told.
+    """
     if "type 2" in kinds or ("constraint" not in kinds and ranks.motions > ranks.inputs):
-        return null_space(whole.twist, tolerance) if reduced is None else output_twists(whole, reduced, tolerance)
+        return (
+            null_space(whole.twist, tolerance)
+            if reduced is None
+            else output_twists(whole, reduced, tolerance)
+        )
     return null_space(whole.constraints, tolerance) if "constraint" in kinds else whole.twist[:0]
 
 
-def _borne_wrenches(feasible: np.ndarray, reduced: OutputEquations | None, tolerance: float) -> np.ndarray:
-    """Wrenches (n, r), as work on twists, that do no work on any feasible twist (or on the output's part of it): the platform
-    bears them without the actuated joints."""
+def _borne_wrenches(
+    feasible: np.ndarray, reduced: OutputEquations | None, tolerance: float
+) -> np.ndarray:
+    """Wrenches (n, r), as work on twists, that do no work on any feasible twist (or on the output's
+    part of it): the platform bears them without the actuated joints.
+    """
     if reduced is None:
         return null_space(feasible, tolerance)
     return np.asarray(null_space(feasible @ reduced.rows.T, tolerance) @ reduced.rows)
 
 
-def _twists(solution: Solution, equations: LimbwiseEquations, rows: np.ndarray) -> tuple[NamedScrew, ...]:
+def _twists(
+    solution: Solution, equations: LimbwiseEquations, rows: np.ndarray
+) -> tuple[NamedScrew, ...]:
     return tuple(named_twist(solution, row) for row in tidy_rows(rows @ equations.motion.T))
 
 
-# --- notes -----------------------------------------------------------------------------------------------------------
+# --- notes ----------------------------------------------------------------------------------------
 
 _PERMANENT = {
     "type 1": "freedoms of the actuated joints with the platform at rest",
@@ -252,20 +329,36 @@ _PERMANENT_BY_NAME = {
 """The same where what drives and what is wanted are told by name."""
 
 
-def _notes(closure: Closure, ranks: Ranks, generic: Ranks, output: Output | None, roles: Roles) -> tuple[str, ...]:
-    """Sentences on what is not looked for or counted, and where the freedoms differ from those elsewhere."""
+def _notes(
+    closure: Closure, ranks: Ranks, generic: Ranks, output: Output | None, roles: Roles
+) -> tuple[str, ...]:
+    """Sentences on what is not looked for or counted, and where the freedoms differ from those
+    elsewhere.
+    """
     if roles.by_name:
         return _notes_by_name(ranks, generic, roles)
     mechanism, full = closure.mechanism, sum(c.freedom for c in closure.role("pose"))
     notes = []
     if mechanism.motion != "spatial":
-        notes.append(f"the platform's motion is declared {mechanism.motion}: constraint singularities are not looked for")
+        notes.append(
+            f"the platform's motion is declared {mechanism.motion}: constraint singularities are "
+            f"not looked for"
+        )
     if output is None and generic.outputs < full:
-        few = _of_short_arm(len(mechanism.actuated), generic.outputs, full) if mechanism.serial else None
+        few = (
+            _of_short_arm(len(mechanism.actuated), generic.outputs, full)
+            if mechanism.serial
+            else None
+        )
         notes.append(few or _of_few_freedoms(generic.outputs, full))
     if generic.inputs < len(mechanism.actuated):
-        notes.append(f"only {generic.inputs} of {len(mechanism.actuated)} actuated joints are independent")
-    notes += [f"{_PERMANENT[kind]}, everywhere: {count}" for kind, count in generic.permanent_freedoms.items()]
+        notes.append(
+            f"only {generic.inputs} of {len(mechanism.actuated)} actuated joints are independent"
+        )
+    notes += [
+        f"{_PERMANENT[kind]}, everywhere: {count}"
+        for kind, count in generic.permanent_freedoms.items()
+    ]
     if ranks.freedoms != generic.freedoms:
         notes.append(f"freedoms of motion here {ranks.freedoms}, elsewhere {generic.freedoms}")
     return tuple(notes)
@@ -273,8 +366,16 @@ def _notes(closure: Closure, ranks: Ranks, generic: Ranks, output: Output | None
 
 def _notes_by_name(ranks: Ranks, generic: Ranks, roles: Roles) -> tuple[str, ...]:
     driven = len(roles.inputs or ())
-    notes = [f"only {generic.inputs} of {driven} given coordinates are independent"] if generic.inputs < driven else []
-    counts = generic.permanent_freedoms if roles.names_output else {"type 2": generic.motions - generic.inputs}
+    notes = (
+        [f"only {generic.inputs} of {driven} given coordinates are independent"]
+        if generic.inputs < driven
+        else []
+    )
+    counts = (
+        generic.permanent_freedoms
+        if roles.names_output
+        else {"type 2": generic.motions - generic.inputs}
+    )
     texts = {kind: _PERMANENT_BY_NAME[kind].format(output=roles.output_text) for kind in counts}
     notes += [f"{texts[kind]}, everywhere: {count}" for kind, count in counts.items() if count]
     if ranks.freedoms != generic.freedoms:
@@ -284,14 +385,18 @@ def _notes_by_name(ranks: Ranks, generic: Ranks, roles: Roles) -> tuple[str, ...
 
 def _of_short_arm(joints: int, freedoms: int, full: int) -> str:
     return (
-        f"with {joints} joint{'' if joints == 1 else 's'} the tool has {freedoms} of {full} freedoms: type 1 means that joints move "
-        "while position and orientation of the tool both stand; where only its position loses a direction, as a stretched arm's "
+        f"with {joints} joint{'' if joints == 1 else 's'} the tool has {freedoms} of {full} "
+        f"freedoms: type 1 means that joints move "
+        "while position and orientation of the tool both stand; where only its position loses a "
+        "direction, as a stretched arm's "
         "may, is not named without an output, such as --output x,y,z"
     )
 
 
 def _of_few_freedoms(freedoms: int, full: int) -> str:
     return (
-        f"the platform has {freedoms} of {full} freedoms; type 1 and type 2 are about its position and orientation together: joints that "
-        "turn it about a point at rest are no type 1; for a point or some coordinates name the output, such as --output x,y"
+        f"the platform has {freedoms} of {full} freedoms; type 1 and type 2 are about its position "
+        f"and orientation together: joints that "
+        "turn it about a point at rest are no type 1; for a point or some coordinates name the "
+        "output, such as --output x,y"
     )

@@ -39,12 +39,19 @@ def configuration(
     given: Values | None = None,
     start: Joints | Values | Pose | None = None,
 ) -> Solution:
-    """What `solve` reaches; where Newton's steps fail, as at a singular configuration, Levenberg-Marquardt from the same start,
-    and that first where the start is singular and nearly closes the loops: it is meant as it is.
-    Raises SolveError where no configuration is reached, InputError for values that do not fit."""
+    """What `solve` reaches; where Newton's steps fail, as at a singular configuration,
+    Levenberg-Marquardt from the same start, and that first where the start is singular and nearly
+    closes the loops: it is meant as it is. Raises SolveError where no configuration is reached,
+    InputError for values that do not fit.
+    """
     plain = plain_case(mechanism, joints, pose, given)
     if plain is None:
-        return _refined(_noted(solve(mechanism, joints=joints, pose=pose, given=given, start=start, check=False)), given)
+        return _refined(
+            _noted(
+                solve(mechanism, joints=joints, pose=pose, given=given, start=start, check=False)
+            ),
+            given,
+        )
     joints, pose = plain
     return _of_limbs(mechanism, joints, pose, start)
 
@@ -58,22 +65,34 @@ def _noted(result: SolveResult) -> Solution:
 
 
 def _refined(solution: Solution, given: Values | None) -> Solution:
-    """A nearly singular solution of values by name, to as many digits as it has: steps of a solver end where rows vanish, which they
-    do to the square of what is left."""
+    """A nearly singular solution of values by name, to as many digits as it has: steps of a solver
+    end where rows vanish, which they do to the square of what is left.
+    """
     if solution.condition < _NEARLY_SINGULAR:
         return solution
     mechanism = solution.mechanism
-    names = [c.name for c in mechanism.actuated] if given is None else [name for name in given if name != "pose"]
-    problem = build_problem(mechanism, "given", (*names, *(pose_names(mechanism) if given and "pose" in given else ())))
+    names = (
+        [c.name for c in mechanism.actuated]
+        if given is None
+        else [name for name in given if name != "pose"]
+    )
+    problem = build_problem(
+        mechanism, "given", (*names, *(pose_names(mechanism) if given and "pose" in given else ()))
+    )
     values = variables_elsewhere(problem.closure, solution)
-    known, z = (problem.select_values(values, c) for c in (problem.known_coordinates, problem.system.unknowns))
+    known, z = (
+        problem.select_values(values, c)
+        for c in (problem.known_coordinates, problem.system.unknowns)
+    )
     z = _halved(problem, z, known)
     found = make_solution(problem, problem.join_values(z, known), notes=solution.notes)
     return found if found.residual <= solution.residual else solution
 
 
 def _halved(problem: Problem, z: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Newton's steps as long as they shrink: where two solutions meet each halves what is left, down to the root of rounding."""
+    """Newton's steps as long as they shrink: where two solutions meet each halves what is left,
+    down to the root of rounding.
+    """
     last = _FIRST_STEP * problem.closure.characteristic_length
     for _ in range(_MOST_HALVINGS):
         rows, jacobian = problem.system.linearise_one(z, known)
@@ -113,6 +132,14 @@ def _by_least_squares(problem: Problem, given: Given, begin: np.ndarray) -> Solu
     system = problem.system
     if not system.width:
         return None
-    batch = levenberg_marquardt(system, begin[None], given.values, tolerance=1e-13, max_iterations=400, patience=60)
-    solution = make_solution(problem, problem.join_values(system.unit(batch.points[0]), given.values), notes=given.notes)
-    return solution if solution.residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length else None
+    batch = levenberg_marquardt(
+        system, begin[None], given.values, tolerance=1e-13, max_iterations=400, patience=60
+    )
+    solution = make_solution(
+        problem, problem.join_values(system.unit(batch.points[0]), given.values), notes=given.notes
+    )
+    return (
+        solution
+        if solution.residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
+        else None
+    )

@@ -1,8 +1,10 @@
-"""Trace curves F(z) = 0 with one freedom by pseudo-arclength continuation; every point is corrected to a true zero.
+"""Trace curves F(z) = 0 with one freedom by pseudo-arclength continuation; every point is corrected
+to a true zero.
 
-At a regular point dF/dz has one null vector t, |t| = 1: the tangent. A step predicts z + h t and corrects to F = 0 by the
-shortest Newton steps, which move across the curve (Keller 1977; Allgower and Georg, Introduction to Numerical Continuation
-Methods, 2003). The tangent is defined at folds too, where a coordinate of the plane turns back.
+At a regular point dF/dz has one null vector t, |t| = 1: the tangent. A step predicts z + h t and
+corrects to F = 0 by the shortest Newton steps, which move across the curve (Keller 1977; Allgower
+and Georg, Introduction to Numerical Continuation Methods, 2003). The tangent is defined at folds
+too, where a coordinate of the plane turns back.
 """
 
 from __future__ import annotations
@@ -20,16 +22,22 @@ CORRECTED = 1e-11
 _MOST_CORRECTIONS = 12
 """Corrector steps at most; a step that is short enough needs three."""
 _REGULAR = 1e-4
-"""Where the last singular value but one is below this times the largest, a zero is nearly a multiple one."""
+"""Where the last singular value but one is below this times the largest, a zero is nearly a
+multiple one.
+"""
 _LEAST_COSINE = 0.95
-"""Least cosine between the tangents of neighbouring points: steps are shortened where the curve bends more."""
+"""Least cosine between the tangents of neighbouring points: steps are shortened where the curve
+bends more.
+"""
 _SHORTEST_STEP, _LONGEST_STEP = 1e-7, 0.1
 """Bounds of a step, of the size."""
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Points (n, width) in order and their unit tangents (n, freedom); `closed`: the last is followed by the first."""
+    """Points (n, width) in order and their unit tangents (n, freedom); `closed`: the last is
+    followed by the first.
+    """
 
     points: np.ndarray
     tangents: np.ndarray
@@ -39,11 +47,17 @@ class Curve:
 def correct(system: System, z: np.ndarray) -> np.ndarray | None:
     """Gauss-Newton by least-norm steps to a zero of all rows; None where it is not reached."""
     found = system.polish_many(z[None], np.zeros(0), steps=_MOST_CORRECTIONS)
-    return found.points[0] if np.max(np.abs(found.rows), initial=0.0) <= CORRECTED * system.characteristic_length else None
+    return (
+        found.points[0]
+        if np.max(np.abs(found.rows), initial=0.0) <= CORRECTED * system.characteristic_length
+        else None
+    )
 
 
 def tangent(system: System, z: np.ndarray) -> np.ndarray | None:
-    """The unit tangent at a point, either sense; None where the point is isolated or the freedoms are more than one."""
+    """The unit tangent at a point, either sense; None where the point is isolated or the freedoms
+    are more than one.
+    """
     _, jacobian = system.linearise_one(z, np.zeros(0))
     _, singular, right = np.linalg.svd(jacobian)
     padded = np.zeros(system.freedom)
@@ -56,13 +70,17 @@ def tangent(system: System, z: np.ndarray) -> np.ndarray | None:
 def is_regular(system: System, z: np.ndarray) -> bool:
     """Whether a point of a curve is far from crossings and other places without one tangent."""
     singular = np.linalg.svd(system.linearise_one(z, np.zeros(0))[1], compute_uv=False)
-    return len(singular) >= system.freedom - 1 and bool(singular[system.freedom - 2] > _REGULAR * singular[0])
+    return len(singular) >= system.freedom - 1 and bool(
+        singular[system.freedom - 2] > _REGULAR * singular[0]
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Where a curve is wanted: `inside` of a point; `cap`, the longest step along a tangent, so that the curve's picture is
-    as fine as it must be; `leading`, how many of the unknown coordinates tell points apart (null vectors have two signs)."""
+    """Where a curve is wanted: `inside` of a point; `cap`, the longest step along a tangent, so
+    that the curve's picture is as fine as it must be; `leading`, how many of the unknown
+    coordinates tell points apart (null vectors have two signs).
+    """
 
     inside: Callable[[np.ndarray], bool]
     cap: Callable[[np.ndarray], float]
@@ -70,7 +88,9 @@ class Window:
 
 
 def trace(system: System, start: np.ndarray, window: Window, most: int = 4000) -> Curve | None:
-    """The curve through a point, both ways until it leaves the window or returns; None without a tangent there."""
+    """The curve through a point, both ways until it leaves the window or returns; None without a
+    tangent there.
+    """
     first = tangent(system, start)
     if first is None:
         return None
@@ -81,9 +101,12 @@ def trace(system: System, start: np.ndarray, window: Window, most: int = 4000) -
     return _curve([(z, -t) for z, t in reversed(back[1:])] + ahead, closed=False)
 
 
-def distance(system: System, a: np.ndarray, b: np.ndarray, leading: int | None = None) -> np.ndarray:
-    """How far points (..., width) are apart in the first `leading` coordinates (length unit): angles modulo a turn and
-    rotations times the size, quaternions up to sign."""
+def distance(
+    system: System, a: np.ndarray, b: np.ndarray, leading: int | None = None
+) -> np.ndarray:
+    """How far points (..., width) are apart in the first `leading` coordinates (length unit):
+    angles modulo a turn and rotations times the size, quaternions up to sign.
+    """
     total = np.zeros(np.broadcast_shapes(a.shape[:-1], b.shape[:-1]))
     for c, place in zip(system.unknowns[:leading], system.slices[:leading], strict=True):
         if c.kind == "quaternion":
@@ -100,7 +123,9 @@ def distance(system: System, a: np.ndarray, b: np.ndarray, leading: int | None =
 Step = tuple[np.ndarray, np.ndarray]
 
 
-def _one_way(system: System, start: np.ndarray, direction: np.ndarray, window: Window, most: int) -> tuple[list[Step], bool]:
+def _one_way(
+    system: System, start: np.ndarray, direction: np.ndarray, window: Window, most: int
+) -> tuple[list[Step], bool]:
     path: list[Step] = [(start, direction)]
     length = min(window.cap(direction), _LONGEST_STEP * system.characteristic_length)
     while len(path) < most:
@@ -122,7 +147,9 @@ def _one_way(system: System, start: np.ndarray, direction: np.ndarray, window: W
 
 
 def _step(system: System, z: np.ndarray, t: np.ndarray, length: float) -> Step | None:
-    """One predictor and corrector step; None where the corrector moves far or the tangent turns too much."""
+    """One predictor and corrector step; None where the corrector moves far or the tangent turns too
+    much.
+    """
     predicted = system.move(z[None], length * t[None])[0]
     corrected = correct(system, predicted)
     if corrected is None or float(distance(system, corrected, predicted)) > 0.3 * length:
@@ -141,7 +168,10 @@ def _returned(system: System, path: list[Step], leading: int) -> bool:
     a, b = t[:freedom], direction[:freedom]
     if float(a @ b) < 0.8 * float(np.linalg.norm(a) * np.linalg.norm(b)):
         return False
-    gaps = [float(distance(system, *pair, leading)) for pair in ((before, start), (now, start), (before, now))]
+    gaps = [
+        float(distance(system, *pair, leading))
+        for pair in ((before, start), (now, start), (before, now))
+    ]
     return gaps[0] + gaps[1] < 1.1 * gaps[2]
 
 

@@ -1,11 +1,13 @@
 """Find the cusps of a locus over two inputs: the points where its picture in the plane turns back.
 
-Over two inputs q the locus is the fold of the direct problem: F(q, z) = 0, J w = 0, n J = 0 with J = dF/dz. Along it
+Over two inputs q the locus is the fold of the direct problem: F(q, z) = 0, J w = 0, n J = 0 with
+J = dF/dz. Along it
 
     n dF/dq q' = 0,    n d2F(w, z') + n d2F(w, q') = 0,    z' = a w + (a part linear in q').
 
-Where n d2F(w, w) = 0 three modes meet. There (q', z') = (0, w) solves these equations: the velocity in the plane vanishes, and
-as n d2F(w, w) changes its sign along the locus, so does q' (Whitney 1955; Zein, Wenger and Chablat 2008 for planar mechanisms).
+Where n d2F(w, w) = 0 three modes meet. There (q', z') = (0, w) solves these equations: the velocity
+in the plane vanishes, and as n d2F(w, w) changes its sign along the locus, so does q' (Whitney
+1955; Zein, Wenger and Chablat 2008 for planar mechanisms).
 """
 
 from __future__ import annotations
@@ -30,8 +32,16 @@ def with_cusps(system: LocusSystem, curve: Curve) -> tuple[Curve, np.ndarray]:
         return curve, np.zeros(0, dtype=int)
     uv = curve.tangents[:, system.uv_columns]
     moves = np.linalg.norm(uv, axis=1) > SINGULAR_VALUE
-    turns = [k for k in range(len(uv) - 1) if moves[k] and moves[k + 1] and float(uv[k] @ uv[k + 1]) < 0.0]
-    found = [(k + 1, z) for k in turns if (z := cusp_between(system, curve, k)) is not None and _is_cusp(system, z)]
+    turns = [
+        k
+        for k in range(len(uv) - 1)
+        if moves[k] and moves[k + 1] and float(uv[k] @ uv[k + 1]) < 0.0
+    ]
+    found = [
+        (k + 1, z)
+        for k in turns
+        if (z := cusp_between(system, curve, k)) is not None and _is_cusp(system, z)
+    ]
     if not found:
         return curve, np.zeros(0, dtype=int)
     places, points = [k for k, _ in found], np.array([z for _, z in found])
@@ -41,14 +51,21 @@ def with_cusps(system: LocusSystem, curve: Curve) -> tuple[Curve, np.ndarray]:
 
 
 def _is_cusp(system: LocusSystem, z: np.ndarray) -> bool:
-    """Whether the velocity in the plane vanishes, not only its part along the bracket's, at a point where the curve is
-    regular: crossings of curves have no one tangent."""
+    """Whether the velocity in the plane vanishes, not only its part along the bracket's, at a point
+    where the curve is regular: crossings of curves have no one tangent.
+    """
     t = tangent(system.curve, z)
-    return t is not None and float(np.linalg.norm(t[system.uv_columns])) <= SINGULAR_VALUE and is_regular(system.curve, z)
+    return (
+        t is not None
+        and float(np.linalg.norm(t[system.uv_columns])) <= SINGULAR_VALUE
+        and is_regular(system.curve, z)
+    )
 
 
 def cusp_between(system: LocusSystem, curve: Curve, k: int) -> np.ndarray | None:
-    """The point of the curve between its points k and k + 1 where the velocity in the plane changes its sense."""
+    """The point of the curve between its points k and k + 1 where the velocity in the plane changes
+    its sense.
+    """
     begin, ahead = curve.points[k], curve.tangents[k]
     along = ahead[system.uv_columns] - curve.tangents[k + 1][system.uv_columns]
 
@@ -67,7 +84,9 @@ Reading = tuple[np.ndarray, float]
 """A point of the curve and the velocity in the plane there, along a direction."""
 
 
-def _bracket(at: Callable[[float], Reading | None], reach: float) -> tuple[Reading, Reading, float] | None:
+def _bracket(
+    at: Callable[[float], Reading | None], reach: float
+) -> tuple[Reading, Reading, float] | None:
     """The readings at 0 and at a length, about `reach`, between which the sign changes."""
     low = at(0.0)
     for k in range(_LENGTHENINGS + 1):
@@ -80,7 +99,9 @@ def _bracket(at: Callable[[float], Reading | None], reach: float) -> tuple[Readi
     return None
 
 
-def _sign_change(at: Callable[[float], Reading | None], low: Reading, high: Reading, length: float) -> np.ndarray:
+def _sign_change(
+    at: Callable[[float], Reading | None], low: Reading, high: Reading, length: float
+) -> np.ndarray:
     """The point at which the reading vanishes, by secants and halvings in turn."""
     ends, values, z = [0.0, length], [low[1], high[1]], low[0]
     for step in range(_MOST_STEPS):
@@ -99,7 +120,9 @@ def _sign_change(at: Callable[[float], Reading | None], low: Reading, high: Read
 
 
 def _length_between(system: LocusSystem, a: np.ndarray, b: np.ndarray, ahead: np.ndarray) -> float:
-    """Component of b - a along a tangent, by Newton on the retraction (angles and lengths: one step)."""
+    """Component of b - a along a tangent, by Newton on the retraction (angles and lengths: one
+    step).
+    """
     difference, column = np.zeros(system.curve.freedom), 0
     for c, place in zip(system.curve.unknowns, system.curve.slices, strict=True):
         if c.kind == "quaternion":
@@ -107,6 +130,8 @@ def _length_between(system: LocusSystem, a: np.ndarray, b: np.ndarray, ahead: np
             relative = np.array([p[0] * q[1:] - q[0] * p[1:] - np.cross(q[1:], p[1:])])[0]
             difference[column : column + 3] = 2 * system.curve.characteristic_length * relative
         else:
-            difference[column] = (b[place] - a[place])[0] * (system.curve.characteristic_length if c.is_angular else 1.0)
+            difference[column] = (b[place] - a[place])[0] * (
+                system.curve.characteristic_length if c.is_angular else 1.0
+            )
         column += c.freedom
     return float(difference @ ahead)

@@ -1,4 +1,6 @@
-"""Motions that are left at a configuration while the coordinates that drive stand, as rates of joints."""
+"""Motions that are left at a configuration while the coordinates that drive stand, as rates of
+joints.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +15,12 @@ from symkin.singularities.roles import Roles, columns_by_name, other_joints
 from symkin.spatial.screw import tidy_rows
 
 
-def held_motions(closure: Closure, values: np.ndarray, roles: Roles, tolerance: float) -> tuple[dict[str, float], ...]:
-    """Independent motions with F_x x' = 0 as rates of joints by name in the mechanism's units, the largest of each 1. Motions of
-    spherical joints and links alone are none."""
+def held_motions(
+    closure: Closure, values: np.ndarray, roles: Roles, tolerance: float
+) -> tuple[dict[str, float], ...]:
+    """Independent motions with F_x x' = 0 as rates of joints by name in the mechanism's units, the
+    largest of each 1. Motions of spherical joints and links alone are none.
+    """
     _, jacobian = whole_system(closure).linearise_one(values, np.zeros(0))
     rows = row_basis(jacobian, max(tolerance, roles.dependent_rows))
     driven = set(roles.input_columns(closure))

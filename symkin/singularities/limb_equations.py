@@ -1,18 +1,21 @@
 """Eliminate the passive joints from each limb's velocity equations, in one normal form.
 
-Where what is driven and what is wanted are told by name (see `roles`), t and q' are these, x' all other rates, and a "limb" is a part
-of the rows that shares no x' with others. The rows of limb i, differentiated, are A_i t + P_i x' + B_i q' = 0. With the rows of U_i spanning the y for which
-y P_i = 0, what is left is U_i A_i t + U_i B_i q' = 0, and an orthonormal basis of these rows,
+Where what is driven and what is wanted are told by name (see `roles`), t and q' are these, x' all
+other rates, and a "limb" is a part of the rows that shares no x' with others. The rows of limb i,
+differentiated, are A_i t + P_i x' + B_i q' = 0. With the rows of U_i spanning the y for which y
+P_i = 0, what is left is U_i A_i t + U_i B_i q' = 0, and an orthonormal basis of these rows,
 
     a_i t + b_i q' = 0,    a_i a_i^T + b_i b_i^T = 1,
 
-depends neither on how the closure is written nor on units. Twists are t = (velocity of the platform origin; size times
-angular velocity) on the coordinates of the platform's motion, rates of angles are times the size. The rows a_i are the
-wrenches that the limb can exert while its actuated joints are held; those with b_i = 0 are its constraints.
+depends neither on how the closure is written nor on units. Twists are t = (velocity of the platform
+origin; size times angular velocity) on the coordinates of the platform's motion, rates of angles
+are times the size. The rows a_i are the wrenches that the limb can exert while its actuated joints
+are held; those with b_i = 0 are its constraints.
 
-This is not the elimination of `velocity.matrices`, which takes every rank from generic configurations, so that
-Jacobians vary smoothly, and refuses a configuration where one is lost. Here ranks are counted at the configuration itself:
-where one is lost there is more to say, and rows of unit length make distances that do not depend on the closure's rows.
+This is not the elimination of `velocity.matrices`, which takes every rank from generic
+configurations, so that Jacobians vary smoothly, and refuses a configuration where one is lost. Here
+ranks are counted at the configuration itself: where one is lost there is more to say, and rows of
+unit length make distances that do not depend on the closure's rows.
 """
 
 from __future__ import annotations
@@ -31,14 +34,18 @@ from symkin.singularities.roles import Roles
 from symkin.velocity.differential import motion_columns
 
 _SHORTEST_ROW = 1e-4
-"""Rows of the closure have derivatives of about 1; a limb whose rows are all below this times the rank tolerance has none."""
+"""Rows of the closure have derivatives of about 1; a limb whose rows are all below this times the
+rank tolerance has none.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class LimbEquations:
-    """`twist` (k, r) and `rates` (k, n) of one limb, rows orthonormal together; `constraints` (c, r), rows orthonormal, are
-    the wrenches that it exerts whatever its actuated joints do. `idle` counts passive motions that move neither platform
-    nor actuated joints, `passive` are the singular values of P_i, all rows of the limb orthonormal."""
+    """`twist` (k, r) and `rates` (k, n) of one limb, rows orthonormal together; `constraints` (c,
+    r), rows orthonormal, are the wrenches that it exerts whatever its actuated joints do. `idle`
+    counts passive motions that move neither platform nor actuated joints, `passive` are the
+    singular values of P_i, all rows of the limb orthonormal.
+    """
 
     limb: str
     twist: np.ndarray
@@ -50,8 +57,10 @@ class LimbEquations:
 
 @dataclass(frozen=True, eq=False)
 class LimbwiseEquations:
-    """All limbs at one configuration; `motion` (6, r) maps the twist coordinates to (velocity; size times angular velocity).
-    `spectrum` are the singular values of all rows by all rates, over the largest, one for each rate."""
+    """All limbs at one configuration; `motion` (6, r) maps the twist coordinates to (velocity; size
+    times angular velocity). `spectrum` are the singular values of all rows by all rates, over the
+    largest, one for each rate.
+    """
 
     limbs: tuple[LimbEquations, ...]
     motion: np.ndarray
@@ -69,7 +78,9 @@ class LimbwiseEquations:
 
     @property
     def constraints(self) -> np.ndarray:
-        """Wrenches that the platform bears from all limbs with every actuated joint free, (c, r)."""
+        """Wrenches that the platform bears from all limbs with every actuated joint free, (c,
+        r).
+        """
         return np.vstack([limb.constraints for limb in self.limbs])
 
     @property
@@ -77,16 +88,27 @@ class LimbwiseEquations:
         return sum(limb.idle for limb in self.limbs)
 
 
-def limbwise_equations(closure: Closure, values: np.ndarray, tolerance: float, roles: Roles | None = None) -> LimbwiseEquations:
-    """The normal form at a closed configuration (a full vector of variables). Singular values below `tolerance` count as
-    zero."""
+def limbwise_equations(
+    closure: Closure, values: np.ndarray, tolerance: float, roles: Roles | None = None
+) -> LimbwiseEquations:
+    """The normal form at a closed configuration (a full vector of variables). Singular values below
+    `tolerance` count as zero.
+    """
     roles = Roles(closure.mechanism) if roles is None else roles
     _, jacobian = whole_system(closure).linearise_one(values, np.zeros(0))
     outputs, inputs = roles.output_columns(closure), roles.input_columns(closure)
-    # parts that loops share lose rank together at a configuration that is known to half of its digits only
+    # parts that loops share lose rank together at a configuration that is known to half of its
+    # digits only
     dependent = max(tolerance, roles.dependent_rows) if roles.by_name else RANK_TOLERANCE
     limbs = [
-        eliminated(block.limb, row_basis(jacobian[block.rows], dependent), outputs, inputs, block.passive, tolerance)
+        eliminated(
+            block.limb,
+            row_basis(jacobian[block.rows], dependent),
+            outputs,
+            inputs,
+            block.passive,
+            tolerance,
+        )
         for block in limb_blocks(closure, roles)
     ]
     nothing = eliminated("", np.zeros((0, jacobian.shape[1])), outputs, inputs, [], tolerance)
@@ -103,13 +125,17 @@ def _spectrum(jacobian: np.ndarray) -> np.ndarray:
 
 
 def motion_basis(closure: Closure) -> np.ndarray:
-    """(6, r): the unit motions of the platform's coordinates as (velocity of its origin; size times angular velocity)."""
+    """(6, r): the unit motions of the platform's coordinates as (velocity of its origin; size times
+    angular velocity).
+    """
     return np.eye(6)[:, motion_columns(closure)]
 
 
 @dataclass(frozen=True, eq=False)
 class LimbBlock:
-    """Where a limb stands in the closure's Jacobian: its rows, and the columns of the actuated and the passive joints in them."""
+    """Where a limb stands in the closure's Jacobian: its rows, and the columns of the actuated and
+    the passive joints in them.
+    """
 
     limb: str
     rows: list[int]
@@ -124,7 +150,9 @@ class LimbBlock:
 
 @lru_cache(maxsize=128)
 def limb_blocks(closure: Closure, roles: Roles | None = None) -> tuple[LimbBlock, ...]:
-    """The limbs' blocks, in the order of their rows; limbs that share passive coordinates are one."""
+    """The limbs' blocks, in the order of their rows; limbs that share passive coordinates are
+    one.
+    """
     roles = Roles(closure.mechanism) if roles is None else roles
     inputs = roles.input_columns(closure)
     names = [c.name for c in closure.coordinates for _ in range(c.freedom)]
@@ -139,8 +167,15 @@ def limb_blocks(closure: Closure, roles: Roles | None = None) -> tuple[LimbBlock
         own = [k for k, row in enumerate(closure.row_sources) if row.limb == name]
         shared = [part for part in parts if set(held(passive, part[1])) & set(held(passive, own))]
         parts = [part for part in parts if part not in shared]
-        parts.append((shared[0][0] if shared else name, sorted([*(k for part in shared for k in part[1]), *own])))
-    return tuple(LimbBlock(name, rows, held(inputs, rows), held(passive, rows)) for name, rows in parts)
+        parts.append(
+            (
+                shared[0][0] if shared else name,
+                sorted([*(k for part in shared for k in part[1]), *own]),
+            )
+        )
+    return tuple(
+        LimbBlock(name, rows, held(inputs, rows), held(passive, rows)) for name, rows in parts
+    )
 
 
 def columns_of(closure: Closure, role: str) -> list[int]:
@@ -150,7 +185,12 @@ def columns_of(closure: Closure, role: str) -> list[int]:
 
 
 def eliminated(
-    name: str, rows: np.ndarray, pose: list[int], actuated: list[int], passive: list[int], tolerance: float
+    name: str,
+    rows: np.ndarray,
+    pose: list[int],
+    actuated: list[int],
+    passive: list[int],
+    tolerance: float,
 ) -> LimbEquations:
     """One limb's rows (m, all columns) without its passive joints; columns by number."""
     rows = row_basis(rows)
@@ -160,7 +200,9 @@ def eliminated(
     twist, rates = kept[:, : len(pose)], kept[:, len(pose) :]
     padded = np.zeros(len(passive))
     padded[: len(singular)] = singular
-    return LimbEquations(name, twist, rates, null_space(rates.T, tolerance) @ twist, padded, len(passive) - rank)
+    return LimbEquations(
+        name, twist, rates, null_space(rates.T, tolerance) @ twist, padded, len(passive) - rank
+    )
 
 
 def row_span(matrix: np.ndarray, tolerance: float) -> np.ndarray:
@@ -170,6 +212,10 @@ def row_span(matrix: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 def row_basis(rows: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
-    """Orthonormal rows of the same span; rows that others imply are dropped, singular values below `tolerance` of the largest."""
+    """Orthonormal rows of the same span; rows that others imply are dropped, singular values below
+    `tolerance` of the largest.
+    """
     _, lengths, basis = np.linalg.svd(rows, full_matrices=False)
-    return np.asarray(basis[lengths > tolerance * max(float(np.max(lengths, initial=0.0)), _SHORTEST_ROW)])
+    return np.asarray(
+        basis[lengths > tolerance * max(float(np.max(lengths, initial=0.0)), _SHORTEST_ROW)]
+    )

@@ -1,4 +1,6 @@
-"""The singularity loci that were found over a plane of two coordinates, as values, text and dict."""
+"""The singularity loci that were found over a plane of two coordinates, as values, text and
+dict.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +19,16 @@ from symkin.singularities.locus_system import Plane
 
 MISSING = "some curves were met by one or two starts only: curves may be missing; raise --starts"
 """What is said where some curve was met by few starts, in the text and in the picture."""
-NONE_MET = "no curve was met, which does not prove that there is none: curves may be missing; raise --starts"
+NONE_MET = (
+    "no curve was met, which does not prove that there is none: curves may be missing; raise "
+    "--starts"
+)
 """What is said where curves were sought and none was found."""
 LOST_OVER_PLANE = "the rank is lost everywhere over this plane; there are no curves"
 """What is said of a kind that every configuration over the plane has."""
 _THIN = (
-    "thin lines in the picture are parts in other working modes: there a limb's inverse problem has another solution than in "
+    "thin lines in the picture are parts in other working modes: there a limb's inverse problem "
+    "has another solution than in "
     "the configuration"
 )
 
@@ -31,9 +37,10 @@ _THIN = (
 class Loci(Result):
     """All curves found over a plane through a configuration; made by `singular_loci`.
 
-    `ranges` are the window's sides in the mechanism's units. `starts` says how many random configurations there were and
-    `seed` which; a closed curve that no start reaches is missed. `notes` say what the search cannot: that curves may be missing,
-    that a rank is lost all over the plane. `plot()` draws the window.
+    `ranges` are the window's sides in the mechanism's units. `starts` says how many random
+    configurations there were and `seed` which; a closed curve that no start reaches is missed.
+    `notes` say what the search cannot: that curves may be missing, that a rank is lost all over the
+    plane. `plot()` draws the window.
 
     >>> import symkin
     >>> here = symkin.solve(symkin.load("zhao2000")).solution
@@ -63,7 +70,9 @@ class Loci(Result):
     def units(self) -> tuple[str, ...]:
         """The units of the plane's coordinates."""
         m = self.plane.mechanism
-        return tuple(m.angle_unit if c.is_angular else m.length_unit for c in self.plane.coordinates)
+        return tuple(
+            m.angle_unit if c.is_angular else m.length_unit for c in self.plane.coordinates
+        )
 
     @property
     def angles(self) -> str | None:
@@ -71,13 +80,15 @@ class Loci(Result):
         return angle_meaning(self.plane.names) if self.plane.of_pose else None
 
     def given(self, point: Sequence[float]) -> dict[str, Any]:
-        """The arguments of `symkin.modes`, `symkin.solve` and `symkin.singularity` at a point of the plane (mechanism's
-        units)."""
+        """The arguments of `symkin.modes`, `symkin.solve` and `symkin.singularity` at a point of
+        the plane (mechanism's units).
+        """
         return self.plane.given(point)
 
     def to_dict(self) -> dict[str, Any]:
-        """The JSON of `symkin singularities --plane`: the window and, for each curve, kind, limb, points and cusps in the
-        mechanism's units."""
+        """The JSON of `symkin singularities --plane`: the window and, for each curve, kind, limb,
+        points and cusps in the mechanism's units.
+        """
         return {
             "mechanism": self.plane.mechanism.name,
             "plane": list(self.plane.names),
@@ -85,28 +96,48 @@ class Loci(Result):
             "ranges": [list(r) for r in self.ranges],
             "angles": self.angles,
             "configuration": self.solution.to_dict(),
-            "curves": [{**curve.to_dict(), "loose_ends": curve.loose_ends(self.ranges).tolist()} for curve in self.curves],
+            "curves": [
+                {**curve.to_dict(), "loose_ends": curve.loose_ends(self.ranges).tolist()}
+                for curve in self.curves
+            ],
             "starts": self.starts,
             "seed": self.seed,
             "notes": list(self.notes),
         }
 
     def summary(self, most_rows: int | None = None) -> Summary:
-        """The window, one line for each curve, then what the picture's marks mean, the search and its notes."""
+        """The window, one line for each curve, then what the picture's marks mean, the search and
+        its notes.
+        """
         window = " and ".join(
             f"{name} {low:g} to {high:g} {unit}"
-            for name, (low, high), unit in zip(self.plane.names, self.ranges, self.units, strict=True)
+            for name, (low, high), unit in zip(
+                self.plane.names, self.ranges, self.units, strict=True
+            )
         )
         lines = [f"{self.plane.mechanism.name}: singularity loci over {window}; {self.held}"]
         lines += [] if self.angles is None else [self.angles]
-        lines += [f"{k}: {_curve_line(curve, self.ranges)}" for k, curve in enumerate(self.curves[:most_rows], start=1)]
+        lines += [
+            f"{k}: {_curve_line(curve, self.ranges)}"
+            for k, curve in enumerate(self.curves[:most_rows], start=1)
+        ]
         if most_rows is not None and len(self.curves) > most_rows:
             lines.append(f"and {len(self.curves) - most_rows} more")
         lines += [] if self.curves else [self.without_curves]
-        lines += [_THIN] if any(not curve.in_mode.all() for curve in self.curves if not curve.is_point) else []
+        lines += (
+            [_THIN]
+            if any(not curve.in_mode.all() for curve in self.curves if not curve.is_point)
+            else []
+        )
         what = "curve" if len(self.ranges) == 2 else "point"
-        lines.append(f"{self.starts} starts, seed {self.seed}; a {what} that no start reaches is not listed")
-        notes = self.notes if what == "curve" else tuple(note.replace("curve", "point") for note in self.notes)
+        lines.append(
+            f"{self.starts} starts, seed {self.seed}; a {what} that no start reaches is not listed"
+        )
+        notes = (
+            self.notes
+            if what == "curve"
+            else tuple(note.replace("curve", "point") for note in self.notes)
+        )
         return Summary([*lines, *(f"note: {note}" for note in notes)])
 
     @property
@@ -118,7 +149,9 @@ class Loci(Result):
 
     @property
     def held(self) -> str:
-        """What is held, with names and units: the other pose coordinates, actuated joints, or given coordinates."""
+        """What is held, with names and units: the other pose coordinates, actuated joints, or given
+        coordinates.
+        """
         plane, mechanism = self.plane, self.plane.mechanism
         held = []
         for c in plane.family:
@@ -128,23 +161,43 @@ class Loci(Result):
                 held.append(f"orientation ({quaternion}){turn_text(plane.names)}")
             elif name not in plane.names:
                 value = float(plane.value(c)[0])
-                shown = plain(mechanism.angle_out(value)) if c.is_angular else plain(value, mechanism.characteristic_length)
+                shown = (
+                    plain(mechanism.angle_out(value))
+                    if c.is_angular
+                    else plain(value, mechanism.characteristic_length)
+                )
                 more = "rz + " if plane.of_pose and name == "gamma" and "rz" in plane.names else ""
-                held.append(f"{name} = {more}{shown:.5g} {mechanism.angle_unit if c.is_angular else mechanism.length_unit}")
+                held.append(
+                    f"{name} = {more}{shown:.5g} "
+                    f"{mechanism.angle_unit if c.is_angular else mechanism.length_unit}"
+                )
         return "held: " + ", ".join(held) if held else "nothing else is held"
 
 
 def _curve_line(curve: Locus, ranges: Sequence[Sequence[float]]) -> str:
     head = curve.kind + (f" of {curve.limb}" if curve.limb else "")
     if len(ranges) == 1:
-        return f"{head} at {_place(curve.points[0])}, met by {curve.hits} start{'' if curve.hits == 1 else 's'}"
+        return (
+            f"{head} at {_place(curve.points[0])}, met by {curve.hits} "
+            f"start{'' if curve.hits == 1 else 's'}"
+        )
     if curve.is_point:
-        what = "a motion with both coordinates held" if curve.self_motion else "curves that nearly touch or cross"
+        what = (
+            "a motion with both coordinates held"
+            if curve.self_motion
+            else "curves that nearly touch or cross"
+        )
         return f"{head}, {what}, at {_place(curve.points[0])}"
     cusps = "".join(f", cusp at {_place(point)}" for point in curve.cusps)
-    ends = "".join(f", its tracing ends inside the window at {_place(point)}" for point in curve.loose_ends(ranges))
+    ends = "".join(
+        f", its tracing ends inside the window at {_place(point)}"
+        for point in curve.loose_ends(ranges)
+    )
     starts = f"{curve.hits} start{'' if curve.hits == 1 else 's'}"
-    return f"{head}, {'closed' if curve.closed else 'open'}, {len(curve.points)} points, met by {starts}{cusps}{ends}"
+    return (
+        f"{head}, {'closed' if curve.closed else 'open'}, {len(curve.points)} points, met by "
+        f"{starts}{cusps}{ends}"
+    )
 
 
 def _place(point: np.ndarray) -> str:

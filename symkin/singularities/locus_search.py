@@ -1,4 +1,6 @@
-"""Search for the curves of one locus: random closed configurations are brought onto it, and the curves traced from there."""
+"""Search for the curves of one locus: random closed configurations are brought onto it, and the
+curves traced from there.
+"""
 
 from __future__ import annotations
 
@@ -20,18 +22,24 @@ _RADII = (0.1, 0.5, 3.0)
 _CLOSED = 1e-8
 """A start is closed when no row exceeds this times the size; the curve's own correction follows."""
 _OTHER_VECTORS = 3
-"""Beside the null vector of the smallest singular value a start tries one of so many next ones: of joints that are nearly
-parallel everywhere, or of units far apart, the smallest one never leads to a curve."""
+"""Beside the null vector of the smallest singular value a start tries one of so many next ones: of
+joints that are nearly parallel everywhere, or of units far apart, the smallest one never leads to a
+curve.
+"""
 _SAME_VALUE = 1e-7
-"""Zeros over one coordinate are one place where they are within this (rad, or of the size): they are known to 1e-11."""
+"""Zeros over one coordinate are one place where they are within this (rad, or of the size): they
+are known to 1e-11.
+"""
 _FINENESS = 1 / 150
 """Longest step of a curve in the plane, of the window's sides."""
 
 
 @dataclass(frozen=True, eq=False)
 class Seeds:
-    """Points of the curves in the window and the number of the start that each came from; how many starts closed the loops,
-    and whether J has lost rank at most of them: then there are no curves, the whole plane is singular."""
+    """Points of the curves in the window and the number of the start that each came from; how many
+    starts closed the loops, and whether J has lost rank at most of them: then there are no curves,
+    the whole plane is singular.
+    """
 
     points: list[np.ndarray]
     starts: list[int]
@@ -39,7 +47,9 @@ class Seeds:
     lost_everywhere: bool
 
 
-def seeds_of(system: LocusSystem, window: np.ndarray, starts: int, rng: np.random.Generator) -> Seeds:
+def seeds_of(
+    system: LocusSystem, window: np.ndarray, starts: int, rng: np.random.Generator
+) -> Seeds:
     """Seeds from random closed configurations over the window (inside units)."""
     closed = _closed_starts(system, window, starts, rng)
     if not len(closed):
@@ -48,7 +58,9 @@ def seeds_of(system: LocusSystem, window: np.ndarray, starts: int, rng: np.rando
     if float(np.median(smallest)) < RANK_TOLERANCE:
         return Seeds([], [], len(closed), True)
     begin, numbers = _lifted_starts(lifted)
-    batch = levenberg_marquardt(system.curve, begin, np.zeros(0), max_iterations=60, tolerance=1e-10)
+    batch = levenberg_marquardt(
+        system.curve, begin, np.zeros(0), max_iterations=60, tolerance=1e-10
+    )
     points, origins = [], []
     for z, number in zip(batch.points[batch.converged], numbers[batch.converged], strict=True):
         point = correct(system.curve, system.curve.fold(system.curve.unit(z)[None])[0])
@@ -61,7 +73,9 @@ def seeds_of(system: LocusSystem, window: np.ndarray, starts: int, rng: np.rando
 
 
 def _lifted_starts(lifted: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """All starts with their first null vector, then all with another one in turn (of every radius), and the starts' numbers."""
+    """All starts with their first null vector, then all with another one in turn (of every radius),
+    and the starts' numbers.
+    """
     numbers = np.arange(len(lifted))
     begin = [vectors[0] for vectors in lifted]
     others = min(_OTHER_VECTORS, len(lifted[0]) - 1)
@@ -75,8 +89,12 @@ def inside(uv: np.ndarray, window: np.ndarray) -> bool:
     return bool(np.all(uv >= window[:, 0]) and np.all(uv <= window[:, 1]))
 
 
-def _closed_starts(system: LocusSystem, window: np.ndarray, starts: int, rng: np.random.Generator) -> np.ndarray:
-    """Closed configurations (n, width of free coordinates, u, v) from random steps off the plane's configuration."""
+def _closed_starts(
+    system: LocusSystem, window: np.ndarray, starts: int, rng: np.random.Generator
+) -> np.ndarray:
+    """Closed configurations (n, width of free coordinates, u, v) from random steps off the plane's
+    configuration.
+    """
     part = system.closed
     begin = np.tile(system.centre, (starts, 1))
     radii = np.resize(_RADII, starts)[:, None] * part.characteristic_length
@@ -86,12 +104,20 @@ def _closed_starts(system: LocusSystem, window: np.ndarray, starts: int, rng: np
         return begin
     batch = levenberg_marquardt(part, begin, np.zeros(0), max_iterations=60)
     ends = part.fold(batch.points[batch.converged])
-    return np.array([z for z in ends if part.residual(part.unit(z), np.zeros(0)) <= _CLOSED * part.characteristic_length])
+    return np.array(
+        [
+            z
+            for z in ends
+            if part.residual(part.unit(z), np.zeros(0)) <= _CLOSED * part.characteristic_length
+        ]
+    )
 
 
 def _turned_into(system: LocusSystem, point: np.ndarray, window: np.ndarray) -> np.ndarray:
-    """Angles of the plane that lie outside the window, moved by whole turns towards it. Rows of an orientation change sign with
-    a turn, and with them a w that relates rows: it is taken anew there."""
+    """Angles of the plane that lie outside the window, moved by whole turns towards it. Rows of an
+    orientation change sign with a turn, and with them a w that relates rows: it is taken anew
+    there.
+    """
     turned = point.copy()
     uv = turned[system.uv]
     for k, (c, (low, high)) in enumerate(zip(system.plane.coordinates, window, strict=True)):
@@ -102,12 +128,14 @@ def _turned_into(system: LocusSystem, point: np.ndarray, window: np.ndarray) -> 
     return turned
 
 
-# --- tracing ---------------------------------------------------------------------------------------------------------
+# --- tracing --------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """A curve and its equations, the numbers of its cusps, its points in the working mode, and the starts that met it."""
+    """A curve and its equations, the numbers of its cusps, its points in the working mode, and the
+    starts that met it.
+    """
 
     system: LocusSystem
     curve: Curve
@@ -116,10 +144,14 @@ class Traced:
     starts: set[int]
 
 
-def traced_curves(system: LocusSystem, found: Seeds, window: np.ndarray) -> tuple[list[Traced], int]:
-    """Curves through the seeds, and how many starts ended on none. Seeds in the configuration's working mode come first, inexact
-    ones (multiple zeros) last. Those at which more than one rank is lost and no curve is found are tried again at the end, with
-    w free to move in one place: most are on other seeds' curves by then."""
+def traced_curves(
+    system: LocusSystem, found: Seeds, window: np.ndarray
+) -> tuple[list[Traced], int]:
+    """Curves through the seeds, and how many starts ended on none. Seeds in the configuration's
+    working mode come first, inexact ones (multiple zeros) last. Those at which more than one rank
+    is lost and no curve is found are tried again at the end, with w free to move in one place: most
+    are on other seeds' curves by then.
+    """
     if len(system.plane.coordinates) == 1:
         return _points(system, found), 0
     traced: list[Traced] = []
@@ -147,7 +179,13 @@ def _points(system: LocusSystem, found: Seeds) -> list[Traced]:
     traced: list[Traced] = []
     for z, start in zip(found.points, found.starts, strict=True):
         same = next(
-            (t for t in traced if np.abs(t.curve.points[0, system.uv] - z[system.uv])[0] <= _SAME_VALUE * _scale(system)), None
+            (
+                t
+                for t in traced
+                if np.abs(t.curve.points[0, system.uv] - z[system.uv])[0]
+                <= _SAME_VALUE * _scale(system)
+            ),
+            None,
         )
         if same is None:
             alone = Curve(z[None], np.zeros((1, system.curve.freedom)), closed=False)
@@ -162,7 +200,9 @@ def _scale(system: LocusSystem) -> float:
     return 1.0 if system.plane.coordinates[0].is_angular else system.closed.characteristic_length
 
 
-def _curve_through(system: LocusSystem, seed: np.ndarray, view: Window, again: bool) -> Traced | None:
+def _curve_through(
+    system: LocusSystem, seed: np.ndarray, view: Window, again: bool
+) -> Traced | None:
     here, start = (system, seed) if again else system.through(seed)
     curve = trace(here.curve, start, view)
     if curve is None or (here is not system and is_one_place(curve.points[:, system.uv])):
@@ -174,7 +214,12 @@ def _curve_through(system: LocusSystem, seed: np.ndarray, view: Window, again: b
 def _tracing_window(system: LocusSystem, window: np.ndarray) -> Window:
     """The window for tracing: steps of at most 1/150 of its sides in the plane."""
     sides = window[:, 1] - window[:, 0]
-    scale = np.array([system.curve.characteristic_length if c.is_angular else 1.0 for c in system.plane.coordinates])
+    scale = np.array(
+        [
+            system.curve.characteristic_length if c.is_angular else 1.0
+            for c in system.plane.coordinates
+        ]
+    )
 
     def cap(t: np.ndarray) -> float:
         speed = float(np.max(np.abs(t[system.uv_columns]) / (scale * sides)))
@@ -183,11 +228,17 @@ def _tracing_window(system: LocusSystem, window: np.ndarray) -> Window:
     return Window(lambda z: inside(z[system.uv], window), cap, len(system.free) + 2)
 
 
-def _curve_at(system: LocusSystem, traced: Sequence[Traced], z: np.ndarray, in_mode: bool, window: np.ndarray) -> Traced | None:
-    """The curve whose picture has a seed; a seed in the configuration's working mode asks for one that has it too."""
+def _curve_at(
+    system: LocusSystem, traced: Sequence[Traced], z: np.ndarray, in_mode: bool, window: np.ndarray
+) -> Traced | None:
+    """The curve whose picture has a seed; a seed in the configuration's working mode asks for one
+    that has it too.
+    """
     sides = window[:, 1] - window[:, 0]
     for t in traced:
-        away, nearest = picture_distance(t.curve.points[:, system.uv], t.curve.closed, sides, z[None, system.uv])
+        away, nearest = picture_distance(
+            t.curve.points[:, system.uv], t.curve.closed, sides, z[None, system.uv]
+        )
         if away[0] < SAME_PICTURE and (not in_mode or t.in_mode[nearest[0]]):
             return t
     return None

@@ -1,15 +1,16 @@
 """Build the equations of a singularity locus over a plane of two coordinates (u, v), or over one.
 
-With the closure F(q, x, X) = 0, all coordinates but the plane's two and those that they leave free held at a configuration,
-and J the part of dF/d(q, x, X) that must not lose rank,
+With the closure F(q, x, X) = 0, all coordinates but the plane's two and those that they leave free
+held at a configuration, and J the part of dF/d(q, x, X) that must not lose rank,
 
     F = 0,   J w = 0,   (w.w - 1) / 2 = 0
 
-describe a smooth curve of (q, x, X, w) whose picture in (u, v) is the locus, folds and cusps included. Type 2: all rows,
-columns of pose and passive joints. Type 1 of a limb: its rows, columns of its own joints. Where J w = 0 has solutions
-everywhere, w shows a loss of the generic rank in another way (`rank_loss`). Every equation is solved, also where J is not
-square, so that points of the curve are true zeros. Where known coordinates are told by name, the plane's are two of them, and type 2
-has all columns but theirs; over one coordinate the zeros are points.
+describe a smooth curve of (q, x, X, w) whose picture in (u, v) is the locus, folds and cusps
+included. Type 2: all rows, columns of pose and passive joints. Type 1 of a limb: its rows, columns
+of its own joints. Where J w = 0 has solutions everywhere, w shows a loss of the generic rank in
+another way (`rank_loss`). Every equation is solved, also where J is not square, so that points of
+the curve are true zeros. Where known coordinates are told by name, the plane's are two of them, and
+type 2 has all columns but theirs; over one coordinate the zeros are points.
 """
 
 from __future__ import annotations
@@ -43,12 +44,15 @@ LocusKind = Literal["type 1", "type 2"]
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """Two coordinates that vary (or one), all others of their family held: pose coordinates, actuated joints, or known coordinates by name.
+    """Two coordinates that vary (or one), all others of their family held: pose coordinates,
+    actuated joints, or known coordinates by name.
 
-    `known` are the names of the family where they are told, `problem` is the one for which they are known; `here` are the closure's
-    variables at the solution. `values` are the closure's variables with the symbols `u`, `v` in place of the plane's coordinates, the held ones as
-    numbers, and `free` (the rest) as symbols of the closure. Pose coordinates have the meaning of `position.varied_pose`:
-    x, y, z, gamma, and the rotation vector rx, ry, rz before the configuration's orientation.
+    `known` are the names of the family where they are told, `problem` is the one for which they are
+    known; `here` are the closure's variables at the solution. `values` are the closure's variables
+    with the symbols `u`, `v` in place of the plane's coordinates, the held ones as numbers, and
+    `free` (the rest) as symbols of the closure. Pose coordinates have the meaning of
+    `position.varied_pose`: x, y, z, gamma, and the rotation vector rx, ry, rz before the
+    configuration's orientation.
     """
 
     problem: Problem
@@ -72,28 +76,46 @@ class Plane:
     @property
     def known(self) -> tuple[str, ...]:
         """The known coordinates, where they are told by name."""
-        return tuple(c.name for c in self.problem.known_coordinates) if self.problem.kind == "given" else ()
+        return (
+            tuple(c.name for c in self.problem.known_coordinates)
+            if self.problem.kind == "given"
+            else ()
+        )
 
     @property
     def family(self) -> tuple[Coordinate, ...]:
         """The coordinates of which two vary."""
-        return self.problem.known_coordinates if self.known else self.closure.role("pose" if self.of_pose else "actuated")
+        return (
+            self.problem.known_coordinates
+            if self.known
+            else self.closure.role("pose" if self.of_pose else "actuated")
+        )
 
     def value(self, coordinate: Coordinate) -> np.ndarray:
         """A coordinate's numbers at the configuration."""
         return np.asarray(self.here[self.closure.slices[coordinate.name]])
 
     def given(self, point: Sequence[float]) -> dict[str, Any]:
-        """The pose, the joint values or the values by name at a point (mechanism's units), as arguments of `symkin.solve`."""
+        """The pose, the joint values or the values by name at a point (mechanism's units), as
+        arguments of `symkin.solve`.
+        """
         varied = {name: float(value) for name, value in zip(self.names, point, strict=True)}
         if self.known:
             out = self.mechanism.angle_out
             held = {c.name: float(self.value(c)[0]) for c in self.family}
-            held = {c.name: out(held[c.name]) if c.is_angular else held[c.name] for c in self.family}
+            held = {
+                c.name: out(held[c.name]) if c.is_angular else held[c.name] for c in self.family
+            }
             return {"given": held | varied}
         if self.of_pose:
-            return {"pose": pose_at(self.mechanism, (*self.solution.position, *self.solution.quaternion), varied)}
-        joints = zip((c.name for c in self.mechanism.actuated), self.solution.actuated_values, strict=True)
+            return {
+                "pose": pose_at(
+                    self.mechanism, (*self.solution.position, *self.solution.quaternion), varied
+                )
+            }
+        joints = zip(
+            (c.name for c in self.mechanism.actuated), self.solution.actuated_values, strict=True
+        )
         return {"joints": [varied.get(name, value) for name, value in joints]}
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
@@ -101,22 +123,36 @@ class Plane:
         return plane_of, (self.solution, self.names, self.known or None)
 
     def stacked(self, coordinates: Sequence[Coordinate]) -> ca.SX:
-        return ca.vertcat(*(self.closure.variables[self.closure.slices[c.name]] for c in coordinates))
+        return ca.vertcat(
+            *(self.closure.variables[self.closure.slices[c.name]] for c in coordinates)
+        )
 
 
 def has_pose_planes(mechanism: Mechanism) -> bool:
-    """Whether loci may be asked for over pose coordinates: of a platform on limbs; a graph of links has those of what is given."""
+    """Whether loci may be asked for over pose coordinates: of a platform on limbs; a graph of links
+    has those of what is given.
+    """
     return plain_kind(mechanism, pose_names(mechanism)) is not None
 
 
 def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | None = None) -> Plane:
-    """The plane of two named coordinates through a configuration; `known` are all coordinates that are given, of which they are two.
-    Raises InputError for names that do not fit."""
+    """The plane of two named coordinates through a configuration; `known` are all coordinates that
+    are given, of which they are two. Raises InputError for names that do not fit.
+    """
     mechanism = solution.mechanism
-    told = tuple(c.name for c in mechanism.actuated) if known is None else checked_names(mechanism, known, "given")
-    by_name = plain_kind(mechanism, told) is None and (known is not None or not has_pose_planes(mechanism))
+    told = (
+        tuple(c.name for c in mechanism.actuated)
+        if known is None
+        else checked_names(mechanism, known, "given")
+    )
+    by_name = plain_kind(mechanism, told) is None and (
+        known is not None or not has_pose_planes(mechanism)
+    )
     if not (1 if by_name else 2) <= len(names) <= 2 or len(set(names)) < len(names):
-        raise InputError(f"plane = {', '.join(names)!r}; {'one or ' * by_name}two different coordinates are needed")
+        raise InputError(
+            f"plane = {', '.join(names)!r}; {'one or ' * by_name}two different coordinates are "
+            f"needed"
+        )
     return _plane_of_known(solution, names, told) if by_name else _plane_of_limbs(solution, names)
 
 
@@ -125,12 +161,23 @@ def _plane_of_known(solution: Solution, names: Sequence[str], known: tuple[str, 
     problem = problem_of_names(solution.mechanism, known)
     if not set(names) <= set(known) or any(name.startswith("pose.") for name in known):
         raise InputError(
-            f"plane = {', '.join(names)!r}{_guess(names, known)}; allowed: one or two of the coordinates that are given, {', '.join(known) or 'none'}"
+            f"plane = {', '.join(names)!r}{_guess(names, known)}; allowed: one or two of the "
+            f"coordinates that are given, {', '.join(known) or 'none'}"
         )
     refuse_unless_determined(problem)
     here, u = variables_elsewhere(problem.closure, solution), ca.SX.sym("uv", len(names))
     values, coordinates = _known_values(problem, here, names, u)
-    return Plane(problem, solution, here, tuple(names), coordinates, u, values, problem.system.unknowns, of_pose=False)
+    return Plane(
+        problem,
+        solution,
+        here,
+        tuple(names),
+        coordinates,
+        u,
+        values,
+        problem.system.unknowns,
+        of_pose=False,
+    )
 
 
 def _guess(names: Sequence[str], known: Sequence[str]) -> str:
@@ -146,15 +193,27 @@ def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
     of_pose = all(name in pose_names for name in names)
     if not of_pose and not all(name in joint_names for name in names):
         raise InputError(
-            f"plane = {', '.join(names)!r}{_guess(names, [*pose_names, *joint_names])}; allowed: two of {', '.join(pose_names)} (pose), or two of "
+            f"plane = {', '.join(names)!r}{_guess(names, [*pose_names, *joint_names])}; allowed: "
+            f"two of {', '.join(pose_names)} (pose), or two of "
             f"{', '.join(joint_names) or 'no'} (actuated joints)"
         )
     if of_pose and set(names) == {"gamma", "rz"}:
-        raise InputError(f"plane = {', '.join(names)!r}; they are the same angle: two different coordinates are needed")
+        raise InputError(
+            f"plane = {', '.join(names)!r}; they are the same angle: two different coordinates are "
+            f"needed"
+        )
     problem = build_problem(mechanism, "inverse" if of_pose else "direct")
     here, u = variables_elsewhere(problem.closure, solution), ca.SX.sym("uv", 2)
-    values, coordinates = _pose_values(problem.closure, solution, names, u) if of_pose else _known_values(problem, here, names, u)
-    free = problem.closure.role("actuated", "passive") if of_pose else problem.closure.role("passive", "pose")
+    values, coordinates = (
+        _pose_values(problem.closure, solution, names, u)
+        if of_pose
+        else _known_values(problem, here, names, u)
+    )
+    free = (
+        problem.closure.role("actuated", "passive")
+        if of_pose
+        else problem.closure.role("passive", "pose")
+    )
     return Plane(problem, solution, here, tuple(names), coordinates, u, values, free, of_pose)
 
 
@@ -167,7 +226,12 @@ def _pose_values(
     for c, value in zip(coordinates, varied, strict=True):
         values[closure.slices[c.name]] = value
     first, second = (
-        Coordinate(f"plane.{n}", _pose_kind(n, names), "pose", (0.0 if n in TURNS else float(solution.values[f"pose.{n}"]),))
+        Coordinate(
+            f"plane.{n}",
+            _pose_kind(n, names),
+            "pose",
+            (0.0 if n in TURNS else float(solution.values[f"pose.{n}"]),),
+        )
         for n in names
     )
     return values, (first, second)
@@ -180,7 +244,9 @@ def _pose_kind(name: str, names: Sequence[str]) -> Kind:
     return "angle" if name == "gamma" else "length"
 
 
-def _known_values(problem: Problem, here: np.ndarray, names: Sequence[str], u: ca.SX) -> tuple[ca.SX, tuple[Coordinate, ...]]:
+def _known_values(
+    problem: Problem, here: np.ndarray, names: Sequence[str], u: ca.SX
+) -> tuple[ca.SX, tuple[Coordinate, ...]]:
     closure, made = problem.closure, {}
     values = ca.SX(closure.variables)
     for c in problem.known_coordinates:
@@ -192,8 +258,10 @@ def _known_values(problem: Problem, here: np.ndarray, names: Sequence[str], u: c
 
 @dataclass(frozen=True, eq=False)
 class LocusSystem:
-    """One curve's equations: `curve` in the unknowns (free coordinates, u, v, w) and `closed`, F = 0 alone, in
-    the free coordinates, u and v; `loss` holds J at (free, u, v) and its generic rank. `limb` is set for type 1."""
+    """One curve's equations: `curve` in the unknowns (free coordinates, u, v, w) and `closed`, F =
+    0 alone, in the free coordinates, u and v; `loss` holds J at (free, u, v) and its generic rank.
+    `limb` is set for type 1.
+    """
 
     plane: Plane
     kind: LocusKind
@@ -226,18 +294,26 @@ class LocusSystem:
         return np.concatenate([*parts, [c.reference[0] for c in self.plane.coordinates]])
 
     def lift(self, closed: np.ndarray) -> tuple[np.ndarray, float]:
-        """A closed configuration with each w of `RankLoss.vectors` (r, width), and the smallest singular value."""
+        """A closed configuration with each w of `RankLoss.vectors` (r, width), and the smallest
+        singular value.
+        """
         vectors, singular = self.loss.vectors(closed)
-        return np.hstack([np.tile(closed, (len(vectors), 1)), self.curve.characteristic_length * vectors]), float(singular[0])
+        return np.hstack(
+            [np.tile(closed, (len(vectors), 1)), self.curve.characteristic_length * vectors]
+        ), float(singular[0])
 
     def through(self, z: np.ndarray) -> tuple[LocusSystem, np.ndarray]:
-        """The equations for tracing from a seed, and the seed in them: these, with rows chosen at the seed where they are chosen
-        at all. Where J has lost more than one rank there, C w = 0 too, with the rows of C spanning the null vectors at the seed
-        that are orthogonal to its own: w has no other one to turn to."""
+        """The equations for tracing from a seed, and the seed in them: these, with rows chosen at
+        the seed where they are chosen at all. Where J has lost more than one rank there, C w = 0
+        too, with the rows of C spanning the null vectors at the seed that are orthogonal to its
+        own: w has no other one to turn to.
+        """
         place, w, here = z[: self.uv.stop], z[self.uv.stop :], self
         if self.loss.chooses_rows:
             loss, w = self.loss.around(place, w)
-            here = replace(self, loss=loss, curve=_curve(self.closed, loss.kernel(self.closed.unknown), loss))
+            here = replace(
+                self, loss=loss, curve=_curve(self.closed, loss.kernel(self.closed.unknown), loss)
+            )
         null = here.loss.null_space(place)
         if len(null) > 1:
             others = np.linalg.svd((null @ w)[None])[2][1:] @ null
@@ -248,25 +324,42 @@ class LocusSystem:
 
 
 def locus_systems(plane: Plane, kinds: Sequence[LocusKind]) -> list[LocusSystem]:
-    """Type 2 once, type 1 for each limb with an actuated joint, unless known coordinates are told by name: these have no output that
-    could stand. A kind that cannot occur has no system."""
+    """Type 2 once, type 1 for each limb with an actuated joint, unless known coordinates are told
+    by name: these have no output that could stand. A kind that cannot occur has no system.
+    """
     closure, systems = plane.closure, []
     whole = whole_system(closure)
     generic = [whole.linearise_one(z, np.zeros(0))[1] for z in closed_configurations(closure, 0)]
     if "type 2" in kinds and not closure.mechanism.serial:
-        family = {c.name for c in plane.family} if plane.known else {c.name for c in closure.role("actuated")}
+        family = (
+            {c.name for c in plane.family}
+            if plane.known
+            else {c.name for c in closure.role("actuated")}
+        )
         owners = [c.name for c in closure.coordinates for _ in range(c.freedom)]
         kept = [k for k, name in enumerate(owners) if name not in family]
-        systems.append(_system(plane, whole, "type 2", None, list(range(int(closure.rows.shape[0]))), kept, generic))
+        systems.append(
+            _system(
+                plane, whole, "type 2", None, list(range(int(closure.rows.shape[0]))), kept, generic
+            )
+        )
     if "type 1" in kinds and not plane.known:
         for block in limb_blocks(closure):
             if block.actuated:
-                systems.append(_system(plane, whole, "type 1", block.limb, block.rows, block.joints, generic))
+                systems.append(
+                    _system(plane, whole, "type 1", block.limb, block.rows, block.joints, generic)
+                )
     return [system for system in systems if system.loss.rank]
 
 
 def _system(
-    plane: Plane, whole: System, kind: LocusKind, limb: str | None, rows: list[int], columns: list[int], generic: list[np.ndarray]
+    plane: Plane,
+    whole: System,
+    kind: LocusKind,
+    limb: str | None,
+    rows: list[int],
+    columns: list[int],
+    generic: list[np.ndarray],
 ) -> LocusSystem:
     """With a given pose limbs are apart: type 1 of a limb needs its own rows and joints only."""
     closure, size = plane.closure, plane.closure.characteristic_length
@@ -280,12 +373,19 @@ def _system(
     fixed, nothing = ca.vertcat(plane.stacked(free), plane.symbols), ca.SX(0, 1)
     role = "pose" if kind == "type 2" else "actuated"
     loss = RankLoss(
-        ca.Function("kernel", [fixed], [ca.densify(jacobian)], {"cse": True}), generic_matrix(generic, rows, columns),
+        ca.Function("kernel", [fixed], [ca.densify(jacobian)], {"cse": True}),
+        generic_matrix(generic, rows, columns),
         [k for k, column in enumerate(columns) if plane.known or per_freedom[column].role == role],
-    )  # fmt: skip
+    )
     closed = System((*free, *plane.coordinates), fixed, nothing, closed_rows, closed_rows, size)
     return LocusSystem(
-        plane=plane, kind=kind, limb=limb, free=free, curve=_curve(closed, jacobian, loss), closed=closed, loss=loss
+        plane=plane,
+        kind=kind,
+        limb=limb,
+        free=free,
+        curve=_curve(closed, jacobian, loss),
+        closed=closed,
+        loss=loss,
     )
 
 
@@ -294,7 +394,9 @@ def _curve(closed: System, jacobian: ca.SX, loss: RankLoss) -> System:
     w, size = ca.SX.sym("w", loss.rank), closed.characteristic_length
     weights = tuple(Coordinate(f"w.{k}", "length", "passive") for k in range(loss.rank))
     rows = ca.vertcat(closed.rows, loss.equations(jacobian, w), (ca.dot(w, w) / size - size) / 2)
-    return System((*closed.unknowns, *weights), ca.vertcat(closed.unknown, w), closed.known, rows, rows, size)
+    return System(
+        (*closed.unknowns, *weights), ca.vertcat(closed.unknown, w), closed.known, rows, rows, size
+    )
 
 
 def _substituted(plane: Plane, expression: ca.SX) -> ca.SX:

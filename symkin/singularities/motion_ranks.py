@@ -1,8 +1,9 @@
-"""Count ranks at a configuration, compare them with generic ones, and measure the distance to losing one.
+"""Count ranks at a configuration, compare them with generic ones, and measure the distance to
+losing one.
 
-The feasible motions (t, q') are the null space of [A B]. Their part in q' has less than its generic rank where some inputs
-become impossible, their part in t where some outputs do; A loses rank where the platform moves with q' = 0, B where joints move
-with t = 0 (Zlatanov, Fenton and Benhabib 1995).
+The feasible motions (t, q') are the null space of [A B]. Their part in q' has less than its generic
+rank where some inputs become impossible, their part in t where some outputs do; A loses rank where
+the platform moves with q' = 0, B where joints move with t = 0 (Zlatanov, Fenton and Benhabib 1995).
 """
 
 from __future__ import annotations
@@ -24,8 +25,9 @@ from symkin.singularities.roles import Roles
 
 @dataclass(frozen=True)
 class Ranks:
-    """What is counted at a configuration: feasible motions (t, q') and the ranks of their parts, passive motions alone,
-    and the ranks of A, of B and of the constraint wrenches C."""
+    """What is counted at a configuration: feasible motions (t, q') and the ranks of their parts,
+    passive motions alone, and the ranks of A, of B and of the constraint wrenches C.
+    """
 
     motions: int
     inputs: int
@@ -56,7 +58,9 @@ class Ranks:
 
     @property
     def permanent_freedoms(self) -> dict[str, int]:
-        """Of generic ranks: freedoms of each kind of singularity that every configuration has, where there are any."""
+        """Of generic ranks: freedoms of each kind of singularity that every configuration has,
+        where there are any.
+        """
         counts = {
             "type 1": self.motions - self.outputs,
             "type 2": self.motions - self.inputs,
@@ -65,23 +69,30 @@ class Ranks:
         return {kind: count for kind, count in counts.items() if count}
 
     def at_other_assembly(self, here: Ranks) -> Ranks:
-        """Generic ranks for a configuration whose limbs constrain less than at the reference although it moves no more freely in
-        all: its rows are as independent as they ever are, so that no constraint is lost there; the limbs lie in another assembly,
-        with fewer freedoms of their own."""
+        """Generic ranks for a configuration whose limbs constrain less than at the reference
+        although it moves no more freely in all: its rows are as independent as they ever are, so
+        that no constraint is lost there; the limbs lie in another assembly, with fewer freedoms of
+        their own.
+        """
         if here.constraints < self.constraints and here.freedoms <= self.freedoms:
             return replace(self, constraints=here.constraints)
         return self
 
 
 @lru_cache(maxsize=128)
-def generic_ranks(mechanism: Mechanism, output: Output | None = None, roles: Roles | None = None) -> Ranks:
-    """Ranks at a random closed configuration near the reference, the one with the fewest motions (seed 0); with an output,
-    those of the equations that are reduced to it."""
+def generic_ranks(
+    mechanism: Mechanism, output: Output | None = None, roles: Roles | None = None
+) -> Ranks:
+    """Ranks at a random closed configuration near the reference, the one with the fewest motions
+    (seed 0); with an output, those of the equations that are reduced to it.
+    """
     closure, found = build_closure(mechanism) if roles is None else roles.closure, []
     for values in closed_configurations(closure, 0):
         equations = limbwise_equations(closure, values, RANK_TOLERANCE, roles)
         if output is not None:
-            equations = output_equations(closure, values, equations, output, RANK_TOLERANCE).equations
+            equations = output_equations(
+                closure, values, equations, output, RANK_TOLERANCE
+            ).equations
         found.append(Ranks.of(equations, RANK_TOLERANCE))
     return min(found, key=lambda ranks: (ranks.freedoms, -ranks.twist, -ranks.rates))
 
@@ -93,14 +104,21 @@ def feasible_motions(equations: LimbwiseEquations, tolerance: float) -> np.ndarr
 
 def rank_of(matrix: np.ndarray, tolerance: float) -> int:
     """Count of singular values above `tolerance` (absolute: rows have unit length)."""
-    return int(np.sum(np.linalg.svd(matrix, compute_uv=False) > tolerance)) if min(matrix.shape) else 0
+    return (
+        int(np.sum(np.linalg.svd(matrix, compute_uv=False) > tolerance)) if min(matrix.shape) else 0
+    )
 
 
-def distances(closure: Closure, equations: LimbwiseEquations, generic: Ranks, roles: Roles | None = None) -> dict[str, float]:
-    """For each kind that the mechanism can have, the smallest singular value (of those that are not zero everywhere) of its
-    matrix."""
+def distances(
+    closure: Closure, equations: LimbwiseEquations, generic: Ranks, roles: Roles | None = None
+) -> dict[str, float]:
+    """For each kind that the mechanism can have, the smallest singular value (of those that are not
+    zero everywhere) of its matrix.
+    """
     roles = Roles(closure.mechanism) if roles is None else roles
-    found = {"type 1": _singular_value(equations.rates, generic.rates)} if roles.names_output else {}
+    found = (
+        {"type 1": _singular_value(equations.rates, generic.rates)} if roles.names_output else {}
+    )
     if not closure.mechanism.serial:
         found["type 2"] = _singular_value(equations.twist, generic.twist)
     if roles.by_name:

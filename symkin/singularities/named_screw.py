@@ -17,10 +17,11 @@ from symkin.position.solution import Solution
 
 @dataclass(frozen=True, eq=False)
 class NamedScrew:
-    """A screw (s; s0) about the base origin: a twist (angular velocity; velocity at the origin) or a wrench (force; moment).
+    """A screw (s; s0) about the base origin: a twist (angular velocity; velocity at the origin) or
+    a wrench (force; moment).
 
-    The direction part has unit length, or the moment part where there is no direction part (translation, couple).
-    `size` is the length that makes both parts comparable in naming.
+    The direction part has unit length, or the moment part where there is no direction part
+    (translation, couple). `size` is the length that makes both parts comparable in naming.
     """
 
     kind: Literal["twist", "wrench"]
@@ -29,13 +30,17 @@ class NamedScrew:
     characteristic_length: float
 
     @staticmethod
-    def of(kind: Literal["twist", "wrench"], vector: np.ndarray, length_unit: str, size: float) -> NamedScrew:
+    def of(
+        kind: Literal["twist", "wrench"], vector: np.ndarray, length_unit: str, size: float
+    ) -> NamedScrew:
         """The same screw with unit length, its first component of weight positive."""
         s, s0 = vector[:3], vector[3:]
         pure = float(np.linalg.norm(s)) <= SINGULAR_VALUE * float(np.linalg.norm(s0)) / size
         leading = s0 if pure else s
         unit = vector / np.linalg.norm(leading)
-        sign = next((math.copysign(1.0, v) for v in (unit[3:] if pure else unit[:3]) if abs(v) > 1e-6), 1.0)
+        sign = next(
+            (math.copysign(1.0, v) for v in (unit[3:] if pure else unit[:3]) if abs(v) > 1e-6), 1.0
+        )
         parts = np.concatenate([np.zeros(3), unit[3:]]) if pure else unit
         return NamedScrew(kind, sign * parts + 0.0, length_unit, size)
 
@@ -71,9 +76,12 @@ class NamedScrew:
         """`vector` is (direction; moment about the base origin), `pitch` length per radian."""
         point = None if self.point is None else self.point.tolist()
         return {
-            "name": self.name, "vector": self.vector.tolist(), "direction": self.direction.tolist(),
-            "point": point, "pitch": self.pitch,
-        }  # fmt: skip
+            "name": self.name,
+            "vector": self.vector.tolist(),
+            "direction": self.direction.tolist(),
+            "point": point,
+            "pitch": self.pitch,
+        }
 
     def __str__(self) -> str:
         along = f"along {_triple(self.direction, 1.0)}"
@@ -87,7 +95,10 @@ class NamedScrew:
                 return f"force along the line {line}"
             case _:
                 turn = 2 * math.pi * self.pitch
-                return f"{self.name} of pitch {turn:.6g} {self.length_unit} per turn about the axis {line}"
+                return (
+                    f"{self.name} of pitch {turn:.6g} {self.length_unit} per turn about the axis "
+                    f"{line}"
+                )
 
 
 def named_twist(solution: Solution, motion: np.ndarray) -> NamedScrew:
@@ -102,17 +113,28 @@ def named_wrench(solution: Solution, covector: np.ndarray) -> NamedScrew:
     """From the wrench's work on (velocity of the platform origin; size times angular velocity)."""
     mechanism = solution.mechanism
     force = covector[:3]
-    vector = np.concatenate([force, mechanism.characteristic_length * covector[3:] + np.cross(solution.position, force)])
+    vector = np.concatenate(
+        [force, mechanism.characteristic_length * covector[3:] + np.cross(solution.position, force)]
+    )
     return NamedScrew.of("wrench", vector, mechanism.length_unit, mechanism.characteristic_length)
 
 
-def joint_rates(mechanism: Mechanism, joints: Sequence[Coordinate], rates: np.ndarray) -> dict[str, float]:
-    """Rates by joint name in the mechanism's units, the largest 1, from lengths and angles times the size."""
-    scales = [mechanism.angle_out(1.0 / mechanism.characteristic_length) if c.is_angular else 1.0 for c in joints]
+def joint_rates(
+    mechanism: Mechanism, joints: Sequence[Coordinate], rates: np.ndarray
+) -> dict[str, float]:
+    """Rates by joint name in the mechanism's units, the largest 1, from lengths and angles times
+    the size.
+    """
+    scales = [
+        mechanism.angle_out(1.0 / mechanism.characteristic_length) if c.is_angular else 1.0
+        for c in joints
+    ]
     values = rates * np.array(scales)
     largest = np.flatnonzero(np.abs(values) > (1 - SINGULAR_VALUE) * np.abs(values).max())[0]
     values = values / values[largest]
-    return {c.name: float(v) for c, v in zip(joints, values, strict=True) if abs(v) > SINGULAR_VALUE}
+    return {
+        c.name: float(v) for c, v in zip(joints, values, strict=True) if abs(v) > SINGULAR_VALUE
+    }
 
 
 def _triple(vector: np.ndarray, scale: float) -> str:

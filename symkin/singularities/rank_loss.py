@@ -1,13 +1,15 @@
-"""Equations for the loss of rank: where a matrix J(z) of m rows and n columns has less than its generic rank r.
+"""Equations for the loss of rank: where a matrix J(z) of m rows and n columns has less than its
+generic rank r.
 
 A unit vector w of r entries tells it:
 
     r = n          J w = 0
     r < n          (R J)^T w = 0 with R (r, m) of constant orthonormal rows, square where r = m
 
-With r < n some J w = 0 hold everywhere (redundant actuated joints, freedoms without an actuator), so that only a relation of
-the rows tells a further loss. Where r < m too, the rows of R span the column space of J at a generic configuration, or what
-stands for it at a point of a locus (`around`); a zero at which R, not J, is to blame is told by `is_lost`.
+With r < n some J w = 0 hold everywhere (redundant actuated joints, freedoms without an actuator),
+so that only a relation of the rows tells a further loss. Where r < m too, the rows of R span the
+column space of J at a generic configuration, or what stands for it at a point of a locus
+(`around`); a zero at which R, not J, is to blame is told by `is_lost`.
 """
 
 from __future__ import annotations
@@ -25,9 +27,10 @@ from symkin.numeric.tolerances import SINGULAR_VALUE
 
 @dataclass(frozen=True, eq=False)
 class RankLoss:
-    """`kernel` evaluates J (m, n) at (free, u, v); `generic` is J at a generic configuration. `telling` are the columns of J
-    that tell the kind of a locus: pose for type 2, actuated joints for type 1; the others are passive joints. `given` is R
-    where it is not the generic one."""
+    """`kernel` evaluates J (m, n) at (free, u, v); `generic` is J at a generic configuration.
+    `telling` are the columns of J that tell the kind of a locus: pose for type 2, actuated joints
+    for type 1; the others are passive joints. `given` is R where it is not the generic one.
+    """
 
     kernel: ca.Function
     generic: np.ndarray
@@ -48,7 +51,11 @@ class RankLoss:
         """R (r, m)."""
         if self.given is not None:
             return self.given
-        return np.asarray(np.linalg.svd(self.generic)[0][:, : self.rank].T) if self.chooses_rows else np.eye(self.rank)
+        return (
+            np.asarray(np.linalg.svd(self.generic)[0][:, : self.rank].T)
+            if self.chooses_rows
+            else np.eye(self.rank)
+        )
 
     @property
     def chooses_rows(self) -> bool:
@@ -56,8 +63,9 @@ class RankLoss:
         return self.free_motions > 0 and self.rank < self.generic.shape[0]
 
     def around(self, z: np.ndarray, w: np.ndarray) -> tuple[RankLoss, np.ndarray]:
-        """With R at a point of a locus: the combinations of rows that J keeps there, then those that it loses; and the same
-        w (any length)."""
+        """With R at a point of a locus: the combinations of rows that J keeps there, then those
+        that it loses; and the same w (any length).
+        """
         left = np.linalg.svd(np.asarray(self.kernel(z)))[0]
         lost = self.null_space(z) @ self.combinations
         rows = np.vstack([left[:, : self.rank - len(lost)].T, lost])
@@ -65,10 +73,14 @@ class RankLoss:
 
     def equations(self, jacobian: ca.SX, w: ca.SX) -> ca.SX:
         """The rows that vanish with J's symbols in place of its numbers."""
-        return jacobian @ w if not self.free_motions else (ca.DM(self.combinations) @ jacobian).T @ w
+        return (
+            jacobian @ w if not self.free_motions else (ca.DM(self.combinations) @ jacobian).T @ w
+        )
 
     def vectors(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Unit w (r, r) at a closed configuration as rows, and their singular values (r,), the smallest first."""
+        """Unit w (r, r) at a closed configuration as rows, and their singular values (r,), the
+        smallest first.
+        """
         if self.free_motions:
             left, singular, _ = np.linalg.svd(self.combinations @ np.asarray(self.kernel(z)))
             return left.T[::-1], singular[::-1]
@@ -76,7 +88,9 @@ class RankLoss:
         return right[::-1], singular[::-1]
 
     def null_space(self, z: np.ndarray) -> np.ndarray:
-        """The w (c, r) of singular values that are lost at a point of a locus; c = 1 where no more than one is."""
+        """The w (c, r) of singular values that are lost at a point of a locus; c = 1 where no more
+        than one is.
+        """
         vectors, singular = self.vectors(z)
         return np.asarray(vectors[singular <= SINGULAR_VALUE * self._scale])
 
@@ -85,22 +99,32 @@ class RankLoss:
         return self._loses_rank(np.asarray(self.kernel(z)), self.rank)
 
     def is_passive(self, points: np.ndarray, w: np.ndarray) -> bool:
-        """Whether passive joints alone lose the rank at points of a locus with unit vectors w (rows)."""
+        """Whether passive joints alone lose the rank at points of a locus with unit vectors w
+        (rows).
+        """
         if not self.free_motions:
             return float(np.abs(w[:, self.telling]).max(initial=0.0)) <= SINGULAR_VALUE
         passive = [k for k in range(self.generic.shape[1]) if k not in self.telling]
         rank = Rank.of(self.generic[:, passive]).value
-        return rank > 0 and all(self._loses_rank(np.asarray(self.kernel(z))[:, passive], rank) for z in points)
+        return rank > 0 and all(
+            self._loses_rank(np.asarray(self.kernel(z))[:, passive], rank) for z in points
+        )
 
     @cached_property
     def _scale(self) -> float:
         return float(np.linalg.norm(self.generic, 2))
 
     def _loses_rank(self, matrix: np.ndarray, rank: int) -> bool:
-        return bool(np.linalg.svd(matrix, compute_uv=False)[rank - 1] <= SINGULAR_VALUE * self._scale)
+        return bool(
+            np.linalg.svd(matrix, compute_uv=False)[rank - 1] <= SINGULAR_VALUE * self._scale
+        )
 
 
-def generic_matrix(jacobians: Sequence[np.ndarray], rows: list[int], columns: list[int]) -> np.ndarray:
-    """The part of one of the Jacobians, at configurations of one mechanism, that has the largest rank."""
+def generic_matrix(
+    jacobians: Sequence[np.ndarray], rows: list[int], columns: list[int]
+) -> np.ndarray:
+    """The part of one of the Jacobians, at configurations of one mechanism, that has the largest
+    rank.
+    """
     parts = [jacobian[np.ix_(rows, columns)] for jacobian in jacobians]
     return max(parts, key=lambda part: Rank.of(part).value)

@@ -1,4 +1,6 @@
-"""What drives a mechanism and what is wanted of it: the inputs q' and the outputs t of its velocity equations."""
+"""What drives a mechanism and what is wanted of it: the inputs q' and the outputs t of its velocity
+equations.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +17,17 @@ from symkin.position.given_by_name import given_coordinates, plain_kind, pose_na
 from symkin.position.problem import build_problem
 
 _OPEN_RANK, _MOST_OPEN = 1e3, 1e-2
-"""Singular values below this many times the share of the size by which loops stay open are those of redundant rows, up to a share of
-the largest."""
+"""Singular values below this many times the share of the size by which loops stay open are those of
+redundant rows, up to a share of the largest.
+"""
 
 
 @dataclass(frozen=True)
 class Roles:
-    """The coordinates that are driven (`inputs`) and those that are wanted (`outputs`), by name. Without names, they are the actuated
-    joints and the platform's pose of limbs. `outputs` of None are all other joints."""
+    """The coordinates that are driven (`inputs`) and those that are wanted (`outputs`), by name.
+    Without names, they are the actuated joints and the platform's pose of limbs. `outputs` of None
+    are all other joints.
+    """
 
     mechanism: Mechanism
     inputs: tuple[str, ...] | None = None
@@ -39,8 +44,9 @@ class Roles:
 
     @property
     def closure(self) -> Closure:
-        """The closure of what is asked; that of names holds every joint whose coordinates are numbers, so that where loops would be cut
-        does not matter."""
+        """The closure of what is asked; that of names holds every joint whose coordinates are
+        numbers, so that where loops would be cut does not matter.
+        """
         if self.inputs is None:
             return build_closure(self.mechanism)
         numbers = [c.name for c in self.mechanism.coordinates if c.kind != "quaternion"]
@@ -55,12 +61,16 @@ class Roles:
 
     @property
     def dependent_rows(self) -> float:
-        """Singular value of rows, over the largest, below which rows of names follow from others: more than rounding where loops of
-        redundant constraints close only to the digits of a file."""
+        """Singular value of rows, over the largest, below which rows of names follow from others:
+        more than rounding where loops of redundant constraints close only to the digits of a file.
+        """
         if self.inputs is None:
             return RANK_TOLERANCE
         misfit = determination(build_problem(self.mechanism, "given", self.inputs)).misfit
-        return max(RANK_TOLERANCE, min(_OPEN_RANK * misfit / self.mechanism.characteristic_length, _MOST_OPEN))
+        return max(
+            RANK_TOLERANCE,
+            min(_OPEN_RANK * misfit / self.mechanism.characteristic_length, _MOST_OPEN),
+        )
 
     def input_columns(self, closure: Closure) -> list[int]:
         """Columns of the closure's Jacobian by rates of what is driven."""
@@ -77,18 +87,34 @@ class Roles:
         """Columns of the closure's Jacobian by rates of what is wanted."""
         if self.inputs is None:
             return columns_by_name(closure, [c.name for c in closure.role("pose")])
-        return columns_by_name(closure, other_joints(closure, self.inputs) if self.outputs is None else self.outputs)
+        return columns_by_name(
+            closure, other_joints(closure, self.inputs) if self.outputs is None else self.outputs
+        )
 
     @property
     def output_text(self) -> str:
         """What the output is, in words."""
-        return "the platform" if self.has_twist else "the other joints" if self.outputs is None else ", ".join(self.outputs)
+        return (
+            "the platform"
+            if self.has_twist
+            else "the other joints"
+            if self.outputs is None
+            else ", ".join(self.outputs)
+        )
 
 
-def roles_of(mechanism: Mechanism, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None) -> Roles:
-    """The roles for coordinates that are told by name; without `inputs` the actuated joints, without `outputs` the platform, or all
-    other joints where there is none or its own coordinates drive. Raises InputError for names that nothing has."""
-    driven = tuple(c.name for c in mechanism.actuated) if inputs is None else checked_names(mechanism, inputs, "given")
+def roles_of(
+    mechanism: Mechanism, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+) -> Roles:
+    """The roles for coordinates that are told by name; without `inputs` the actuated joints,
+    without `outputs` the platform, or all other joints where there is none or its own coordinates
+    drive. Raises InputError for names that nothing has.
+    """
+    driven = (
+        tuple(c.name for c in mechanism.actuated)
+        if inputs is None
+        else checked_names(mechanism, inputs, "given")
+    )
     if outputs is None and plain_kind(mechanism, driven) is not None:
         return Roles(mechanism)
     if not driven:
@@ -97,9 +123,14 @@ def roles_of(mechanism: Mechanism, inputs: Sequence[str] | None = None, outputs:
         wanted = checked_names(mechanism, outputs, "output")
         both = [name for name in wanted if name in driven]
         if both:
-            raise InputError(f"output = {', '.join(wanted)}: {', '.join(both)} is given, and drives the mechanism")
+            raise InputError(
+                f"output = {', '.join(wanted)}: {', '.join(both)} is given, and drives the "
+                f"mechanism"
+            )
         return Roles(mechanism, driven, wanted)
-    pose_drives = any(name in POSE_CONDITIONS and name not in _joint_names(mechanism) for name in driven)
+    pose_drives = any(
+        name in POSE_CONDITIONS and name not in _joint_names(mechanism) for name in driven
+    )
     pose_drives = pose_drives or any(name.startswith("pose.") for name in driven)
     others = any(c.kind != "quaternion" and c.name not in driven for c in mechanism.coordinates)
     platform = mechanism.platform_link is not None and not (pose_drives and others)
@@ -113,7 +144,9 @@ def other_joints(closure: Closure, inputs: Sequence[str]) -> list[str]:
 
 
 def checked_names(mechanism: Mechanism, names: Sequence[str], what: str) -> tuple[str, ...]:
-    """Names of coordinates, those of the whole pose for "pose". Raises InputError for what no coordinate is named, or twice."""
+    """Names of coordinates, those of the whole pose for "pose". Raises InputError for what no
+    coordinate is named, or twice.
+    """
     known = given_coordinates(mechanism)
     found: list[str] = []
     for name in names:

@@ -1,9 +1,11 @@
-"""Decide whether a mechanism moves while both coordinates of a plane are held; finite steps must show it.
+"""Decide whether a mechanism moves while both coordinates of a plane are held; finite steps must
+show it.
 
-A locus that stands in one point of the plane may belong to a motion with both coordinates held, or to curves that nearly
-touch, where the equations are too ill-conditioned for the next step. Configurations z_0 ... z_n at finite steps along the null
-direction are brought to F(z_k, u, v) = 0 together, with one (u, v) for all of them; only where every row vanishes and the
-configurations stay apart is there a motion.
+A locus that stands in one point of the plane may belong to a motion with both coordinates held, or
+to curves that nearly touch, where the equations are too ill-conditioned for the next step.
+Configurations z_0 ... z_n at finite steps along the null direction are brought to F(z_k, u, v) = 0
+together, with one (u, v) for all of them; only where every row vanishes and the configurations stay
+apart is there a motion.
 """
 
 from __future__ import annotations
@@ -18,16 +20,21 @@ from symkin.singularities.locus_system import LocusSystem
 _COUNT, _STEP = 6, 0.01
 """How many finite steps show a motion, and the length of each, of the size."""
 _LEAST_DISTANCE = 0.5
-"""Least distance of neighbours after the correction, of a step: an isolated configuration draws all of them together."""
+"""Least distance of neighbours after the correction, of a step: an isolated configuration draws all
+of them together.
+"""
 _MOST_DRIFT = 1e-5
-"""Most that (u, v) may move in the correction, of the size: beyond, the motion belongs to another point of the plane."""
+"""Most that (u, v) may move in the correction, of the size: beyond, the motion belongs to another
+point of the plane.
+"""
 _ITERATIONS = 15
 """Gauss-Newton steps of the correction of all configurations together."""
 
 
 def has_self_motion(system: LocusSystem, z: np.ndarray) -> bool:
-    """Whether from the curve's point z the free coordinates move over a finite length with one (u, v), every row of F below
-    1e-11 of the size at each step."""
+    """Whether from the curve's point z the free coordinates move over a finite length with one (u,
+    v), every row of F below 1e-11 of the size at each step.
+    """
     if not system.free:
         return False
     begin = z[: system.uv.stop]
@@ -39,7 +46,9 @@ def has_self_motion(system: LocusSystem, z: np.ndarray) -> bool:
 
 
 def _steps_along(closed: System, begin: np.ndarray, sense: float) -> np.ndarray:
-    """Configurations (n, width) at finite steps along the null direction with u and v held, roughly closed."""
+    """Configurations (n, width) at finite steps along the null direction with u and v held, roughly
+    closed.
+    """
     points, length = [begin], _STEP * closed.characteristic_length
     direction = sense * _null_space(closed, begin)[-1]
     for _ in range(_COUNT):
@@ -47,7 +56,9 @@ def _steps_along(closed: System, begin: np.ndarray, sense: float) -> np.ndarray:
         for _ in range(3):
             values, jacobian = closed.linearise_one(z, np.zeros(0))
             step = np.linalg.lstsq(jacobian[:, :-2], -values, rcond=SINGULAR_VALUE)[0]
-            z = _moved(closed, z, step * min(1.0, length / max(float(np.linalg.norm(step)), length)))
+            z = _moved(
+                closed, z, step * min(1.0, length / max(float(np.linalg.norm(step)), length))
+            )
         basis = _null_space(closed, z)
         ahead = basis.T @ (basis @ direction)
         direction = ahead / max(float(np.linalg.norm(ahead)), 1e-12)
@@ -61,15 +72,18 @@ def _moved(closed: System, z: np.ndarray, step: np.ndarray) -> np.ndarray:
 
 
 def _null_space(closed: System, z: np.ndarray) -> np.ndarray:
-    """Orthonormal rows; the last one belongs to the smallest singular value, however large it is."""
+    """Orthonormal rows; the last one belongs to the smallest singular value, however large it
+    is.
+    """
     _, singular, right = np.linalg.svd(closed.linearise_one(z, np.zeros(0))[1][:, :-2])
     rank = int(np.sum(singular > SINGULAR_VALUE * singular[0])) if len(singular) else 0
     return np.asarray(right[min(rank, len(right) - 1) :])
 
 
 def _close_all(closed: System, points: np.ndarray) -> np.ndarray | None:
-    """Zeros of all rows at all points with one step of (u, v) for all of them, by least-norm Gauss-Newton; None where they
-    are not reached."""
+    """Zeros of all rows at all points with one step of (u, v) for all of them, by least-norm
+    Gauss-Newton; None where they are not reached.
+    """
     count, freedom = len(points), closed.freedom - 2
     for _ in range(_ITERATIONS):
         values, jacobians = closed.linearise(points, np.zeros(0))
@@ -92,7 +106,9 @@ def _finite_motion(system: LocusSystem, begin: np.ndarray, chain: np.ndarray) ->
     closed, count = system.closed, len(system.free)
     steps = distance(closed, chain[1:], chain[:-1], count)
     length = _STEP * closed.characteristic_length
-    scale = np.array([closed.characteristic_length if c.is_angular else 1.0 for c in system.plane.coordinates])
+    scale = np.array(
+        [closed.characteristic_length if c.is_angular else 1.0 for c in system.plane.coordinates]
+    )
     strayed = float(np.max(np.abs((chain[0] - begin)[system.uv] * scale)))
     reached = float(distance(closed, chain[-1], chain[0], count))
     return (

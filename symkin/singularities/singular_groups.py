@@ -1,4 +1,6 @@
-"""Name the structure groups of a problem that are singular at a configuration, and the loops that they close."""
+"""Name the structure groups of a problem that are singular at a configuration, and the loops that
+they close.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +21,10 @@ from symkin.singularities.limb_equations import row_basis
 
 @dataclass(frozen=True)
 class SingularGroup:
-    """A structure group whose unknowns its rows do not decide at a configuration: its number from 0 and its unknowns, as `modes` lists
-    them in `blocks`, the loops that it closes, by their joints, and its smallest singular value (rows of unit length, angles times the
-    size)."""
+    """A structure group whose unknowns its rows do not decide at a configuration: its number from 0
+    and its unknowns, as `modes` lists them in `blocks`, the loops that it closes, by their joints,
+    and its smallest singular value (rows of unit length, angles times the size).
+    """
 
     number: int
     unknowns: tuple[str, ...]
@@ -42,21 +45,28 @@ class SingularGroup:
         return f"block {self.number} ({', '.join(self.unknowns)}){of}"
 
 
-def singular_groups(problem: Problem, values: np.ndarray, tolerance: float = SINGULAR_VALUE) -> tuple[SingularGroup, ...]:
-    """The groups that lose rank at a singular configuration, a full vector of variables: those of singular values below `tolerance`, at
-    least the one of the smallest."""
+def singular_groups(
+    problem: Problem, values: np.ndarray, tolerance: float = SINGULAR_VALUE
+) -> tuple[SingularGroup, ...]:
+    """The groups that lose rank at a singular configuration, a full vector of variables: those of
+    singular values below `tolerance`, at least the one of the smallest.
+    """
     groups = structure_groups(problem)
     least = [_least_singular_value(group, values, tolerance) for group in groups]
     bound = max(tolerance, min(least, default=0.0))
     return tuple(
-        SingularGroup(k, tuple(c.name for c in groups[k].system.unknowns), _loops_of(groups, k, values), value)
+        SingularGroup(
+            k, tuple(c.name for c in groups[k].system.unknowns), _loops_of(groups, k, values), value
+        )
         for k, value in enumerate(least)
         if value <= bound
     )
 
 
 def _least_singular_value(group: Problem, values: np.ndarray, tolerance: float) -> float:
-    """The smallest singular value of a group's rows by its unknowns, the rows orthonormal over unknowns and knowns."""
+    """The smallest singular value of a group's rows by its unknowns, the rows orthonormal over
+    unknowns and knowns.
+    """
     system, knowns = group.system, group.known_coordinates
     both = System(
         (*system.unknowns, *knowns),
@@ -73,12 +83,16 @@ def _least_singular_value(group: Problem, values: np.ndarray, tolerance: float) 
 
 
 def _loops_of(groups: tuple[Problem, ...], number: int, values: np.ndarray) -> tuple[str, ...]:
-    """The loops that run through a branch that the group closes, and through none that groups close which read its values."""
+    """The loops that run through a branch that the group closes, and through none that groups close
+    which read its values.
+    """
     closure = groups[number].closure
     own = _edges(groups[number])
     later = {name for group in _readers(groups, number) for name in _edges(group)} - own
     loops = [loop for loop in loops_at(closure, values) if own & set(loop.joints)]
-    return tuple(loop.name for loop in ([loop for loop in loops if not later & set(loop.joints)] or loops))
+    return tuple(
+        loop.name for loop in ([loop for loop in loops if not later & set(loop.joints)] or loops)
+    )
 
 
 def _readers(groups: tuple[Problem, ...], number: int) -> list[Problem]:
@@ -96,6 +110,13 @@ def _edges(group: Problem) -> set[str]:
     """Names of the joints and rods in the branches that a group closes."""
     closure = group.closure
     coupled = {name for c in closure.mechanism.couplings for name in (c.joint, *c.names)}
-    layout = layout_of(closure.mechanism, closure.partition.kept | coupled, pose=closure.partition.pose)
+    layout = layout_of(
+        closure.mechanism, closure.partition.kept | coupled, pose=closure.partition.pose
+    )
     sources = {closure.row_sources[k].limb for k in group.places_of_rows}
-    return {element.name for branch in layout.branches if branch.name in sources for element in branch.elements}
+    return {
+        element.name
+        for branch in layout.branches
+        if branch.name in sources
+        for element in branch.elements
+    }

@@ -1,10 +1,12 @@
-"""Find singularity loci over a plane of two coordinates: curves of true zeros, met from random configurations and traced.
+"""Find singularity loci over a plane of two coordinates: curves of true zeros, met from random
+configurations and traced.
 
-Over two pose coordinates the loci belong to poses; over two actuated joints they bound the regions in which the number of
-real assembly modes is constant, and have cusps where three modes meet. Seeds: random configurations over the plane are
-closed, lifted by null vectors of small singular values (`locus_system`) and brought onto the curve by
-Levenberg-Marquardt; then the curve is traced (`curve`). A closed curve that no seed reaches is missed: `starts` says how
-many random configurations there were, `hits` how many of them led to each curve.
+Over two pose coordinates the loci belong to poses; over two actuated joints they bound the regions
+in which the number of real assembly modes is constant, and have cusps where three modes meet.
+Seeds: random configurations over the plane are closed, lifted by null vectors of small singular
+values (`locus_system`) and brought onto the curve by Levenberg-Marquardt; then the curve is traced
+(`curve`). A closed curve that no seed reaches is missed: `starts` says how many random
+configurations there were, `hits` how many of them led to each curve.
 """
 
 from __future__ import annotations
@@ -40,20 +42,25 @@ def singular_loci(
     starts: int = DEFAULT_STARTS,
     seed: int = 0,
 ) -> Loci:
-    """Find the curves of singular configurations over two coordinates, or the points over one, all others as in `solution`.
+    """Find the curves of singular configurations over two coordinates, or the points over one, all
+    others as in `solution`.
 
-    A curve is F = 0, J w = 0, w.w = 1 over the plane's coordinates (u, v), the free ones and w, with J the part of dF/d(q, x, X)
-    that loses rank: type 2 for all unknowns of the direct problem, type 1 for one limb's joints (Gosselin and Angeles 1990).
-    Every equation is solved at every point. A closed curve that no start reaches is missed: `Loci.notes` say so.
+    A curve is F = 0, J w = 0, w.w = 1 over the plane's coordinates (u, v), the free ones and w,
+    with J the part of dF/d(q, x, X) that loses rank: type 2 for all unknowns of the direct problem,
+    type 1 for one limb's joints (Gosselin and Angeles 1990). Every equation is solved at every
+    point. A closed curve that no start reaches is missed: `Loci.notes` say so.
 
-    `solution` is a configuration, from `symkin.solve` or `symkin.modes`; its working mode is the one that `Locus.in_mode` names.
-    `plane` names two actuated joints or two pose coordinates, with the same meaning as in `symkin.sweep`: x, y, z, gamma (about
-    z, from the reference), or the rotation vector rx, ry, rz (base frame, before the orientation of `solution`). `ranges` are two
-    pairs in the mechanism's units, by default half the size or half a turn to both sides; `kinds` the curves that are sought;
-    `starts` (1 to 100,000) the random configurations, `seed` which. Raises InputError for values that do not fit.
+    `solution` is a configuration, from `symkin.solve` or `symkin.modes`; its working mode is the
+    one that `Locus.in_mode` names. `plane` names two actuated joints or two pose coordinates, with
+    the same meaning as in `symkin.sweep`: x, y, z, gamma (about z, from the reference), or the
+    rotation vector rx, ry, rz (base frame, before the orientation of `solution`). `ranges` are two
+    pairs in the mechanism's units, by default half the size or half a turn to both sides; `kinds`
+    the curves that are sought; `starts` (1 to 100,000) the random configurations, `seed` which.
+    Raises InputError for values that do not fit.
 
-    `given` names all coordinates that are known, as many as the mobility; the plane's are then two of them, or one, and the curves, or
-    points, are where they do not decide the others (type 2). For a graph of links these are the actuated joints, if none are named.
+    `given` names all coordinates that are known, as many as the mobility; the plane's are then two
+    of them, or one, and the curves, or points, are where they do not decide the others (type 2).
+    For a graph of links these are the actuated joints, if none are named.
 
         >>> import symkin
         >>> platform = symkin.load("zhang2009")
@@ -81,7 +88,9 @@ def singular_loci(
         curves.extend(found)
         notes.extend(said)
     sides = tuple(
-        (chosen.mechanism.angle_out(low), chosen.mechanism.angle_out(high)) if c.is_angular else (low, high)
+        (chosen.mechanism.angle_out(low), chosen.mechanism.angle_out(high))
+        if c.is_angular
+        else (low, high)
         for c, (low, high) in zip(chosen.coordinates, window.tolist(), strict=True)
     )
     kept = merged(curves, np.ptp(sides, axis=1))
@@ -89,7 +98,9 @@ def singular_loci(
         notes.append(MISSING)
     if not kept and not any(note.endswith(LOST_OVER_PLANE) for note in notes):
         notes.append(NONE_MET)
-    return Loci(chosen, sides, curves=kept, starts=starts, seed=seed, notes=tuple(dict.fromkeys(notes)))
+    return Loci(
+        chosen, sides, curves=kept, starts=starts, seed=seed, notes=tuple(dict.fromkeys(notes))
+    )
 
 
 def _check(plane: Plane, kinds: Sequence[str], starts: int, seed: int) -> None:
@@ -100,7 +111,10 @@ def _check(plane: Plane, kinds: Sequence[str], starts: int, seed: int) -> None:
     if not kinds or any(kind not in ("type 1", "type 2") for kind in kinds):
         raise InputError(f"kinds = {', '.join(kinds)!r}; allowed: type 1, type 2")
     if plane.known and "type 2" not in kinds:
-        raise InputError("kinds = 'type 1': over given coordinates curves are type 2, where these do not decide the others")
+        raise InputError(
+            "kinds = 'type 1': over given coordinates curves are type 2, where these do not decide "
+            "the others"
+        )
     if plane.of_pose:
         _check_pose(plane)
 
@@ -110,28 +124,43 @@ def _check_pose(plane: Plane) -> None:
     freedoms = generic_ranks(plane.mechanism).outputs
     wanted = sum(c.freedom for c in plane.closure.role("pose"))
     if freedoms < wanted:
-        sentence = condition_sentence(plane.mechanism, "pose coordinates in general", "two actuated joints", freedoms, wanted)
+        sentence = condition_sentence(
+            plane.mechanism, "pose coordinates in general", "two actuated joints", freedoms, wanted
+        )
         raise InputError(f"plane = {', '.join(plane.names)!r}: {sentence}")
 
 
 def _window(plane: Plane, ranges: Sequence[Sequence[float]] | None) -> np.ndarray:
     """Sides (2, 2), or (1, 2) over one coordinate, in inside units."""
     if ranges is None:
-        half = [np.pi if c.is_angular else 0.5 * plane.closure.characteristic_length for c in plane.coordinates]
-        sides = np.array([[m - h, m + h] for m, h in zip([c.reference[0] for c in plane.coordinates], half, strict=True)])
+        half = [
+            np.pi if c.is_angular else 0.5 * plane.closure.characteristic_length
+            for c in plane.coordinates
+        ]
+        sides = np.array(
+            [
+                [m - h, m + h]
+                for m, h in zip([c.reference[0] for c in plane.coordinates], half, strict=True)
+            ]
+        )
     else:
         sides = (
-            np.array([_side(plane, k, r) for k, r in enumerate(ranges)]) if len(ranges) == len(plane.names) else np.zeros((0, 2))
+            np.array([_side(plane, k, r) for k, r in enumerate(ranges)])
+            if len(ranges) == len(plane.names)
+            else np.zeros((0, 2))
         )
         if len(sides) != len(plane.names):
-            needed = "two are needed, one for each of" if len(plane.names) == 2 else "one is needed, for"
+            needed = (
+                "two are needed, one for each of" if len(plane.names) == 2 else "one is needed, for"
+            )
             raise InputError(f"ranges: {len(ranges)} given, {needed} {', '.join(plane.names)}")
     for k, c in enumerate(plane.coordinates):
         if c.least is not None:
             sides[k, 0] = max(sides[k, 0], c.least) + 0.0
             if not sides[k, 0] < sides[k, 1]:
                 raise InputError(
-                    f"range of {plane.names[k]} ends at {sides[k, 1]:g} {plane.mechanism.length_unit}; allowed: above "
+                    f"range of {plane.names[k]} ends at {sides[k, 1]:g} "
+                    f"{plane.mechanism.length_unit}; allowed: above "
                     f"{c.least + 0.0:g}, where the rod has no length"
                 )
     return sides
@@ -140,16 +169,21 @@ def _window(plane: Plane, ranges: Sequence[Sequence[float]] | None) -> np.ndarra
 def _side(plane: Plane, k: int, given: Sequence[float]) -> tuple[float, float]:
     low, high = (float(v) for v in given) if len(given) == 2 else (0.0, 0.0)
     if not (np.isfinite([low, high]).all() and low < high):
-        raise InputError(f"range of {plane.names[k]} = {list(given)}; two numbers are needed, the lower one first")
+        raise InputError(
+            f"range of {plane.names[k]} = {list(given)}; two numbers are needed, the lower one "
+            f"first"
+        )
     if plane.coordinates[k].is_angular:
         return plane.mechanism.angle_in(low), plane.mechanism.angle_in(high)
     return low, high
 
 
-# --- curves ----------------------------------------------------------------------------------------------
+# --- curves ---------------------------------------------------------------------------------------
 
 
-def _curves(system: LocusSystem, window: np.ndarray, starts: int, rng: np.random.Generator) -> tuple[list[Locus], list[str]]:
+def _curves(
+    system: LocusSystem, window: np.ndarray, starts: int, rng: np.random.Generator
+) -> tuple[list[Locus], list[str]]:
     """Distinct curves through the seeds, and what to say of the search."""
     found = seeds_of(system, window, starts, rng)
     if not found.closed:
@@ -160,7 +194,8 @@ def _curves(system: LocusSystem, window: np.ndarray, starts: int, rng: np.random
     traced, isolated = traced_curves(system, found, window)
     if isolated:
         notes.append(
-            f"{system.name}: {isolated} starts ended on no curve (crossings, isolated points, or sets of more than one dimension)"
+            f"{system.name}: {isolated} starts ended on no curve (crossings, isolated points, or "
+            f"sets of more than one dimension)"
         )
     return [make_locus(t.system, t.curve, t.cusps, t.in_mode, len(t.starts)) for t in traced], notes
 
@@ -170,7 +205,9 @@ def _permanent_motions(system: LocusSystem) -> list[str]:
     count = system.loss.free_motions
     if not count:
         return []
-    motions = f"{count} freedom{'' if count == 1 else 's'} everywhere; curves are where there are more"
+    motions = (
+        f"{count} freedom{'' if count == 1 else 's'} everywhere; curves are where there are more"
+    )
     if system.kind == "type 1":
         return [f"{system.name}: its joints move with the platform at rest in {motions}"]
     return [f"{system.name}: the mechanism moves with the actuated joints held in {motions}"]

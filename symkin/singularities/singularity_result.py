@@ -1,4 +1,6 @@
-"""What the velocity equations say of one configuration: singular or not, which kind, how near, and the screws that show it."""
+"""What the velocity equations say of one configuration: singular or not, which kind, how near, and
+the screws that show it.
+"""
 
 from __future__ import annotations
 
@@ -52,26 +54,32 @@ CONDITIONS = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Singularity(Result):
-    """What the velocity equations A t + B q' = 0 say at one configuration; made by `symkin.singularity`.
+    """What the velocity equations A t + B q' = 0 say at one configuration; made by
+    `symkin.singularity`.
 
-    `kinds` are keys of KINDS, `conditions` Zlatanov's names: what differs here from a generic configuration of the same
-    mechanism, both empty where nothing does. Such a configuration is regular only where `uncontrolled_freedoms`, the platform's
-    freedoms that the actuated joints leave at every configuration when they are held, is 0. `distances`
-    holds, for each kind that the mechanism can have, the smallest singular value (of those that are not zero everywhere)
-    of its matrix with rows of unit length, angles times the size: the 2-norm of the smallest change of these rows that
-    makes the configuration singular, between 0 and 1 for each limb (Voglewede and Ebert-Uphoff 2005 compare such measures). They
-    depend on the platform origin, and on neither units nor the base frame.
+    `kinds` are keys of KINDS, `conditions` Zlatanov's names: what differs here from a generic
+    configuration of the same mechanism, both empty where nothing does. Such a configuration is
+    regular only where `uncontrolled_freedoms`, the platform's freedoms that the actuated joints
+    leave at every configuration when they are held, is 0. `distances` holds, for each kind that the
+    mechanism can have, the smallest singular value (of those that are not zero everywhere) of its
+    matrix with rows of unit length, angles times the size: the 2-norm of the smallest change of
+    these rows that makes the configuration singular, between 0 and 1 for each limb (Voglewede and
+    Ebert-Uphoff 2005 compare such measures). They depend on the platform origin, and on neither
+    units nor the base frame.
 
-    `singular_values` are those of the direct map q' -> t (lengths; angles times the size), `manipulability` their product
-    (Yoshikawa 1985), infinite where the platform moves with the actuated joints held (type 2, or `uncontrolled_freedoms`).
-    `twists` are these motions, or those with all joints free where a constraint is lost; `wrenches` what the platform
-    bears without the actuated joints' help where an output is impossible; `inputs` the joint rates with the platform at
-    rest (type 1), in the mechanism's units, the largest 1; `feasible_twists` span what the platform can do. Where an `output` is
-    named, it stands for the twist in all of this: `equations` and `ranks` (here and `generic`) are those reduced to it.
+    `singular_values` are those of the direct map q' -> t (lengths; angles times the size),
+    `manipulability` their product (Yoshikawa 1985), infinite where the platform moves with the
+    actuated joints held (type 2, or `uncontrolled_freedoms`). `twists` are these motions, or those
+    with all joints free where a constraint is lost; `wrenches` what the platform bears without the
+    actuated joints' help where an output is impossible; `inputs` the joint rates with the platform
+    at rest (type 1), in the mechanism's units, the largest 1; `feasible_twists` span what the
+    platform can do. Where an `output` is named, it stands for the twist in all of this: `equations`
+    and `ranks` (here and `generic`) are those reduced to it.
 
-    Where coordinates that are told by name drive (`given`), `motions` are independent motions while they stand, as rates of joints in
-    the mechanism's units, the largest 1, `groups` the structure groups that are singular, and `rank_loss` counts the motions that
-    other configurations do not have.
+    Where coordinates that are told by name drive (`given`), `motions` are independent motions while
+    they stand, as rates of joints in the mechanism's units, the largest 1, `groups` the structure
+    groups that are singular, and `rank_loss` counts the motions that other configurations do not
+    have.
 
     >>> import symkin
     >>> quarter_turn = [0.5**0.5, 0, 0, 0.5**0.5]
@@ -111,7 +119,9 @@ class Singularity(Result):
 
     @property
     def permanent_freedoms(self) -> dict[str, int]:
-        """Freedoms of each kind that every configuration has, where there are any; kinds and distances count further ones."""
+        """Freedoms of each kind that every configuration has, where there are any; kinds and
+        distances count further ones.
+        """
         return self.generic.permanent_freedoms
 
     @property
@@ -121,7 +131,9 @@ class Singularity(Result):
 
     @property
     def is_singular(self) -> bool:
-        """Whether the platform or some joints move more freely than the actuated joints say, here or everywhere."""
+        """Whether the platform or some joints move more freely than the actuated joints say, here
+        or everywhere.
+        """
         return bool(self.kinds) or self.uncontrolled_freedoms > 0
 
     @property
@@ -131,7 +143,9 @@ class Singularity(Result):
 
     @property
     def manipulability(self) -> float:
-        """Product of the direct map's singular values; that of the inverse map is its reciprocal."""
+        """Product of the direct map's singular values; that of the inverse map is its
+        reciprocal.
+        """
         return float(np.prod(self.singular_values))
 
     @property
@@ -180,12 +194,19 @@ class Singularity(Result):
         }
 
     def _output_dict(self) -> dict[str, Any] | None:
-        if self.output is None and self.roles is not None and self.roles.outputs and not self.roles.has_twist:
+        if (
+            self.output is None
+            and self.roles is not None
+            and self.roles.outputs
+            and not self.roles.has_twist
+        ):
             return {"coordinates": list(self.roles.outputs), "point": None}
         return None if self.output is None else self.output.to_dict()
 
     def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
-        """Kind and conditions, distances, condition and manipulability, then the screws and joint rates that show it."""
+        """Kind and conditions, distances, condition and manipulability, then the screws and joint
+        rates that show it.
+        """
         free = "constraint" in self.kinds and "type 2" not in self.kinds
         driven = "given coordinates" if self.given else "actuated joints"
         held = f"with the {driven} free" if free else f"with the {driven} held"
@@ -197,29 +218,45 @@ class Singularity(Result):
         ]
         lines += [f"platform motion {held}: {screw}" for screw in self.twists]
         lines += [f"borne without the {driven}: {screw}" for screw in self.wrenches]
-        lines += [f"joint rates with the {driven} held: {_rates(rates)}" for rates in self.motions if self.rank_loss]
+        lines += [
+            f"joint rates with the {driven} held: {_rates(rates)}"
+            for rates in self.motions
+            if self.rank_loss
+        ]
         lines += [f"singular: {group}" for group in self.groups]
-        lines += [f"joint rates with the {self._moving} at rest: {_rates(rates)}" for rates in self.inputs]
+        lines += [
+            f"joint rates with the {self._moving} at rest: {_rates(rates)}" for rates in self.inputs
+        ]
         return Summary([*lines, *(f"note: {note}" for note in (*self.solution.notes, *self.notes))])
 
     @property
     def _moving(self) -> str:
-        named = self.roles is not None and self.roles.outputs is not None and not self.roles.has_twist
+        named = (
+            self.roles is not None and self.roles.outputs is not None and not self.roles.has_twist
+        )
         return "output" if self.output is not None or named else "platform"
 
     def _head_lines(self) -> list[str]:
         """The output, what the actuated joints never decide, and the kinds with their meanings."""
         lines = [] if self.output is None else [f"output: velocity {self.output}"]
         if self.roles is not None and self.given:
-            return [*lines, *self._named_head(self.roles.output_text if self.output is None else "the output")]
+            return [
+                *lines,
+                *self._named_head(self.roles.output_text if self.output is None else "the output"),
+            ]
         if count := self.uncontrolled_freedoms:
             freedoms = f"{count} freedom{'' if count == 1 else 's'}"
             lines.append(
-                f"singular everywhere: with all actuated joints held the {self._moving} keeps {freedoms} at every configuration"
+                f"singular everywhere: with all actuated joints held the {self._moving} keeps "
+                f"{freedoms} at every configuration"
             )
         regular = "no further singularity" if self.uncontrolled_freedoms else "regular"
         head = ", ".join(self.kinds) + " singularity" if self.kinds else regular
-        names = f" ({', '.join(CONDITIONS[name] for name in self.conditions)})" if self.conditions else ""
+        names = (
+            f" ({', '.join(CONDITIONS[name] for name in self.conditions)})"
+            if self.conditions
+            else ""
+        )
         meanings = KINDS if self.output is None else OUTPUT_KINDS
         return [*lines, f"{head}{names}", *(f"  {kind}: {meanings[kind]}" for kind in self.kinds)]
 
@@ -227,36 +264,66 @@ class Singularity(Result):
         """What drives, and the kinds with their meanings."""
         head = ", ".join(self.kinds) + " singularity" if self.kinds else "regular"
         if self.rank_loss:
-            head += f", {self.rank_loss} further motion{'s' * (self.rank_loss > 1)} with the given coordinates held"
-        names = f" ({', '.join(CONDITIONS[name] for name in self.conditions)})" if self.conditions else ""
+            head += (
+                f", {self.rank_loss} further motion{'s' * (self.rank_loss > 1)} with the given "
+                f"coordinates held"
+            )
+        names = (
+            f" ({', '.join(CONDITIONS[name] for name in self.conditions)})"
+            if self.conditions
+            else ""
+        )
         meanings = [f"  {kind}: {GIVEN_KINDS[kind].format(output=output)}" for kind in self.kinds]
-        return [f"driven by: {', '.join(self.given)}; wanted: {output}", f"{head}{names}", *meanings]
+        return [
+            f"driven by: {', '.join(self.given)}; wanted: {output}",
+            f"{head}{names}",
+            *meanings,
+        ]
 
     def _distance_line(self) -> str:
         counts = self.permanent_freedoms
-        beyond = {kind: f" (from more than the {count} everywhere)" for kind, count in counts.items()}
-        distances = ", ".join(f"{kind} {plain(value):.3g}{beyond.get(kind, '')}" for kind, value in self.distances.items())
+        beyond = {
+            kind: f" (from more than the {count} everywhere)" for kind, count in counts.items()
+        }
+        distances = ", ".join(
+            f"{kind} {plain(value):.3g}{beyond.get(kind, '')}"
+            for kind, value in self.distances.items()
+        )
         size = self.solution.mechanism.characteristic_length
-        return f"distance (0 singular; rows of unit length, angles times the size {size:.6g}): {distances}"
+        return (
+            f"distance (0 singular; rows of unit length, angles times the size {size:.6g}): "
+            f"{distances}"
+        )
 
     def _map_line(self) -> str:
-        wanted = "output" if self.output is not None or (self.roles is not None and not self.roles.has_twist) else "twist"
+        wanted = (
+            "output"
+            if self.output is not None or (self.roles is not None and not self.roles.has_twist)
+            else "twist"
+        )
         return (
-            f"direct map, {'given' if self.given else 'joint'} rates to {wanted}: condition {self.condition:.4g}, "
-            f"manipulability {self.manipulability:.4g}; inverse map {self.inverse_manipulability:.4g}"
+            f"direct map, {'given' if self.given else 'joint'} rates to {wanted}: condition "
+            f"{self.condition:.4g}, "
+            f"manipulability {self.manipulability:.4g}; inverse map "
+            f"{self.inverse_manipulability:.4g}"
         )
 
 
 def _solution_line(solution: Solution) -> str:
     """Pose, joints, residual and condition, rounding noise as 0."""
     mechanism = solution.mechanism
-    position = ", ".join(f"{plain(float(v), mechanism.characteristic_length):.6g}" for v in solution.position)
+    position = ", ".join(
+        f"{plain(float(v), mechanism.characteristic_length):.6g}" for v in solution.position
+    )
     quaternion = ", ".join(f"{plain(float(v), least=5e-7):.6f}" for v in solution.quaternion)
     joints = ", ".join(
-        f"{k} = {plain(v, mechanism.characteristic_length):.6g}" for k, v in solution.held_joints.items() if isinstance(v, float)
+        f"{k} = {plain(v, mechanism.characteristic_length):.6g}"
+        for k, v in solution.held_joints.items()
+        if isinstance(v, float)
     )
     return (
-        f"{mechanism.name} at ({position}) {mechanism.length_unit}, quaternion ({quaternion}); {joints}; residual "
+        f"{mechanism.name} at ({position}) {mechanism.length_unit}, quaternion ({quaternion}); "
+        f"{joints}; residual "
         f"{solution.residual:.1e}, condition {solution.condition:.3g}"
     )
 

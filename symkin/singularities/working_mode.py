@@ -1,7 +1,8 @@
-"""Decide whether configurations belong to the working mode of another one, by the signs of the limbs' inverse problems.
+"""Decide whether configurations belong to the working mode of another one, by the signs of the
+limbs' inverse problems.
 
-With the pose given each limb is a problem of its own, F_i(q_i, x_i) = 0; where it is square, two of its solutions between
-which det dF_i/d(q_i, x_i) changes its sign are different working modes.
+With the pose given each limb is a problem of its own, F_i(q_i, x_i) = 0; where it is square, two of
+its solutions between which det dF_i/d(q_i, x_i) changes its sign are different working modes.
 """
 
 from __future__ import annotations
@@ -17,8 +18,10 @@ from symkin.singularities.locus_system import LocusSystem
 
 
 def same_mode(system: LocusSystem, points: np.ndarray) -> np.ndarray:
-    """For points (n, width) of a curve, whether every limb's sign is that of the plane's configuration. Limbs whose inverse
-    problem is not square, or that the curve's equations leave out, tell nothing."""
+    """For points (n, width) of a curve, whether every limb's sign is that of the plane's
+    configuration. Limbs whose inverse problem is not square, or that the curve's equations leave
+    out, tell nothing.
+    """
     blocks = _blocks(system)
     if not blocks:
         return np.ones(len(points), dtype=bool)
@@ -42,6 +45,8 @@ def _blocks(system: LocusSystem) -> list[ca.Function]:
     found = []
     for limb in limb_blocks(closure):
         if len(limb.joints) == len(limb.rows) and limb.limb != system.limb:
-            block = ca.substitute(whole.jacobian[limb.rows, limb.joints], closure.variables, plane.values)
+            block = ca.substitute(
+                whole.jacobian[limb.rows, limb.joints], closure.variables, plane.values
+            )
             found.append(ca.Function("block", [unknown], [ca.densify(block)], {"cse": True}))
     return found

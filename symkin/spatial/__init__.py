@@ -1,4 +1,6 @@
-"""Compute with poses, rotations and screws: one set of formulas for floats, NumPy arrays and CasADi expressions."""
+"""Compute with poses, rotations and screws: one set of formulas for floats, NumPy arrays and CasADi
+expressions.
+"""
 
 from symkin.spatial.pose import Pose
 

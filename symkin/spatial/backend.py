@@ -1,8 +1,8 @@
 """The few array operations whose spelling differs between NumPy and CasADi.
 
-Every formula of `symkin.spatial` is written once on components. A vector is anything indexed by its first axis:
-a NumPy array of shape (3,), a stack of shape (3, N), or a CasADi column. Matrices are indexed [row, column] and
-may carry further axes the same way.
+Every formula of `symkin.spatial` is written once on components. A vector is anything indexed by its
+first axis: a NumPy array of shape (3,), a stack of shape (3, N), or a CasADi column. Matrices are
+indexed [row, column] and may carry further axes the same way.
 """
 
 from __future__ import annotations

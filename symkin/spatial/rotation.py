@@ -1,8 +1,9 @@
-"""Rotations and their charts: matrix, unit quaternion (w, x, y, z), Euler angles, rotation vector, Cayley vector.
+"""Rotations and their charts: matrix, unit quaternion (w, x, y, z), Euler angles, rotation vector,
+Cayley vector.
 
-Formulas take floats, NumPy arrays (components first) or CasADi columns alike. The unit quaternion is the hub: each
-chart has one function to it and one from it. Angles are in radians. A rotation R maps coordinates in the turned
-frame to coordinates in the base frame.
+Formulas take floats, NumPy arrays (components first) or CasADi columns alike. The unit quaternion
+is the hub: each chart has one function to it and one from it. Angles are in radians. A rotation R
+maps coordinates in the turned frame to coordinates in the base frame.
 """
 
 from __future__ import annotations
@@ -11,17 +12,32 @@ import math
 
 import numpy as np
 
-from symkin.spatial.backend import Array, atan2, cos, cross, dot, matrix, norm, scale, sin, sqrt, vector, where
+from symkin.spatial.backend import (
+    Array,
+    atan2,
+    cos,
+    cross,
+    dot,
+    matrix,
+    norm,
+    scale,
+    sin,
+    sqrt,
+    vector,
+    where,
+)
 
 _TINY = 1e-16
 
 
 def wrapped(angles: np.ndarray) -> np.ndarray:
-    """The same directions within half a turn of zero; angles that are stay as they are, bit by bit."""
+    """The same directions within half a turn of zero; angles that are stay as they are, bit by
+    bit.
+    """
     return np.asarray(angles - 2.0 * np.pi * np.rint(angles / (2.0 * np.pi)))
 
 
-# --- unit quaternions --------------------------------------------------------------------------------------------
+# --- unit quaternions -----------------------------------------------------------------------------
 
 
 def multiply(a: Array, b: Array) -> Array:
@@ -50,7 +66,7 @@ def rotate(q: Array, v: Array) -> Array:
     return v + 2.0 * (scale(q[0], t) + cross(u, t))
 
 
-# --- axis and angle, rotation vector, Cayley vector --------------------------------------------------------------
+# --- axis and angle, rotation vector, Cayley vector -----------------------------------------------
 
 
 def quaternion_from_axis_angle(axis: Array, angle: Array) -> Array:
@@ -83,7 +99,9 @@ def rotation_vector_from_quaternion(q: Array) -> Array:
 
 
 def quaternion_from_cayley(c: Array) -> Array:
-    """Cayley (Rodrigues) vector c = axis tan(angle/2) to the unit quaternion (1, c) / sqrt(1 + c.c)."""
+    """Cayley (Rodrigues) vector c = axis tan(angle/2) to the unit quaternion (1, c) / sqrt(1 +
+    c.c).
+    """
     return normalized(vector(1.0 + 0.0 * c[0], c[0], c[1], c[2]))
 
 
@@ -92,7 +110,7 @@ def cayley_from_quaternion(q: Array) -> Array:
     return scale(1.0 / q[0], q[1:])
 
 
-# --- matrix ------------------------------------------------------------------------------------------------------
+# --- matrix ---------------------------------------------------------------------------------------
 
 
 def matrix_from_quaternion(q: Array) -> Array:
@@ -108,8 +126,11 @@ def matrix_from_quaternion(q: Array) -> Array:
 
 
 def quaternion_from_matrix(r: Array) -> Array:
-    """Unit quaternion with w >= 0 of a rotation matrix, by the best conditioned of the four divisions (Shepperd)."""
-    # these are 4 w^2, 4 x^2, 4 y^2, 4 z^2; the largest is at least 1, so that dividing by its root is safe
+    """Unit quaternion with w >= 0 of a rotation matrix, by the best conditioned of the four
+    divisions (Shepperd).
+    """
+    # these are 4 w^2, 4 x^2, 4 y^2, 4 z^2; the largest is at least 1, so that dividing by its root
+    # is safe
     trace = r[0, 0] + r[1, 1] + r[2, 2]
     squares = [1 + trace, 1 + 2 * r[0, 0] - trace, 1 + 2 * r[1, 1] - trace, 1 + 2 * r[2, 2] - trace]
     candidates = [
@@ -126,24 +147,32 @@ def quaternion_from_matrix(r: Array) -> Array:
     return normalized(scale(where(chosen[0] < 0, -1.0, 1.0), chosen))
 
 
-# --- Euler angles ------------------------------------------------------------------------------------------------
+# --- Euler angles ---------------------------------------------------------------------------------
 
 
 def _sequence_axes(sequence: str) -> tuple[list[int], bool]:
     """Axis numbers in fixed-axes order and whether the sequence was written about moving axes."""
     axes = ["xyz".find(letter) for letter in sequence.lower()]
     moving = sequence.isupper()
-    if len(axes) != 3 or -1 in axes or axes[0] == axes[1] or axes[1] == axes[2] or not (moving or sequence.islower()):
+    if (
+        len(axes) != 3
+        or -1 in axes
+        or axes[0] == axes[1]
+        or axes[1] == axes[2]
+        or not (moving or sequence.islower())
+    ):
         raise ValueError(
-            f"Euler sequence {sequence!r} is unknown: three letters such as 'xyz' (about fixed axes, in that order) "
+            f"Euler sequence {sequence!r} is unknown: three letters such as 'xyz' (about fixed "
+            f"axes, in that order) "
             "or 'XYZ' (about moving axes), neighbours different"
         )
     return (axes[::-1] if moving else axes), moving
 
 
 def quaternion_from_euler(angles: Array, sequence: str) -> Array:
-    """Three elementary rotations; 'xyz' about fixed axes, R = Rz(c) Ry(b) Rx(a); 'XYZ' about moving axes, R = Rx(a)
-    Ry(b) Rz(c). `angles` are in the order of the letters."""
+    """Three elementary rotations; 'xyz' about fixed axes, R = Rz(c) Ry(b) Rx(a); 'XYZ' about moving
+    axes, R = Rx(a) Ry(b) Rz(c). `angles` are in the order of the letters.
+    """
     axes, moving = _sequence_axes(sequence)
     order = (2, 1, 0) if moving else (0, 1, 2)
     total = None
@@ -156,9 +185,11 @@ def quaternion_from_euler(angles: Array, sequence: str) -> Array:
 
 
 def euler_from_quaternion(q: Array, sequence: str) -> Array:
-    """Euler angles of a unit quaternion, the middle one in [-pi/2, pi/2] (three axes) or [0, pi] (first = last).
+    """Euler angles of a unit quaternion, the middle one in [-pi/2, pi/2] (three axes) or [0, pi]
+    (first = last).
 
-    Source: Bernardes and Viollet, Quaternion to Euler angles conversion, PLoS ONE 17 (2022) e0276302.
+    Source: Bernardes and Viollet, Quaternion to Euler angles conversion, PLoS ONE 17 (2022)
+    e0276302.
     """
     (i, j, k), moving = _sequence_axes(sequence)
     symmetric = i == k

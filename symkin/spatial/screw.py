@@ -1,8 +1,9 @@
 """Screws, their exponentials and reciprocity.
 
-A screw is the six-vector (s; s0) in ray order: direction s and moment s0 about the frame's origin. A twist is
-(angular velocity; velocity of the point at the origin), a wrench (force; moment about the origin); a wrench does no
-work on a twist when their reciprocal product s_t . s0_w + s0_t . s_w is zero.
+A screw is the six-vector (s; s0) in ray order: direction s and moment s0 about the frame's origin.
+A twist is (angular velocity; velocity of the point at the origin), a wrench (force; moment about
+the origin); a wrench does no work on a twist when their reciprocal product s_t . s0_w + s0_t . s_w
+is zero.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ from symkin.spatial.rotation import quaternion_from_axis_angle, rotate
 
 
 def revolute_screw(point: Array, axis: Array, pitch_per_turn: Array = 0.0) -> Array:
-    """Unit twist of a revolute (pitch 0) or helical joint: (a; c x a + h a), h = pitch per turn / 2 pi."""
+    """Unit twist of a revolute (pitch 0) or helical joint: (a; c x a + h a), h = pitch per turn / 2
+    pi.
+    """
     moment = cross(point, axis) + scale(pitch_per_turn / (2 * math.pi), axis)
     return vector(axis[0], axis[1], axis[2], moment[0], moment[1], moment[2])
 
@@ -30,9 +33,11 @@ def prismatic_screw(axis: Array) -> Array:
 
 
 def exponential(screw: Array, value: Array) -> Pose:
-    """exp(value * screw), a rigid displacement; the direction part of the screw need not be a unit vector.
+    """exp(value * screw), a rigid displacement; the direction part of the screw need not be a unit
+    vector.
 
-    With angle t = |s| value and u = s / |s|: p = (s0 + (1 - cos t)/t u x s0 + (1 - sin t / t) u x (u x s0)) value.
+    With angle t = |s| value and u = s / |s|: p = (s0 + (1 - cos t)/t u x s0 + (1 - sin t / t) u x
+    (u x s0)) value.
     """
     s, s0 = scale(value, screw[:3]), scale(value, screw[3:])
     squared = dot(s, s)
@@ -40,7 +45,9 @@ def exponential(screw: Array, value: Array) -> Pose:
     small = squared < 1e-10
     angle = sqrt(where(small, 1.0, squared))
     first = where(small, 0.5 - squared / 24.0, (1.0 - cos(angle)) / (angle * angle))
-    second = where(small, 1.0 / 6.0 - squared / 120.0, (angle - sin(angle)) / (angle * angle * angle))
+    second = where(
+        small, 1.0 / 6.0 - squared / 120.0, (angle - sin(angle)) / (angle * angle * angle)
+    )
     half_sinc = where(small, 0.5 - squared / 48.0, sin(0.5 * angle) / angle)
     half_cos = where(small, 1.0 - squared / 8.0, cos(0.5 * angle))
     t = cross(s, s0)
@@ -49,7 +56,9 @@ def exponential(screw: Array, value: Array) -> Pose:
 
 
 def product_of_exponentials(screws: Sequence[Array], values: Sequence[Array], home: Pose) -> Pose:
-    """exp(S1 q1) ... exp(Sn qn) home: Brockett's formula, screws in the base frame at the reference."""
+    """exp(S1 q1) ... exp(Sn qn) home: Brockett's formula, screws in the base frame at the
+    reference.
+    """
     total = home
     for screw, value in zip(reversed(screws), reversed(values), strict=True):
         total = exponential(screw, value) @ total
@@ -63,7 +72,9 @@ def turn_about(point: Array, axis: Array, angle: Array) -> Pose:
 
 
 def move_screw(pose: Pose, screw: Array) -> Array:
-    """Adjoint map: the same screw after the displacement, in the same frame (R s; R s0 + p x R s)."""
+    """Adjoint map: the same screw after the displacement, in the same frame (R s; R s0 + p x R
+    s).
+    """
     s, s0 = pose.turn(screw[:3]), pose.turn(screw[3:])
     moment = s0 + cross(pose.position, s)
     return vector(s[0], s[1], s[2], moment[0], moment[1], moment[2])

@@ -1,7 +1,9 @@
-"""The files of one chunk of points: encoded as Zarr's version 3 encodes them, written, listed and hashed.
+"""The files of one chunk of points: encoded as Zarr's version 3 encodes them, written, listed and
+hashed.
 
-Zarr's own writer takes about a millisecond an array, through the event loop of another thread: longer than the points of a
-chunk take to be computed. Its files and these are the same, byte for byte.
+Zarr's own writer takes about a millisecond an array, through the event loop of another thread:
+longer than the points of a chunk take to be computed. Its files and these are the same, byte for
+byte.
 """
 
 from __future__ import annotations
@@ -20,7 +22,9 @@ import numpy as np
 from symkin.computed_once import lru_cache
 
 COMPRESSION_LEVEL = 0
-"""Level of Zstandard with which arrays over the points are made and written; 0 is its own default."""
+"""Level of Zstandard with which arrays over the points are made and written; 0 is its own
+default.
+"""
 _DIGEST_BYTES = 8
 
 
@@ -33,9 +37,14 @@ def _codec() -> Any:
 def write_chunk(
     array: Path, place: tuple[int, ...], values: np.ndarray, shape: tuple[int, ...], fill: float
 ) -> dict[Path, bytes]:
-    """Write the chunk of points at `place` of the array in a folder, `shape` that of its files; the files with their bytes. Files
-    that would hold nothing but `fill` are left out, as Zarr leaves them out, and older ones are removed."""
-    files = {array.joinpath("c", *map(str, key)): content for key, content in _encoded(place, values, shape, fill)}
+    """Write the chunk of points at `place` of the array in a folder, `shape` that of its files; the
+    files with their bytes. Files that would hold nothing but `fill` are left out, as Zarr leaves
+    them out, and older ones are removed.
+    """
+    files = {
+        array.joinpath("c", *map(str, key)): content
+        for key, content in _encoded(place, values, shape, fill)
+    }
     for path in list(chunk_files(array, place)):
         if path not in files:
             path.unlink()
@@ -47,14 +56,20 @@ def write_chunk(
 def _encoded(
     place: tuple[int, ...], values: np.ndarray, shape: tuple[int, ...], fill: float
 ) -> Iterator[tuple[tuple[int, ...], bytes]]:
-    """Keys and contents of the files of a chunk: its values, filled up to whole files along each dimension."""
+    """Keys and contents of the files of a chunk: its values, filled up to whole files along each
+    dimension.
+    """
     counts = [-(-length // side) for length, side in zip(values.shape, shape, strict=True)]
-    whole = np.full([count * side for count, side in zip(counts, shape, strict=True)], fill, dtype=values.dtype)
+    whole = np.full(
+        [count * side for count, side in zip(counts, shape, strict=True)], fill, dtype=values.dtype
+    )
     whole[tuple(slice(length) for length in values.shape)] = values
     further = counts[len(place) :]
     for last in np.ndindex(*further):
         first = (0,) * len(place) + last
-        part = whole[tuple(slice(i * side, (i + 1) * side) for i, side in zip(first, shape, strict=True))]
+        part = whole[
+            tuple(slice(i * side, (i + 1) * side) for i, side in zip(first, shape, strict=True))
+        ]
         if not (np.isnan(part).all() if np.isnan(fill) else (part == fill).all()):
             little = np.ascontiguousarray(part, dtype=part.dtype.newbyteorder("<"))
             yield (*place, *last), _codec().encode(little.reshape(prod(shape)))

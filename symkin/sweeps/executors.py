@@ -1,7 +1,8 @@
-"""Who computes the chunks: local processes, a Dask scheduler, any other executor, or this process itself.
+"""Who computes the chunks: local processes, a Dask scheduler, any other executor, or this process
+itself.
 
-At most a bounded number of chunks is under way. Where a local process is killed, the pool is built anew and the chunks
-that were under way are computed again.
+At most a bounded number of chunks is under way. Where a local process is killed, the pool is built
+anew and the chunks that were under way are computed again.
 """
 
 from __future__ import annotations
@@ -13,7 +14,15 @@ import signal
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -28,15 +37,28 @@ _MOST_LOSSES = 3
 _PATIENCE_S = 10.0
 """Seconds in which a Dask scheduler must answer and show a worker."""
 _ENDING_S = 5.0
-"""Seconds given to a pool to end once its processes are; one left in the middle of it writes into closed pipes."""
+"""Seconds given to a pool to end once its processes are; one left in the middle of it writes into
+closed pipes.
+"""
 _KEPT = "what is done is kept, and the same sweep goes on from there"
-_GUARD = "a script that sweeps must do so under `if __name__ == '__main__':`, and a worker needs memory enough"
+_GUARD = (
+    "a script that sweeps must do so under `if __name__ == '__main__':`, and a worker needs memory "
+    "enough"
+)
 
 
 _DASK_LOGGERS = (
-    "distributed", "distributed.client", "distributed.comm", "distributed.core", "distributed.utils", "distributed.batched",
-    "tornado", "tornado.application", "tornado.general", "asyncio",
-)  # fmt: skip
+    "distributed",
+    "distributed.client",
+    "distributed.comm",
+    "distributed.core",
+    "distributed.utils",
+    "distributed.batched",
+    "tornado",
+    "tornado.application",
+    "tornado.general",
+    "asyncio",
+)
 """Loggers of Dask's client and of the event loop in which it runs."""
 
 
@@ -54,7 +76,9 @@ class Here(Executor):
 
 @dataclass(eq=False)
 class Crew:
-    """An executor, how many chunks it has under way, and how it is made again when it breaks (None: not at all)."""
+    """An executor, how many chunks it has under way, and how it is made again when it breaks (None:
+    not at all).
+    """
 
     executor: Executor
     under_way: int
@@ -63,7 +87,9 @@ class Crew:
     _lost: list[int] = field(default_factory=list)
     _pending: dict[Future[Any], int] = field(default_factory=dict)
 
-    def results(self, function: Callable[..., Any], job: bytes, chunks: Iterable[int]) -> Iterator[tuple[int, Any]]:
+    def results(
+        self, function: Callable[..., Any], job: bytes, chunks: Iterable[int]
+    ) -> Iterator[tuple[int, Any]]:
         """Chunks and their results `function(job, chunk)`, in the order in which they are done."""
         left = iter(chunks)
         while self._fill(function, job, left):
@@ -93,7 +119,9 @@ class Crew:
         return bool(self._pending)
 
     def _is_good(self, future: Future[Any], index: int) -> bool:
-        """Whether a future has a result; a chunk that was lost with its worker is kept for later. Other errors are raised."""
+        """Whether a future has a result; a chunk that was lost with its worker is kept for later.
+        Other errors are raised.
+        """
         if future.cancelled():
             raise InputError(f"the executor has cancelled its work; {_KEPT}")
         error = future.exception()
@@ -132,7 +160,7 @@ def _is_killed_worker(error: BaseException) -> bool:
     return type(error).__name__ == "KilledWorker"
 
 
-# --- local processes ---------------------------------------------------------------------------------------------
+# --- local processes ------------------------------------------------------------------------------
 
 
 @contextmanager
@@ -149,7 +177,9 @@ def local_crew(workers: int | None) -> Iterator[Crew]:
     try:
         yield crew
     except BaseException:
-        ending = threading.Thread(target=crew.executor.shutdown, kwargs={"cancel_futures": True}, daemon=True)
+        ending = threading.Thread(
+            target=crew.executor.shutdown, kwargs={"cancel_futures": True}, daemon=True
+        )
         ending.start()
         for process in set(multiprocessing.active_children()) - before:
             process.terminate()
@@ -159,7 +189,9 @@ def local_crew(workers: int | None) -> Iterator[Crew]:
 
 
 def _pool(workers: int) -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"), initializer=_begin_worker)
+    return ProcessPoolExecutor(
+        workers, mp_context=multiprocessing.get_context("spawn"), initializer=_begin_worker
+    )
 
 
 def _begin_worker() -> None:
@@ -175,12 +207,14 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-# --- others ------------------------------------------------------------------------------------------------------
+# --- others ---------------------------------------------------------------------------------------
 
 
 @contextmanager
 def dask_crew(address: str) -> Iterator[Crew]:
-    """The workers of the Dask scheduler at an address. Raises InputError where it does not answer, and where it ends."""
+    """The workers of the Dask scheduler at an address. Raises InputError where it does not answer,
+    and where it ends.
+    """
     try:
         import distributed
 
@@ -198,19 +232,26 @@ def _dask_crew(connect: Any, address: str) -> Iterator[Crew]:
         client = connect(address, timeout=_PATIENCE_S, set_as_default=False)
     except (OSError, TimeoutError, ValueError, TypeError, KeyError) as error:
         text = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(f"no Dask scheduler answers at {address!r} within {_PATIENCE_S:.0f} s ({text})") from None
+        raise InputError(
+            f"no Dask scheduler answers at {address!r} within {_PATIENCE_S:.0f} s ({text})"
+        ) from None
     try:
         try:
             client.wait_for_workers(1, timeout=_PATIENCE_S)
         except TimeoutError:
             raise InputError(
-                f"the Dask scheduler at {address!r} has no workers; start some with `dask worker {address}`"
+                f"the Dask scheduler at {address!r} has no workers; start some with `dask worker "
+                f"{address}`"
             ) from None
-        yield Crew(client.get_executor(pure=False), _UNDER_WAY * max(1, sum(client.ncores().values())))
+        yield Crew(
+            client.get_executor(pure=False), _UNDER_WAY * max(1, sum(client.ncores().values()))
+        )
     except (OSError, TimeoutError, RuntimeError, CancelledError, InputError):
         if client.status == "running":
             raise
-        raise InputError(f"the Dask scheduler at {address!r} has ended, or cannot be reached any more; {_KEPT}") from None
+        raise InputError(
+            f"the Dask scheduler at {address!r} has ended, or cannot be reached any more; {_KEPT}"
+        ) from None
     finally:
         with suppress(OSError, TimeoutError, RuntimeError):
             client.close(timeout=_PATIENCE_S)
@@ -218,7 +259,9 @@ def _dask_crew(connect: Any, address: str) -> Iterator[Crew]:
 
 @contextmanager
 def _quiet_loggers() -> Iterator[None]:
-    """What Dask's threads log of a lost connection, tracebacks and all, is said once, by the error."""
+    """What Dask's threads log of a lost connection, tracebacks and all, is said once, by the
+    error.
+    """
     loggers = [logging.getLogger(name) for name in _DASK_LOGGERS]
     former = [logger.disabled for logger in loggers]
     for logger in loggers:

@@ -1,4 +1,6 @@
-"""Ctrl-C at a moment that does no harm: not within a call of Zarr, and not in a worker that is being started."""
+"""Ctrl-C at a moment that does no harm: not within a call of Zarr, and not in a worker that is
+being started.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +14,9 @@ from contextlib import contextmanager
 def interrupts_held() -> Iterator[None]:
     """Ctrl-C waits until the block ends; a second one does not.
 
-    Zarr reads and writes in threads of its own: of a call that is cut short the rest goes on in them, into the end of the
-    process. Usable as a decorator; without effect in other threads than the main one, where no KeyboardInterrupt is raised.
+    Zarr reads and writes in threads of its own: of a call that is cut short the rest goes on in
+    them, into the end of the process. Usable as a decorator; without effect in other threads than
+    the main one, where no KeyboardInterrupt is raised.
     """
     former = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or former is None:
@@ -37,8 +40,9 @@ def interrupts_held() -> Iterator[None]:
 
 @contextmanager
 def interrupts_kept_from_children() -> Iterator[None]:
-    """Processes started in the block do not hear Ctrl-C, which a terminal sends to all: this process ends them. One that
-    comes meanwhile is heard after the block. Without effect on Windows."""
+    """Processes started in the block do not hear Ctrl-C, which a terminal sends to all: this
+    process ends them. One that comes meanwhile is heard after the block. Without effect on Windows.
+    """
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

@@ -1,4 +1,6 @@
-"""The empty arrays of a sweep's folder: names, dimensions, chunks, attributes, and the coordinates of the points."""
+"""The empty arrays of a sweep's folder: names, dimensions, chunks, attributes, and the coordinates
+of the points.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,18 @@ from symkin.sweeps.quantities import all_names
 _MODE_CHUNK = 8
 """Modes in one chunk of an array; more modes of a point make more chunks."""
 _SAMPLE_DIMENSION = "point"
-_DIMENSIONS = ("mode", "axis", "component", "joint", "joint_units", "named_point", "chunk", "done", "digest", _SAMPLE_DIMENSION)
+_DIMENSIONS = (
+    "mode",
+    "axis",
+    "component",
+    "joint",
+    "joint_units",
+    "named_point",
+    "chunk",
+    "done",
+    "digest",
+    _SAMPLE_DIMENSION,
+)
 RESERVED = frozenset(_DIMENSIONS) | all_names()
 """Names of arrays and dimensions: a swept joint of such a name is stored as `joint.NAME`."""
 
@@ -37,7 +50,9 @@ def labels(names: Sequence[str]) -> list[str]:
 
 
 def consolidate(folder: Path) -> None:
-    """Gather the descriptions of all arrays in one place, which `xarray.open_zarr` reads at once."""
+    """Gather the descriptions of all arrays in one place, which `xarray.open_zarr` reads at
+    once.
+    """
     import zarr
 
     with warnings_ignored():
@@ -45,11 +60,15 @@ def consolidate(folder: Path) -> None:
 
 
 def create_arrays(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int | None) -> None:
-    """All arrays of a plan, without values but those of the coordinates; `bound` is the most modes that a point can have."""
+    """All arrays of a plan, without values but those of the coordinates; `bound` is the most modes
+    that a point can have.
+    """
     import zarr
 
     names = labels([axis.name for axis in plan.space.axes])
-    group = zarr.create_group(folder, attributes={**pinned, "coordinates": " ".join([*names, "joint_units"])})
+    group = zarr.create_group(
+        folder, attributes={**pinned, "coordinates": " ".join([*names, "joint_units"])}
+    )
     _create_results(group, plan, bound)
     for name, values in _texts(plan).items():
         _strings(group, name, values, "joint" if name == "joint_units" else name)
@@ -59,7 +78,11 @@ def create_arrays(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: in
 
 def _point_dimensions(plan: Plan) -> tuple[str, ...]:
     space = plan.space
-    return (_SAMPLE_DIMENSION,) if space.sample is not None else tuple(labels([axis.name for axis in space.axes]))
+    return (
+        (_SAMPLE_DIMENSION,)
+        if space.sample is not None
+        else tuple(labels([axis.name for axis in space.axes]))
+    )
 
 
 def _create_results(group: Any, plan: Plan, bound: int | None) -> None:
@@ -78,25 +101,39 @@ def _create_results(group: Any, plan: Plan, bound: int | None) -> None:
             compressors=_codec(),
         )
     group.create_array(
-        "done", shape=(len(plan.blocks),), chunks=(1,), dtype="uint8", fill_value=0, dimension_names=("chunk",), compressors=_codec(),
+        "done",
+        shape=(len(plan.blocks),),
+        chunks=(1,),
+        dtype="uint8",
+        fill_value=0,
+        dimension_names=("chunk",),
+        compressors=_codec(),
         attributes={"long_name": "chunks of points that are written"},
-    )  # fmt: skip
+    )
     create_digest(group, len(plan.blocks))
 
 
 def wrongly_described(group: Any, plan: Plan) -> str | None:
-    """The first array of a folder whose description is lost, or is not that of the plan: kind of number, shape and chunks (but along
-    modes, which grow), what stands for nothing, how its files are packed. None where all are right."""
+    """The first array of a folder whose description is lost, or is not that of the plan: kind of
+    number, shape and chunks (but along modes, which grow), what stands for nothing, how its files
+    are packed. None where all are right.
+    """
     import zarr
 
     right = zarr.create_group(zarr.storage.MemoryStore())
     _create_results(right, plan, None)
     for name in (*(v.name for v in plan.variables), "done", "digest"):
-        if not (name == "digest" and "digest" not in group) and _description(group, name) != _description(right, name):
+        if not (name == "digest" and "digest" not in group) and _description(
+            group, name
+        ) != _description(right, name):
             return name
     for name, values in expected_coordinates(plan).items():
         told = _description(group, name)
-        if told is None or told[4] != values.shape or (values.dtype.kind == "f") != (told[1] == "float64"):
+        if (
+            told is None
+            or told[4] != values.shape
+            or (values.dtype.kind == "f") != (told[1] == "float64")
+        ):
             return name
     return None
 
@@ -125,10 +162,19 @@ def _codec() -> Any:
 def create_digest(group: Any, chunks: int) -> None:
     """The array that tells lost and damaged files (see `damage`)."""
     group.create_array(
-        "digest", shape=(chunks,), chunks=(1,), dtype="uint64", fill_value=0, dimension_names=("chunk",),
-        attributes={"long_name": "numbers made of the files of each chunk, by which lost and damaged ones are told"},
+        "digest",
+        shape=(chunks,),
+        chunks=(1,),
+        dtype="uint64",
+        fill_value=0,
+        dimension_names=("chunk",),
+        attributes={
+            "long_name": (
+                "numbers made of the files of each chunk, by which lost and damaged ones are told"
+            )
+        },
         compressors=_codec(),
-    )  # fmt: skip
+    )
 
 
 def expected_coordinates(plan: Plan) -> dict[str, np.ndarray]:
@@ -140,11 +186,17 @@ def expected_coordinates(plan: Plan) -> dict[str, np.ndarray]:
     else:
         points = space.points((slice(0, space.sample),))
         values = {name: points[:, k] for k, name in enumerate(names)}
-    return {**{name: np.array(texts, dtype=object) for name, texts in _texts(plan).items()}, **values}
+    return {
+        **{name: np.array(texts, dtype=object) for name, texts in _texts(plan).items()},
+        **values,
+    }
 
 
 def _texts(plan: Plan) -> dict[str, list[str]]:
-    joints, points = joint_labels(plan.problem), [point.name for point in plan.mechanism.link_points]
+    joints, points = (
+        joint_labels(plan.problem),
+        [point.name for point in plan.mechanism.link_points],
+    )
     named = {"named_point": points} if points else {}
     return named | {
         "axis": ["x", "y", "z"],
@@ -154,7 +206,9 @@ def _texts(plan: Plan) -> dict[str, list[str]]:
     }
 
 
-def _create_coordinates(group: Any, plan: Plan, names: Sequence[str], dimensions: tuple[str, ...]) -> None:
+def _create_coordinates(
+    group: Any, plan: Plan, names: Sequence[str], dimensions: tuple[str, ...]
+) -> None:
     """Values of the swept joints or pose coordinates, along their axes or for each random point."""
     space = plan.space
     for k, (axis, name) in enumerate(zip(space.axes, names, strict=True)):
@@ -162,9 +216,14 @@ def _create_coordinates(group: Any, plan: Plan, names: Sequence[str], dimensions
         length = space.sample if space.sample is not None else len(axis.values)
         attributes = {"units": axis.unit, "long_name": axis.name}
         coordinate = group.create_array(
-            name, shape=(length,), chunks=(max(1, min(length, 100_000)),), dtype="float64", fill_value=np.nan,
-            dimension_names=own, attributes=attributes,
-        )  # fmt: skip
+            name,
+            shape=(length,),
+            chunks=(max(1, min(length, 100_000)),),
+            dtype="float64",
+            fill_value=np.nan,
+            dimension_names=own,
+            attributes=attributes,
+        )
         if space.sample is None:
             coordinate[:] = axis.values
     if space.sample is not None:
@@ -177,6 +236,10 @@ def _create_coordinates(group: Any, plan: Plan, names: Sequence[str], dimensions
 
 def _strings(group: Any, name: str, values: Sequence[str], dimension: str) -> None:
     array = group.create_array(
-        name, shape=(len(values),), chunks=(max(1, len(values)),), dtype="str", dimension_names=(dimension,)
+        name,
+        shape=(len(values),),
+        chunks=(max(1, len(values)),),
+        dtype="str",
+        dimension_names=(dimension,),
     )
     array[:] = np.array(list(values), dtype=object)

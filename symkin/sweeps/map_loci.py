@@ -1,4 +1,6 @@
-"""Singular curves of the plane that a sweep's map shows: those that are given, or sought over it."""
+"""Singular curves of the plane that a sweep's map shows: those that are given, or sought over
+it.
+"""
 
 from __future__ import annotations
 
@@ -23,16 +25,24 @@ _SAME = 1e-6
 
 
 def loci_over(
-    loci: Loci | bool, attributes: Mapping[str, Any], ranges: Mapping[str, tuple[float, float]], cuts: Mapping[str, float],
+    loci: Loci | bool,
+    attributes: Mapping[str, Any],
+    ranges: Mapping[str, tuple[float, float]],
+    cuts: Mapping[str, float],
     some: Sequence[float],
-) -> Loci | None:  # fmt: skip
-    """The curves for a map over the names of `ranges` of a sweep that is cut at `cuts`: `loci` where they have this plane, or with True
-    a search from the point `some`, which has a mode (empty: none has). Raises InputError for curves of another mechanism or plane."""
+) -> Loci | None:
+    """The curves for a map over the names of `ranges` of a sweep that is cut at `cuts`: `loci`
+    where they have this plane, or with True a search from the point `some`, which has a mode
+    (empty: none has). Raises InputError for curves of another mechanism or plane.
+    """
     if loci is False:
         return None
     mechanism, names = parse(attributes["mechanism_file"]), list(ranges)
     if set(names) | set(cuts) < set(attributes["axes"]):
-        raise InputError("plot: loci are drawn over the map of a grid; a random sample of more than two coordinates has no plane")
+        raise InputError(
+            "plot: loci are drawn over the map of a grid; a random sample of more than two "
+            "coordinates has no plane"
+        )
     space = space_of(attributes)
 
     def given(point: Sequence[float]) -> dict[str, Any]:
@@ -44,7 +54,10 @@ def loci_over(
         _check_plane(loci, attributes, names, given(here), here)
         return loci
     if not len(some):
-        raise InputError("plot: no point of this map has a mode, so that there is nothing to seek singular loci from")
+        raise InputError(
+            "plot: no point of this map has a mode, so that there is nothing to seek singular loci "
+            "from"
+        )
     told = given(some)
     known = list(told["given"]) if "given" in told else None
     sides = [(low, high) for low, high in ranges.values()]
@@ -52,22 +65,32 @@ def loci_over(
 
 
 def _check_plane(
-    loci: Loci, attributes: Mapping[str, Any], names: Sequence[str], here: Mapping[str, Any], some: Sequence[float]
+    loci: Loci,
+    attributes: Mapping[str, Any],
+    names: Sequence[str],
+    here: Mapping[str, Any],
+    some: Sequence[float],
 ) -> None:
-    """Raise InputError unless curves are of the map's mechanism, over its coordinates, with the same values held."""
+    """Raise InputError unless curves are of the map's mechanism, over its coordinates, with the
+    same values held.
+    """
     mechanism = loci.plane.mechanism
     if mechanism.to_toml() != attributes["mechanism_file"]:
         raise InputError(
-            f"plot: the loci are of {mechanism.name} and the map of {attributes['mechanism']}, or its geometry is another"
+            f"plot: the loci are of {mechanism.name} and the map of {attributes['mechanism']}, or "
+            f"its geometry is another"
         )
     if set(loci.plane.names) != set(names):
         raise InputError(
-            f"plot: the loci are over {', '.join(loci.plane.names)} and the map over {', '.join(names)}; one plane is needed"
+            f"plot: the loci are over {', '.join(loci.plane.names)} and the map over "
+            f"{', '.join(names)}; one plane is needed"
         )
     place = dict(zip(names, some, strict=True))
     there = loci.given([place[name] for name in loci.plane.names])
     if not _alike(_values(mechanism, here), _values(mechanism, there), mechanism):
-        raise InputError(f"plot: the loci have other values than the map ({loci.held}); one plane is needed")
+        raise InputError(
+            f"plot: the loci have other values than the map ({loci.held}); one plane is needed"
+        )
 
 
 def _values(mechanism: Mechanism, given: Mapping[str, Any]) -> dict[str, Any]:
@@ -85,7 +108,9 @@ def _alike(a: Mapping[str, Any], b: Mapping[str, Any], mechanism: Mechanism) -> 
     angles = {name for name, c in given_coordinates(mechanism).items() if c.is_angular}
     for name, value in a.items():
         if isinstance(value, Pose):
-            same = _near(value.position, b[name].position, size) and _near(value.rotation, b[name].rotation, 1.0)
+            same = _near(value.position, b[name].position, size) and _near(
+                value.rotation, b[name].rotation, 1.0
+            )
         elif name in angles:
             same = abs(math.remainder(value - b[name], turn)) < _SAME * turn
         else:

@@ -1,4 +1,6 @@
-"""The part of a sweep that a map shows: one quantity over one or two of the swept values, the others cut."""
+"""The part of a sweep that a map shows: one quantity over one or two of the swept values, the
+others cut.
+"""
 
 from __future__ import annotations
 
@@ -29,8 +31,10 @@ _MOST_POINTS = 200_000
 
 @dataclass(frozen=True, eq=False)
 class MapSlice:
-    """What is shown: `values` along the axes `x` and `y` (None for a curve), each (name, unit, coordinates); `fixed` says
-    where the others are cut, `cuts` in numbers; `scattered`: coordinates belong to single points."""
+    """What is shown: `values` along the axes `x` and `y` (None for a curve), each (name, unit,
+    coordinates); `fixed` says where the others are cut, `cuts` in numbers; `scattered`: coordinates
+    belong to single points.
+    """
 
     values: np.ndarray
     x: tuple[str, str, np.ndarray]
@@ -43,14 +47,20 @@ class MapSlice:
     def ranges(self) -> dict[str, tuple[float, float]]:
         """The ends of each axis, of a grid those of its cells."""
         axes = [axis for axis in (self.x, self.y) if axis is not None]
-        ends = {name: values if self.scattered or len(values) < 2 else edges(values) for name, _, values in axes}
+        ends = {
+            name: values if self.scattered or len(values) < 2 else edges(values)
+            for name, _, values in axes
+        }
         return {name: (float(values.min()), float(values.max())) for name, values in ends.items()}
 
     @property
     def some(self) -> list[float]:
         """The point with a mode that is nearest to the middle; empty where none has one."""
         axes = [axis[2] for axis in (self.x, self.y) if axis is not None]
-        flat = np.stack(axes if self.scattered else [a.ravel() for a in np.meshgrid(*axes, indexing="ij")], axis=1)
+        flat = np.stack(
+            axes if self.scattered else [a.ravel() for a in np.meshgrid(*axes, indexing="ij")],
+            axis=1,
+        )
         values = self.values.ravel().astype(float)
         spans = [high - low or 1.0 for low, high in self.ranges.values()]
         away = np.linalg.norm((flat - flat.mean(axis=0)) / spans, axis=1)
@@ -78,23 +88,38 @@ def check_map(attributes: Mapping[str, Any], data: Any, slices: Mapping[str, flo
     check_map_is_left(slices, names)
 
 
-def map_slice(attributes: Mapping[str, Any], data: Any, name: str, slices: Mapping[str, float]) -> MapSlice:
+def map_slice(
+    attributes: Mapping[str, Any], data: Any, name: str, slices: Mapping[str, float]
+) -> MapSlice:
     """The array `name` of a sweep, cut at `slices`: the nearest grid values are taken."""
-    return _sampled(attributes, data, name) if attributes["sample"] is not None else _cut(attributes, data, name, slices)
+    return (
+        _sampled(attributes, data, name)
+        if attributes["sample"] is not None
+        else _cut(attributes, data, name, slices)
+    )
 
 
 def space_of(attributes: Mapping[str, Any]) -> Space:
-    """What a sweep went over, from its folder: points of it give the arguments of `symkin.modes`."""
+    """What a sweep went over, from its folder: points of it give the arguments of
+    `symkin.modes`.
+    """
     axes = tuple(Axis(name, "", np.zeros(1)) for name in attributes["axes"])
     base = attributes["base"]
     told = base if isinstance(base, Mapping) else tuple(base)
     return Space(parse(attributes["mechanism_file"]), attributes["sweeps over"], axes, told)
 
 
-def _cut(attributes: Mapping[str, Any], data: Any, name: str, slices: Mapping[str, float]) -> MapSlice:
-    """A grid, cut so that at most two axes are left: those of most values, unless `slices` cuts them."""
+def _cut(
+    attributes: Mapping[str, Any], data: Any, name: str, slices: Mapping[str, float]
+) -> MapSlice:
+    """A grid, cut so that at most two axes are left: those of most values, unless `slices` cuts
+    them.
+    """
     names = list(attributes["axes"])
-    axes = {n: (n, data[label].attrs["units"], data[label].values) for n, label in zip(names, labels(names), strict=True)}
+    axes = {
+        n: (n, data[label].attrs["units"], data[label].values)
+        for n, label in zip(names, labels(names), strict=True)
+    }
     long = [n for n in names if n not in slices and len(axes[n][2]) > 1]
     shown = long[:2] or [n for n in names if n not in slices][:1] or names[:1]
     places: list[slice | int] = []
@@ -110,14 +135,24 @@ def _cut(attributes: Mapping[str, Any], data: Any, name: str, slices: Mapping[st
         fixed.append(f"{n} = {values[place]:.5g} {axes[n][1]}")
         cuts[n] = float(values[place])
     values = data[name][tuple(places)].values
-    return MapSlice(values, axes[shown[0]], axes[shown[1]] if len(shown) > 1 else None, tuple(fixed), False, cuts)
+    return MapSlice(
+        values,
+        axes[shown[0]],
+        axes[shown[1]] if len(shown) > 1 else None,
+        tuple(fixed),
+        False,
+        cuts,
+    )
 
 
 def _sampled(attributes: Mapping[str, Any], data: Any, name: str) -> MapSlice:
     """The first points of a sample over the first two swept values."""
     names = list(attributes["axes"])
     part = slice(0, _MOST_POINTS)
-    axes = [(n, data[label].attrs["units"], data[label][part].values) for n, label in zip(names, labels(names), strict=True)]
+    axes = [
+        (n, data[label].attrs["units"], data[label][part].values)
+        for n, label in zip(names, labels(names), strict=True)
+    ]
     values = data[name][part].values
     fixed = (f"all values of {', '.join(names[2:])}",) if len(names) > 2 else ()
     return MapSlice(values, axes[0], axes[1] if len(names) > 1 else None, fixed, True)

@@ -1,4 +1,6 @@
-"""All that decides the arrays of a sweep, the comparison of two sweeps, and what a worker does with a plan."""
+"""All that decides the arrays of a sweep, the comparison of two sweeps, and what a worker does with
+a plan.
+"""
 
 from __future__ import annotations
 
@@ -35,8 +37,9 @@ _MOST_CHUNK = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What is swept, what is stored, and how: `starts` and `seed` are those of `symkin.modes`, `chunk` the points that one
-    worker computes at a time."""
+    """What is swept, what is stored, and how: `starts` and `seed` are those of `symkin.modes`,
+    `chunk` the points that one worker computes at a time.
+    """
 
     space: Space
     quantity: str
@@ -61,7 +64,9 @@ class Plan:
         return variables(self.quantity, self.certify, self.problem)
 
     def finder(self) -> ModeFinder:
-        return make_finder(self.problem, starts=self.starts, seed=self.space.seed, certify=self.certify)
+        return make_finder(
+            self.problem, starts=self.starts, seed=self.space.seed, certify=self.certify
+        )
 
     def compute(self, finder: ModeFinder, index: int) -> dict[str, np.ndarray]:
         """The arrays of one chunk."""
@@ -92,13 +97,22 @@ class Plan:
         }
 
     def _probe(self, finder: ModeFinder) -> str:
-        """Hash of the results at the first point: shows a machine that computes other last digits."""
+        """Hash of the results at the first point: shows a machine that computes other last
+        digits.
+        """
         arrays = self._arrays(finder, self.space.points(self.blocks[0])[:1])
-        return hashlib.sha256(b"".join(arrays[name].tobytes() for name in sorted(arrays))).hexdigest()
+        return hashlib.sha256(
+            b"".join(arrays[name].tobytes() for name in sorted(arrays))
+        ).hexdigest()
 
 
 def make_plan(
-    space: Space, *, quantity: str = "modes", certify: bool = False, starts: int = 2000, chunk: int | None = None
+    space: Space,
+    *,
+    quantity: str = "modes",
+    certify: bool = False,
+    starts: int = 2000,
+    chunk: int | None = None,
 ) -> Plan:
     """A checked plan. Raises InputError for options that do not fit."""
     if chunk is not None and not 1 <= chunk <= _MOST_CHUNK:
@@ -115,22 +129,34 @@ def _usual_chunk(plan: Plan) -> int:
     """Points that are computed and written at a time where nobody says how many."""
     finder = plan.finder()
     bound = finder.bound if finder.plain.is_tracked and not plan.certify else None
-    largest = _SLOW_CHUNK if bound is None else min(_LARGEST_CHUNK, max(_SLOW_CHUNK, _MODES_IN_CHUNK // max(bound, 1)))
+    largest = (
+        _SLOW_CHUNK
+        if bound is None
+        else min(_LARGEST_CHUNK, max(_SLOW_CHUNK, _MODES_IN_CHUNK // max(bound, 1)))
+    )
     return max(1, min(largest, -(-plan.space.size // _FEWEST_CHUNKS)))
 
 
 def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
     """What differs between what two sweeps pinned, as a clause; None where nothing does."""
-    if there.get("mechanism_sha256") != here["mechanism_sha256"] and there.get("mechanism") == here["mechanism"]:
+    if (
+        there.get("mechanism_sha256") != here["mechanism_sha256"]
+        and there.get("mechanism") == here["mechanism"]
+    ):
         return f"the file of {here['mechanism']} has changed"
     for key in here:
         if key.endswith("_sha256") or key == "mechanism_file":
             continue
         if json.dumps(there.get(key)) != json.dumps(here[key]):
             verb = "are" if key == "axes" else "is"
-            return f"{key.replace('_', ' ')} {verb} {_short(there.get(key))} there and {_short(here[key])} here"
+            return (
+                f"{key.replace('_', ' ')} {verb} {_short(there.get(key))} there and "
+                f"{_short(here[key])} here"
+            )
     if there.get("starts_sha256") != here["starts_sha256"]:
-        return "the generic solutions from which paths begin are others (the cache folder has changed)"
+        return (
+            "the generic solutions from which paths begin are others (the cache folder has changed)"
+        )
     if there.get("first_point_sha256") != here["first_point_sha256"]:
         return "this machine or its libraries compute other last digits than those that began it"
     return None
@@ -142,7 +168,7 @@ def _short(value: Any) -> str:
     return str(value)
 
 
-# --- workers -----------------------------------------------------------------------------------------------------
+# --- workers --------------------------------------------------------------------------------------
 
 _one_at_a_time = threading.Lock()
 """Threads of one process share what is prepared, and compute in turn."""
@@ -160,7 +186,9 @@ class Job:
 
 
 def compute_chunk(job: bytes, index: int) -> dict[str, np.ndarray]:
-    """The arrays of chunk `index` of a packed `Job`. Raises InputError in a process whose results would differ."""
+    """The arrays of chunk `index` of a packed `Job`. Raises InputError in a process whose results
+    would differ.
+    """
     with _one_at_a_time:
         plan, finder = _prepared(job)
         return plan.compute(finder, index)

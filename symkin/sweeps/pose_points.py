@@ -1,4 +1,6 @@
-"""Poses of a sweep: which of their coordinates can be swept, and the values of many at once (see `position.varied_pose`)."""
+"""Poses of a sweep: which of their coordinates can be swept, and the values of many at once (see
+`position.varied_pose`).
+"""
 
 from __future__ import annotations
 
@@ -17,25 +19,45 @@ from symkin.position.pose_conditions import condition_sentence, poses_vary
 from symkin.position.problem import Problem
 from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at
 from symkin.singularities.motion_ranks import generic_ranks
-from symkin.spatial.rotation import multiply, quaternion_from_axis_angle, quaternion_from_rotation_vector
+from symkin.spatial.rotation import (
+    multiply,
+    quaternion_from_axis_angle,
+    quaternion_from_rotation_vector,
+)
 
 _NEAR, _SAMPLES = 1e-3, 4
-"""Poses within this share of the size (rad) of one that is taken, and how many of them, tell whether the joints tie the coordinates."""
+"""Poses within this share of the size (rad) of one that is taken, and how many of them, tell
+whether the joints tie the coordinates.
+"""
 
 
 def pose_units(mechanism: Mechanism) -> dict[str, str]:
     """Names that can be swept, with their units."""
-    return {n: mechanism.length_unit if n in "xyz" else mechanism.angle_unit for n in POSE_AXES[mechanism.motion]}
+    return {
+        n: mechanism.length_unit if n in "xyz" else mechanism.angle_unit
+        for n in POSE_AXES[mechanism.motion]
+    }
 
 
-def pose_values(mechanism: Mechanism, base: Sequence[float], varied: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Pose coordinates (n, numbers) of the poses `base` (x, y, z, qw, qx, qy, qz) with varied coordinates (n,) in the mechanism's
-    units, and how far each lies off those that the mechanism can take (length unit), 0 where it is one."""
+def pose_values(
+    mechanism: Mechanism, base: Sequence[float], varied: Mapping[str, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pose coordinates (n, numbers) of the poses `base` (x, y, z, qw, qx, qy, qz) with varied
+    coordinates (n,) in the mechanism's units, and how far each lies off those that the mechanism
+    can take (length unit), 0 where it is one.
+    """
     n = len(next(iter(varied.values())))
-    position = np.stack([np.broadcast_to(varied.get(name, value), n) for name, value in zip("xyz", base[:3], strict=True)])
+    position = np.stack(
+        [
+            np.broadcast_to(varied.get(name, value), n)
+            for name, value in zip("xyz", base[:3], strict=True)
+        ]
+    )
     quaternion = np.asarray(base[3:], dtype=float)[:, None]
     if "gamma" in varied:
-        about_z = quaternion_from_axis_angle((0.0, 0.0, 1.0), varied["gamma"] * mechanism.angle_in(1.0))
+        about_z = quaternion_from_axis_angle(
+            (0.0, 0.0, 1.0), varied["gamma"] * mechanism.angle_in(1.0)
+        )
         quaternion = multiply(about_z, np.asarray(mechanism.reference_pose.quaternion)[:, None])
     if set(TURNS) & set(varied):
         turn = np.stack([varied.get(name, np.zeros(n)) * mechanism.angle_in(1.0) for name in TURNS])
@@ -45,17 +67,21 @@ def pose_values(mechanism: Mechanism, base: Sequence[float], varied: Mapping[str
 
 
 def check_poses(problem: Problem, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:
-    """Raises InputError where no point, or hardly any, is a pose that the mechanism can take: the angle is given twice, `base`
-    lies off the platform's motion, or its joints put a condition on what is swept."""
+    """Raises InputError where no point, or hardly any, is a pose that the mechanism can take: the
+    angle is given twice, `base` lies off the platform's motion, or its joints put a condition on
+    what is swept.
+    """
     if "gamma" in values and "rz" in values:
         raise InputError(
-            "grid: gamma and rz are given together; they are the same angle, from the reference's orientation or at's"
+            "grid: gamma and rz are given together; they are the same angle, from the reference's "
+            "orientation or at's"
         )
     mechanism = problem.mechanism
     off = given_from(mechanism, None, base).off_motion
     if off > 0.0:
         raise InputError(
-            f"at: the pose lies off the {mechanism.motion} motion of {mechanism.name}'s platform by {off:.3g} {mechanism.length_unit}, "
+            f"at: the pose lies off the {mechanism.motion} motion of {mechanism.name}'s platform "
+            f"by {off:.3g} {mechanism.length_unit}, "
             "so that no point has a solution; allowed: poses of that motion"
         )
     if problem.kind == "given":
@@ -64,34 +90,54 @@ def check_poses(problem: Problem, base: Sequence[float], values: Mapping[str, np
         _check_conditions(mechanism, base, values)
 
 
-def _check_some_near(problem: Problem, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:
-    """Raises InputError where the joints tie the pose's coordinates: `base` has solutions, and none of some poses near it has one."""
+def _check_some_near(
+    problem: Problem, base: Sequence[float], values: Mapping[str, np.ndarray]
+) -> None:
+    """Raises InputError where the joints tie the pose's coordinates: `base` has solutions, and none
+    of some poses near it has one.
+    """
     mechanism, swept = problem.mechanism, [name for name, v in values.items() if v[-1] > v[0]]
     if not swept or not determination(problem).decided:
         return
-    shares = np.vstack([np.zeros(len(swept)), np.random.default_rng(0).uniform(-_NEAR, _NEAR, (_SAMPLES, len(swept)))])
+    shares = np.vstack(
+        [
+            np.zeros(len(swept)),
+            np.random.default_rng(0).uniform(-_NEAR, _NEAR, (_SAMPLES, len(swept))),
+        ]
+    )
     origin = {n: base["xyz".index(n)] if n in "xyz" else 0.0 for n in swept}
-    units = {n: mechanism.characteristic_length if n in "xyz" else mechanism.angle_out(1.0) for n in swept}
+    units = {
+        n: mechanism.characteristic_length if n in "xyz" else mechanism.angle_out(1.0)
+        for n in swept
+    }
     near = {n: origin[n] + units[n] * shares[:, k] for k, n in enumerate(swept)}
     counts = modes_by_groups(problem, pose_values(mechanism, base, near)[0], Search.of(None)).total
     if counts[0] and not any(counts[1:]):
         raise InputError(
-            f"grid: the joints of {mechanism.name} tie the coordinates of its platform's pose, so that {_listed(swept)} cannot vary while "
-            "the others are held; sweep as many coordinates as it has freedoms by name, with --given (given={...})"
+            f"grid: the joints of {mechanism.name} tie the coordinates of its platform's pose, so "
+            f"that {_listed(swept)} cannot vary while "
+            "the others are held; sweep as many coordinates as it has freedoms by name, with "
+            "--given (given={...})"
         )
 
 
-def _check_conditions(mechanism: Mechanism, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:
+def _check_conditions(
+    mechanism: Mechanism, base: Sequence[float], values: Mapping[str, np.ndarray]
+) -> None:
     swept = [name for name, v in values.items() if v[-1] > v[0]]
     freedoms = generic_ranks(mechanism).outputs
     coordinates = sum(c.freedom for c in build_closure(mechanism).role("pose"))
     if not swept or freedoms >= coordinates:
         return
-    held = pose_at(mechanism, base, {name: float(v[0]) for name, v in values.items() if name not in swept})
+    held = pose_at(
+        mechanism, base, {name: float(v[0]) for name, v in values.items() if name not in swept}
+    )
     box = tuple(_side(mechanism, name, values[name]) for name in swept)
     if poses_vary(mechanism, (*held.position.tolist(), *held.quaternion.tolist()), box) is False:
         instead = "actuated joints (without --poses)"
-        raise InputError(f"grid: {condition_sentence(mechanism, _listed(swept), instead, freedoms, coordinates)}")
+        raise InputError(
+            f"grid: {condition_sentence(mechanism, _listed(swept), instead, freedoms, coordinates)}"
+        )
 
 
 def _side(mechanism: Mechanism, name: str, values: np.ndarray) -> tuple[str, float, float]:

@@ -1,9 +1,10 @@
 """What a sweep stores: the arrays of each quantity, and a chunk's modes laid out in them.
 
-`modes`: all of them, with the named points of links; `conditioning`: their distances from singularities of type 1 and type 2 (see
-`symkin.singularities.singularity_result`) with what is given as what drives, their condition numbers, and the least and largest of
-these at each point; `reach`: how many there are, how many within limits, and whether there is any. An array with the dimension `mode` is as long there as the most
-modes of any point, and filled up with its `fill`.
+`modes`: all of them, with the named points of links; `conditioning`: their distances from
+singularities of type 1 and type 2 (see `symkin.singularities.singularity_result`) with what is
+given as what drives, their condition numbers, and the least and largest of these at each point;
+`reach`: how many there are, how many within limits, and whether there is any. An array with the
+dimension `mode` is as long there as the most modes of any point, and filled up with its `fill`.
 """
 
 from __future__ import annotations
@@ -28,7 +29,9 @@ QUANTITIES = ("modes", "conditioning", "reach")
 
 @dataclass(frozen=True)
 class Variable:
-    """One array over the points: its type, value where nothing is, dimensions after the points' own, and attributes."""
+    """One array over the points: its type, value where nothing is, dimensions after the points'
+    own, and attributes.
+    """
 
     name: str
     dtype: str
@@ -49,7 +52,9 @@ def variables(quantity: str, certify: bool, problem: Problem) -> tuple[Variable,
     if quantity == "modes":
         found += _platform(mechanism.length_unit) if mechanism.platform_link is not None else []
         found += _points(mechanism.length_unit) if mechanism.link_points else []
-        found += _modes(mechanism.length_unit) + (_certificates(mechanism.length_unit) if certify else [])
+        found += _modes(mechanism.length_unit) + (
+            _certificates(mechanism.length_unit) if certify else []
+        )
     elif quantity == "conditioning":
         found += [*_DISTANCES, *([_INCREASED] if problem.kind == "given" else []), *_CONDITIONING]
     else:
@@ -73,7 +78,9 @@ def all_names() -> frozenset[str]:
     return frozenset(v.name for v in found)
 
 
-def _variable(name: str, dtype: str, fill: float, dimensions: str = "", **attributes: Any) -> Variable:
+def _variable(
+    name: str, dtype: str, fill: float, dimensions: str = "", **attributes: Any
+) -> Variable:
     return Variable(name, dtype, fill, tuple(dimensions.split()), tuple(attributes.items()))
 
 
@@ -83,14 +90,40 @@ _COMMON = (
         "int32",
         -1,
         long_name="real modes",
-        values="-1: not computed, or too many to list; 0: none, and the least closure error is what symkin modes says there",
+        values=(
+            "-1: not computed, or too many to list; 0: none, and the least closure error is "
+            "what symkin modes says there"
+        ),
     ),
-    _variable("completeness", "uint8", 0, flag_values=list(range(len(COMPLETENESS))), flag_meanings=list(COMPLETENESS)),
-    _variable("unresolved", "int32", -1, long_name="unresolved paths", values="-1: no paths were tracked"),
-    _variable("continuum", "int8", -1, long_name="solutions that are not isolated were met", values="1: yes, 0: no"),
+    _variable(
+        "completeness",
+        "uint8",
+        0,
+        flag_values=list(range(len(COMPLETENESS))),
+        flag_meanings=list(COMPLETENESS),
+    ),
+    _variable(
+        "unresolved", "int32", -1, long_name="unresolved paths", values="-1: no paths were tracked"
+    ),
+    _variable(
+        "continuum",
+        "int8",
+        -1,
+        long_name="solutions that are not isolated were met",
+        values="1: yes, 0: no",
+    ),
 )
-_CONDITION = _variable("condition", "float64", np.nan, "mode", long_name="condition of the unknowns' Jacobian", units="1")
-_WITHIN = _variable("within_limits", "int8", -1, "mode", values="1: yes, 0: no, -1: no mode, or no limits")
+_CONDITION = _variable(
+    "condition",
+    "float64",
+    np.nan,
+    "mode",
+    long_name="condition of the unknowns' Jacobian",
+    units="1",
+)
+_WITHIN = _variable(
+    "within_limits", "int8", -1, "mode", values="1: yes, 0: no, -1: no mode, or no limits"
+)
 _DISTANCES = [
     _variable(
         f"distance_{kind.replace(' ', '_')}",
@@ -98,7 +131,10 @@ _DISTANCES = [
         np.nan,
         "mode",
         units="1",
-        long_name=f"distance from a singularity of {kind} (0: singular; rows of unit length, angles times the size)",
+        long_name=(
+            f"distance from a singularity of {kind} (0: singular; rows of unit length, angles "
+            f"times the size)"
+        ),
     )
     for kind in ("type 1", "type 2")
 ]
@@ -108,17 +144,36 @@ _INCREASED = _variable(
     np.nan,
     "mode",
     units="1",
-    long_name="distance from configurations of more freedoms (0: there; singular value of all rows over their largest)",
+    long_name=(
+        "distance from configurations of more freedoms (0: there; singular value of all rows "
+        "over their largest)"
+    ),
 )
 _CONDITIONING = [
     _CONDITION,
     _WITHIN,
-    _variable("least_condition", "float64", np.nan, long_name="condition of the best mode", units="1"),
-    _variable("largest_condition", "float64", np.nan, long_name="condition of the worst mode", units="1"),
+    _variable(
+        "least_condition", "float64", np.nan, long_name="condition of the best mode", units="1"
+    ),
+    _variable(
+        "largest_condition", "float64", np.nan, long_name="condition of the worst mode", units="1"
+    ),
 ]
 _REACH = [
-    _variable("count_within_limits", "int32", -1, long_name="real modes within limits", values="all, where there are no limits"),
-    _variable("reached", "int8", -1, long_name="some solution lies within limits", values="1: yes, 0: no, -1: not decided"),
+    _variable(
+        "count_within_limits",
+        "int32",
+        -1,
+        long_name="real modes within limits",
+        values="all, where there are no limits",
+    ),
+    _variable(
+        "reached",
+        "int8",
+        -1,
+        long_name="some solution lies within limits",
+        values="1: yes, 0: no, -1: not decided",
+    ),
 ]
 
 
@@ -131,13 +186,35 @@ def _platform(length_unit: str) -> list[Variable]:
 
 def _points(length_unit: str) -> list[Variable]:
     long_name = "named points of links in the base frame"
-    return [_variable("points", "float64", np.nan, "mode named_point axis", long_name=long_name, units=length_unit)]
+    return [
+        _variable(
+            "points",
+            "float64",
+            np.nan,
+            "mode named_point axis",
+            long_name=long_name,
+            units=length_unit,
+        )
+    ]
 
 
 def _modes(length_unit: str) -> list[Variable]:
     return [
-        _variable("joints", "float64", np.nan, "mode joint", long_name="joint coordinates, units in joint_units"),
-        _variable("residual", "float64", np.nan, "mode", long_name="largest closure error", units=length_unit),
+        _variable(
+            "joints",
+            "float64",
+            np.nan,
+            "mode joint",
+            long_name="joint coordinates, units in joint_units",
+        ),
+        _variable(
+            "residual",
+            "float64",
+            np.nan,
+            "mode",
+            long_name="largest closure error",
+            units=length_unit,
+        ),
         _CONDITION,
         _WITHIN,
     ]
@@ -145,19 +222,38 @@ def _modes(length_unit: str) -> list[Variable]:
 
 def _certificates(length_unit: str) -> list[Variable]:
     return [
-        _variable("certified", "int8", -1, "mode", values="1: one exact solution is proved, 0: not, -1: no mode"),
-        _variable("radius", "float64", np.nan, "mode", long_name="distance of the exact solution at most", units=length_unit),
+        _variable(
+            "certified",
+            "int8",
+            -1,
+            "mode",
+            values="1: one exact solution is proved, 0: not, -1: no mode",
+        ),
+        _variable(
+            "radius",
+            "float64",
+            np.nan,
+            "mode",
+            long_name="distance of the exact solution at most",
+            units=length_unit,
+        ),
     ]
 
 
-def arrays_of(found: ModeTable, quantity: str, certify: bool, problem: Problem) -> dict[str, np.ndarray]:
-    """The arrays of a chunk: points (n, ...) in order, the dimension `mode` as long as this chunk needs."""
+def arrays_of(
+    found: ModeTable, quantity: str, certify: bool, problem: Problem
+) -> dict[str, np.ndarray]:
+    """The arrays of a chunk: points (n, ...) in order, the dimension `mode` as long as this chunk
+    needs.
+    """
     chosen = variables(quantity, certify, problem)
     derived = _derived(found) | (_distances(found, problem) if quantity == "conditioning" else {})
     arrays = {}
     for v in chosen:
         values = derived.get(v.name, getattr(found, v.name, None))
-        arrays[v.name] = _spread(found.count, values, v) if v.per_mode else np.asarray(values).astype(v.dtype)
+        arrays[v.name] = (
+            _spread(found.count, values, v) if v.per_mode else np.asarray(values).astype(v.dtype)
+        )
     return arrays
 
 
@@ -169,7 +265,11 @@ def _spread(count: np.ndarray, values: Any, variable: Variable) -> np.ndarray:
     """Values (m, ...) of all modes as (points, most modes, ...)."""
     owner = _owners(count)
     begins = np.cumsum(np.maximum(count, 0)) - np.maximum(count, 0)
-    spread = np.full((len(count), int(count.max(initial=0)), *values.shape[1:]), variable.fill, dtype=variable.dtype)
+    spread = np.full(
+        (len(count), int(count.max(initial=0)), *values.shape[1:]),
+        variable.fill,
+        dtype=variable.dtype,
+    )
     spread[owner, np.arange(len(owner)) - begins[owner]] = values
     return spread
 
@@ -193,10 +293,24 @@ def _derived(found: ModeTable) -> dict[str, np.ndarray]:
 def _distances(found: ModeTable, problem: Problem) -> dict[str, np.ndarray]:
     """Of each mode; NaN for a kind that the mechanism cannot have."""
     mechanism = problem.mechanism
-    names = list(dict.fromkeys("pose" if c.role == "pose" else c.name for c in problem.known_coordinates))
+    names = list(
+        dict.fromkeys("pose" if c.role == "pose" else c.name for c in problem.known_coordinates)
+    )
     roles = roles_of(mechanism, names) if problem.kind == "given" else Roles(mechanism)
-    closure, generic = roles.closure, generic_ranks(mechanism, None, roles if roles.by_name else None)
+    closure, generic = (
+        roles.closure,
+        generic_ranks(mechanism, None, roles if roles.by_name else None),
+    )
     there = many_elsewhere(closure, problem.closure, found.values)
-    rows = [distances(closure, limbwise_equations(closure, values, SINGULAR_VALUE, roles), generic, roles) for values in there]
-    kinds = {"distance_type_1": "type 1", "distance_type_2": "type 2", "distance_increased": "increased"}
+    rows = [
+        distances(
+            closure, limbwise_equations(closure, values, SINGULAR_VALUE, roles), generic, roles
+        )
+        for values in there
+    ]
+    kinds = {
+        "distance_type_1": "type 1",
+        "distance_type_2": "type 2",
+        "distance_increased": "increased",
+    }
     return {name: np.array([row.get(kind, np.nan) for row in rows]) for name, kind in kinds.items()}

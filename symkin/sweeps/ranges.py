@@ -19,16 +19,25 @@ _SAMPLE_FORMS = "NAME=LOW:HIGH"
 _SAMPLE_GIVEN_FORMS = "NAME=LOW:HIGH or NAME=VALUE"
 
 
-def read_ranges(text: str, *, sampled: bool = False, angle_unit: str = "rad") -> dict[str, np.ndarray]:
-    """Names with their values; with `sampled` the least and the largest. `angle_unit` is that of the arguments of sin, cos and
-    tan. Raises InputError."""
+def read_ranges(
+    text: str, *, sampled: bool = False, angle_unit: str = "rad"
+) -> dict[str, np.ndarray]:
+    """Names with their values; with `sampled` the least and the largest. `angle_unit` is that of
+    the arguments of sin, cos and tan. Raises InputError.
+    """
     read = _Reader("grid", sampled, angle_unit)
-    return {name: read.values(name, parts[0]) for name, parts in read.split(text, whole_pose=False).items()}
+    return {
+        name: read.values(name, parts[0])
+        for name, parts in read.split(text, whole_pose=False).items()
+    }
 
 
-def read_given(text: str, *, sampled: bool = False, angle_unit: str = "rad") -> dict[str, float | list[float] | np.ndarray]:
-    """Names with the one value at which they are held, or with their values as `read_ranges` has them; "pose" with its seven
-    numbers. Raises InputError."""
+def read_given(
+    text: str, *, sampled: bool = False, angle_unit: str = "rad"
+) -> dict[str, float | list[float] | np.ndarray]:
+    """Names with the one value at which they are held, or with their values as `read_ranges` has
+    them; "pose" with its seven numbers. Raises InputError.
+    """
     read = _Reader("given", sampled, angle_unit)
     found: dict[str, float | list[float] | np.ndarray] = {}
     for name, parts in read.split(text, whole_pose=True).items():
@@ -71,7 +80,9 @@ class _Reader:
                 continue
             name = before
             if not equals or not name:
-                raise InputError(f"--{self.option}: {part.strip()!r} is not of the form {self.forms}")
+                raise InputError(
+                    f"--{self.option}: {part.strip()!r} is not of the form {self.forms}"
+                )
             if name in found:
                 raise InputError(f"--{self.option}: {name} is given twice")
             found[name] = [after]
@@ -82,29 +93,44 @@ class _Reader:
         parts = text.split(":")
         if self.sampled:
             if len(parts) != 2:
-                raise InputError(f"--{self.option}: {name} = {text!r}; with --random allowed: {self.forms}")
+                raise InputError(
+                    f"--{self.option}: {name} = {text!r}; with --random allowed: {self.forms}"
+                )
             return np.array(self._ends(name, parts))
         if len(parts) == 1:
             return np.array([_number(name, parts[0], self.angle_unit, self.option)])
         if len(parts) != 3:
-            raise InputError(f"--{self.option}: {name} = {text!r}; allowed: {_FORMS} (with --random: {_SAMPLE_FORMS})")
+            raise InputError(
+                f"--{self.option}: {name} = {text!r}; allowed: {_FORMS} (with --random: "
+                f"{_SAMPLE_FORMS})"
+            )
         return self._spaced(name, text, parts)
 
     def _spaced(self, name: str, text: str, parts: list[str]) -> np.ndarray:
         low, high = self._ends(name, parts)
         count = whole(parts[2])
         if count is None:
-            raise InputError(f"--{self.option}: the count {parts[2].strip()!r} of {name} is not a whole number")
+            raise InputError(
+                f"--{self.option}: the count {parts[2].strip()!r} of {name} is not a whole number"
+            )
         if not 1 <= count <= _MOST_VALUES:
-            raise InputError(f"--{self.option}: {name} has {count} values; allowed: 1 to {_MOST_VALUES}")
+            raise InputError(
+                f"--{self.option}: {name} has {count} values; allowed: 1 to {_MOST_VALUES}"
+            )
         if (count == 1) != (low == high):
-            raise InputError(f"--{self.option}: {name} = {text}: one value has equal ends, several have different ones")
+            raise InputError(
+                f"--{self.option}: {name} = {text}: one value has equal ends, several have "
+                f"different ones"
+            )
         return np.linspace(low, high, count)
 
     def _ends(self, name: str, parts: list[str]) -> tuple[float, float]:
         low, high = (_number(name, part, self.angle_unit, self.option) for part in parts[:2])
         if high < low:
-            raise InputError(f"--{self.option}: {name} = {parts[0]}:{parts[1]} is reversed; the lower bound comes first")
+            raise InputError(
+                f"--{self.option}: {name} = {parts[0]}:{parts[1]} is reversed; the lower bound "
+                f"comes first"
+            )
         return low, high
 
 
@@ -129,18 +155,26 @@ def read_values(text: str, option: str, *, angle_unit: str = "rad") -> dict[str,
     return found
 
 
-def check_slices(slices: Mapping[str, float], swept: Mapping[str, np.ndarray], *, sampled: bool) -> None:
+def check_slices(
+    slices: Mapping[str, float], swept: Mapping[str, np.ndarray], *, sampled: bool
+) -> None:
     """Raises InputError for slices that a sweep over these values does not have."""
     if slices and sampled:
-        raise InputError("slice: a random sample has no slices; it is drawn over the first two swept values")
+        raise InputError(
+            "slice: a random sample has no slices; it is drawn over the first two swept values"
+        )
     for name, value in slices.items():
         if name not in swept:
-            raise InputError(f"slice: {name!r} is not swept{meant(name, swept)}; allowed: {', '.join(swept)}")
+            raise InputError(
+                f"slice: {name!r} is not swept{meant(name, swept)}; allowed: {', '.join(swept)}"
+            )
         low, high = float(np.min(swept[name])), float(np.max(swept[name]))
         slack = _ROUNDING * max(abs(low), abs(high))
         if not low - slack <= value <= high + slack:
             allowed = f"{low:.10g} to {high:.10g}" if high > low else f"{low:.10g}"
-            raise InputError(f"slice: {name} = {value:.10g} lies outside what is swept; allowed: {allowed}")
+            raise InputError(
+                f"slice: {name} = {value:.10g} lies outside what is swept; allowed: {allowed}"
+            )
 
 
 def check_map_is_left(slices: Mapping[str, float], swept: Iterable[str]) -> None:

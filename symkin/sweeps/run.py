@@ -39,9 +39,11 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, repr=False)
 class Swept(Result):
-    """A finished sweep: its folder, how many points and chunks it has, how many chunks this run computed, the most modes of
-    any point, how many points have each count of real modes, and how many chunks of the folder were lost or damaged and are
-    computed again. `open()` gives the labelled arrays, `plot()` draws a map of them."""
+    """A finished sweep: its folder, how many points and chunks it has, how many chunks this run
+    computed, the most modes of any point, how many points have each count of real modes, and how
+    many chunks of the folder were lost or damaged and are computed again. `open()` gives the
+    labelled arrays, `plot()` draws a map of them.
+    """
 
     folder: Path
     points: int
@@ -58,21 +60,36 @@ class Swept(Result):
         return xarray.open_zarr(self.folder)
 
     def write_csv(self, path: Path | str) -> int:
-        """Write a table, a row for each mode (for each point where nothing is stored of single modes), as a CSV file; return
-        the number of its rows. Raises InputError for more than a million."""
+        """Write a table, a row for each mode (for each point where nothing is stored of single
+        modes), as a CSV file; return the number of its rows. Raises InputError for more than a
+        million.
+        """
         attributes = read_attributes(self.folder) or {}
         return write_csv(self.open(), list(attributes.get("axes", ())), path)
 
     def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
         """Say how many points have how many modes, what was computed, and the folder."""
-        named = {"too many to list" if count < 0 else str(count): points for count, points in self.points_by_count.items()}
+        named = {
+            "too many to list" if count < 0 else str(count): points
+            for count, points in self.points_by_count.items()
+        }
         counts = ", ".join(f"{count}: {points}" for count, points in named.items())
-        kept = "" if self.computed == self.chunks else f", {self.chunks - self.computed} of them kept from before"
+        kept = (
+            ""
+            if self.computed == self.chunks
+            else f", {self.chunks - self.computed} of them kept from before"
+        )
         none = " (no point has a solution)" if set(self.points_by_count) <= {0} else ""
         one = self.damaged == 1
-        what = f"{self.damaged} chunk{'' if one else 's'} {'was' if one else 'were'} lost or damaged and {'is' if one else 'are'}"
+        what = (
+            f"{self.damaged} chunk{'' if one else 's'} {'was' if one else 'were'} lost or damaged "
+            f"and {'is' if one else 'are'}"
+        )
         again = [f"{what} computed again"] if self.damaged else []
-        head = f"{self.points} points in {self.chunks} chunks{kept}; real modes: points: {counts}{none}"
+        head = (
+            f"{self.points} points in {self.chunks} chunks{kept}; real modes: points: "
+            f"{counts}{none}"
+        )
         return Summary([head, *again, str(self.folder)])
 
     def to_dict(self) -> dict[str, Any]:
@@ -83,7 +100,9 @@ class Swept(Result):
             "chunks": self.chunks,
             "computed": self.computed,
             "most_modes": self.most_modes,
-            "points_by_count": {str(count): points for count, points in self.points_by_count.items()},
+            "points_by_count": {
+                str(count): points for count, points in self.points_by_count.items()
+            },
             "damaged": self.damaged,
         }
 
@@ -108,24 +127,28 @@ def sweep(
     dask: str | None = None,
     progress: Progress | None = None,
 ) -> Swept:
-    """Find every mode at all points of a grid, or of a random sample, as labelled arrays in the folder `directory`.
+    """Find every mode at all points of a grid, or of a random sample, as labelled arrays in the
+    folder `directory`.
 
-    `grid` maps names to rising values in the mechanism's units: actuated joints, or, `over` = "poses", coordinates of the
-    platform's motion: x, y, z, gamma (about z, from the reference) or the rotation vector rx, ry, rz (base frame, before the
-    orientation of `at`); `poses` = True says the same. Poses of which the joints allow hardly any are refused. `at` gives what is
-    not swept: all actuated joints, in file order or by name, or a pose. In place of `grid`, `given` maps any coordinates, as many as
-    the mobility, to rising values, or to one number where they stand still: joints, passive ones too, and x, y, z, azimuth, tilt and
-    torsion of the platform. `random` points of a sample take the place of a grid, whose names then map to (least, largest).
+    `grid` maps names to rising values in the mechanism's units: actuated joints, or, `over` =
+    "poses", coordinates of the platform's motion: x, y, z, gamma (about z, from the reference) or
+    the rotation vector rx, ry, rz (base frame, before the orientation of `at`); `poses` = True says
+    the same. Poses of which the joints allow hardly any are refused. `at` gives what is not swept:
+    all actuated joints, in file order or by name, or a pose. In place of `grid`, `given` maps any
+    coordinates, as many as the mobility, to rising values, or to one number where they stand still:
+    joints, passive ones too, and x, y, z, azimuth, tilt and torsion of the platform. `random`
+    points of a sample take the place of a grid, whose names then map to (least, largest).
 
-    `quantity` is what is stored: "modes", "conditioning" or "reach"; `certify` proves each mode. `seed` (default 0) is that of the
-    sample and of the random `starts` (default 2000) where paths do not decide. Points are computed and written `chunk` at a time (by
-    default as many as fill some seconds), by local processes, `workers` of them (by default one a processor; 0: this one), by an
-    `executor` of `concurrent.futures`, or by the Dask scheduler at the address `dask`. `progress` is called with the count of points
-    that are done, and of all.
+    `quantity` is what is stored: "modes", "conditioning" or "reach"; `certify` proves each mode.
+    `seed` (default 0) is that of the sample and of the random `starts` (default 2000) where paths
+    do not decide. Points are computed and written `chunk` at a time (by default as many as fill
+    some seconds), by local processes, `workers` of them (by default one a processor; 0: this one),
+    by an `executor` of `concurrent.futures`, or by the Dask scheduler at the address `dask`.
+    `progress` is called with the count of points that are done, and of all.
 
-    The same call goes on where an interrupted or killed one stopped; its arrays are the same bit for bit. Raises InputError for
-    what does not fit, options that would be ignored, another sweep in the folder, and a folder that cannot be written. Needs
-    `pip install 'symkin[sweep]'`.
+    The same call goes on where an interrupted or killed one stopped; its arrays are the same bit
+    for bit. Raises InputError for what does not fit, options that would be ignored, another sweep
+    in the folder, and a folder that cannot be written. Needs `pip install 'symkin[sweep]'`.
 
     >>> import symkin, tempfile
     >>> platform, ankle = symkin.load("zhao2000"), symkin.load("ankle")
@@ -139,7 +162,14 @@ def sweep(
     >>> found.points_by_count
     {4: 2}
     """
-    others = {"poses": poses, "certify": certify, "at": at, "executor": executor, "dask": dask, "progress": progress}
+    others = {
+        "poses": poses,
+        "certify": certify,
+        "at": at,
+        "executor": executor,
+        "dask": dask,
+        "progress": progress,
+    }
     check_types(mechanism, grid, given, directory, **others)
     assert directory is not None  # noqa: S101 - checked
     if over not in OVER:
@@ -147,20 +177,31 @@ def sweep(
     random, chunk, workers, seed, starts = (
         None if value is None else whole(value, name)
         for name, value in zip(
-            ("random", "chunk", "workers", "seed", "starts"), (random, chunk, workers, seed, starts), strict=True
+            ("random", "chunk", "workers", "seed", "starts"),
+            (random, chunk, workers, seed, starts),
+            strict=True,
         )
     )
     folder = Path(directory)
     require_zarr()
     read_attributes(folder)
     if (executor is not None) + (workers is not None) + (dask is not None) > 1:
-        raise InputError("executor, workers and dask are given together; one of them is needed, or none")
+        raise InputError(
+            "executor, workers and dask are given together; one of them is needed, or none"
+        )
     chosen_seed = DEFAULT_SEED if seed is None else seed
     if given is not None:
         _refuse_poses(poses, over)
         space = make_space_by_name(mechanism, given, sample=random, seed=chosen_seed)
     else:
-        space = make_space(mechanism, grid or {}, poses=poses or over == "poses", at=at, sample=random, seed=chosen_seed)
+        space = make_space(
+            mechanism,
+            grid or {},
+            poses=poses or over == "poses",
+            at=at,
+            sample=random,
+            seed=chosen_seed,
+        )
     refuse_unread(space, at=at, seed=seed, starts=starts)
     count = DEFAULT_STARTS if starts is None else starts
     plan = make_plan(space, quantity=quantity, certify=certify, starts=count, chunk=chunk)
@@ -176,11 +217,14 @@ def sweep(
 def _refuse_poses(poses: bool, over: str) -> None:
     if poses or over == "poses":
         raise InputError(
-            "given tells coordinates by name, and poses (--poses) takes a grid; give x, y, z, azimuth, tilt and torsion by name, or a grid"
+            "given tells coordinates by name, and poses (--poses) takes a grid; give x, y, z, "
+            "azimuth, tilt and torsion by name, or a grid"
         )
 
 
-def _crew(executor: Executor | None, workers: int | None, dask: str | None) -> AbstractContextManager[Crew]:
+def _crew(
+    executor: Executor | None, workers: int | None, dask: str | None
+) -> AbstractContextManager[Crew]:
     if executor is not None:
         return given_crew(executor)
     return local_crew(workers) if dask is None else dask_crew(dask)

@@ -1,4 +1,5 @@
-"""The points of a sweep: a grid, or a random sample of boxes, of actuated joints, of poses, or of coordinates told by name.
+"""The points of a sweep: a grid, or a random sample of boxes, of actuated joints, of poses, or of
+coordinates told by name.
 
 Values are in the mechanism's units; poses are made as `pose_points` says.
 """
@@ -39,8 +40,13 @@ class Axis:
     def __str__(self) -> str:
         """Every digit that decides the points."""
         steps = np.diff(self.values)
-        if len(steps) < 2 or np.array_equal(self.values, np.linspace(self.values[0], self.values[-1], len(self.values))):
-            return f"{len(self.values)} values from {float(self.values[0])!r} to {float(self.values[-1])!r}"
+        if len(steps) < 2 or np.array_equal(
+            self.values, np.linspace(self.values[0], self.values[-1], len(self.values))
+        ):
+            return (
+                f"{len(self.values)} values from {float(self.values[0])!r} to "
+                f"{float(self.values[-1])!r}"
+            )
         return f"values {[float(v) for v in self.values]}"
 
 
@@ -49,8 +55,10 @@ Over = Literal["inputs", "poses", "coordinates"]
 
 @dataclass(frozen=True, eq=False)
 class Space:
-    """Points of a mechanism's inputs, poses or coordinates told by name; `base` holds what is not swept: joint values, or x, y, z,
-    qw, qx, qy, qz, or values by name. `sample` is the count of random points, None for a grid, whose last axis runs fastest."""
+    """Points of a mechanism's inputs, poses or coordinates told by name; `base` holds what is not
+    swept: joint values, or x, y, z, qw, qx, qy, qz, or values by name. `sample` is the count of
+    random points, None for a grid, whose last axis runs fastest.
+    """
 
     mechanism: Mechanism
     over: Over
@@ -61,15 +69,20 @@ class Space:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        return (self.sample,) if self.sample is not None else tuple(len(axis.values) for axis in self.axes)
+        return (
+            (self.sample,)
+            if self.sample is not None
+            else tuple(len(axis.values) for axis in self.axes)
+        )
 
     @property
     def size(self) -> int:
         return math.prod(self.shape)
 
     def points(self, block: tuple[slice, ...]) -> np.ndarray:
-        """Coordinates (n, axes) of the points in a block, one slice for each dimension of `shape`. A random point depends on
-        the seed and its place only."""
+        """Coordinates (n, axes) of the points in a block, one slice for each dimension of `shape`.
+        A random point depends on the seed and its place only.
+        """
         if self.sample is None:
             parts = [axis.values[place] for axis, place in zip(self.axes, block, strict=True)]
             return np.stack([part.ravel() for part in np.meshgrid(*parts, indexing="ij")], axis=1)
@@ -86,11 +99,17 @@ class Space:
         if self.over == "poses":
             return {"pose": pose_at(self.mechanism, self.base, swept)}
         names = [c.name for c in self.mechanism.actuated]
-        return {"joints": [swept.get(name, value) for name, value in zip(names, self.base, strict=True)]}
+        return {
+            "joints": [swept.get(name, value) for name, value in zip(names, self.base, strict=True)]
+        }
 
     def given_at_end(self, end: int) -> Given:
-        """What is given at the first (0) or the last point (-1) of the box. Raises InputError for values that do not fit."""
-        return any_given(self.mechanism, **self.given([float(axis.values[end]) for axis in self.axes]))
+        """What is given at the first (0) or the last point (-1) of the box. Raises InputError for
+        values that do not fit.
+        """
+        return any_given(
+            self.mechanism, **self.given([float(axis.values[end]) for axis in self.axes])
+        )
 
     @cached_property
     def problem(self) -> Problem:
@@ -98,8 +117,9 @@ class Space:
         return problem_of(self.mechanism, self.given_at_end(0))
 
     def known_values(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What `symkin.modes` is given at points (n, axes): known values (n, numbers) in the length unit and radians, and how far
-        a pose lies off those that the mechanism can take (n,)."""
+        """What `symkin.modes` is given at points (n, axes): known values (n, numbers) in the length
+        unit and radians, and how far a pose lies off those that the mechanism can take (n,).
+        """
         swept = {axis.name: points[:, k] for k, axis in enumerate(self.axes)}
         if self.over == "poses" and not isinstance(self.base, Mapping):
             return pose_values(self.mechanism, self.base, swept)
@@ -108,7 +128,11 @@ class Space:
         for c in self.problem.known_coordinates:
             if c.name in swept:
                 column = swept[c.name]
-                values[:, place] = _angles_in(self.mechanism, column, whole_turns=c.kind == "angle") if c.is_angular else column
+                values[:, place] = (
+                    _angles_in(self.mechanism, column, whole_turns=c.kind == "angle")
+                    if c.is_angular
+                    else column
+                )
             place += c.width
         return values, np.full(len(points), held.off_motion)
 
@@ -116,58 +140,83 @@ class Space:
         """All that decides the points, for people and for comparison."""
         ways = {axis.name: str(axis) for axis in self.axes}
         if self.sample is not None:
-            ways = {axis.name: f"{float(axis.values[0])!r} to {float(axis.values[-1])!r}" for axis in self.axes}
+            ways = {
+                axis.name: f"{float(axis.values[0])!r} to {float(axis.values[-1])!r}"
+                for axis in self.axes
+            }
         base = dict(self.base) if isinstance(self.base, Mapping) else list(self.base)
         return {"sweeps over": self.over, "axes": ways, "base": base, "sample": self.sample}
 
 
 def make_space(
-    mechanism: Mechanism, ranges: Mapping[str, Values], *, poses: bool = False, at: Joints | Pose | None = None,
-    sample: int | None = None, seed: int = 0,
-) -> Space:  # fmt: skip
-    """A checked space. `ranges` maps actuated joints, or coordinates of the platform's motion, to their values, in a sample to
-    (least, largest); `at` gives what is not swept: all actuated joints, or a pose (default: the example's, else the reference's).
-    Raises InputError for names, values and counts that do not fit, and for poses of which the joints allow hardly any."""
+    mechanism: Mechanism,
+    ranges: Mapping[str, Values],
+    *,
+    poses: bool = False,
+    at: Joints | Pose | None = None,
+    sample: int | None = None,
+    seed: int = 0,
+) -> Space:
+    """A checked space. `ranges` maps actuated joints, or coordinates of the platform's motion, to
+    their values, in a sample to (least, largest); `at` gives what is not swept: all actuated
+    joints, or a pose (default: the example's, else the reference's). Raises InputError for names,
+    values and counts that do not fit, and for poses of which the joints allow hardly any.
+    """
     if not ranges:
         raise InputError("grid: nothing is swept; give at least one name with its values")
     _check_sample(sample, seed)
     if poses and mechanism.platform_link is None:
         raise InputError(
-            f"poses: {mechanism.name} has no platform link; sweep over its inputs, or over coordinates by name (given)"
+            f"poses: {mechanism.name} has no platform link; sweep over its inputs, or over "
+            f"coordinates by name (given)"
         )
     units = pose_units(mechanism) if poses else _units(mechanism, mechanism.actuated)
     axes = tuple(
-        _axis(n, values, units.get(n) or _refused(mechanism, n, units, poses), "grid", sample) for n, values in ranges.items()
+        _axis(n, values, units.get(n) or _refused(mechanism, n, units, poses), "grid", sample)
+        for n, values in ranges.items()
     )
-    space = Space(mechanism, "poses" if poses else "inputs", axes, _base(mechanism, poses, at), sample, seed)
+    space = Space(
+        mechanism, "poses" if poses else "inputs", axes, _base(mechanism, poses, at), sample, seed
+    )
     _check_size(space, "grid")
     if poses:
         assert not isinstance(space.base, Mapping)  # noqa: S101 - that of a pose
         check_poses(space.problem, space.base, {axis.name: axis.values for axis in axes})
     else:
         for end in (0, -1):
-            joint_values(mechanism, space.given([float(axis.values[end]) for axis in axes])["joints"], "grid")
+            joint_values(
+                mechanism, space.given([float(axis.values[end]) for axis in axes])["joints"], "grid"
+            )
     return space
 
 
 def make_space_by_name(
-    mechanism: Mechanism, given: Mapping[str, float | Values], *, sample: int | None = None, seed: int = 0
+    mechanism: Mechanism,
+    given: Mapping[str, float | Values],
+    *,
+    sample: int | None = None,
+    seed: int = 0,
 ) -> Space:
-    """A checked space of coordinates told by name: those with one number are held there, and so is a whole "pose"; those with
-    several are swept, in a sample from the least to the largest. Raises InputError."""
+    """A checked space of coordinates told by name: those with one number are held there, and so is
+    a whole "pose"; those with several are swept, in a sample from the least to the largest. Raises
+    InputError.
+    """
     _check_sample(sample, seed)
     coordinates = given_coordinates(mechanism)
     units = _units(mechanism, coordinates.values())
     held = {n: value for n, value in given.items() if np.ndim(value) == 0 or n not in units}
     swept = {n: value for n, value in given.items() if n not in held}
-    axes = tuple(_axis(n, np.asarray(values), units[n], "given", sample) for n, values in swept.items())
+    axes = tuple(
+        _axis(n, np.asarray(values), units[n], "given", sample) for n, values in swept.items()
+    )
     space = Space(mechanism, "coordinates", axes, held, sample, seed)
     for end in (0, -1):
         space.given_at_end(end)
     if not axes:
         example = next(iter(units), "NAME")
         raise InputError(
-            f"given: nothing is swept; give at least one name several values, as in {example}=0:90:91 ({{{example!r}: [0, 1, 2]}})"
+            f"given: nothing is swept; give at least one name several values, as in "
+            f"{example}=0:90:91 ({{{example!r}: [0, 1, 2]}})"
         )
     _check_size(space, "given")
     return space
@@ -186,7 +235,9 @@ def _check_size(space: Space, what: str) -> None:
 
 
 def _angles_in(mechanism: Mechanism, values: np.ndarray, *, whole_turns: bool) -> np.ndarray:
-    """Angles (n,) in radians, those of more than a turn without `whole_turns` where these mean nothing."""
+    """Angles (n,) in radians, those of more than a turn without `whole_turns` where these mean
+    nothing.
+    """
     turn = mechanism.angle_out(2 * math.pi)
     many = np.flatnonzero(np.abs(values) > turn)
     if whole_turns and many.size:
@@ -197,7 +248,9 @@ def _angles_in(mechanism: Mechanism, values: np.ndarray, *, whole_turns: bool) -
 
 def _units(mechanism: Mechanism, coordinates: Iterable[Coordinate]) -> dict[str, str]:
     """Units of coordinates by name."""
-    return {c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in coordinates}
+    return {
+        c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in coordinates
+    }
 
 
 def _refused(mechanism: Mechanism, name: str, units: Mapping[str, str], poses: bool) -> NoReturn:
@@ -205,15 +258,20 @@ def _refused(mechanism: Mechanism, name: str, units: Mapping[str, str], poses: b
     allowed = ", ".join(units) or "nothing"
     if poses and name in ALL_POSE_AXES:
         raise InputError(
-            f"grid: poses of {mechanism.name}, of {mechanism.motion} motion, have no {name!r} to sweep; allowed: {allowed}"
+            f"grid: poses of {mechanism.name}, of {mechanism.motion} motion, have no {name!r} to "
+            f"sweep; allowed: {allowed}"
         )
     hint = ""
     if not poses and name in ALL_POSE_AXES and mechanism.platform_link is not None:
         hint = "; poses are swept with --poses (over='poses')"
     elif not poses and name in given_coordinates(mechanism):
-        hint = f"; any coordinates, as many as the mobility, are swept with --given {name}=LOW:HIGH:COUNT (given={{...}})"
+        hint = (
+            f"; any coordinates, as many as the mobility, are swept with --given "
+            f"{name}=LOW:HIGH:COUNT (given={{...}})"
+        )
     raise InputError(
-        f"grid: {mechanism.name} has no {name!r} to sweep{'' if hint else meant(name, units)}; allowed: {allowed}{hint}"
+        f"grid: {mechanism.name} has no {name!r} to sweep{'' if hint else meant(name, units)}; "
+        f"allowed: {allowed}{hint}"
     )
 
 
@@ -225,13 +283,23 @@ def _axis(name: str, values: Values, unit: str, what: str, sample: int | None) -
     if not len(numbers):
         raise InputError(f"{what}: {name} has no values; at least one is needed")
     if not np.isfinite(numbers).all():
-        raise InputError(f"{what}: {name} has a value that is not finite ({numbers[~np.isfinite(numbers)][0]})")
+        raise InputError(
+            f"{what}: {name} has a value that is not finite ({numbers[~np.isfinite(numbers)][0]})"
+        )
     if sample is not None and len(numbers) != 2:
-        raise InputError(f"{what}: {name} has {len(numbers)} values; a random sample takes the least and the largest")
+        raise InputError(
+            f"{what}: {name} has {len(numbers)} values; a random sample takes the least and the "
+            f"largest"
+        )
     if sample is not None and numbers[1] < numbers[0]:
-        raise InputError(f"{what}: {name} = {numbers[0]:g}:{numbers[1]:g} is reversed; the lower bound comes first")
+        raise InputError(
+            f"{what}: {name} = {numbers[0]:g}:{numbers[1]:g} is reversed; the lower bound comes "
+            f"first"
+        )
     if sample is None and not (np.diff(numbers) > 0).all():
-        raise InputError(f"{what}: the values of {name} do not rise; they must, and none may come twice")
+        raise InputError(
+            f"{what}: the values of {name} do not rise; they must, and none may come twice"
+        )
     return Axis(name, unit, numbers)
 
 
@@ -239,7 +307,11 @@ def _base(mechanism: Mechanism, poses: bool, at: Joints | Pose | None) -> tuple[
     example = mechanism.example
     if poses:
         if at is None:
-            at = mechanism.reference_pose if example is None or example.pose is None else example.pose
+            at = (
+                mechanism.reference_pose
+                if example is None or example.pose is None
+                else example.pose
+            )
         pose = pose_from(at, "at")
         return tuple(float(v) for v in (*pose.position, *pose.quaternion))
     if at is None and example is not None and example.joints is not None:
@@ -248,14 +320,19 @@ def _base(mechanism: Mechanism, poses: bool, at: Joints | Pose | None) -> tuple[
         references = [(c, c.reference[0]) for c in mechanism.actuated]
         return tuple(mechanism.angle_out(v) if c.is_angular else v for c, v in references)
     if isinstance(at, Pose):
-        raise InputError("at: a pose is given; a sweep over inputs takes all actuated joints (over='poses' sweeps over poses)")
+        raise InputError(
+            "at: a pose is given; a sweep over inputs takes all actuated joints (over='poses' "
+            "sweeps over poses)"
+        )
     joint_values(mechanism, at, "at")
     return tuple(float(v) for v in in_file_order(mechanism, at, "at"))
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """The chunks of an array: boxes of at most `chunk` points, whole along the last axes, cut along one, single before."""
+    """The chunks of an array: boxes of at most `chunk` points, whole along the last axes, cut along
+    one, single before.
+    """
 
     shape: tuple[int, ...]
     chunk: int

@@ -1,8 +1,9 @@
 """The folder of a sweep: a Zarr group that `xarray.open_zarr` reads, written chunk by chunk.
 
-A chunk of points is one chunk of each array. The array `done` has one number a chunk, written after the chunk's data, so that
-whatever a killed run left is computed again; `digest` tells files that were lost or damaged since (see `damage`). The dimension
-`mode` grows to the most modes met, whatever the order.
+A chunk of points is one chunk of each array. The array `done` has one number a chunk, written after
+the chunk's data, so that whatever a killed run left is computed again; `digest` tells files that
+were lost or damaged since (see `damage`). The dimension `mode` grows to the most modes met,
+whatever the order.
 """
 
 from __future__ import annotations
@@ -55,7 +56,9 @@ class Store:
         return np.asarray(np.asarray(self.arrays["done"][:]) == 1)
 
     def lengths(self) -> set[int]:
-        """Lengths of the dimension `mode`: one, unless a run was killed while it grew; none where no array has it."""
+        """Lengths of the dimension `mode`: one, unless a run was killed while it grew; none where
+        no array has it.
+        """
         return {self.arrays[v.name].shape[len(self.plan.space.shape)] for v in self.per_mode}
 
     @interrupts_held()
@@ -74,7 +77,9 @@ class Store:
                 self.grow(needed)
             for v in self.plan.variables:
                 values = arrays[v.name].reshape(*shape, *arrays[v.name].shape[1:])
-                files |= write_chunk(self.folder / v.name, place, values, self._shapes[v.name], v.fill)
+                files |= write_chunk(
+                    self.folder / v.name, place, values, self._shapes[v.name], v.fill
+                )
             self.note(index, digest_of(self.folder, files))
             self.mark(index, done=True)
 
@@ -89,7 +94,11 @@ class Store:
     def files(self, index: int) -> dict[Path, bytes]:
         """What the files of a chunk of points hold now."""
         place = self.place(index)
-        return {path: path.read_bytes() for v in self.plan.variables for path in chunk_files(self.folder / v.name, place)}
+        return {
+            path: path.read_bytes()
+            for v in self.plan.variables
+            for path in chunk_files(self.folder / v.name, place)
+        }
 
     def note(self, index: int, digest: int) -> None:
         """Keep the number by which damage to a chunk is told."""
@@ -110,8 +119,10 @@ class Store:
 
 @interrupts_held()
 def open_store(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int | None) -> Store:
-    """The folder of a new sweep, or that of the same sweep begun before, as it was left. Raises InputError for another
-    sweep's folder, for one that holds something else, and for one that cannot be written."""
+    """The folder of a new sweep, or that of the same sweep begun before, as it was left. Raises
+    InputError for another sweep's folder, for one that holds something else, and for one that
+    cannot be written.
+    """
     kept = read_attributes(folder)
     if kept is None:
         with refused_writing(folder, begun=False):
@@ -119,7 +130,10 @@ def open_store(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int |
         kept = read_attributes(folder) or {}
     reason = difference(kept, pinned)
     if reason is not None:
-        raise InputError(f"{folder}: another sweep is in this folder: {reason}; choose another folder, or the same options")
+        raise InputError(
+            f"{folder}: another sweep is in this folder: {reason}; choose another folder, or the "
+            f"same options"
+        )
     if not os.access(folder, os.W_OK):
         raise InputError(f"{folder}: cannot be written (permission denied)")
     return Store(folder, plan, _group(folder))
@@ -127,7 +141,9 @@ def open_store(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int |
 
 @interrupts_held()
 def read_attributes(folder: Path) -> dict[str, Any] | None:
-    """What a sweep's folder has pinned; None for a folder that is not there or empty. Raises InputError for others."""
+    """What a sweep's folder has pinned; None for a folder that is not there or empty. Raises
+    InputError for others.
+    """
     if not folder.exists():
         return None
     if not folder.is_dir():
@@ -142,13 +158,19 @@ def read_attributes(folder: Path) -> dict[str, Any] | None:
     except PermissionError:
         raise InputError(f"{folder}: cannot be read (permission denied)") from None
     if attributes is None:
-        raise InputError(f"{folder}: holds something that is no sweep, and is left alone; choose another folder")
+        raise InputError(
+            f"{folder}: holds something that is no sweep, and is left alone; choose another folder"
+        )
     return attributes
 
 
 def others_in(folder: Path) -> list[Path]:
     """What a folder holds, but what runs that begin a sweep make in it first."""
-    return [path for path in folder.iterdir() if not (path.name.startswith(f".{folder.name}.") and path.suffix == _PART)]
+    return [
+        path
+        for path in folder.iterdir()
+        if not (path.name.startswith(f".{folder.name}.") and path.suffix == _PART)
+    ]
 
 
 def _attributes(folder: Path) -> dict[str, Any] | None:
@@ -185,7 +207,9 @@ def locked(folder: Path) -> Iterator[None]:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise InputError(f"{folder}: another run is writing into this folder; wait for it or stop it") from None
+            raise InputError(
+                f"{folder}: another run is writing into this folder; wait for it or stop it"
+            ) from None
         except OSError:
             pass
         yield
@@ -205,12 +229,15 @@ def require_zarr() -> None:
 def _group(folder: Path) -> Any:
     import zarr
 
-    return zarr.open_group(folder, mode="r+" if os.access(folder, os.W_OK) else "r", use_consolidated=False)
+    return zarr.open_group(
+        folder, mode="r+" if os.access(folder, os.W_OK) else "r", use_consolidated=False
+    )
 
 
 def _create(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int | None) -> None:
-    """All arrays, empty: made beside the folder, so that it is there as a whole or not at all; or within an empty one, whose
-    description is moved up last. Where another run is first, nothing."""
+    """All arrays, empty: made beside the folder, so that it is there as a whole or not at all; or
+    within an empty one, whose description is moved up last. Where another run is first, nothing.
+    """
     there = folder.exists()
     if not there:
         folder.parent.mkdir(parents=True, exist_ok=True)
@@ -238,7 +265,9 @@ def _rename(beside: Path, folder: Path) -> None:
 
 
 def _move_up(beside: Path, folder: Path) -> None:
-    """Move what is in a folder within another one up into that, unless something has come there meanwhile."""
+    """Move what is in a folder within another one up into that, unless something has come there
+    meanwhile.
+    """
     if others_in(folder):
         shutil.rmtree(beside, ignore_errors=True)
         return

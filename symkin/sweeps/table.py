@@ -1,4 +1,6 @@
-"""A sweep as a table: a row for each mode, or for each point where nothing is stored of single modes."""
+"""A sweep as a table: a row for each mode, or for each point where nothing is stored of single
+modes.
+"""
 
 from __future__ import annotations
 
@@ -31,17 +33,27 @@ class _Column:
 
 
 def write_csv(data: Any, swept: Sequence[str], path: Path | str) -> int:
-    """Write the arrays of a sweep over some names as a CSV file; how many rows it has. Raises InputError."""
+    """Write the arrays of a sweep over some names as a CSV file; how many rows it has. Raises
+    InputError.
+    """
     with interrupts_held():
         columns = _columns(data, swept)
-    write_table(path, [column.header for column in columns], zip(*(_cells(column.numbers) for column in columns), strict=True))
+    write_table(
+        path,
+        [column.header for column in columns],
+        zip(*(_cells(column.numbers) for column in columns), strict=True),
+    )
     return len(columns[0].numbers)
 
 
 def _cells(numbers: np.ndarray) -> list[float | int | str]:
-    """Numbers as they are written; what is not there, a flag that is -1 among them, is an empty cell."""
+    """Numbers as they are written; what is not there, a flag that is -1 among them, is an empty
+    cell.
+    """
     flags = numbers.dtype.kind == "i"
-    return ["" if number != number or (flags and number < 0) else number for number in numbers.tolist()]
+    return [
+        "" if number != number or (flags and number < 0) else number for number in numbers.tolist()
+    ]
 
 
 def _columns(data: Any, swept: Sequence[str]) -> list[_Column]:
@@ -49,9 +61,14 @@ def _columns(data: Any, swept: Sequence[str]) -> list[_Column]:
     per_mode = any("mode" in data[name].dims for name in data.data_vars)
     rows = int(count.sum()) if per_mode else count.size
     if rows > MOST_ROWS:
-        raise InputError(f"csv: the sweep has {rows} rows; allowed: {MOST_ROWS}, and xarray.open_zarr reads the arrays of more")
+        raise InputError(
+            f"csv: the sweep has {rows} rows; allowed: {MOST_ROWS}, and xarray.open_zarr reads the "
+            f"arrays of more"
+        )
     owner = np.repeat(np.arange(count.size), count) if per_mode else np.arange(count.size)
-    number = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count) if per_mode else None
+    number = (
+        np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count) if per_mode else None
+    )
     columns = list(_of_points(data, swept, owner, count.size))
     columns += [] if number is None else [_Column("mode", number + 1)]
     others = sorted(str(name) for name in data.data_vars if name not in (*_FIRST, *_LEFT_OUT))
@@ -67,7 +84,9 @@ def _columns(data: Any, swept: Sequence[str]) -> list[_Column]:
     return list(first.values())
 
 
-def _of_points(data: Any, swept: Sequence[str], owner: np.ndarray, points: int) -> Iterator[_Column]:
+def _of_points(
+    data: Any, swept: Sequence[str], owner: np.ndarray, points: int
+) -> Iterator[_Column]:
     """The values that are swept."""
     for name, label in zip(swept, labels(swept), strict=True):
         values = data[label].broadcast_like(data["count"]).transpose(*data["count"].dims).values
@@ -82,7 +101,9 @@ def _of_modes(data: Any, name: str, owner: np.ndarray, number: np.ndarray) -> It
     if not points:
         yield _Column(_header(name, array), values)
     elif name == "joints":
-        for k, (joint, unit) in enumerate(zip(data["joint"].values, data["joint_units"].values, strict=True)):
+        for k, (joint, unit) in enumerate(
+            zip(data["joint"].values, data["joint_units"].values, strict=True)
+        ):
             yield _Column(f"{joint}[{unit}]" if unit != "1" else str(joint), values[:, k])
     elif name == "points":
         for i, point in enumerate(data["named_point"].values):

@@ -1,7 +1,9 @@
-"""Differentiate the closure's rows by twist and joint rates, in the form in which one writes them by hand.
+"""Differentiate the closure's rows by twist and joint rates, in the form in which one writes them
+by hand.
 
-A platform direction s = R v turns with the platform, s' = w x s, so that a row F(s) has the moment s x dF/ds; the distance
-d = |t + s - b| gives (u; s x u), u = (t + s - b) / d. Automatic differentiation by the quaternion would give the same numbers in many more terms.
+A platform direction s = R v turns with the platform, s' = w x s, so that a row F(s) has the moment
+s x dF/ds; the distance d = |t + s - b| gives (u; s x u), u = (t + s - b) / d. Automatic
+differentiation by the quaternion would give the same numbers in many more terms.
 """
 
 from __future__ import annotations
@@ -21,20 +23,29 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import matrix_from_quaternion, multiply
 
 _VANISHING = 1e-11
-"""A row that stays below this times the size at random configurations is implied by the restricted motion."""
-TWIST_COLUMNS = {"pose.x": (0,), "pose.y": (1,), "pose.z": (2,), "pose.gamma": (5,), "pose.quaternion": (3, 4, 5)}
+"""A row that stays below this times the size at random configurations is implied by the restricted
+motion.
+"""
+TWIST_COLUMNS = {
+    "pose.x": (0,),
+    "pose.y": (1,),
+    "pose.z": (2,),
+    "pose.gamma": (5,),
+    "pose.quaternion": (3, 4, 5),
+}
 """Components of (velocity, angular velocity) that each pose coordinate moves."""
 
 
 @dataclass(frozen=True, eq=False)
 class Differential:
-    """A t + P x' + B q' = 0 over a closure's `variables` and `parameters`; t = (velocity of the platform's or tool's
-    origin; angular velocity), base frame, all six columns.
+    """A t + P x' + B q' = 0 over a closure's `variables` and `parameters`; t = (velocity of the
+    platform's or tool's origin; angular velocity), base frame, all six columns.
 
-    `twist` (m, 6), `passive` (m, p), `actuated` (m, n); a passive unit quaternion has three columns, its angular velocity
-    in the frame before the joint. `limbs` names the limb of each row, `weights` (m) makes lengths of the rows, which are
-    (d.d - l^2) / 2 for distances. `pose` is the platform's or tool's pose. With `explicit`, the rows are those of a
-    serial arm, t = J(q) q', and neither they nor the pose contain pose coordinates.
+    `twist` (m, 6), `passive` (m, p), `actuated` (m, n); a passive unit quaternion has three
+    columns, its angular velocity in the frame before the joint. `limbs` names the limb of each row,
+    `weights` (m) makes lengths of the rows, which are (d.d - l^2) / 2 for distances. `pose` is the
+    platform's or tool's pose. With `explicit`, the rows are those of a serial arm, t = J(q) q', and
+    neither they nor the pose contain pose coordinates.
     """
 
     twist: ca.SX
@@ -47,7 +58,9 @@ class Differential:
 
 
 def differentiate(closure: Closure, *, bound: bool = False) -> Differential:
-    """The differential of a mechanism's closure; geometry symbolic, or numbers free of rounding noise with `bound`."""
+    """The differential of a mechanism's closure; geometry symbolic, or numbers free of rounding
+    noise with `bound`.
+    """
     builder = _Builder(closure.mechanism, bound=bound)
     builder.build_rows()
     ours = [symbol for _, symbol in builder.coordinates.values()]
@@ -55,10 +68,15 @@ def differentiate(closure: Closure, *, bound: bool = False) -> Differential:
     if not bound:
         numbers = dict(zip(closure.parameter_names, ca.vertsplit(closure.parameters), strict=True))
         ours += builder.table.symbols
-        theirs += [numbers.get(name, ca.SX(value)) for name, value in zip(builder.table.names, builder.table.values, strict=True)]
+        theirs += [
+            numbers.get(name, ca.SX(value))
+            for name, value in zip(builder.table.names, builder.table.values, strict=True)
+        ]
     if _is_explicit(closure):
         twist, actuated, pose = _of_arm(builder)
-        twist, actuated, position, quaternion = ca.substitute([twist, actuated, pose.position, pose.quaternion], ours, theirs)
+        twist, actuated, position, quaternion = ca.substitute(
+            [twist, actuated, pose.position, pose.quaternion], ours, theirs
+        )
         return Differential(
             twist=twist,
             passive=ca.SX(6, 0),
@@ -71,25 +89,39 @@ def differentiate(closure: Closure, *, bound: bool = False) -> Differential:
     rows, twist = builder.pose.settled([ca.vertcat(*builder.rows), builder.twist_columns()])
     rows, twist = ca.substitute([rows, twist], ours, theirs)
     kept = _kept_rows(closure, rows)
-    joints = tangent_jacobian(rows, closure, closure.role("actuated")), tangent_jacobian(rows, closure, closure.role("passive"))
+    joints = (
+        tangent_jacobian(rows, closure, closure.role("actuated")),
+        tangent_jacobian(rows, closure, closure.role("passive")),
+    )
     return Differential(
         twist=twist[kept, :],
         passive=joints[1][kept, :],
         actuated=joints[0][kept, :],
         limbs=tuple(builder.sources[k].limb for k in kept),
-        weights=np.array([1 / closure.characteristic_length if builder.sources[k].relation == "distance" else 1.0 for k in kept]),
+        weights=np.array(
+            [
+                1 / closure.characteristic_length
+                if builder.sources[k].relation == "distance"
+                else 1.0
+                for k in kept
+            ]
+        ),
         pose=closure.pose,
         explicit=False,
     )
 
 
-def tangent_jacobian(expression: ca.SX, closure: Closure, coordinates: tuple[Coordinate, ...]) -> ca.SX:
+def tangent_jacobian(
+    expression: ca.SX, closure: Closure, coordinates: tuple[Coordinate, ...]
+) -> ca.SX:
     """Derivatives by rates: of numbers, and of unit quaternions by their angular velocity."""
     columns = [ca.SX(expression.shape[0], 0)]
     for c in coordinates:
         symbol = closure.variables[closure.slices[c.name]]
         jacobian = ca.jacobian(expression, symbol)
-        columns.append(ca.mtimes(jacobian, quaternion_rates(symbol)) if c.kind == "quaternion" else jacobian)
+        columns.append(
+            ca.mtimes(jacobian, quaternion_rates(symbol)) if c.kind == "quaternion" else jacobian
+        )
     return ca.horzcat(*columns)
 
 
@@ -108,7 +140,9 @@ def pose_rates(coordinate: Coordinate, quaternion: ca.SX, twists: ca.SX) -> ca.S
 
 @dataclass
 class _TurningPose:
-    """A platform pose whose position, quaternion and turned directions are symbols; see PlatformPose."""
+    """A platform pose whose position, quaternion and turned directions are symbols; see
+    PlatformPose.
+    """
 
     true: Pose
     position: ca.SX = field(default_factory=lambda: ca.SX.sym("p", 3))
@@ -135,7 +169,11 @@ class _TurningPose:
         """The expressions with the pose in place of the symbols."""
         rotation = matrix_from_quaternion(self.true.quaternion)
         symbols = [self.position, self.quaternion, *(s for s, _ in self.turned)]
-        values = [self.true.position, self.true.quaternion, *(ca.mtimes(rotation, v) for _, v in self.turned)]
+        values = [
+            self.true.position,
+            self.true.quaternion,
+            *(ca.mtimes(rotation, v) for _, v in self.turned),
+        ]
         return list(ca.substitute(expressions, symbols, values))
 
 
@@ -150,7 +188,12 @@ class _Builder(RowBuilder):
         self.platform_pose = self.pose
 
     def _distance(
-        self, name: str, pose: PlatformPose, ends: tuple[ca.SX, ca.SX], length: ca.SX, length_squared: ca.SX | None = None
+        self,
+        name: str,
+        pose: PlatformPose,
+        ends: tuple[ca.SX, ca.SX],
+        length: ca.SX,
+        length_squared: ca.SX | None = None,
     ) -> None:
         target = length * length if length_squared is None else length_squared
         self._add(name, "distance", [(pose.squared_distance(*ends) - target) / 2], [])
@@ -158,7 +201,9 @@ class _Builder(RowBuilder):
     def twist_columns(self) -> ca.SX:
         """(m, 6): dF/dp, and the moments s x dF/ds with dF/de of the quaternion itself."""
         rows = ca.vertcat(*self.rows)
-        angular = ca.mtimes(ca.jacobian(rows, self.pose.quaternion), quaternion_rates(self.pose.quaternion))
+        angular = ca.mtimes(
+            ca.jacobian(rows, self.pose.quaternion), quaternion_rates(self.pose.quaternion)
+        )
         for symbol, _ in self.pose.turned:
             gradient = ca.jacobian(rows, symbol)
             angular += ca.horzcat(*(_column(symbol, gradient, k) for k in range(3)))
@@ -177,7 +222,9 @@ def _is_explicit(closure: Closure) -> bool:
 
 
 def _of_arm(builder: _Builder) -> tuple[ca.SX, ca.SX, Pose]:
-    """1 t - J q' = 0: each joint's axis a, moved by the joints before it, turns the tool by a and slides it."""
+    """1 t - J q' = 0: each joint's axis a, moved by the joints before it, turns the tool by a and
+    slides it.
+    """
     forward = builder.forward
     assert forward is not None  # noqa: S101 - _is_explicit has asked
     symbols = [symbol for c, symbol in builder.coordinates.values() if c.role == "actuated"]
@@ -185,7 +232,9 @@ def _of_arm(builder: _Builder) -> tuple[ca.SX, ca.SX, Pose]:
     columns = []
     for k, step in enumerate(builder.arm.steps):
         assert isinstance(step, Turn)  # noqa: S101 - actuated joints are R, P and H
-        spin = ca.SX(3, 1) if step.angle is None else Chain(builder.arm.steps[:k]).direction(step.axis)
+        spin = (
+            ca.SX(3, 1) if step.angle is None else Chain(builder.arm.steps[:k]).direction(step.axis)
+        )
         columns.append(ca.vertcat(position[:, k], spin))
     return ca.SX.eye(6), -ca.horzcat(*columns), forward
 
@@ -197,11 +246,18 @@ def _kept_rows(closure: Closure, rows: ca.SX) -> list[int]:
     evaluate = ca.Function("rows", [closure.variables], [closure.bound(rows)])
     rng = np.random.default_rng(0)
     samples = [
-        np.asarray(evaluate(random_values(closure.coordinates, closure.characteristic_length, rng))).ravel() for _ in range(3)
+        np.asarray(
+            evaluate(random_values(closure.coordinates, closure.characteristic_length, rng))
+        ).ravel()
+        for _ in range(3)
     ]
-    return np.flatnonzero(np.max(np.abs(samples), axis=0) > _VANISHING * closure.characteristic_length).tolist()
+    return np.flatnonzero(
+        np.max(np.abs(samples), axis=0) > _VANISHING * closure.characteristic_length
+    ).tolist()
 
 
 def motion_columns(closure: Closure) -> list[int]:
-    """The twist's components that the platform's motion has, in the order of its pose coordinates."""
+    """The twist's components that the platform's motion has, in the order of its pose
+    coordinates.
+    """
     return [k for c in closure.role("pose") for k in TWIST_COLUMNS[c.name]]

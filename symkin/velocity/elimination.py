@@ -1,8 +1,10 @@
-"""Solve small symbolic systems by least squares or for the shortest solution, without choice of pivots.
+"""Solve small symbolic systems by least squares or for the shortest solution, without choice of
+pivots.
 
-Columns are made orthogonal one after the other (modified Gram-Schmidt without square roots, Bjoerck 1967), M = V U with V^T V
-diagonal and U unit upper triangular: as accurate as other orthogonal factorisations in solving, and defined wherever the columns
-are independent, so that expressions have no poles of their own.
+Columns are made orthogonal one after the other (modified Gram-Schmidt without square roots, Bjoerck
+1967), M = V U with V^T V diagonal and U unit upper triangular: as accurate as other orthogonal
+factorisations in solving, and defined wherever the columns are independent, so that expressions
+have no poles of their own.
 """
 
 from __future__ import annotations
@@ -14,8 +16,9 @@ import casadi as ca
 
 @dataclass(frozen=True, eq=False)
 class Factors:
-    """M = V U of a matrix (m, k), and what that makes of others beside it (m, l): `coefficients` (k, l) with
-    rest = V coefficients + remainder, the remainder orthogonal to M's columns."""
+    """M = V U of a matrix (m, k), and what that makes of others beside it (m, l): `coefficients`
+    (k, l) with rest = V coefficients + remainder, the remainder orthogonal to M's columns.
+    """
 
     orthogonal: ca.SX
     triangular: ca.SX
@@ -43,7 +46,13 @@ def factored(matrix: ca.SX, rest: ca.SX) -> Factors:
         squares.append(square)
         columns.append(column)
     orthogonal = ca.horzcat(*columns) if columns else ca.SX(matrix.shape[0], 0)
-    return Factors(orthogonal, ca.sparsify(triangular), tuple(squares), ca.sparsify(coefficients), ca.sparsify(rest))
+    return Factors(
+        orthogonal,
+        ca.sparsify(triangular),
+        tuple(squares),
+        ca.sparsify(coefficients),
+        ca.sparsify(rest),
+    )
 
 
 def back_substituted(triangular: ca.SX, right: ca.SX) -> ca.SX:
@@ -56,12 +65,21 @@ def back_substituted(triangular: ca.SX, right: ca.SX) -> ca.SX:
 
 
 def shortest(matrix: ca.SX, right: ca.SX) -> ca.SX:
-    """The shortest Y of M Y = right for a matrix (k, n) of independent rows: with M^T = V U, Y = V D^-1 U^-T right."""
+    """The shortest Y of M Y = right for a matrix (k, n) of independent rows: with M^T = V U, Y = V
+    D^-1 U^-T right.
+    """
     factors = factored(matrix.T, ca.SX(matrix.shape[1], 0))
     reversed_rows = list(reversed(range(int(matrix.shape[0]))))
     lower = factors.triangular.T
-    weights = back_substituted(lower[reversed_rows, reversed_rows], right[reversed_rows, :])[reversed_rows, :]
-    return ca.sparsify(ca.mtimes(factors.orthogonal, ca.mtimes(ca.diag(ca.vertcat(*(1 / d for d in factors.squares))), weights)))
+    weights = back_substituted(lower[reversed_rows, reversed_rows], right[reversed_rows, :])[
+        reversed_rows, :
+    ]
+    return ca.sparsify(
+        ca.mtimes(
+            factors.orthogonal,
+            ca.mtimes(ca.diag(ca.vertcat(*(1 / d for d in factors.squares))), weights),
+        )
+    )
 
 
 def without_span(rows: ca.SX, forbidden: ca.SX) -> ca.SX:
@@ -70,7 +88,9 @@ def without_span(rows: ca.SX, forbidden: ca.SX) -> ca.SX:
 
 
 def cofactors(matrix: ca.SX) -> ca.SX:
-    """(1, k + 1): y with y M = 0 for M of shape (k + 1, k), the signed minors; zero only where M loses rank."""
+    """(1, k + 1): y with y M = 0 for M of shape (k + 1, k), the signed minors; zero only where M
+    loses rank.
+    """
     count = int(matrix.shape[0])
     minors = []
     for k in range(count):

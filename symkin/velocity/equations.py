@@ -1,9 +1,11 @@
-"""Write the velocity equations A t + P x' + B q' = 0 of a closure, and evaluate them at a configuration.
+"""Write the velocity equations A t + P x' + B q' = 0 of a closure, and evaluate them at a
+configuration.
 
-t is the twist (velocity of the platform's or tool's origin; angular velocity), both in the base frame, q' are the rates of
-the actuated joints in file order and x' those of the passive joints that the closure has. Passive joints are eliminated
-limb by limb with orthogonal projections: with U spanning the columns of P_i, (1 - U U^T)(A_i t + B_i q') = 0, so that
-redundant rows, redundant actuation and serial arms (whose rows are t - J q' = 0) need no case of their own.
+t is the twist (velocity of the platform's or tool's origin; angular velocity), both in the base
+frame, q' are the rates of the actuated joints in file order and x' those of the passive joints that
+the closure has. Passive joints are eliminated limb by limb with orthogonal projections: with U
+spanning the columns of P_i, (1 - U U^T)(A_i t + B_i q') = 0, so that redundant rows, redundant
+actuation and serial arms (whose rows are t - J q' = 0) need no case of their own.
 """
 
 from __future__ import annotations
@@ -28,11 +30,13 @@ from symkin.velocity.matrices import VelocityMatrices
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class VelocityEquations(LimbStructure):
-    """A (m, 6), P (m, p) and B (m, n) of a mechanism as expressions of the closure's variables and parameters.
+    """A (m, 6), P (m, p) and B (m, n) of a mechanism as expressions of the closure's variables and
+    parameters.
 
-    `twist`, `passive` and `actuated` are A, P and B; columns of A that the platform's motion does not have are zero. Rows
-    have the closure's scale, a length. Rates are in the length unit or rad per unit of time; a passive unit quaternion has
-    three columns, its angular velocity in the frame before the joint, axes as at the reference.
+    `twist`, `passive` and `actuated` are A, P and B; columns of A that the platform's motion does
+    not have are zero. Rows have the closure's scale, a length. Rates are in the length unit or rad
+    per unit of time; a passive unit quaternion has three columns, its angular velocity in the frame
+    before the joint, axes as at the reference.
     """
 
     closure: Closure
@@ -59,14 +63,31 @@ class VelocityEquations(LimbStructure):
     def passive_names(self) -> tuple[str, ...]:
         """One name a column of P: `name`, or `name.x`, `name.y`, `name.z` of a spherical joint."""
         pairs = ((c, "xyz" if c.kind == "quaternion" else "") for c in self.closure.role("passive"))
-        return tuple(name for c, letters in pairs for name in ([f"{c.name}.{k}" for k in letters] or [c.name]))
+        return tuple(
+            name
+            for c, letters in pairs
+            for name in ([f"{c.name}.{k}" for k in letters] or [c.name])
+        )
 
-    def at(self, values: Solution | Mapping[str, Any] | np.ndarray, parameters: np.ndarray | None = None) -> VelocityMatrices:
-        """The matrices at a closed configuration: a Solution, its `values` (radians, length unit), or the full vector of the
-        closure's variables; `parameters` in the order of `closure.parameter_names`, nominal without."""
-        geometry = self.closure.parameter_values if parameters is None else np.asarray(parameters, dtype=float)
+    def at(
+        self,
+        values: Solution | Mapping[str, Any] | np.ndarray,
+        parameters: np.ndarray | None = None,
+    ) -> VelocityMatrices:
+        """The matrices at a closed configuration: a Solution, its `values` (radians, length unit),
+        or the full vector of the closure's variables; `parameters` in the order of
+        `closure.parameter_names`, nominal without.
+        """
+        geometry = (
+            self.closure.parameter_values
+            if parameters is None
+            else np.asarray(parameters, dtype=float)
+        )
         if geometry.shape != self.closure.parameter_values.shape:
-            raise InputError(f"parameters: {geometry.size} values given, {self.closure.parameter_values.size} are needed")
+            raise InputError(
+                f"parameters: {geometry.size} values given, {self.closure.parameter_values.size} "
+                f"are needed"
+            )
         outputs = self._function(variables_of(self.closure, values), geometry)
         return VelocityMatrices(self, *(np.asarray(ca.DM(output).full()) for output in outputs))
 
@@ -77,7 +98,9 @@ class VelocityEquations(LimbStructure):
     @cached_property
     def _function(self) -> ca.Function:
         outputs = [ca.densify(part) for part in (self.twist, self.passive, self.actuated)]
-        return ca.Function("velocity", [self.closure.variables, self.closure.parameters], outputs, {"cse": True})
+        return ca.Function(
+            "velocity", [self.closure.variables, self.closure.parameters], outputs, {"cse": True}
+        )
 
     def ranks(self, values: np.ndarray) -> LimbRanks:
         """The limbs' parts and ranks at a closed configuration."""
@@ -90,7 +113,9 @@ class VelocityEquations(LimbStructure):
 
 @lru_cache(maxsize=128)
 def velocity_equations(mechanism: Mechanism) -> VelocityEquations:
-    """The velocity equations of a mechanism; ranks are judged at closed configurations near the reference (seed 0)."""
+    """The velocity equations of a mechanism; ranks are judged at closed configurations near the
+    reference (seed 0).
+    """
     closure = build_closure(mechanism)
     blank = VelocityEquations(
         mechanism=mechanism,
@@ -99,37 +124,58 @@ def velocity_equations(mechanism: Mechanism) -> VelocityEquations:
         closure=closure,
         differential=differentiate(closure),
     )
-    best = max((blank.ranks(values) for values in closed_configurations(closure, 0)), key=lambda ranks: ranks.genericity)
+    best = max(
+        (blank.ranks(values) for values in closed_configurations(closure, 0)),
+        key=lambda ranks: ranks.genericity,
+    )
     return replace(blank, limbs=best.limbs, constraints=best.constraints, freedom=best.freedom)
 
 
 def variables_of(
-    closure: Closure, values: Solution | Mapping[str, Any] | np.ndarray, needed: Collection[str] | None = None
+    closure: Closure,
+    values: Solution | Mapping[str, Any] | np.ndarray,
+    needed: Collection[str] | None = None,
 ) -> np.ndarray:
-    """The full vector of a closure's variables from a Solution, its `values`, or the vector itself; coordinates that are
-    not `needed` may be missing, and are NaN then."""
+    """The full vector of a closure's variables from a Solution, its `values`, or the vector itself;
+    coordinates that are not `needed` may be missing, and are NaN then.
+    """
     named: Any = values
     if isinstance(values, Solution):
-        # a closure for other given coordinates may hold joints that this one cuts, and the other way round
+        # a closure for other given coordinates may hold joints that this one cuts, and the other
+        # way round
         named = values.values if values.partition == closure.partition else values.all_values
     if isinstance(named, Mapping):
         names = [c.name for c in closure.coordinates if needed is None or c.name in needed]
         missing = [name for name in names if name not in named]
         if missing:
             raise InputError(f"values: {missing[0]} is missing; needed are {', '.join(names)}")
-        parts = [np.atleast_1d(np.asarray(named.get(c.name, [np.nan] * c.width), dtype=float)) for c in closure.coordinates]
+        parts = [
+            np.atleast_1d(np.asarray(named.get(c.name, [np.nan] * c.width), dtype=float))
+            for c in closure.coordinates
+        ]
         named = np.concatenate(parts)
     vector = np.asarray(named, dtype=float)
     if vector.shape != closure.reference.shape:
-        raise InputError(f"values: shape {vector.shape} given, the closure has {closure.reference.size} variables")
+        raise InputError(
+            f"values: shape {vector.shape} given, the closure has {closure.reference.size} "
+            f"variables"
+        )
     return vector
 
 
 def _scales(closure: Closure) -> Matrices:
-    """What makes lengths of twists, passive and actuated rates: the size for angles, 1 for lengths."""
+    """What makes lengths of twists, passive and actuated rates: the size for angles, 1 for
+    lengths.
+    """
     size = closure.characteristic_length
     passive, actuated = (
-        np.array([size if c.is_angular or c.kind == "quaternion" else 1.0 for c in closure.role(role) for _ in range(c.freedom)])
+        np.array(
+            [
+                size if c.is_angular or c.kind == "quaternion" else 1.0
+                for c in closure.role(role)
+                for _ in range(c.freedom)
+            ]
+        )
         for role in ("passive", "actuated")
     )
     return np.array([1.0, 1.0, 1.0, size, size, size]), passive, actuated

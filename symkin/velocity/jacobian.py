@@ -1,4 +1,6 @@
-"""Symbolic Jacobians of a mechanism: expressions of named variables, their time derivative and their Hessian."""
+"""Symbolic Jacobians of a mechanism: expressions of named variables, their time derivative and
+their Hessian.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,8 @@ Values = Solution | Mapping[str, Any] | np.ndarray
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Jacobian(Result):
-    """A Jacobian of a mechanism as an expression of its closure's variables, at any regular closed configuration.
+    """A Jacobian of a mechanism as an expression of its closure's variables, at any regular closed
+    configuration.
 
     kind         matrix                                                              shape
     "direct"     t = J q', the twist t = (velocity of the platform's or tool's       6 x n
@@ -43,11 +46,13 @@ class Jacobian(Result):
     "passive"    x' = Jp q', the closure's passive joints; a spherical joint has     p x n
                  its angular velocity in the frame before the joint
 
-    Lengths are in the mechanism's length unit, angles in rad. `expression` reads the `symbols` of `inputs` (coordinates) and of
-    `parameters` (empty where the geometry is bound); `rows` and `columns` name the matrix's. With more actuated joints than
-    freedoms, "direct" takes rates that no motion has by least squares of the closure's rows, and where an arm's joints have more
-    freedom than its tool, "inverse" gives the shortest rates. Poles: see `symkin.velocity.jacobian_expressions`. `at` evaluates
-    the matrix, `function` is a CasADi function, `plot(at=...)` draws the matrix at a configuration.
+    Lengths are in the mechanism's length unit, angles in rad. `expression` reads the `symbols` of
+    `inputs` (coordinates) and of `parameters` (empty where the geometry is bound); `rows` and
+    `columns` name the matrix's. With more actuated joints than freedoms, "direct" takes rates that
+    no motion has by least squares of the closure's rows, and where an arm's joints have more
+    freedom than its tool, "inverse" gives the shortest rates. Poles: see
+    `symkin.velocity.jacobian_expressions`. `at` evaluates the matrix, `function` is a CasADi
+    function, `plot(at=...)` draws the matrix at a configuration.
 
     >>> import symkin
     >>> platform = symkin.load("zhang2009")
@@ -87,21 +92,39 @@ class Jacobian(Result):
 
     @cached_property
     def function(self) -> ca.Function:
-        """A CasADi function of one scalar for each input and parameter, by name, with the output `jacobian`."""
+        """A CasADi function of one scalar for each input and parameter, by name, with the output
+        `jacobian`.
+        """
         names = [v.name for v in (*self.inputs, *self.parameters)]
         outputs = [ca.densify(self.expression)]
         name = ca.Function.fix_name(f"{self.mechanism.name}_{self.kind}_jacobian")
-        return ca.Function(name, ca.vertsplit(self.symbols) if names else [], outputs, names, ["jacobian"], {"cse": True})
+        return ca.Function(
+            name,
+            ca.vertsplit(self.symbols) if names else [],
+            outputs,
+            names,
+            ["jacobian"],
+            {"cse": True},
+        )
 
     def at(self, values: Values, parameters: np.ndarray | None = None) -> np.ndarray:
-        """The matrix at a closed configuration: a Solution, its `values` (those of the inputs suffice), or the closure's
-        vector (radians, length unit). `parameters` are all of the closure's (`closure.parameter_names`); nominal without."""
-        geometry = self.closure.parameter_values if parameters is None else np.asarray(parameters, dtype=float)
+        """The matrix at a closed configuration: a Solution, its `values` (those of the inputs
+        suffice), or the closure's vector (radians, length unit). `parameters` are all of the
+        closure's (`closure.parameter_names`); nominal without.
+        """
+        geometry = (
+            self.closure.parameter_values
+            if parameters is None
+            else np.asarray(parameters, dtype=float)
+        )
         if geometry.shape != self.closure.parameter_values.shape:
-            raise InputError(f"parameters: {geometry.size} values given, {self.closure.parameter_values.size} are needed")
+            raise InputError(
+                f"parameters: {geometry.size} values given, {self.closure.parameter_values.size} "
+                f"are needed"
+            )
         return np.asarray(self._value(self._vector(values), geometry))
 
-    # --- second order ----------------------------------------------------------------------------------------------
+    # --- second order -----------------------------------------------------------------------------
 
     @cached_property
     def rates(self) -> ca.SX:
@@ -111,26 +134,38 @@ class Jacobian(Result):
 
     @cached_property
     def time_derivative(self) -> ca.SX:
-        """dJ/dt over the variables and `rates`: the sum of dJ/dz z' over the variables z, quaternions with q' = (0, w) q / 2."""
+        """dJ/dt over the variables and `rates`: the sum of dJ/dz z' over the variables z,
+        quaternions with q' = (0, w) q / 2.
+        """
         return self._along(self.rates)
 
     @cached_property
     def hessian(self) -> tuple[ca.SX, ...]:
-        """dJ/dq_k for each actuated joint, all others held and the loops kept closed: n matrices of J's shape. With more
-        actuated joints than freedoms one joint cannot move alone; x' and t are then those of "passive" and "direct"."""
+        """dJ/dq_k for each actuated joint, all others held and the loops kept closed: n matrices of
+        J's shape. With more actuated joints than freedoms one joint cannot move alone; x' and t are
+        then those of "passive" and "direct".
+        """
         direct, passive = self.expressions.direct, self.expressions.passive
         unit = ca.SX.eye(int(direct.shape[1]))
-        return tuple(self._along(ca.vertcat(unit[:, k], passive[:, k], direct[:, k])) for k in range(int(unit.shape[1])))
+        return tuple(
+            self._along(ca.vertcat(unit[:, k], passive[:, k], direct[:, k]))
+            for k in range(int(unit.shape[1]))
+        )
 
     def time_derivative_at(self, values: Values, rates: Sequence[float] | np.ndarray) -> np.ndarray:
-        """dJ/dt at a configuration; `rates` are n actuated ones (the others follow from them) or all of (q'; x'; t)."""
+        """dJ/dt at a configuration; `rates` are n actuated ones (the others follow from them) or
+        all of (q'; x'; t).
+        """
         given, z = np.asarray(rates, dtype=float), variables_of(self.closure, values)
         n, all_rates = int(self.equations.differential.actuated.shape[1]), int(self.rates.shape[0])
         if given.shape == (n,):
-            given = np.concatenate([given, *(np.asarray(part) @ given for part in self._following(z, self._geometry))])
+            given = np.concatenate(
+                [given, *(np.asarray(part) @ given for part in self._following(z, self._geometry))]
+            )
         if given.shape != (all_rates,):
             raise InputError(
-                f"rates: {given.size} values given; allowed are {n} (the actuated joints') or {all_rates} (actuated, passive, twist)"
+                f"rates: {given.size} values given; allowed are {n} (the actuated joints') or "
+                f"{all_rates} (actuated, passive, twist)"
             )
         return np.asarray(self._rate(z, self._geometry, given))
 
@@ -174,11 +209,17 @@ class Jacobian(Result):
             place = 0
             for c in closure.role(role):
                 rate = part[place : place + c.freedom]
-                speeds.append(ca.mtimes(quaternion_rates(symbol_of(closure, c)), rate) if c.kind == "quaternion" else rate)
+                speeds.append(
+                    ca.mtimes(quaternion_rates(symbol_of(closure, c)), rate)
+                    if c.kind == "quaternion"
+                    else rate
+                )
                 place += c.freedom
         for c in closure.role("pose"):
             speeds.append(pose_rates(c, symbol_of(closure, c), rates[n + p :]))
-        flat = ca.jtimes(ca.vec(ca.densify(self.expression)), closure.variables, ca.vertcat(*speeds))
+        flat = ca.jtimes(
+            ca.vec(ca.densify(self.expression)), closure.variables, ca.vertcat(*speeds)
+        )
         return ca.reshape(flat, *self.expression.shape)
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
@@ -200,7 +241,9 @@ class Jacobian(Result):
         """The matrix' kind and shape, and the names of what it reads."""
         inputs = ", ".join(v.name for v in self.inputs) or "nothing"
         rows, columns = self.shape
-        return Summary([f"{self.mechanism.name}: {self.kind} Jacobian, {rows} x {columns}, of {inputs}"])
+        return Summary(
+            [f"{self.mechanism.name}: {self.kind} Jacobian, {rows} x {columns}, of {inputs}"]
+        )
 
 
 AnyJacobian = Jacobian | RateJacobian
@@ -208,21 +251,29 @@ AnyJacobian = Jacobian | RateJacobian
 
 
 @overload
-def jacobian(mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False) -> Jacobian: ...
+def jacobian(
+    mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False
+) -> Jacobian: ...
 @overload
 def jacobian(mechanism: Mechanism, *, of: Sequence[str], by: Sequence[str]) -> RateJacobian: ...
 def jacobian(
-    mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False, of: Sequence[str] | None = None,
+    mechanism: Mechanism,
+    kind: str = "direct",
+    *,
+    parameters: bool = False,
+    of: Sequence[str] | None = None,
     by: Sequence[str] | None = None,
-) -> Jacobian | RateJacobian:  # fmt: skip
+) -> Jacobian | RateJacobian:
     """Build a symbolic Jacobian of a mechanism from its velocity equations A t + P x' + B q' = 0.
 
-    `kind` is "direct" (t = J q'), "inverse" (q' = J^-1 t), "analytic" (rates of the pose coordinates) or "passive" (x' = Jp q'),
-    as `Jacobian` says with shapes and units. With `parameters` the geometry stays symbols, else it is bound as numbers. Passive
-    joints are eliminated limb by limb with orthogonal projections (see `symkin.velocity.equations`). `of` and `by` name coordinates of
-    any mechanism, a graph of links too: joints, passive ones too, and x, y, z, azimuth, tilt, torsion of the platform; the matrix is
-    that of the rates of `of` by those of `by`, which are as many as the mobility. Raises InputError for a kind that is unknown or
-    that the mechanism lacks, and for names that nothing has or that do not decide the motion.
+    `kind` is "direct" (t = J q'), "inverse" (q' = J^-1 t), "analytic" (rates of the pose
+    coordinates) or "passive" (x' = Jp q'), as `Jacobian` says with shapes and units. With
+    `parameters` the geometry stays symbols, else it is bound as numbers. Passive joints are
+    eliminated limb by limb with orthogonal projections (see `symkin.velocity.equations`). `of` and
+    `by` name coordinates of any mechanism, a graph of links too: joints, passive ones too, and x,
+    y, z, azimuth, tilt, torsion of the platform; the matrix is that of the rates of `of` by those
+    of `by`, which are as many as the mobility. Raises InputError for a kind that is unknown or that
+    the mechanism lacks, and for names that nothing has or that do not decide the motion.
 
         >>> import symkin
         >>> arm = symkin.load("gluon_6l3")
@@ -235,10 +286,17 @@ def jacobian(
     """
     if of is not None or by is not None:
         if kind != "direct" or parameters or of is None or by is None:
-            raise InputError("of and by name the coordinates whose rates are related: give both, and neither kind nor parameters")
+            raise InputError(
+                "of and by name the coordinates whose rates are related: give both, and neither "
+                "kind nor parameters"
+            )
         require_mechanism(mechanism)
         return rate_jacobian(mechanism, of, by)
-    mechanism = with_limbs(mechanism, "this Jacobian", "name the coordinates: of=[...], by=[...] (--of NAMES --by NAMES)")
+    mechanism = with_limbs(
+        mechanism,
+        "this Jacobian",
+        "name the coordinates: of=[...], by=[...] (--of NAMES --by NAMES)",
+    )
     if kind not in KINDS:
         raise InputError(f"kind = {not_among(kind, KINDS)}")
     return _built(mechanism, kind, parameters)
@@ -248,11 +306,15 @@ def jacobian(
 def _built(mechanism: Mechanism, kind: JacobianKind, parameters: bool) -> Jacobian:
     equations = velocity_equations(mechanism)
     _check_defined(equations, kind)
-    differential = equations.differential if parameters else differentiate(equations.closure, bound=True)
+    differential = (
+        equations.differential if parameters else differentiate(equations.closure, bound=True)
+    )
     expressions = Expressions(equations, differential)
     expression: ca.SX = getattr(expressions, kind)
     rows, columns = labels(equations, kind)
-    inputs, numbers = variables_read(equations.closure, expression, explicit=equations.differential.explicit)
+    inputs, numbers = variables_read(
+        equations.closure, expression, explicit=equations.differential.explicit
+    )
     return Jacobian(
         equations=equations,
         kind=kind,
@@ -269,15 +331,21 @@ def _check_defined(equations: VelocityEquations, kind: JacobianKind) -> None:
     mechanism = equations.closure.mechanism
     if not mechanism.actuated:
         raise InputError(
-            f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark joints `actuated = true`"
+            f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark "
+            f"joints `actuated = true`"
         )
     if kind != "inverse" and equations.freedom:
         raise InputError(
-            f"{mechanism.name}: the {kind} Jacobian is not defined; with its {len(mechanism.actuated)} actuated joints held the "
-            f"platform keeps {equations.freedom} of its freedoms: actuate more joints, or declare its motion"
+            f"{mechanism.name}: the {kind} Jacobian is not defined; with its "
+            f"{len(mechanism.actuated)} actuated joints held the "
+            f"platform keeps {equations.freedom} of its freedoms: actuate more joints, or declare "
+            f"its motion"
         )
     if kind == "passive" and not equations.passive_names:
-        raise InputError(f"{mechanism.name}: its closure has no passive joint; allowed kinds: direct, inverse, analytic")
+        raise InputError(
+            f"{mechanism.name}: its closure has no passive joint; allowed kinds: direct, inverse, "
+            f"analytic"
+        )
 
 
 def symbol_of(closure: Closure, coordinate: Coordinate) -> ca.SX:

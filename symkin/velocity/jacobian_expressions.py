@@ -1,14 +1,16 @@
 """Derive the Jacobians of a closure as expressions, from its velocity equations limb by limb.
 
-For limb i with rows A_i t + P_i x_i' + B_i q_i' = 0, orthogonal elimination (see `elimination`) of P_i leaves equations in t
-and q'; all limbs' together, solved by least squares, give the direct Jacobian, and each limb's alone, solved for q_i', the
-inverse one. A limb with one row and one actuated joint is q' = -A t / B: for a rod (d, s x d) / length.
+For limb i with rows A_i t + P_i x_i' + B_i q_i' = 0, orthogonal elimination (see `elimination`) of
+P_i leaves equations in t and q'; all limbs' together, solved by least squares, give the direct
+Jacobian, and each limb's alone, solved for q_i', the inverse one. A limb with one row and one
+actuated joint is q' = -A t / B: for a rod (d, s x d) / length.
 
-Where these expressions have poles: the direct one where A loses rank (type 2), the inverse one where B_i does (type 1), all
-where a P_i does (passive joints that move alone). Only for limbs that forbid twists which the declared motion has
-(`VelocityEquations.constraints` > 0) the inverse one has others: as many rows as there are independent constraints are
-chosen at generic closed configurations, and where just these lose rank, though all together do not, it has a pole; so it
-has for limbs whose actuated joints have more freedom than the twist decides.
+Where these expressions have poles: the direct one where A loses rank (type 2), the inverse one
+where B_i does (type 1), all where a P_i does (passive joints that move alone). Only for limbs that
+forbid twists which the declared motion has (`VelocityEquations.constraints` > 0) the inverse one
+has others: as many rows as there are independent constraints are chosen at generic closed
+configurations, and where just these lose rank, though all together do not, it has a pole; so it has
+for limbs whose actuated joints have more freedom than the twist decides.
 """
 
 from __future__ import annotations
@@ -22,19 +24,30 @@ from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
 from symkin.position.closed_configurations import closed_configurations
 from symkin.velocity.differential import Differential, pose_rates
-from symkin.velocity.elimination import back_substituted, cofactors, factored, nonzero_rows, shortest, without_span
+from symkin.velocity.elimination import (
+    back_substituted,
+    cofactors,
+    factored,
+    nonzero_rows,
+    shortest,
+    without_span,
+)
 from symkin.velocity.equations import VelocityEquations
 from symkin.velocity.limb_ranks import LimbPart
 
 _LARGEST_MINOR = 2
-"""Passive joints of a limb up to which one remaining equation is made of minors, without divisions."""
+"""Passive joints of a limb up to which one remaining equation is made of minors, without
+divisions.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Expressions:
-    """Jacobians of `equations`, from a differential of the same closure with geometry as numbers or symbols.
+    """Jacobians of `equations`, from a differential of the same closure with geometry as numbers or
+    symbols.
 
-    All are (rows, columns) in the units of rates; columns and rows that a motion does not have are zero.
+    All are (rows, columns) in the units of rates; columns and rows that a motion does not have are
+    zero.
     """
 
     equations: VelocityEquations
@@ -49,7 +62,10 @@ class Expressions:
         """J (6, n)."""
         columns = list(self.equations.columns)
         twist, actuated = (
-            ca.vertcat(*parts) for parts in zip(*(self._platform_rows(part) for part in self.equations.limbs), strict=True)
+            ca.vertcat(*parts)
+            for parts in zip(
+                *(self._platform_rows(part) for part in self.equations.limbs), strict=True
+            )
         )
         kept = nonzero_rows(twist)
         result = ca.SX(6, int(actuated.shape[1]))
@@ -62,7 +78,10 @@ class Expressions:
         rates, rows = self._limb_rates
         if self.equations.constraints:
             forbidden = ca.mtimes(rows[self._chosen, :], self._to_lengths)
-            rates = ca.mtimes(without_span(ca.mtimes(rates, self._to_lengths), forbidden), ca.inv(self._to_lengths))
+            rates = ca.mtimes(
+                without_span(ca.mtimes(rates, self._to_lengths), forbidden),
+                ca.inv(self._to_lengths),
+            )
         result = ca.SX(int(rates.shape[0]), 6)
         result[:, list(self.equations.columns)] = rates
         return ca.sparsify(result)
@@ -70,7 +89,9 @@ class Expressions:
     @cached_property
     def passive(self) -> ca.SX:
         """Jp (p, n); passive joints that are held rest."""
-        result = ca.SX(int(self.differential.passive.shape[1]), int(self.differential.actuated.shape[1]))
+        result = ca.SX(
+            int(self.differential.passive.shape[1]), int(self.differential.actuated.shape[1])
+        )
         direct = self.direct[list(self.equations.columns), :]
         for part in self.equations.limbs:
             twist, passive, actuated = self._rows(part)
@@ -82,8 +103,14 @@ class Expressions:
 
     @cached_property
     def analytic(self) -> ca.SX:
-        """Rates of the pose coordinates by q': x' = v; the unit quaternion's are (0, w) q / 2, gamma' = w_z."""
-        return ca.sparsify(ca.vertcat(*(pose_rates(c, self._quaternion, self.direct) for c in self.closure.role("pose"))))
+        """Rates of the pose coordinates by q': x' = v; the unit quaternion's are (0, w) q / 2,
+        gamma' = w_z.
+        """
+        return ca.sparsify(
+            ca.vertcat(
+                *(pose_rates(c, self._quaternion, self.direct) for c in self.closure.role("pose"))
+            )
+        )
 
     @property
     def _quaternion(self) -> ca.SX:
@@ -99,12 +126,20 @@ class Expressions:
     def _rows(self, part: LimbPart) -> tuple[ca.SX, ca.SX, ca.SX]:
         """A_i (columns of the motion), P_i and B_i (all actuated columns)."""
         d, rows = self.differential, list(part.rows)
-        weights = ca.diag(ca.DM(self._weights[rows])) if len(rows) > 1 or self._is_redundantly_actuated else ca.DM.eye(len(rows))
+        weights = (
+            ca.diag(ca.DM(self._weights[rows]))
+            if len(rows) > 1 or self._is_redundantly_actuated
+            else ca.DM.eye(len(rows))
+        )
         own = ca.SX(len(rows), int(d.actuated.shape[1]))
         own[:, list(part.actuated)] = d.actuated[rows, list(part.actuated)]
         return tuple(
             ca.sparsify(ca.mtimes(weights, m))
-            for m in (d.twist[rows, list(self.equations.columns)], d.passive[rows, list(part.passive)], own)
+            for m in (
+                d.twist[rows, list(self.equations.columns)],
+                d.passive[rows, list(part.passive)],
+                own,
+            )
         )
 
     @property
@@ -144,7 +179,9 @@ class Expressions:
                 constraints.append(rows[nonzero_rows(rows), :])
         return ca.sparsify(rates), ca.vertcat(*constraints)
 
-    def _redundant_limb(self, part: LimbPart, twist: ca.SX, passive: ca.SX, own: ca.SX) -> tuple[ca.SX, ca.SX]:
+    def _redundant_limb(
+        self, part: LimbPart, twist: ca.SX, passive: ca.SX, own: ca.SX
+    ) -> tuple[ca.SX, ca.SX]:
         """The shortest rates (angles times the size) of a limb whose twist does not decide them."""
         left = factored(passive, ca.horzcat(twist, own)).remainder
         twist, own = left[:, : twist.shape[1]], left[:, twist.shape[1] :]
@@ -157,27 +194,40 @@ class Expressions:
 
     @property
     def chooses_rows(self) -> bool:
-        """Whether the inverse one holds some of redundant rows, and fails where just these lose rank."""
-        among_limbs = self.equations.constraints and int(self._limb_rates[1].shape[0]) > self.equations.constraints
+        """Whether the inverse one holds some of redundant rows, and fails where just these lose
+        rank.
+        """
+        among_limbs = (
+            self.equations.constraints
+            and int(self._limb_rates[1].shape[0]) > self.equations.constraints
+        )
         return bool(among_limbs) or any(part.is_redundant for part in self.equations.limbs)
 
     @cached_property
     def _chosen(self) -> list[int]:
         """Independent ones among the rows that feasible twists make zero."""
-        return self._independent_rows(ca.mtimes(self._limb_rates[1], self._to_lengths), self.equations.constraints)
+        return self._independent_rows(
+            ca.mtimes(self._limb_rates[1], self._to_lengths), self.equations.constraints
+        )
 
     @property
     def _to_lengths(self) -> ca.DM:
-        """What columns by the motion's twist components are multiplied by, to be columns by lengths."""
+        """What columns by the motion's twist components are multiplied by, to be columns by
+        lengths.
+        """
         return ca.diag(ca.DM(1 / self.equations.scales[0][list(self.equations.columns)]))
 
     def _independent_rows(self, rows: ca.SX, count: int) -> list[int]:
-        """`count` rows that are independent at all samples: one after the other, that whose part orthogonal to those before
-        is largest where it is smallest, over its length and over the largest row."""
+        """`count` rows that are independent at all samples: one after the other, that whose part
+        orthogonal to those before is largest where it is smallest, over its length and over the
+        largest row.
+        """
         closure = self.closure
         if count == 0:
             return []
-        evaluate = ca.Function("rows", [closure.variables, closure.parameters], [ca.densify(rows)], {"cse": True})
+        evaluate = ca.Function(
+            "rows", [closure.variables, closure.parameters], [ca.densify(rows)], {"cse": True}
+        )
         left = np.array([np.asarray(evaluate(z, closure.parameter_values)) for z in self._samples])
         left /= np.max(np.linalg.norm(left, axis=2), axis=1)[:, None, None]
         chosen: list[int] = []
@@ -188,10 +238,16 @@ class Expressions:
             k = int(np.argmax(np.round(scores, 6)))
             chosen.append(k)
             direction = left[:, k, :] / np.maximum(norms[:, k, None], 1e-300)
-            left = left - np.einsum("sk,sr->skr", np.einsum("skr,sr->sk", left, direction), direction)
+            left = left - np.einsum(
+                "sk,sr->skr", np.einsum("skr,sr->sk", left, direction), direction
+            )
         return sorted(chosen)
 
     @cached_property
     def _samples(self) -> list[np.ndarray]:
         """Closed configurations at which the ranks are the generic ones."""
-        return [values for values in closed_configurations(self.closure, 0) if self.equations.is_generic(values)]
+        return [
+            values
+            for values in closed_configurations(self.closure, 0)
+            if self.equations.is_generic(values)
+        ]

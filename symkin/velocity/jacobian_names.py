@@ -14,16 +14,20 @@ from symkin.velocity.equations import VelocityEquations
 JacobianKind = Literal["direct", "inverse", "analytic", "passive"]
 KINDS: tuple[JacobianKind, ...] = get_args(JacobianKind)
 TWIST = ("vx", "vy", "vz", "wx", "wy", "wz")
-"""Components of a twist: velocity of the platform's or tool's origin, angular velocity, base frame."""
+"""Components of a twist: velocity of the platform's or tool's origin, angular velocity, base
+frame.
+"""
 _TAKEN = ("jacobian", "jac", "hess", "null")
 """Names that CasADi's functions keep for themselves, and that of the output."""
 
 
 @dataclass(frozen=True)
 class Variable:
-    """One number that an expression reads: `name` is an identifier, `source` the coordinate's (with the component of a
-    quaternion) or the parameter's own name, `unit` that of the number; `index` its place in the closure's vector and
-    `coordinate` the coordinate or parameter that it belongs to."""
+    """One number that an expression reads: `name` is an identifier, `source` the coordinate's (with
+    the component of a quaternion) or the parameter's own name, `unit` that of the number; `index`
+    its place in the closure's vector and `coordinate` the coordinate or parameter that it belongs
+    to.
+    """
 
     name: str
     source: str
@@ -32,7 +36,9 @@ class Variable:
     coordinate: str
 
 
-def labels(equations: VelocityEquations, kind: JacobianKind) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def labels(
+    equations: VelocityEquations, kind: JacobianKind
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
     joints = tuple(c.name for c in equations.closure.role("actuated"))
     match kind:
         case "direct":
@@ -49,17 +55,29 @@ def labels(equations: VelocityEquations, kind: JacobianKind) -> tuple[tuple[str,
 def variables_read(
     closure: Closure, expression: ca.SX, *, explicit: bool = False
 ) -> tuple[tuple[Variable, ...], tuple[Variable, ...]]:
-    """The coordinates and the parameters that an expression reads; of a serial arm (`explicit`) all joints."""
+    """The coordinates and the parameters that an expression reads; of a serial arm (`explicit`) all
+    joints.
+    """
     taken = set(_TAKEN)
     size = int(closure.variables.shape[0])
-    used = ca.which_depends(ca.vec(ca.densify(expression)), ca.vertcat(closure.variables, closure.parameters), 1, False)
+    used = ca.which_depends(
+        ca.vec(ca.densify(expression)), ca.vertcat(closure.variables, closure.parameters), 1, False
+    )
     inputs, numbers = [], []
     for c in closure.coordinates:
-        unit = "1" if c.kind == "quaternion" else "rad" if c.is_angular else closure.mechanism.length_unit
+        unit = (
+            "1"
+            if c.kind == "quaternion"
+            else "rad"
+            if c.is_angular
+            else closure.mechanism.length_unit
+        )
         for k, source in enumerate(components(c.name, c.width)):
             name = _identifier(source, taken)
             if used[closure.slices[c.name].start + k] or (explicit and c.role == "actuated"):
-                inputs.append(Variable(name, source, unit, closure.slices[c.name].start + k, c.name))
+                inputs.append(
+                    Variable(name, source, unit, closure.slices[c.name].start + k, c.name)
+                )
     for k, source in enumerate(closure.parameter_names):
         if used[size + k]:
             numbers.append(Variable(_identifier(source, taken), source, "", k, source))
@@ -70,7 +88,11 @@ def components(name: str, width: int) -> list[str]:
     """The names of a coordinate's numbers, without the pose's prefix."""
     if width == 1:
         return [name.removeprefix("pose.")]
-    return ["qw", "qx", "qy", "qz"] if name == "pose.quaternion" else [f"{name}.{letter}" for letter in "wxyz"]
+    return (
+        ["qw", "qx", "qy", "qz"]
+        if name == "pose.quaternion"
+        else [f"{name}.{letter}" for letter in "wxyz"]
+    )
 
 
 def _identifier(name: str, taken: set[str]) -> str:

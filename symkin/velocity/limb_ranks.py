@@ -1,9 +1,12 @@
-"""Which rows and columns of the velocity equations belong to each limb, and their ranks at a configuration.
+"""Which rows and columns of the velocity equations belong to each limb, and their ranks at a
+configuration.
 
-Limb i has the rows A_i t + P_i x' + B_i q' = 0. With E_i = 1 - U_i U_i^T, U_i an orthonormal basis of the columns of P_i, the
-rates x' of its passive joints drop out: E_i A_i t + E_i B_i q' = 0. The rank of E_i B_i says how many of the limb's actuated
-rates the twist decides. With V_i an orthonormal basis of the columns of E_i B_i, the rows (1 - V_i V_i^T) E_i A_i hold whatever
-the limb's joints do: they are its constraint wrenches (Gosselin and Angeles 1990; Zlatanov, Bonev and Gosselin 2002).
+Limb i has the rows A_i t + P_i x' + B_i q' = 0. With E_i = 1 - U_i U_i^T, U_i an orthonormal basis
+of the columns of P_i, the rates x' of its passive joints drop out: E_i A_i t + E_i B_i q' = 0. The
+rank of E_i B_i says how many of the limb's actuated rates the twist decides. With V_i an
+orthonormal basis of the columns of E_i B_i, the rows (1 - V_i V_i^T) E_i A_i hold whatever the
+limb's joints do: they are its constraint wrenches (Gosselin and Angeles 1990; Zlatanov, Bonev and
+Gosselin 2002).
 """
 
 from __future__ import annotations
@@ -24,9 +27,11 @@ Matrices = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @dataclass(frozen=True)
 class LimbPart:
-    """Where a limb stands in the equations: its rows, the columns of its passive joints (`held` are those left at rest,
-    since their motion moves nothing else) and of its actuated joints; `rank` is that of its actuated columns once the
-    passive ones are eliminated, at generic closed configurations."""
+    """Where a limb stands in the equations: its rows, the columns of its passive joints (`held` are
+    those left at rest, since their motion moves nothing else) and of its actuated joints; `rank` is
+    that of its actuated columns once the passive ones are eliminated, at generic closed
+    configurations.
+    """
 
     name: str
     rows: tuple[int, ...]
@@ -43,8 +48,10 @@ class LimbPart:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LimbRanks:
-    """The limbs' parts of the velocity equations; `constraints` is the number of twists that the limbs forbid among the motion's,
-    `freedom` that of the twists that remain with the actuated joints held (0 where the direct Jacobian is defined)."""
+    """The limbs' parts of the velocity equations; `constraints` is the number of twists that the
+    limbs forbid among the motion's, `freedom` that of the twists that remain with the actuated
+    joints held (0 where the direct Jacobian is defined).
+    """
 
     limbs: tuple[LimbPart, ...] = ()
     constraints: int = 0
@@ -59,9 +66,10 @@ class LimbRanks:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LimbStructure(LimbRanks):
-    """What the velocity equations of a mechanism have in common at all generic configurations: their ranks, `columns`, the
-    twist's components that the platform's motion has, and `scales`, which make lengths of twists, passive and actuated rates
-    (the size for angles, 1 for lengths)."""
+    """What the velocity equations of a mechanism have in common at all generic configurations:
+    their ranks, `columns`, the twist's components that the platform's motion has, and `scales`,
+    which make lengths of twists, passive and actuated rates (the size for angles, 1 for lengths).
+    """
 
     mechanism: Mechanism
     columns: tuple[int, ...]
@@ -70,12 +78,17 @@ class LimbStructure(LimbRanks):
     def scaled(self, twist: np.ndarray, passive: np.ndarray, actuated: np.ndarray) -> Matrices:
         """A (the motion's columns), P and B with columns by rates in lengths."""
         by_twist, by_passive, by_actuated = self.scales
-        return twist[:, self.columns] / by_twist[list(self.columns)], passive / by_passive, actuated / by_actuated
+        return (
+            twist[:, self.columns] / by_twist[list(self.columns)],
+            passive / by_passive,
+            actuated / by_actuated,
+        )
 
 
 def ranks_at(closure: Closure, row_limbs: Sequence[str], scaled: Matrices) -> LimbRanks:
-    """The limbs' parts and ranks at one closed configuration, from A, P and B in lengths there; `row_limbs` names the limb of
-    each row."""
+    """The limbs' parts and ranks at one closed configuration, from A, P and B in lengths there;
+    `row_limbs` names the limb of each row.
+    """
     actuated_limb, passive_limb = _limb_of_columns(closure)
     parts, twists, constraints = [], [], []
     for limb in closure.mechanism.limbs:
@@ -90,7 +103,9 @@ def ranks_at(closure: Closure, row_limbs: Sequence[str], scaled: Matrices) -> Li
         twists.append(twist - span @ twist)
         constraints.append(twists[-1] - span_projector(free, rank) @ twists[-1])
         held = tuple(k for k in own if k not in used)
-        parts.append(LimbPart(limb.name, rows, passive=tuple(used), held=held, actuated=joints, rank=rank))
+        parts.append(
+            LimbPart(limb.name, rows, passive=tuple(used), held=held, actuated=joints, rank=rank)
+        )
     forbidden = Rank.of(_without_noise(np.vstack(constraints), scaled[0])).value
     freedom = scaled[0].shape[1] - Rank.of(np.vstack(twists)).value
     return LimbRanks(limbs=tuple(parts), constraints=forbidden, freedom=freedom)
@@ -98,12 +113,18 @@ def ranks_at(closure: Closure, row_limbs: Sequence[str], scaled: Matrices) -> Li
 
 def span_projector(matrix: np.ndarray, rank: int) -> np.ndarray:
     """The orthogonal projector U U^T onto the span of the columns of a matrix of known rank."""
-    left = np.linalg.svd(matrix, full_matrices=False)[0][:, :rank] if rank else np.zeros((len(matrix), 0))
+    left = (
+        np.linalg.svd(matrix, full_matrices=False)[0][:, :rank]
+        if rank
+        else np.zeros((len(matrix), 0))
+    )
     return np.asarray(left @ left.T)
 
 
 def independent_columns(matrix: np.ndarray, among: list[int]) -> list[int]:
-    """Columns that span those `among`, in order, chosen by largest remaining part; RANK_TOLERANCE of the largest decides."""
+    """Columns that span those `among`, in order, chosen by largest remaining part; RANK_TOLERANCE
+    of the largest decides.
+    """
     left = matrix[:, among].copy()
     norms = np.linalg.norm(left, axis=0)
     largest = float(np.max(norms, initial=0.0))
@@ -122,13 +143,22 @@ def independent_columns(matrix: np.ndarray, among: list[int]) -> list[int]:
 
 def _without_noise(matrix: np.ndarray, whole: np.ndarray) -> np.ndarray:
     """The matrix, or zeros where it is but rounding noise of what it was made from."""
-    return matrix if np.max(np.abs(matrix), initial=0.0) > RANK_TOLERANCE * np.max(np.abs(whole), initial=0.0) else 0.0 * matrix
+    return (
+        matrix
+        if np.max(np.abs(matrix), initial=0.0) > RANK_TOLERANCE * np.max(np.abs(whole), initial=0.0)
+        else 0.0 * matrix
+    )
 
 
 def _limb_of_columns(closure: Closure) -> tuple[list[str], list[str]]:
-    """The limb of each actuated and of each passive column; a rod's coordinate is named as its limb."""
-    limb_of = {c.name: limb.name for limb, joint in closure.mechanism.joints for c in joint.coordinates}
+    """The limb of each actuated and of each passive column; a rod's coordinate is named as its
+    limb.
+    """
+    limb_of = {
+        c.name: limb.name for limb, joint in closure.mechanism.joints for c in joint.coordinates
+    }
     actuated, passive = (
-        [limb_of.get(c.name, c.name) for c in closure.role(role) for _ in range(c.freedom)] for role in ("actuated", "passive")
+        [limb_of.get(c.name, c.name) for c in closure.role(role) for _ in range(c.freedom)]
+        for role in ("actuated", "passive")
     )
     return actuated, passive

@@ -46,10 +46,12 @@ _LEVEL = ("azimuth", "tilt")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RateJacobian(Result):
-    """of' = J by': rates of the coordinates in `rows` by those in `columns`, at any regular closed configuration.
+    """of' = J by': rates of the coordinates in `rows` by those in `columns`, at any regular closed
+    configuration.
 
-    Lengths are in the mechanism's length unit, angles in rad. `expression` reads the `symbols` of `inputs`, coordinates of the closure
-    for these names. `at` evaluates the matrix at a solution, `function` is a CasADi function.
+    Lengths are in the mechanism's length unit, angles in rad. `expression` reads the `symbols` of
+    `inputs`, coordinates of the closure for these names. `at` evaluates the matrix at a solution,
+    `function` is a CasADi function.
 
     >>> import symkin
     >>> linkage = symkin.load("four_bar")
@@ -89,28 +91,41 @@ class RateJacobian(Result):
         names = [v.name for v in self.inputs]
         name = ca.Function.fix_name(f"{self.mechanism.name}_rates_jacobian")
         inputs = ca.vertsplit(self.symbols) if names else []
-        return ca.Function(name, inputs, [ca.densify(self.expression)], names, ["jacobian"], {"cse": True})
+        return ca.Function(
+            name, inputs, [ca.densify(self.expression)], names, ["jacobian"], {"cse": True}
+        )
 
     def at(self, solution: Solution) -> np.ndarray:
-        """The matrix at a closed configuration, by least squares of all rows. Raises SolveError at one where `by` does not decide the
-        rates of `of`: a singular configuration."""
+        """The matrix at a closed configuration, by least squares of all rows. Raises SolveError at
+        one where `by` does not decide the rates of `of`: a singular configuration.
+        """
         values = variables_elsewhere(self.closure, solution)
         rows, known = self._scaled_rows(values)
         rates = -np.linalg.lstsq(rows, known, rcond=RANK_TOLERANCE)[0] / self._weights[:, None]
         undecided = self._undecided(values)
         if undecided:
             raise SolveError(
-                f"{self.mechanism.name}: {', '.join(self.columns)} do not decide the rates of {', '.join(undecided)} at this "
+                f"{self.mechanism.name}: {', '.join(self.columns)} do not decide the rates of "
+                f"{', '.join(undecided)} at this "
                 "configuration: it is singular"
             )
         places, unit = self._places, np.eye(len(self.columns))
-        return np.array([rates[places[name]] if name in places else unit[self.columns.index(name)] for name in self.rows])
+        return np.array(
+            [
+                rates[places[name]] if name in places else unit[self.columns.index(name)]
+                for name in self.rows
+            ]
+        )
 
     def _undecided(self, values: np.ndarray) -> list[str]:
         """The rows whose rates the columns' leave free at a configuration."""
         free = null_space(self._scaled_rows(values)[0], RANK_TOLERANCE, relative=True)
         found = self._places
-        return [n for n in self.rows if n in found and np.abs(free[:, found[n]]).max(initial=0.0) > RANK_TOLERANCE]
+        return [
+            n
+            for n in self.rows
+            if n in found and np.abs(free[:, found[n]]).max(initial=0.0) > RANK_TOLERANCE
+        ]
 
     def _scaled_rows(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All rows' derivatives by the unknown rates in lengths, and by the known ones."""
@@ -121,7 +136,13 @@ class RateJacobian(Result):
     def _weights(self) -> np.ndarray:
         """What makes lengths of the unknown rates: the size for angles, 1 for lengths."""
         size, unknowns = self.closure.characteristic_length, self.problem.system.unknowns
-        return np.array([size if c.is_angular or c.kind == "quaternion" else 1.0 for c in unknowns for _ in range(c.freedom)])
+        return np.array(
+            [
+                size if c.is_angular or c.kind == "quaternion" else 1.0
+                for c in unknowns
+                for _ in range(c.freedom)
+            ]
+        )
 
     @cached_property
     def _places(self) -> dict[str, int]:
@@ -132,8 +153,13 @@ class RateJacobian(Result):
     @cached_property
     def _slopes(self) -> ca.Function:
         problem, closure = self.problem, self.closure
-        both = [tangent_jacobian(problem.system.rows, closure, c) for c in (problem.system.unknowns, problem.known_coordinates)]
-        return ca.Function("slopes", [closure.variables], [ca.densify(ca.horzcat(*both))], {"cse": True})
+        both = [
+            tangent_jacobian(problem.system.rows, closure, c)
+            for c in (problem.system.unknowns, problem.known_coordinates)
+        ]
+        return ca.Function(
+            "slopes", [closure.variables], [ca.densify(ca.horzcat(*both))], {"cse": True}
+        )
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism and the names, from which the expression is built anew."""
@@ -156,18 +182,24 @@ class RateJacobian(Result):
         rows, columns = self.shape
         return Summary(
             [
-                f"{self.mechanism.name}: rates of {', '.join(self.rows)} by those of {', '.join(self.columns)}, {rows} x {columns}, of "
+                f"{self.mechanism.name}: rates of {', '.join(self.rows)} by those of "
+                f"{', '.join(self.columns)}, {rows} x {columns}, of "
                 f"{inputs}"
             ]
         )
 
 
 def rate_jacobian(mechanism: Mechanism, of: Sequence[str], by: Sequence[str]) -> RateJacobian:
-    """The rates of some coordinates by those of others, as many as the mobility. Raises InputError for names that nothing has, and for
-    `by` that do not decide the motion, or say the same thing twice."""
+    """The rates of some coordinates by those of others, as many as the mobility. Raises InputError
+    for names that nothing has, and for `by` that do not decide the motion, or say the same thing
+    twice.
+    """
     for what, names in (("of", of), ("by", by)):
         if isinstance(names, str) or not names:
-            raise InputError(f"{what} = {names!r}; a list of names of coordinates is needed, as in {what}=['crank']")
+            raise InputError(
+                f"{what} = {names!r}; a list of names of coordinates is needed, as in "
+                f"{what}=['crank']"
+            )
         known = list(given_coordinates(mechanism))
         for name in names:
             if name not in known:
@@ -182,13 +214,17 @@ def _built(mechanism: Mechanism, of: tuple[str, ...], by: tuple[str, ...]) -> Ra
     others = tuple(name for name in of if name not in by)
     plain = tuple(name for name in others if name not in _LEVEL)
     problem = build_problem(mechanism, "given", by, others)
-    refuse_unless_determined(build_problem(mechanism, "given", by, plain) if others != plain else problem)
+    refuse_unless_determined(
+        build_problem(mechanism, "given", by, plain) if others != plain else problem
+    )
     if others != plain:
         _refuse_level(RateJacobian(problem, of, by, ca.SX(0, 0), ()))
         refuse_unless_determined(problem)
     rates = _rates_of_unknowns(problem)
     unit = ca.SX.eye(len(by))
-    expression = ca.vertcat(*(rates[name] if name in rates else unit[by.index(name), :] for name in of))
+    expression = ca.vertcat(
+        *(rates[name] if name in rates else unit[by.index(name), :] for name in of)
+    )
     inputs, _ = variables_read(problem.closure, expression)
     return RateJacobian(problem, of, by, expression, inputs)
 
@@ -196,7 +232,8 @@ def _built(mechanism: Mechanism, of: tuple[str, ...], by: tuple[str, ...]) -> Ra
 def _refuse_level(made: RateJacobian) -> None:
     """Raise InputError for angles of a platform that never tilts, which have no rates."""
     problem = made.problem
-    # a closure that holds the tilt tells one of zero from others to the root of rounding only: it is read off the orientation
+    # a closure that holds the tilt tells one of zero from others to the root of rounding only: it
+    # is read off the orientation
     held = tuple(name for name in (*made.rows, *made.columns) if name not in POSE_CONDITIONS)
     plain = build_problem(problem.mechanism, "given", (), held).closure
     closed = many_elsewhere(problem.closure, plain, np.array(closed_configurations(plain, 0)))
@@ -205,8 +242,10 @@ def _refuse_level(made: RateJacobian) -> None:
     if without:
         have = "has no rate" if len(without) == 1 else "have no rates"
         raise InputError(
-            f"of: {', '.join(without)} {have} by {', '.join(made.columns)} at any configuration of {problem.mechanism.name}: the "
-            "platform never tilts, its azimuth is then any angle, and its tilt, which is never negative, has no derivative at 0; "
+            f"of: {', '.join(without)} {have} by {', '.join(made.columns)} at any configuration of "
+            f"{problem.mechanism.name}: the "
+            "platform never tilts, its azimuth is then any angle, and its tilt, which is never "
+            "negative, has no derivative at 0; "
             "allowed: joints, x, y, z, torsion"
         )
 
@@ -215,11 +254,14 @@ def _rates_of_unknowns(problem: Problem) -> dict[str, ca.SX]:
     """(freedom, k) for each coordinate: its rates by those of the known ones, block by block."""
     closure = problem.closure
     rates: dict[str, ca.SX] = {
-        c.name: ca.SX.eye(len(problem.known_coordinates))[k, :] for k, c in enumerate(problem.known_coordinates)
+        c.name: ca.SX.eye(len(problem.known_coordinates))[k, :]
+        for k, c in enumerate(problem.known_coordinates)
     }
     for block in _blocks(problem):
         knowns = tuple(c for c in closure.coordinates if c.name in rates)
-        slopes, driving = (tangent_jacobian(block.rows, closure, part) for part in (block.unknowns, knowns))
+        slopes, driving = (
+            tangent_jacobian(block.rows, closure, part) for part in (block.unknowns, knowns)
+        )
         driven = ca.mtimes(driving, ca.vertcat(*(rates[c.name] for c in knowns)))
         solved = -factored(slopes, driven).solution()
         place = 0

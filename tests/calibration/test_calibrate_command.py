@@ -1,4 +1,6 @@
-"""`symkin calibrate` as a calibration engineer uses it: simulate, plan, fit, and what goes wrong."""
+"""`symkin calibrate` as a calibration engineer uses it: simulate, plan, fit, and what goes
+wrong.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +13,36 @@ import symkin
 from helpers.command_line import run
 from helpers.inside import main
 
-FILES = {"residuals.png", "parameters.png", "pose_sigma.png", "report.json", "report.md", "ren2008.toml", "manifest.json"}
+FILES = {
+    "residuals.png",
+    "parameters.png",
+    "pose_sigma.png",
+    "report.json",
+    "report.md",
+    "ren2008.toml",
+    "manifest.json",
+}
 
 
 @pytest.fixture(scope="module")
 def data(tmp_path_factory):
     path = tmp_path_factory.mktemp("calibrate") / "data.csv"
     with pytest.raises(SystemExit) as ended:
-        main(["calibrate", "simulate", "ren2008", "--truth", "ren2008_true", "--groups", "10", "--seed", "3", "-o", str(path)])
+        main(
+            [
+                "calibrate",
+                "simulate",
+                "ren2008",
+                "--truth",
+                "ren2008_true",
+                "--groups",
+                "10",
+                "--seed",
+                "3",
+                "-o",
+                str(path),
+            ]
+        )
     assert not ended.value.code
     return path
 
@@ -33,7 +57,9 @@ def changed(path, target, change):
 
 @pytest.mark.slow
 def test_a_fit_gives_a_mechanism_that_modes_takes(capsys, tmp_path, data):
-    """Simulate, fit, modes: exit 0, seven files, the corrected mechanism nearer to the truth in poses than the nominal one."""
+    """Simulate, fit, modes: exit 0, seven files, the corrected mechanism nearer to the truth in
+    poses than the nominal one.
+    """
     out = tmp_path / "out"
     status, said, _ = run(capsys, "calibrate", "fit", "ren2008", data, "-o", out)
     assert status == 0
@@ -46,10 +72,19 @@ def test_a_fit_gives_a_mechanism_that_modes_takes(capsys, tmp_path, data):
     assert not report["unobservable"]
     assert (out / "residuals.png").read_bytes()[:4] == b"\x89PNG"
     assert "| leg3.base.z | m |" in (out / "report.md").read_text()
-    corrected, true, nominal = (symkin.load(name) for name in (str(out / "ren2008.toml"), "ren2008_true", "ren2008"))
+    corrected, true, nominal = (
+        symkin.load(name) for name in (str(out / "ren2008.toml"), "ren2008_true", "ren2008")
+    )
     assert "calibrated" in corrected.title
     status, said, _ = run(
-        capsys, "modes", out / "ren2008.toml", "--joints", "0.2,0.25,0.2,0.22,0.3,0.25", "--method", "multistart", "--json"
+        capsys,
+        "modes",
+        out / "ren2008.toml",
+        "--joints",
+        "0.2,0.25,0.2,0.22,0.3,0.25",
+        "--method",
+        "multistart",
+        "--json",
     )
     assert status == 0
     assert json.loads(said)["modes"]
@@ -57,10 +92,18 @@ def test_a_fit_gives_a_mechanism_that_modes_takes(capsys, tmp_path, data):
 
 
 def relative_error(mechanism, true):
-    """Largest difference of the platform's angle between two poses at the same joints: constant frames do not enter."""
+    """Largest difference of the platform's angle between two poses at the same joints: constant
+    frames do not enter.
+    """
     worst = 0.0
-    joints = [[0.2, 0.25, 0.2, 0.22, 0.3, 0.25], [0.3, 0.2, 0.25, 0.3, 0.2, 0.22], [0.15, 0.2, 0.3, 0.25, 0.2, 0.2]]
-    turns = [[symkin.solve(m, joints=q).solution.rotation for q in joints] for m in (mechanism, true)]
+    joints = [
+        [0.2, 0.25, 0.2, 0.22, 0.3, 0.25],
+        [0.3, 0.2, 0.25, 0.3, 0.2, 0.22],
+        [0.15, 0.2, 0.3, 0.25, 0.2, 0.2],
+    ]
+    turns = [
+        [symkin.solve(m, joints=q).solution.rotation for q in joints] for m in (mechanism, true)
+    ]
     for a in range(3):
         for b in range(a):
             angles = [np.arccos(np.clip((np.trace(t[a].T @ t[b]) - 1) / 2, -1, 1)) for t in turns]
@@ -71,10 +114,23 @@ def relative_error(mechanism, true):
 @pytest.mark.long
 @pytest.mark.slow
 def test_a_plan_is_simulated_and_fitted(capsys, tmp_path):
-    """The plan's file has what it expects in comments and goes through simulate to a believable fit in joint frames."""
+    """The plan's file has what it expects in comments and goes through simulate to a believable fit
+    in joint frames.
+    """
     plan, data = tmp_path / "plan.csv", tmp_path / "data.csv"
     status, said, _ = run(
-        capsys, "calibrate", "plan", "ren2008", "-o", plan, "--postures", "24", "--groups", "3", "--wedges", "20:20,-20:20,20:-20"
+        capsys,
+        "calibrate",
+        "plan",
+        "ren2008",
+        "-o",
+        plan,
+        "--postures",
+        "24",
+        "--groups",
+        "3",
+        "--wedges",
+        "20:20,-20:20,20:-20",
     )
     assert status == 0
     assert "rank 32 of 42" in said
@@ -82,9 +138,25 @@ def test_a_plan_is_simulated_and_fitted(capsys, tmp_path):
     assert lines[1].startswith("# expected pose error: rms")
     assert lines[3].endswith("wedge_alpha[deg],wedge_beta[deg]")
     assert len(lines) == 4 + 24
-    assert run(capsys, "calibrate", "simulate", "ren2008", "--truth", "ren2008_true", "--plan", plan, "-o", data)[0] == 0
+    assert (
+        run(
+            capsys,
+            "calibrate",
+            "simulate",
+            "ren2008",
+            "--truth",
+            "ren2008_true",
+            "--plan",
+            plan,
+            "-o",
+            data,
+        )[0]
+        == 0
+    )
     frames = "joints:leg1,leg2,leg6/leg1,leg2"
-    status, said, _ = run(capsys, "calibrate", "fit", "ren2008", data, "-o", tmp_path / "out", "--frames", frames)
+    status, said, _ = run(
+        capsys, "calibrate", "fit", "ren2008", data, "-o", tmp_path / "out", "--frames", frames
+    )
     assert status == 0
     assert "believable" in said
     assert "rank 32 of 32" in said
@@ -94,11 +166,29 @@ def test_a_plan_is_simulated_and_fitted(capsys, tmp_path):
 def test_a_simulation_is_a_function_of_its_seed_and_tells_no_truth(capsys, tmp_path, data):
     """The same seed writes the same bytes; the file holds readings and standard deviations only."""
     again = tmp_path / "again.csv"
-    run(capsys, "calibrate", "simulate", "ren2008", "--truth", "ren2008_true", "--groups", "10", "--seed", "3", "-o", again)
+    run(
+        capsys,
+        "calibrate",
+        "simulate",
+        "ren2008",
+        "--truth",
+        "ren2008_true",
+        "--groups",
+        "10",
+        "--seed",
+        "3",
+        "-o",
+        again,
+    )
     assert again.read_bytes() == data.read_bytes()
     header, *rows = data.read_text().splitlines()
     legs = [f"leg{k}[m]" for k in range(1, 7)]
-    assert header.split(",") == ["group", *legs, *(f"sigma_{leg}" for leg in legs), "sigma_group[deg]"]
+    assert header.split(",") == [
+        "group",
+        *legs,
+        *(f"sigma_{leg}" for leg in legs),
+        "sigma_group[deg]",
+    ]
     assert len(rows) == 40
 
 
@@ -142,12 +232,27 @@ def level(rows):
         (one_scaled, "leg3 look a factor of 1000 too large"),
         (regrouped, "posture line 7 looks to be in the wrong group"),
     ],
-    ids=["mm for m", "m for mm", "columns exchanged", "four postures", "one leg in mm", "wrong group"],
+    ids=[
+        "mm for m",
+        "m for mm",
+        "columns exchanged",
+        "four postures",
+        "one leg in mm",
+        "wrong group",
+    ],
 )
 def test_what_cannot_be_used_is_reported_and_why(capsys, tmp_path, data, change, words):
     """Exit status 3, a report that says why, and no mechanism file."""
     out = tmp_path / "out"
-    status, said, _ = run(capsys, "calibrate", "fit", "ren2008", changed(data, tmp_path / "bad.csv", change), "-o", out)
+    status, said, _ = run(
+        capsys,
+        "calibrate",
+        "fit",
+        "ren2008",
+        changed(data, tmp_path / "bad.csv", change),
+        "-o",
+        out,
+    )
     assert status == 3
     assert words in said
     assert words in (out / "report.md").read_text()
@@ -170,14 +275,18 @@ def test_a_fit_that_can_be_used_has_a_pose_sigma(capsys, tmp_path, data):
 
 @pytest.mark.slow
 def test_too_few_solvable_postures_are_the_reason_given(capsys, tmp_path, data):
-    """Groups are there but only one posture closes: the sentence says so, and not that nothing was read."""
+    """Groups are there but only one posture closes: the sentence says so, and not that nothing was
+    read.
+    """
 
     def change(rows):
         for row in rows[1:]:
             row[1] = "3.9"
 
     bad = changed(data, tmp_path / "bad.csv", change)
-    status, said, complaint = run(capsys, "calibrate", "fit", "ren2008", bad, "-o", tmp_path / "out")
+    status, said, complaint = run(
+        capsys, "calibrate", "fit", "ren2008", bad, "-o", tmp_path / "out"
+    )
     assert status == 2
     assert "the direct problem of only 1 of 40 postures has a solution" in complaint
     assert "no reading beside" not in said + complaint
@@ -187,11 +296,28 @@ def test_too_few_solvable_postures_are_the_reason_given(capsys, tmp_path, data):
 @pytest.mark.slow
 @pytest.mark.parametrize("sigma", [True, False], ids=["sigma known", "sigma unknown"])
 def test_rounding_is_no_outlier(capsys, tmp_path, sigma):
-    """Of a simulation without noise nothing is flagged, whether sigma is known or not, and a note asks what it is; one gross
-    error is the only outlier."""
-    exact, bad, options = tmp_path / "exact.csv", tmp_path / "bad.csv", ["--sigma-group", "1arcsec"] if sigma else []
+    """Of a simulation without noise nothing is flagged, whether sigma is known or not, and a note
+    asks what it is; one gross error is the only outlier.
+    """
+    exact, bad, options = (
+        tmp_path / "exact.csv",
+        tmp_path / "bad.csv",
+        ["--sigma-group", "1arcsec"] if sigma else [],
+    )
     none = ["--noise-joints", "0", "--noise-group", "0"]
-    run(capsys, "calibrate", "simulate", "ren2008", "--truth", "ren2008_true", "--groups", "5", *none, "-o", exact)
+    run(
+        capsys,
+        "calibrate",
+        "simulate",
+        "ren2008",
+        "--truth",
+        "ren2008_true",
+        "--groups",
+        "5",
+        *none,
+        "-o",
+        exact,
+    )
 
     def change(rows):
         rows[8][2] = repr(float(rows[8][2]) + 5e-5)
@@ -201,7 +327,9 @@ def test_rounding_is_no_outlier(capsys, tmp_path, sigma):
         run(capsys, "calibrate", "fit", "ren2008", path, "-o", tmp_path / "out", *options)
         report = json.loads((tmp_path / "out" / "report.json").read_text())
         assert [o["posture"] for o in report["outliers"]] == lines
-        assert any("is this a plan, or a simulation without noise?" in note for note in report["notes"])
+        assert any(
+            "is this a plan, or a simulation without noise?" in note for note in report["notes"]
+        )
 
 
 @pytest.mark.slow
@@ -219,7 +347,13 @@ def test_single_bad_rows_are_named(capsys, tmp_path, data):
         rows[5][1] = "3.9"
 
     status, said, _ = run(
-        capsys, "calibrate", "fit", "ren2008", changed(data, tmp_path / "bad.csv", change), "-o", tmp_path / "out"
+        capsys,
+        "calibrate",
+        "fit",
+        "ren2008",
+        changed(data, tmp_path / "bad.csv", change),
+        "-o",
+        tmp_path / "out",
     )
     assert status == 0
     assert "line 7" in said
@@ -234,32 +368,58 @@ def test_single_bad_rows_are_named(capsys, tmp_path, data):
         (["fit", "ren2008", "none.csv", "-o", "OUT"], "none.csv: the file cannot be read"),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--parameters", "leg*.bse.*"], "matches nothing"),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--hold", "nonsense"], "matches nothing"),
-        (["fit", "ren2008", "DATA", "-o", "OUT", "--frames", "joints:leg1"], "joints:P1,P2,P3/B1,B2"),
+        (
+            ["fit", "ren2008", "DATA", "-o", "OUT", "--frames", "joints:leg1"],
+            "joints:P1,P2,P3/B1,B2",
+        ),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--sigma-group", "1mm"], "unit of angle"),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--sigma-group", "0.1"], "stands in the file"),
-        (["fit", "zhao2000", "DATA", "-o", "OUT"], "there is no column of the actuated joint 'theta1'; unknown: 'leg1[m]'"),
+        (
+            ["fit", "zhao2000", "DATA", "-o", "OUT"],
+            "there is no column of the actuated joint 'theta1'; unknown: 'leg1[m]'",
+        ),
         (["simulate", "ren2008", "-o", "FILE", "--readings", "colour"], "allowed: inclination"),
         (["simulate", "ren2008", "-o", "FILE", "--truth", "zhang2009"], "are not those of ren2008"),
-        (["simulate", "ren2008", "-o", "FILE", "--postures", "3", "--groups", "2"], "two postures in each"),
+        (
+            ["simulate", "ren2008", "-o", "FILE", "--postures", "3", "--groups", "2"],
+            "two postures in each",
+        ),
         (["simulate", "ren2008", "-o", "FILE", "--seed", "-1"], "negative"),
         (["simulate", "ren2008", "-o", "FILE", "--box", "1"], "three numbers"),
         (["plan", "ren2008", "-o", "FILE", "--wedges", "5"], "alpha:beta"),
         (["plan", "ren2008", "-o", "FILE", "--noise-joints", "fast"], "unit of length"),
         (["plan", "ren2008", "-o", "FILE", "--groups", "0"], "nothing is read"),
-        (["fit", "ren2008", "DATA", "-o", "OUT", "--parameters", ""], "parameter '' matches nothing"),
+        (
+            ["fit", "ren2008", "DATA", "-o", "OUT", "--parameters", ""],
+            "parameter '' matches nothing",
+        ),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--hold", ""], "parameter '' matches nothing"),
-        (["simulate", "ren2008", "-o", "FILE", "--noise-group", "0.001deg"], "there are no groups; give --groups"),
+        (
+            ["simulate", "ren2008", "-o", "FILE", "--noise-group", "0.001deg"],
+            "there are no groups; give --groups",
+        ),
         (["simulate", "ren2008", "-o", "FILE"], "nothing is read beside the joints"),
         (["simulate", "ren2008", "-o", "FILE", "--groups", "-1"], "-1 groups are asked for"),
-        (["simulate", "ren2008", "-o", "FILE", "--groups", "5", "--noise-joints", "2"], "2 m is given; allowed: to a tenth of the size"),
-        (["simulate", "ren2008", "-o", "FILE", "--readings", "pose", "--noise-position", "1"], "--noise-position"),
+        (
+            ["simulate", "ren2008", "-o", "FILE", "--groups", "5", "--noise-joints", "2"],
+            "2 m is given; allowed: to a tenth of the size",
+        ),
+        (
+            ["simulate", "ren2008", "-o", "FILE", "--readings", "pose", "--noise-position", "1"],
+            "--noise-position",
+        ),
         (["plan", "ren2008", "-o", "FILE", "--noise-group", ""], "unit of angle"),
         (["plan", "ren2008", "-o", "FILE", "--noise-group", "10deg"], "allowed: to 5.73 deg"),
-        (["plan", "ren2008", "-o", "FILE", "--postures", "1"], "at least 10 postures for 5 groups, or fewer --groups"),
+        (
+            ["plan", "ren2008", "-o", "FILE", "--postures", "1"],
+            "at least 10 postures for 5 groups, or fewer --groups",
+        ),
     ],
-)  # fmt: skip
+)
 def test_bad_input_is_one_line_and_loses_nothing(capsys, tmp_path, data, arguments, fragment):
-    """Exit status 2, one sentence on stderr, files that exist stay as they were, and none is made."""
+    """Exit status 2, one sentence on stderr, files that exist stay as they were, and none is
+    made.
+    """
     kept = tmp_path / "kept.txt"
     kept.write_text("mine")
     places = {"DATA": data, "KEPT": kept, "FILE": tmp_path / "new.csv", "OUT": tmp_path / "out"}
@@ -293,12 +453,17 @@ def test_other_content_of_the_folder_stays(capsys, tmp_path, data):
 
 
 def test_outputs_do_not_replace_what_is_read(capsys, tmp_path, data):
-    """`simulate -o` with the plan's name, and `plan -o` with the mechanism's: refused, both files stay."""
+    """`simulate -o` with the plan's name, and `plan -o` with the mechanism's: refused, both files
+    stay.
+    """
     plan, mechanism = tmp_path / "plan.csv", tmp_path / "m.toml"
     plan.write_text(data.read_text())
     mechanism.write_text(symkin.load("ren2008").to_toml())
     before = plan.read_text(), mechanism.read_text()
-    for arguments in (["simulate", "ren2008", "--plan", plan, "-o", plan], ["plan", mechanism, "-o", mechanism]):
+    for arguments in (
+        ["simulate", "ren2008", "--plan", plan, "-o", plan],
+        ["plan", mechanism, "-o", mechanism],
+    ):
         status, out, err = run(capsys, "calibrate", *arguments)
         assert (status, out) == (2, "")
         assert "is read by this command" in err

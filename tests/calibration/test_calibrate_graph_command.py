@@ -37,14 +37,48 @@ def changed(path, made, column, change):
 
 
 def test_plan_simulate_fit(capsys, tmp_path):
-    """Planned postures, read on another machine than the file's, give that machine: the corrected file reads as it does."""
+    """Planned postures, read on another machine than the file's, give that machine: the corrected
+    file reads as it does.
+    """
     nominal, true = four_bars(tmp_path)
     plan, data, out = tmp_path / "plan.csv", tmp_path / "data.csv", tmp_path / "out"
-    kinds = ["--readings", "follower,point.pen,distance.pen.mark", "--noise-position", "0.01mm", "--noise-distance", "0.01mm"]
-    status, said, _ = run(capsys, "calibrate", "plan", nominal, "-o", plan, "--groups", "0", "--postures", "14", *kinds[:4])
+    kinds = [
+        "--readings",
+        "follower,point.pen,distance.pen.mark",
+        "--noise-position",
+        "0.01mm",
+        "--noise-distance",
+        "0.01mm",
+    ]
+    status, said, _ = run(
+        capsys,
+        "calibrate",
+        "plan",
+        nominal,
+        "-o",
+        plan,
+        "--groups",
+        "0",
+        "--postures",
+        "14",
+        *kinds[:4],
+    )
     assert status == 0
-    assert "rank 14 of 15 parameters" in said  # the height of a point in the plane of motion is told to second order only
-    status, *_ = run(capsys, "calibrate", "simulate", nominal, "--truth", true, "--plan", plan, "-o", data, *kinds)
+    # the height of a point in the plane of motion is told to second order only
+    assert "rank 14 of 15 parameters" in said
+    status, *_ = run(
+        capsys,
+        "calibrate",
+        "simulate",
+        nominal,
+        "--truth",
+        true,
+        "--plan",
+        plan,
+        "-o",
+        data,
+        *kinds,
+    )
     assert status == 0
     status, said, _ = run(capsys, "calibrate", "fit", nominal, data, "-o", out)
     assert (status, "four_bar: believable" in said) == (0, True)
@@ -63,17 +97,34 @@ def test_plan_simulate_fit(capsys, tmp_path):
         np.testing.assert_allclose(one.points["pen"], other.points["pen"], atol=0.05)
         assert one.joints["follower"] == pytest.approx(other.joints["follower"], abs=0.05)
     report = json.loads((out / "report.json").read_text())
-    assert {r["kind"] for r in report["residuals"]} == {"follower", "point.pen", "distance.pen.mark"}
+    assert {r["kind"] for r in report["residuals"]} == {
+        "follower",
+        "point.pen",
+        "distance.pen.mark",
+    }
 
 
 def test_a_geometry_that_does_not_move_is_said_to(capsys, tmp_path):
-    """A Bennett loop with one link's twist off is a structure: no posture is found, and the redundant rows are named."""
+    """A Bennett loop with one link's twist off is a structure: no posture is found, and the
+    redundant rows are named.
+    """
     loop, bent = symkin.load("bennett"), tmp_path / "bent.toml"
     joints = [e.joint for e in loop.link_joints]
     axis = np.array(joints[2].axis) + [0.02, 0.0, 0.03]
-    bent.write_text(loop.to_toml().replace(f"axis = {list(joints[2].axis)}", f"axis = {axis.tolist()}"))
+    bent.write_text(
+        loop.to_toml().replace(f"axis = {list(joints[2].axis)}", f"axis = {axis.tolist()}")
+    )
     status, _, complaint = run(
-        capsys, "calibrate", "simulate", "bennett", "--truth", bent, "-o", tmp_path / "new.csv", "--readings", joints[1].name
+        capsys,
+        "calibrate",
+        "simulate",
+        "bennett",
+        "--truth",
+        bent,
+        "-o",
+        tmp_path / "new.csv",
+        "--readings",
+        joints[1].name,
     )
     assert status == 2
     assert "close at special geometry alone" in complaint
@@ -84,9 +135,23 @@ def test_readings_of_the_true_machine_are_simulated(capsys, tmp_path):
     nominal, true = four_bars(tmp_path)
     data = tmp_path / "data.csv"
     run(
-        capsys, "calibrate", "simulate", nominal, "--truth", true, "-o", data, "--readings", "point.pen", "--postures", "3",
-        "--noise-joints", "0deg", "--noise-position", "0mm",
-    )  # fmt: skip
+        capsys,
+        "calibrate",
+        "simulate",
+        nominal,
+        "--truth",
+        true,
+        "-o",
+        data,
+        "--readings",
+        "point.pen",
+        "--postures",
+        "3",
+        "--noise-joints",
+        "0deg",
+        "--noise-position",
+        "0mm",
+    )
     rows = rows_of(data)
     for row in rows[1:]:
         pen = symkin.solve(symkin.load(str(true)), joints=[float(row[0])]).solution.points["pen"]
@@ -102,10 +167,23 @@ def test_readings_of_the_true_machine_are_simulated(capsys, tmp_path):
     ],
 )
 def test_a_wrong_column_is_named(capsys, tmp_path, column, change, words):
-    """A sign or a unit that is wrong explains why the fit is none: exit status 3, no mechanism file."""
+    """A sign or a unit that is wrong explains why the fit is none: exit status 3, no mechanism
+    file.
+    """
     nominal, true = four_bars(tmp_path)
     data, out = tmp_path / "data.csv", tmp_path / "out"
-    run(capsys, "calibrate", "simulate", nominal, "--truth", true, "-o", data, "--readings", "follower,point.pen")
+    run(
+        capsys,
+        "calibrate",
+        "simulate",
+        nominal,
+        "--truth",
+        true,
+        "-o",
+        data,
+        "--readings",
+        "follower,point.pen",
+    )
     wrong = changed(data, tmp_path / "wrong.csv", column, change)
     status, said, _ = run(capsys, "calibrate", "fit", nominal, wrong, "-o", out)
     assert status == 3
@@ -114,16 +192,43 @@ def test_a_wrong_column_is_named(capsys, tmp_path, column, change, words):
 
 
 def test_angles_alone_need_a_length(capsys, tmp_path):
-    """With encoders alone the size is open, and said; with points of the base held, and so a length, the fit is one."""
+    """With encoders alone the size is open, and said; with points of the base held, and so a
+    length, the fit is one.
+    """
     nominal, true = four_bars(tmp_path)
     data = tmp_path / "data.csv"
-    run(capsys, "calibrate", "simulate", nominal, "--truth", true, "-o", data, "--readings", "follower", "--postures", "60")
+    run(
+        capsys,
+        "calibrate",
+        "simulate",
+        nominal,
+        "--truth",
+        true,
+        "-o",
+        data,
+        "--readings",
+        "follower",
+        "--postures",
+        "60",
+    )
     status, said, _ = run(capsys, "calibrate", "fit", nominal, data, "-o", tmp_path / "open")
     assert status == 3
     assert "NOT OBSERVABLE: size of the whole mechanism" in said
     assert "hold one length" in said
     held = "crank.point.*,follower.point.*"
-    status, said, _ = run(capsys, "calibrate", "fit", nominal, data, "-o", tmp_path / "held", "--hold", held, "--hold-out", "10")
+    status, said, _ = run(
+        capsys,
+        "calibrate",
+        "fit",
+        nominal,
+        data,
+        "-o",
+        tmp_path / "held",
+        "--hold",
+        held,
+        "--hold-out",
+        "10",
+    )
     assert status == 0
     assert "rank 5 of 5 parameters" in said
     assert "10 held-out postures are predicted" in said
@@ -133,7 +238,10 @@ def test_angles_alone_need_a_length(capsys, tmp_path):
     ("arguments", "words"),
     [
         (["plan", "four_bar", "--groups", "0", "--readings", "folower"], "do you mean 'follower'?"),
-        (["plan", "four_bar"], "groups: equal inclination is that of a platform, and four_bar has no platform link"),
+        (
+            ["plan", "four_bar"],
+            "groups: equal inclination is that of a platform, and four_bar has no platform link",
+        ),
         (
             ["plan", "four_bar", "--groups", "0", "--readings", "pose"],
             "'pose' is read of a platform, and four_bar has no platform link",
@@ -142,8 +250,14 @@ def test_angles_alone_need_a_length(capsys, tmp_path):
             ["plan", "five_link_suspension", "--groups", "0", "--readings", "pose"],
             "the actuated joints (rack) do not determine the pose",
         ),
-        (["simulate", "ankle", "--readings", "pose", "--box", "1,1,1"], "postures of ankle, whose joints carry what they move"),
-        (["simulate", "four_bar", "--readings", "follower", "--noise-position", "1mm"], "no position is read"),
+        (
+            ["simulate", "ankle", "--readings", "pose", "--box", "1,1,1"],
+            "postures of ankle, whose joints carry what they move",
+        ),
+        (
+            ["simulate", "four_bar", "--readings", "follower", "--noise-position", "1mm"],
+            "no position is read",
+        ),
         (
             ["simulate", "double_wishbone", "--readings", "lower_ball"],
             "'lower_ball' is a spherical joint, which no encoder reads",
@@ -160,12 +274,15 @@ def test_what_cannot_be_is_one_sentence(capsys, tmp_path, arguments, words):
 
 
 @pytest.mark.parametrize(
-    ("option", "words"), [("--sigma-position", "holds no positions"), ("--sigma-distance", "holds no distances")]
+    ("option", "words"),
+    [("--sigma-position", "holds no positions"), ("--sigma-distance", "holds no distances")],
 )
 def test_deviations_of_what_is_not_read_are_refused(capsys, tmp_path, option, words):
     path = tmp_path / "data.csv"
     path.write_text("crank[deg],follower[deg]\n10,1\n20,2\n30,3\n")
-    status, _, complaint = run(capsys, "calibrate", "fit", "four_bar", path, "-o", tmp_path / "out", option, "0.1mm")
+    status, _, complaint = run(
+        capsys, "calibrate", "fit", "four_bar", path, "-o", tmp_path / "out", option, "0.1mm"
+    )
     assert status == 2
     assert words in complaint
 
@@ -174,7 +291,18 @@ def test_deviations_hold_for_passive_joints_and_points(capsys, tmp_path):
     """--sigma-joints and --sigma-position stand for columns that the file leaves out."""
     nominal, true = four_bars(tmp_path)
     data, out = tmp_path / "data.csv", tmp_path / "out"
-    run(capsys, "calibrate", "simulate", nominal, "--truth", true, "-o", data, "--readings", "follower,point.pen")
+    run(
+        capsys,
+        "calibrate",
+        "simulate",
+        nominal,
+        "--truth",
+        true,
+        "-o",
+        data,
+        "--readings",
+        "follower,point.pen",
+    )
     rows = rows_of(data)
     kept = [k for k, name in enumerate(rows[0]) if not name.startswith("sigma_")]
     with data.open("w", newline="") as file:

@@ -1,4 +1,6 @@
-"""What `symkin calibrate` writes replaces nothing that symkin has not written, and nothing that was edited since."""
+"""What `symkin calibrate` writes replaces nothing that symkin has not written, and nothing that was
+edited since.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,18 @@ from helpers.inside import main
 
 FIT = ("fit", "ren2008", "data.csv", "-o", "out")
 SIMULATE = ("simulate", "ren2008", "--readings", "pose", "--postures", "16", "-o", "made.csv")
-PLAN = ("plan", "ren2008", "--readings", "pose", "--groups", "0", "--postures", "8", "-o", "made.csv")
+PLAN = (
+    "plan",
+    "ren2008",
+    "--readings",
+    "pose",
+    "--groups",
+    "0",
+    "--postures",
+    "8",
+    "-o",
+    "made.csv",
+)
 
 
 def run(capsys, *arguments):
@@ -50,12 +63,17 @@ def test_a_file_of_the_users_is_kept(capsys, folder, command):
 
 @pytest.mark.slow
 def test_a_file_is_replaced_only_as_it_was_written(capsys, folder):
-    """symkin's own file is written again, its digest beside it; edited since, it is named and kept; --force replaces it."""
+    """symkin's own file is written again, its digest beside it; edited since, it is named and kept;
+    --force replaces it.
+    """
     made = folder / "made.csv"
     for seed in (1, 2):
         assert run(capsys, *SIMULATE, "--seed", seed)[0] == 0
     written = made.read_bytes()
-    assert (folder / "made.csv.sha256").read_text().split() == [hashlib.sha256(written).hexdigest(), "made.csv"]
+    assert (folder / "made.csv.sha256").read_text().split() == [
+        hashlib.sha256(written).hexdigest(),
+        "made.csv",
+    ]
     made.write_bytes(written + b"# mine\n")
     status, _, err = run(capsys, *SIMULATE)
     assert status == 2
@@ -68,7 +86,9 @@ def test_a_file_is_replaced_only_as_it_was_written(capsys, folder):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["report.md", "ren2008.toml", "pose_sigma.png", "manifest.json"])
 def test_a_folder_with_a_file_of_the_users_is_kept(capsys, folder, name):
-    """Each of the names: a sentence with it, before anything is computed, and nothing is written; --force replaces it."""
+    """Each of the names: a sentence with it, before anything is computed, and nothing is written;
+    --force replaces it.
+    """
     out = folder / "out"
     out.mkdir()
     (out / name).write_text("mine")
@@ -81,8 +101,9 @@ def test_a_folder_with_a_file_of_the_users_is_kept(capsys, folder, name):
 @pytest.mark.long
 @pytest.mark.slow
 def test_a_fit_replaces_its_own_unedited_folder(capsys, folder):
-    """Written again as it is, other files stay; an edited file is named and nothing changes, also where the new fit would not be
-    usable; --force replaces it; another mechanism's folder is kept."""
+    """Written again as it is, other files stay; an edited file is named and nothing changes, also
+    where the new fit would not be usable; --force replaces it; another mechanism's folder is kept.
+    """
     out = folder / "out"
     assert run(capsys, *FIT)[0] == 0
     (out / "notes.txt").write_text("mine")
@@ -105,7 +126,9 @@ def test_a_fit_replaces_its_own_unedited_folder(capsys, folder):
 @pytest.mark.long
 @pytest.mark.slow
 def test_a_run_that_was_cut_short_is_mended(capsys, folder, monkeypatch):
-    """Where the disk is full after some files, the same command writes the folder, the file, once there is room."""
+    """Where the disk is full after some files, the same command writes the folder, the file, once
+    there is room.
+    """
     from helpers.inside import calibrate_folder
 
     assert run(capsys, *FIT)[0] == 0
@@ -127,7 +150,9 @@ def test_a_run_that_was_cut_short_is_mended(capsys, folder, monkeypatch):
 @pytest.mark.long
 @pytest.mark.slow
 def test_what_an_unusable_fit_leaves_is_still_its_own(capsys, folder):
-    """The mechanism of an earlier fit stays when a later one cannot be used, and is replaced by the next that can."""
+    """The mechanism of an earlier fit stays when a later one cannot be used, and is replaced by the
+    next that can.
+    """
     assert run(capsys, *FIT)[0] == 0
     header, *rows = (folder / "data.csv").read_text().splitlines()
     (folder / "few.csv").write_text("\n".join([header, *rows[:3]]) + "\n")

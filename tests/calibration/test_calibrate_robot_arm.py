@@ -1,4 +1,6 @@
-"""Arms that a robot's file describes as graphs: what joint noise does to their poses, and plans about a level tool."""
+"""Arms that a robot's file describes as graphs: what joint noise does to their poses, and plans
+about a level tool.
+"""
 
 from __future__ import annotations
 
@@ -16,25 +18,38 @@ ARM = Path(__file__).parents[2] / "docs" / "robots" / "arm.urdf"
 
 
 def test_joint_noise_moves_poses_of_open_chains() -> None:
-    """The slopes of positions by joints, of which a graph's pose is a function without unknowns, are central differences."""
+    """The slopes of positions by joints, of which a graph's pose is a function without unknowns,
+    are central differences.
+    """
     arm = symkin.load(ARM, ReadOptions(platform="tool0"))
     joints = np.array([[0.3, -0.4, 0.2, 0.5, -0.6, 0.1]])
     found = symkin.solve(arm, joints=joints[0].tolist()).solution
-    made = Measurements(joints, position=np.array([found.position]), orientation=np.array([found.quaternion]))
+    made = Measurements(
+        joints, position=np.array([found.position]), orientation=np.array([found.quaternion])
+    )
     model = build_model(arm, made, ())
     quaternions = np.array([found.quaternion])
     z, p = np.zeros((1, 0)), np.zeros(0)
-    slopes = model.joint_slopes(model.evaluate(z, joints, p, quaternions), z, joints, p, quaternions)[0]
+    slopes = model.joint_slopes(
+        model.evaluate(z, joints, p, quaternions), z, joints, p, quaternions
+    )[0]
     step = 1e-6
     for k in range(6):
-        aside = [model.evaluate(z, joints + sign * step * np.eye(6)[k], p, quaternions).readings[0] for sign in (1, -1)]
+        aside = [
+            model.evaluate(z, joints + sign * step * np.eye(6)[k], p, quaternions).readings[0]
+            for sign in (1, -1)
+        ]
         np.testing.assert_allclose(-slopes[:, k], (aside[0] - aside[1]) / (2 * step), atol=1e-8)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
-def test_simulated_measurements_are_believable(seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Whole poses with noise of joints and of readings, as stated in the file: no posture is an outlier."""
+def test_simulated_measurements_are_believable(
+    seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whole poses with noise of joints and of readings, as stated in the file: no posture is an
+    outlier.
+    """
     data, words = tmp_path / "data.csv", ["--platform", "tool0"]
     more = ["--readings", "pose", "--postures", "40", "--seed", seed]
     assert run(capsys, "calibrate", "simulate", ARM, *words, "-o", data, *more)[0] == 0
@@ -46,7 +61,9 @@ def test_simulated_measurements_are_believable(seed: int, tmp_path: Path, capsys
 
 @pytest.mark.slow
 def test_a_plan_about_a_level_tool(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Two inclinations have no slopes where the tool's axis lies level, as this arm's does at zero: a plan is made all the same."""
+    """Two inclinations have no slopes where the tool's axis lies level, as this arm's does at zero:
+    a plan is made all the same.
+    """
     status, out, err = run(
         capsys,
         "calibrate",

@@ -1,4 +1,6 @@
-"""Estimators: exact data give back the exact geometry, every form agrees, and nothing is dropped in silence."""
+"""Estimators: exact data give back the exact geometry, every form agrees, and nothing is dropped in
+silence.
+"""
 
 from __future__ import annotations
 
@@ -44,27 +46,43 @@ def largest_error(fit, truth) -> float:
     return float(np.max(np.abs([p.value - truth.value(p.name) for p in free])))
 
 
-def poses_measured(mechanism, joints, truth, *, names=None, orientation=True, sigma=1e-3, noise=0.0, seed=0):
-    """Full poses (or positions) of the mechanism with other parameter values, from the model itself."""
+def poses_measured(
+    mechanism, joints, truth, *, names=None, orientation=True, sigma=1e-3, noise=0.0, seed=0
+):
+    """Full poses (or positions) of the mechanism with other parameter values, from the model
+    itself.
+    """
     names = default_parameters(mechanism) if names is None else names
-    blank = Measurements(joints, position=np.zeros((len(joints), 3)), orientation=np.tile([1.0, 0, 0, 0], (len(joints), 1)))
+    blank = Measurements(
+        joints,
+        position=np.zeros((len(joints), 3)),
+        orientation=np.tile([1.0, 0, 0, 0], (len(joints), 1)),
+    )
     model = build_model(mechanism, blank, names)
     near = solve_configurations(model, Measurements(joints), model.nominal)
     found = solve_configurations(model, Measurements(joints), truth, z=near.z)
     keep = near.solved & found.solved
     poses = model.poses(found.z, joints, truth)[keep]
     positions = poses[:, :3] + noise * np.random.default_rng(seed).normal(size=(len(poses), 3))
-    turns = {"orientation": poses[:, 3:], "orientation_sigma": sigma / mechanism.characteristic_length} if orientation else {}
-    return Measurements(joints[keep], position=positions, position_sigma=sigma, starts=poses, **turns), poses
+    turns = (
+        {"orientation": poses[:, 3:], "orientation_sigma": sigma / mechanism.characteristic_length}
+        if orientation
+        else {}
+    )
+    return Measurements(
+        joints[keep], position=positions, position_sigma=sigma, starts=poses, **turns
+    ), poses
 
 
-# --- noise-free recovery -------------------------------------------------------------------------------------------
+# --- noise-free recovery --------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("spread", "seeds"), [(0.005, range(8)), (0.05, range(8))])
 def test_exact_data_give_the_exact_geometry(spread, seeds):
-    """Without noise the identified parameters are the true ones to 1e-12 m, from 5 and from 50 mm away."""
+    """Without noise the identified parameters are the true ones to 1e-12 m, from 5 and from 50 mm
+    away.
+    """
     for seed in seeds:
         rng = np.random.default_rng(seed)
         truth = random_geometry(geometry(NOMINAL), HELD, spread, rng)
@@ -80,15 +98,23 @@ def test_methods_agree(form):
     rng = np.random.default_rng(4)
     truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)
     data = measured(truth, rng, noisy=True)
-    fits = [calibrate(NOMINAL, data, fixed=HELD, residual=form, method=m, outliers="ignore") for m in METHODS]
+    fits = [
+        calibrate(NOMINAL, data, fixed=HELD, residual=form, method=m, outliers="ignore")
+        for m in METHODS
+    ]
     assert [f.status for f in fits] == ["ok"] * 3
     for fit in fits[1:]:
-        assert np.max(np.abs(np.subtract(list(fit.values.values()), list(fits[0].values.values())))) < 1e-11
+        assert (
+            np.max(np.abs(np.subtract(list(fit.values.values()), list(fits[0].values.values()))))
+            < 1e-11
+        )
 
 
 @pytest.mark.slow
 def test_ipopt_alone_reaches_the_minimum():
-    """Before it is polished, the end of IPOPT is within 1e-7 m of the nested estimate: it solved the same program."""
+    """Before it is polished, the end of IPOPT is within 1e-7 m of the nested estimate: it solved
+    the same program.
+    """
     from helpers.inside import build_lifted_program as build_program
     from helpers.inside import closed_state, estimate
 
@@ -96,18 +122,24 @@ def test_ipopt_alone_reaches_the_minimum():
     truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)
     problem = build_calibration(NOMINAL, measured(truth, rng, noisy=True), fixed=HELD)
     z = solve_configurations(problem.model, problem.measurements, problem.model.nominal).z
-    program = build_program(problem, closed_state(problem, problem.model.nominal, z, "means", None), None, 200)
-    values = np.asarray(program.solver(x0=program.start, lbg=0.0, ubg=0.0)["x"]).ravel()[: program.parameters]
+    program = build_program(
+        problem, closed_state(problem, problem.model.nominal, z, "means", None), None, 200
+    )
+    values = np.asarray(program.solver(x0=program.start, lbg=0.0, ubg=0.0)["x"]).ravel()[
+        : program.parameters
+    ]
     found = problem.model.nominal + problem.model.scales * values
     assert np.max(np.abs(found - estimate(problem, z).state.p)) < 1e-7
 
 
-# --- derivatives ---------------------------------------------------------------------------------------------------
+# --- derivatives ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("form", FORMS[:2])
 def test_condensed_derivatives_are_those_of_the_direct_problem(form):
-    """dr/dp of the condensed system equals central differences of residuals over solved postures."""
+    """dr/dp of the condensed system equals central differences of residuals over solved
+    postures.
+    """
     rng = np.random.default_rng(6)
     truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)
     problem = build_calibration(NOMINAL, measured(truth, rng, 3), fixed=HELD, residual=form)
@@ -140,7 +172,7 @@ def test_compiled_and_interpreted_functions_agree():
     np.testing.assert_allclose(before[0].transpose(0, 2, 1), xs[:, :, None] * ys, rtol=1e-15)
 
 
-# --- other mechanisms and readings -----------------------------------------------------------------------------------
+# --- other mechanisms and readings ----------------------------------------------------------------
 
 
 def test_serial_arm_by_dh_from_full_poses():
@@ -149,8 +181,12 @@ def test_serial_arm_by_dh_from_full_poses():
     rng = np.random.default_rng(7)
     names = default_parameters(arm)
     nominal = nominal_parameters(arm)
-    scale = np.array([1.0 if nominal[n][1] == "length" else 1 / arm.characteristic_length for n in names])
-    truth = np.array([nominal[n][0] for n in names]) + 0.01 * arm.characteristic_length * scale * rng.uniform(-1, 1, len(names))
+    scale = np.array(
+        [1.0 if nominal[n][1] == "length" else 1 / arm.characteristic_length for n in names]
+    )
+    truth = np.array(
+        [nominal[n][0] for n in names]
+    ) + 0.01 * arm.characteristic_length * scale * rng.uniform(-1, 1, len(names))
     data, poses = poses_measured(arm, rng.uniform(-2, 2, (30, 6)), truth)
     fit = calibrate(arm, data)
     assert fit.status == "ok"
@@ -161,11 +197,17 @@ def test_serial_arm_by_dh_from_full_poses():
 
 
 def test_planar_five_bar_from_positions():
-    """An overconstrained (spatial) five-bar: links and bases in the plane follow from positions of the platform."""
+    """An overconstrained (spatial) five-bar: links and bases in the plane follow from positions of
+    the platform.
+    """
     bar = five_bar()
-    names = tuple(n for n in build_closure(bar).parameter_names if n.endswith(("point.x", "point.y")))
+    names = tuple(
+        n for n in build_closure(bar).parameter_names if n.endswith(("point.x", "point.y"))
+    )
     rng = np.random.default_rng(8)
-    truth = np.array([nominal_parameters(bar)[n][0] for n in names]) + rng.uniform(-1, 1, len(names))
+    truth = np.array([nominal_parameters(bar)[n][0] for n in names]) + rng.uniform(
+        -1, 1, len(names)
+    )
     joints = np.pi / 2 + rng.uniform(-0.5, 0.5, (30, 2))
     data, _ = poses_measured(bar, joints, truth, names=names, orientation=False)
     fit = calibrate(bar, data, parameters=names)
@@ -176,32 +218,43 @@ def test_planar_five_bar_from_positions():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["zhao2000", "three_rrr"])
 def test_limbs_of_joints_from_full_poses(name):
-    """Mechanisms with passive joints and a declared motion: the corrected one closes at the poses that were measured."""
+    """Mechanisms with passive joints and a declared motion: the corrected one closes at the poses
+    that were measured.
+    """
     if name == "zhao2000":
         mechanism = symkin.load(name)
-        joints = np.array([c.reference[0] for c in mechanism.actuated]) + np.random.default_rng(9).uniform(-1, 1, (40, 4)) * [
-            0.1, 0.1, 0.1, 5.0
-        ]  # fmt: skip
+        joints = np.array([c.reference[0] for c in mechanism.actuated]) + np.random.default_rng(
+            9
+        ).uniform(-1, 1, (40, 4)) * [0.1, 0.1, 0.1, 5.0]
     else:
         mechanism = three_rrr("planar")
-        joints = np.array([c.reference[0] for c in mechanism.actuated]) + np.random.default_rng(9).uniform(-0.2, 0.2, (30, 3))
+        joints = np.array([c.reference[0] for c in mechanism.actuated]) + np.random.default_rng(
+            9
+        ).uniform(-0.2, 0.2, (30, 3))
     rng, names = np.random.default_rng(10), default_parameters(mechanism)
     table = nominal_parameters(mechanism)
-    scale = np.array([1.0 if table[n][1] == "length" else 1 / mechanism.characteristic_length for n in names])
-    truth = np.array([table[n][0] for n in names]) + 0.003 * mechanism.characteristic_length * scale * rng.uniform(
-        -1, 1, len(names)
+    scale = np.array(
+        [1.0 if table[n][1] == "length" else 1 / mechanism.characteristic_length for n in names]
     )
+    truth = np.array(
+        [table[n][0] for n in names]
+    ) + 0.003 * mechanism.characteristic_length * scale * rng.uniform(-1, 1, len(names))
     data, poses = poses_measured(mechanism, joints, truth)
     fit = calibrate(mechanism, data)
     assert fit.status == "ok"
     for values, pose in zip(data.joints[:4], poses[:4], strict=True):
-        given = [mechanism.angle_out(v) if c.is_angular else v for v, c in zip(values, mechanism.actuated, strict=True)]
+        given = [
+            mechanism.angle_out(v) if c.is_angular else v
+            for v, c in zip(values, mechanism.actuated, strict=True)
+        ]
         there = symkin.solve(fit.corrected, joints=given, start=pose).solution
         assert np.max(np.abs(there.position - pose[:3])) < 1e-6 * mechanism.characteristic_length
 
 
 def test_full_poses_identify_a_platform_from_far_away():
-    """Joint centres wrong by a tenth of the size are found from full poses: no direct problem is needed at the start."""
+    """Joint centres wrong by a tenth of the size are found from full poses: no direct problem is
+    needed at the start.
+    """
     rng = np.random.default_rng(11)
     nominal = geometry(NOMINAL)
     truth = random_geometry(nominal, (), 0.1 * NOMINAL.characteristic_length, rng)
@@ -211,24 +264,36 @@ def test_full_poses_identify_a_platform_from_far_away():
         for k in range(6)
         for i, c in enumerate("xyz")
     }
-    true = with_parameters(NOMINAL, tables | {f"leg{k + 1}.offset": truth.offset[k] for k in range(6)})
+    true = with_parameters(
+        NOMINAL, tables | {f"leg{k + 1}.offset": truth.offset[k] for k in range(6)}
+    )
     rows, poses = [], []
     while len(rows) < 60:
         q = np.append(1.0, 0.15 * rng.uniform(-1, 1, 3))
-        pose = np.concatenate([np.array(NOMINAL.platform_position) + rng.uniform(-0.15, 0.15, 3), q / np.linalg.norm(q)])
+        pose = np.concatenate(
+            [
+                np.array(NOMINAL.platform_position) + rng.uniform(-0.15, 0.15, 3),
+                q / np.linalg.norm(q),
+            ]
+        )
         poses.append(pose)
         rows.append(symkin.solve(true, pose=pose, start=[0.2] * 6).solution.actuated_values)
     data = Measurements(
-        np.array(rows), position=np.array(poses)[:, :3], orientation=np.array(poses)[:, 3:], position_sigma=1e-5,
+        np.array(rows),
+        position=np.array(poses)[:, :3],
+        orientation=np.array(poses)[:, 3:],
+        position_sigma=1e-5,
         orientation_sigma=1e-5,
-    )  # fmt: skip
+    )
     fit = calibrate(NOMINAL, data)
     assert fit.rank == 42
     assert max(abs(fit.values[n] - truth.value(n)) for n in fit.values) < 1e-8
 
 
 def test_absolute_inclinations_and_distances():
-    """Absolute inclinations fix the platform's attitude and distances its place: with both, fewer parameters are free."""
+    """Absolute inclinations fix the platform's attitude and distances its place: with both, fewer
+    parameters are free.
+    """
     rng = np.random.default_rng(12)
     truth = random_geometry(geometry(NOMINAL), HELD, 0.003, rng)
     data = measured(truth, rng, rods=False)
@@ -236,10 +301,15 @@ def test_absolute_inclinations_and_distances():
     exact = solve_configurations(problem.model, data, truth.values(problem.names))
     poses = problem.model.poses(exact.z, data.joints, truth.values(problem.names))
     w, x, y, z = poses[:, 3:].T
-    tilt = np.column_stack([np.arctan2(2 * (y * z + w * x), 1 - 2 * (x * x + y * y)), np.arcsin(2 * (w * y - x * z))])
+    tilt = np.column_stack(
+        [np.arctan2(2 * (y * z + w * x), 1 - 2 * (x * x + y * y)), np.arcsin(2 * (w * y - x * z))]
+    )
     gaps = np.linalg.norm(poses[:, :3] - [0.5, -0.4, 0.1], axis=1)
     both = Measurements(
-        data.joints, inclination=tilt, inclination_sigma=1e-5, distances=[Distance((0, 0, 0), (0.5, -0.4, 0.1), gaps, 1e-6)]
+        data.joints,
+        inclination=tilt,
+        inclination_sigma=1e-5,
+        distances=[Distance((0, 0, 0), (0.5, -0.4, 0.1), gaps, 1e-6)],
     )
     fit = calibrate(NOMINAL, both, fixed=HELD)
     assert fit.rank == 32
@@ -247,7 +317,9 @@ def test_absolute_inclinations_and_distances():
 
 
 def test_factors_of_readings_are_identified():
-    """A rod that reads 1.001 of its extension: the factor is found when another rod's is held at 1."""
+    """A rod that reads 1.001 of its extension: the factor is found when another rod's is held at
+    1.
+    """
     rng = np.random.default_rng(13)
     truth = random_geometry(geometry(NOMINAL), HELD, 0.003, rng)
     data = measured(truth, rng, rods=False)
@@ -259,30 +331,35 @@ def test_factors_of_readings_are_identified():
     assert any("leg4.scale" in note for note in fit.notes)
 
 
-# --- frames --------------------------------------------------------------------------------------------------------
+# --- frames ---------------------------------------------------------------------------------------
 
 
 def test_least_change_is_a_rigid_motion_of_the_fit_in_joint_frames():
-    """Frames do not matter: with free frames the joints' mutual distances and the offsets are those of the held frames, and
-    the change from nominal is smaller."""
+    """Frames do not matter: with free frames the joints' mutual distances and the offsets are those
+    of the held frames, and the change from nominal is smaller.
+    """
     rng = np.random.default_rng(14)
     truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)
     data = measured(truth, rng, rods=False)
     held, free = calibrate(NOMINAL, data, fixed=HELD), calibrate(NOMINAL, data)
     tables = [geometry(f.corrected) for f in (held, free)]
     for key in ("base", "platform"):
-        a, b = (np.linalg.norm(t[:, None] - t[None], axis=2) for t in (getattr(g, key) for g in tables))
+        a, b = (
+            np.linalg.norm(t[:, None] - t[None], axis=2) for t in (getattr(g, key) for g in tables)
+        )
         np.testing.assert_allclose(a, b, atol=1e-10)
     np.testing.assert_allclose(tables[0].offset, tables[1].offset, atol=1e-10)
     assert sum(p.change**2 for p in free.parameters) < sum(p.change**2 for p in held.parameters)
 
 
-# --- honesty -------------------------------------------------------------------------------------------------------
+# --- honesty --------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 def test_postures_that_cannot_be_solved_are_named():
-    """Joint readings that no pose of the mechanism has are reported, and the other postures give the exact geometry."""
+    """Joint readings that no pose of the mechanism has are reported, and the other postures give
+    the exact geometry.
+    """
     rng = np.random.default_rng(15)
     truth = random_geometry(geometry(NOMINAL), HELD, 0.003, rng)
     data = measured(truth, rng, rods=False)
@@ -324,7 +401,10 @@ def test_wrong_options_are_refused(options, fragments):
         ({"joints": [[0.2] * 5 + [np.nan]], "groups": np.zeros(1, dtype=int)}, "nan"),
         ({"joints": np.full((4, 6), 0.2), "inclination": np.zeros((3, 2))}, "inclination"),
         ({"joints": np.full((4, 6), 0.2), "orientation": np.ones((4, 4))}, "norm"),
-        ({"joints": np.full((4, 6), 0.2), "groups": np.zeros(4, dtype=int), "group_sigma": 0.0}, "group_sigma"),
+        (
+            {"joints": np.full((4, 6), 0.2), "groups": np.zeros(4, dtype=int), "group_sigma": 0.0},
+            "group_sigma",
+        ),
         ({"joints": np.full((4, 6), 0.2), "groups": np.zeros(4)}, "integer"),
     ],
 )
@@ -338,13 +418,17 @@ def test_parameters_bound_by_a_motion_are_refused():
     """A joint axis that a declared motion needs upright cannot be tilted alone."""
     with pytest.raises(InputError, match="schoenflies"):
         build_calibration(
-            symkin.load("zhao2000"), Measurements(np.zeros((4, 4)), position=np.zeros((4, 3))), parameters=["trt1.theta1.axis.x"]
+            symkin.load("zhao2000"),
+            Measurements(np.zeros((4, 4)), position=np.zeros((4, 3))),
+            parameters=["trt1.theta1.axis.x"],
         )
 
 
 @pytest.mark.parametrize("name", ["ren2008", "gluon_6l3", "zhao2000_links", "yao2020"])
 def test_corrected_mechanisms_have_the_values_and_a_file(name):
-    """with_parameters puts each value where the closure reads it, and the file that it writes reads back the same."""
+    """with_parameters puts each value where the closure reads it, and the file that it writes reads
+    back the same.
+    """
     mechanism = symkin.load(name)
     closure = build_closure(mechanism)
     rng = np.random.default_rng(16)
@@ -355,4 +439,6 @@ def test_corrected_mechanisms_have_the_values_and_a_file(name):
     after = build_closure(changed)
     assert after.parameter_names == closure.parameter_names
     assert np.max(np.abs(after.parameter_values - closure.parameter_values)) > 1e-4
-    np.testing.assert_allclose(build_closure(again).parameter_values, after.parameter_values, rtol=1e-14, atol=1e-14)
+    np.testing.assert_allclose(
+        build_closure(again).parameter_values, after.parameter_values, rtol=1e-14, atol=1e-14
+    )

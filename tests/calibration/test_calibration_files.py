@@ -1,4 +1,6 @@
-"""Measurement files: what is written is read back, every mistake is named by line and column, slips are found."""
+"""Measurement files: what is written is read back, every mistake is named by line and column, slips
+are found.
+"""
 
 from __future__ import annotations
 
@@ -42,13 +44,17 @@ def measured():
 
 @pytest.mark.parametrize("sequence", [None, "ZYX", "xyz", "YZY"])
 def test_files_hold_what_is_written(tmp_path, measured, sequence):
-    """Reading back gives the same numbers to rounding: joints, groups, readings, standard deviations."""
+    """Reading back gives the same numbers to rounding: joints, groups, readings, standard
+    deviations.
+    """
     path = tmp_path / "data.csv"
     write_measurements(path, NOMINAL, measured, sequence=sequence)
     back = read_measurements(path, NOMINAL).measurements
     assert np.array_equal(back.groups, measured.groups)
     for key in ("joints", "inclination", "position"):
-        np.testing.assert_allclose(getattr(back, key), getattr(measured, key), rtol=1e-14, atol=1e-15)
+        np.testing.assert_allclose(
+            getattr(back, key), getattr(measured, key), rtol=1e-14, atol=1e-15
+        )
     same = np.abs(np.sum(back.orientation * measured.orientation, axis=1))
     np.testing.assert_allclose(same, 1.0, atol=1e-13)
     for key in ("joint", "group", "inclination", "position", "orientation"):
@@ -75,7 +81,13 @@ def test_units_of_the_header_count(tmp_path, measured):
 
     def other_units(header, rows):
         for k, name in enumerate(header):
-            factor, unit = (1e3, "mm") if name.endswith("[m]") else (3600, "arcsec") if name.endswith("[deg]") else (None, "")
+            factor, unit = (
+                (1e3, "mm")
+                if name.endswith("[m]")
+                else (3600, "arcsec")
+                if name.endswith("[deg]")
+                else (None, "")
+            )
             if factor:
                 header[k] = name.split("[")[0] + f"[{unit}]"
                 for row in rows:
@@ -87,38 +99,60 @@ def test_units_of_the_header_count(tmp_path, measured):
 
 
 def as_a_spreadsheet_writes(path):
-    """Semicolons, decimal commas, capitals, units in parentheses, NaN, a byte order mark, CRLF, a column of times and remarks."""
+    """Semicolons, decimal commas, capitals, units in parentheses, NaN, a byte order mark, CRLF, a
+    column of times and remarks.
+    """
     header, *rows = [line.split(",") for line in path.read_text().splitlines()]
     names = [re.sub(r"\[(.*)\]", r" (\1)", name).capitalize() for name in header]
     lines = [[*names, "Uhrzeit", "Bemerkung"]]
-    lines += [[*(cell.replace(".", ",") or "NaN" for cell in row), f"12:00:{k:02d}.5", "1.5"] for k, row in enumerate(rows)]
+    lines += [
+        [*(cell.replace(".", ",") or "NaN" for cell in row), f"12:00:{k:02d}.5", "1.5"]
+        for k, row in enumerate(rows)
+    ]
     path.write_bytes(("\ufeff" + "".join(";".join(line) + "\r\n" for line in lines)).encode())
     return path
 
 
 def test_a_spreadsheets_file_is_the_same_file(tmp_path, measured):
-    """Every number, label and blank is that of the file as symkin writes it, and the notes say what was read otherwise."""
+    """Every number, label and blank is that of the file as symkin writes it, and the notes say what
+    was read otherwise.
+    """
     part = measured.without(3, "position")
     write_measurements(tmp_path / "own.csv", NOMINAL, part)
     write_measurements(tmp_path / "other.csv", NOMINAL, part)
     own = read_measurements(tmp_path / "own.csv", NOMINAL)
     other = read_measurements(as_a_spreadsheet_writes(tmp_path / "other.csv"), NOMINAL)
     for key in ("joints", "groups", "inclination", "position", "orientation"):
-        assert np.array_equal(getattr(own.measurements, key), getattr(other.measurements, key), equal_nan=True)
+        assert np.array_equal(
+            getattr(own.measurements, key), getattr(other.measurements, key), equal_nan=True
+        )
     for key in ("joint", "group", "inclination", "position", "orientation"):
         assert np.array_equal(own.measurements.sigma(key), other.measurements.sigma(key))
     assert own.groups == other.groups
     said = " ".join(set(other.notes) - set(own.notes))
-    for words in ("semicolons", "decimal commas", "'Leg1 (m)' as leg1[m]", "3 cells with NaN", "'Uhrzeit', 'Bemerkung'"):
+    for words in (
+        "semicolons",
+        "decimal commas",
+        "'Leg1 (m)' as leg1[m]",
+        "3 cells with NaN",
+        "'Uhrzeit', 'Bemerkung'",
+    ):
         assert words in said
 
 
 def test_rows_with_their_own_times_are_no_copies(tmp_path, measured):
-    """A row with the readings of an earlier one and another time stays; with the same time it is a copy."""
+    """A row with the readings of an earlier one and another time stays; with the same time it is a
+    copy.
+    """
     path = tmp_path / "data.csv"
     write_measurements(path, NOMINAL, measured)
     header, *rows = path.read_text().splitlines()
-    lines = [f"{header},time", *(f"{row},{k}" for k, row in enumerate(rows)), f"{rows[0]},99", f"{rows[1]},1"]
+    lines = [
+        f"{header},time",
+        *(f"{row},{k}" for k, row in enumerate(rows)),
+        f"{rows[0]},99",
+        f"{rows[1]},1",
+    ]
     path.write_text("\n".join(lines) + "\n")
     assert read_measurements(path, NOMINAL).copies == ((len(rows) + 1, 1),)
 
@@ -165,7 +199,9 @@ def test_mistakes_are_named_by_line_and_column(tmp_path, measured, change, fragm
 
 
 def test_empty_cells_and_columns_are_readings_not_taken(tmp_path, measured):
-    """An empty cell is no reading; a column of empty cells is no column; a group of one is noted and says nothing."""
+    """An empty cell is no reading; a column of empty cells is no column; a group of one is noted
+    and says nothing.
+    """
     path = tmp_path / "data.csv"
     write_measurements(path, NOMINAL, measured)
 
@@ -184,10 +220,16 @@ def test_empty_cells_and_columns_are_readings_not_taken(tmp_path, measured):
 
 
 def test_names_of_joints_come_before_names_of_readings(tmp_path):
-    """Where joints are called x, y, z the platform's position is platform.x, platform.y, platform.z."""
+    """Where joints are called x, y, z the platform's position is platform.x, platform.y,
+    platform.z.
+    """
     axes = np.eye(3)
-    joints = [symkin.Joint(n, "P", axis=tuple(a), actuated=True) for n, a in zip("xyz", axes, strict=True)]
-    gantry = symkin.Mechanism("gantry", [symkin.Limb("gantry", joints)], serial=True, platform_position=(0, 0, 50.0))
+    joints = [
+        symkin.Joint(n, "P", axis=tuple(a), actuated=True) for n, a in zip("xyz", axes, strict=True)
+    ]
+    gantry = symkin.Mechanism(
+        "gantry", [symkin.Limb("gantry", joints)], serial=True, platform_position=(0, 0, 50.0)
+    )
     rng = np.random.default_rng(0)
     workspace = Workspace.about(gantry)
     made = workspace.draw(workspace.inclinations(5, rng), rng, held=False)
@@ -212,8 +254,10 @@ def test_every_sequence_is_named_and_different():
 @pytest.mark.slow
 @pytest.mark.parametrize(("sequence", "rows"), [("YXZ", 600), ("zyz", 60)])
 def test_the_euler_sequence_that_fits_is_found(tmp_path, sequence, rows):
-    """600 or 60 rows of joints and poses, truth and sequence hidden: the whole geometry of a platform from joint centres a tenth
-    of the size wrong (which is another machine, and said to be expected), and the sequence, clear of the runner-up."""
+    """600 or 60 rows of joints and poses, truth and sequence hidden: the whole geometry of a
+    platform from joint centres a tenth of the size wrong (which is another machine, and said to be
+    expected), and the sequence, clear of the runner-up.
+    """
     true = symkin.load("zhang2009")
     rng = np.random.default_rng(21)
     workspace = Workspace.about(true)
@@ -221,14 +265,23 @@ def test_the_euler_sequence_that_fits_is_found(tmp_path, sequence, rows):
     made = workspace.draw(workspace.inclinations(rows, rng), rng, held=False)
     path = tmp_path / "data.csv"
     write_measurements(
-        path, true, simulate_readings(true, made, group_numbers(rows, 0), ("pose",), noise, rng), sequence=sequence, hidden=True
+        path,
+        true,
+        simulate_readings(true, made, group_numbers(rows, 0), ("pose",), noise, rng),
+        sequence=sequence,
+        hidden=True,
     )
     assert sequence not in path.read_text()
 
     def away(point):
         return tuple(np.array(point) + 0.1 * true.characteristic_length * rng.uniform(-1, 1, 3))
 
-    wrong = replace(true, limbs=[replace(limb, base=away(limb.base), platform=away(limb.platform)) for limb in true.limbs])
+    wrong = replace(
+        true,
+        limbs=[
+            replace(limb, base=away(limb.base), platform=away(limb.platform)) for limb in true.limbs
+        ],
+    )
     data = read_measurements(path, wrong)
     choice = find_sequence(wrong, data)
     assert choice.sequence == sequence
@@ -267,9 +320,16 @@ def test_slips_are_suspected(measured, slip, word):
 
 
 def test_patterns_name_parameters():
-    """Patterns match names of parameters; `all` is the closure's; what matches nothing is refused with examples."""
+    """Patterns match names of parameters; `all` is the closure's; what matches nothing is refused
+    with examples.
+    """
     assert len(match_parameters(NOMINAL, "all")) == 42
-    assert match_parameters(NOMINAL, "leg2.base.*, leg1.offset") == ("leg1.offset", "leg2.base.x", "leg2.base.y", "leg2.base.z")
+    assert match_parameters(NOMINAL, "leg2.base.*, leg1.offset") == (
+        "leg1.offset",
+        "leg2.base.x",
+        "leg2.base.y",
+        "leg2.base.z",
+    )
     assert len(match_parameters(NOMINAL, "all,leg*.scale")) == 48
     with pytest.raises(InputError, match=r"leg\*\.bse.*leg1\.base\.x"):
         match_parameters(NOMINAL, "leg*.bse")

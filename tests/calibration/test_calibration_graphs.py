@@ -31,7 +31,13 @@ from symkin import InputError, Joint, calibrate
 ANGLE, LENGTH = 2e-5, 0.01
 """Noise of encoders (radians) and of positions (mm)."""
 RICH = {
-    "four_bar": ["follower", "follower_pin", "coupler.position", "coupler.orientation", "rocker.inclination"],
+    "four_bar": [
+        "follower",
+        "follower_pin",
+        "coupler.position",
+        "coupler.orientation",
+        "rocker.inclination",
+    ],
     "stephenson_six_bar": ["output", "rocker", "point.coupler_point"],
     "ankle": ["pose", "ankle.1", "point.toe", "distance.toe.heel"],
     "double_wishbone": ["pose", "upper_hinge", "point.contact"],
@@ -56,12 +62,17 @@ def read_of_four_bar(points, rng, *, pen=True, count=60, offset=0.0, noise=1.0):
     follower, places, _, _ = linkages.readings(points, crank, offset)
     readings = [symkin.Reading("follower", follower + noise * rng.normal(0, ANGLE, count), ANGLE)]
     if pen:
-        whole = np.column_stack([places + noise * rng.normal(0, LENGTH, places.shape), noise * rng.normal(0, LENGTH, count)])
+        whole = np.column_stack(
+            [
+                places + noise * rng.normal(0, LENGTH, places.shape),
+                noise * rng.normal(0, LENGTH, count),
+            ]
+        )
         readings.append(symkin.Reading("point.pen", whole, LENGTH))
     return symkin.Measurements(crank[:, None], readings=readings)
 
 
-# --- what is read ------------------------------------------------------------------------------------------------------
+# --- what is read ---------------------------------------------------------------------------------
 
 
 def test_a_four_bar_reads_what_circles_say():
@@ -71,11 +82,15 @@ def test_a_four_bar_reads_what_circles_say():
     data = symkin.Measurements(
         crank[:, None],
         readings=[
-            symkin.Reading("follower", follower), symkin.Reading("point.pen", np.column_stack([pen, 0.0 * crank])),
+            symkin.Reading("follower", follower),
+            symkin.Reading("point.pen", np.column_stack([pen, 0.0 * crank])),
             symkin.Reading("distance.pen.mark", distance),
-            symkin.Reading("coupler.orientation", np.column_stack([np.cos(turn / 2), 0 * turn, 0 * turn, np.sin(turn / 2)])),
+            symkin.Reading(
+                "coupler.orientation",
+                np.column_stack([np.cos(turn / 2), 0 * turn, 0 * turn, np.sin(turn / 2)]),
+            ),
         ],
-    )  # fmt: skip
+    )
     model = build_model(four_bar, data, ())
     found = solve_configurations(model, data, np.zeros(0))
     assert found.solved.all()
@@ -89,7 +104,9 @@ def test_a_four_bar_reads_what_circles_say():
 
 @pytest.mark.parametrize("name", RICH)
 def test_readings_of_the_model_are_those_simulated(name):
-    """The model's expressions over joints and unknowns agree with the poses of links at the same configurations."""
+    """The model's expressions over joints and unknowns agree with the poses of links at the same
+    configurations.
+    """
     mechanism = symkin.load(name)
     data, _ = taken(mechanism, RICH[name])
     model = build_model(mechanism, data, ())
@@ -99,12 +116,16 @@ def test_readings_of_the_model_are_those_simulated(name):
     for o, reading in zip(model.read, data.readings, strict=True):
         columns = [k for k, (kind, _) in enumerate(model.columns) if kind == o.name]
         wanted = np.zeros((len(data), 3)) if o.kind == "orientation" else reading.values
-        np.testing.assert_allclose(h[:, columns], wanted, atol=1e-8 * mechanism.characteristic_length)
+        np.testing.assert_allclose(
+            h[:, columns], wanted, atol=1e-8 * mechanism.characteristic_length
+        )
 
 
 @pytest.mark.parametrize("name", RICH)
 def test_slopes_are_differences(name):
-    """dh/dp with the configurations following is the difference of readings between mechanisms with other numbers."""
+    """dh/dp with the configurations following is the difference of readings between mechanisms with
+    other numbers.
+    """
     mechanism = symkin.load(name)
     data, _ = taken(mechanism, RICH[name], count=6)
     names = default_parameters(mechanism, data.observed)
@@ -119,26 +140,44 @@ def test_slopes_are_differences(name):
             there = build_model(other, data, ())
             at = solve_configurations(there, data, np.zeros(0), z=z).z
             sides.append(there.evaluate(at, data.joints, np.zeros(0), data.quaternions).readings)
-        np.testing.assert_allclose(e.slopes[:, :, k], (sides[0] - sides[1]) / 2e-4, rtol=1e-5, atol=1e-5)
+        np.testing.assert_allclose(
+            e.slopes[:, :, k], (sides[0] - sides[1]) / 2e-4, rtol=1e-5, atol=1e-5
+        )
 
 
-# --- parameters --------------------------------------------------------------------------------------------------------
+# --- parameters -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    "name", ["ankle", "double_wishbone", "excavator_bucket", "parallel_gripper", "hexapod_stack", "jansen_leg"]
+    "name",
+    [
+        "ankle",
+        "double_wishbone",
+        "excavator_bucket",
+        "parallel_gripper",
+        "hexapod_stack",
+        "jansen_leg",
+    ],
 )
 def test_a_written_number_is_read_back(name):
-    """Every number stands in the file where the closure reads it, rods' lengths and named points too."""
+    """Every number stands in the file where the closure reads it, rods' lengths and named points
+    too.
+    """
     mechanism, rng = symkin.load(name), np.random.default_rng(0)
     read = tuple(o.name for o in observables(mechanism).values() if o.kind == "point")
     values = geometry_parameters(mechanism, read)
-    moved = {n: v + 1e-3 * rng.uniform(-1, 1) for n, v in values.items() if "axis" not in n and "quaternion" not in n}
+    moved = {
+        n: v + 1e-3 * rng.uniform(-1, 1)
+        for n, v in values.items()
+        if "axis" not in n and "quaternion" not in n
+    }
     found = geometry_parameters(parse(with_parameters(mechanism, moved).to_toml()), read)
     assert {n: found[n] for n in moved} == pytest.approx(moved, abs=1e-12)
 
 
-@pytest.mark.parametrize("name", ["ankle", "double_wishbone", "parallel_gripper", "stephenson_six_bar", "hexapod_stack"])
+@pytest.mark.parametrize(
+    "name", ["ankle", "double_wishbone", "parallel_gripper", "stephenson_six_bar", "hexapod_stack"]
+)
 def test_another_reference_reads_the_same(name):
     """Along each change of the reference configuration no reading moves."""
     mechanism = symkin.load(name)
@@ -151,59 +190,84 @@ def test_another_reference_reads_the_same(name):
     model = build_model(mechanism, data, names)
     z = solve_configurations(model, data, model.nominal).z
     slopes = model.evaluate(z, data.joints, model.nominal, data.quaternions).slopes
-    motions = list(reference_motions(mechanism, dict(zip(names, model.nominal, strict=True)), data.observed))
+    motions = list(
+        reference_motions(mechanism, dict(zip(names, model.nominal, strict=True)), data.observed)
+    )
     assert motions
     for text, velocity in motions:
         direction = np.array([velocity.get(n, 0.0) for n in names]) / model.scales
         # readings move by rounding of the single effects, which are of the size of the direction
-        assert np.max(np.abs(slopes @ direction)) < 1e-8 * np.linalg.norm(direction) * max(1.0, np.max(np.abs(slopes))), text
+        assert np.max(np.abs(slopes @ direction)) < 1e-8 * np.linalg.norm(direction) * max(
+            1.0, np.max(np.abs(slopes))
+        ), text
 
 
-@pytest.mark.parametrize("name", [*(name for name in RICH if name != "zhao2000"), "klann_leg", "planetary_gear"])
+@pytest.mark.parametrize(
+    "name", [*(name for name in RICH if name != "zhao2000"), "klann_leg", "planetary_gear"]
+)
 def test_what_is_identified_by_default_is_minimal(name):
     """With everything read that may be, all default parameters have an effect of their own."""
     mechanism = symkin.load(name)
-    wanted = [o.name for o in observables(mechanism).values() if o.kind in ("joint", "point", "position", "orientation")]
+    wanted = [
+        o.name
+        for o in observables(mechanism).values()
+        if o.kind in ("joint", "point", "position", "orientation")
+    ]
     noise = Noise(1e-6, 1e-6, position=1e-3, orientation=1e-6)
-    data, _ = taken(mechanism, [*(["pose"] if mechanism.platform_link else []), *wanted], count=40, noise=noise)
+    data, _ = taken(
+        mechanism, [*(["pose"] if mechanism.platform_link else []), *wanted], count=40, noise=noise
+    )
     found = identifiability(mechanism, data)
     assert found.rank == len(found.names), found.unobservable
 
 
 def test_angles_alone_tell_neither_size_nor_place():
-    """Of a four-bar with encoders on crank and follower three ratios of lengths and both encoders' offsets are told: 5 of 9, and the
-    rest has a name."""
+    """Of a four-bar with encoders on crank and follower three ratios of lengths and both encoders'
+    offsets are told: 5 of 9, and the rest has a name.
+    """
     data = read_of_four_bar(linkages.POINTS, np.random.default_rng(0), pen=False)
     found = identifiability(parse(linkages.toml()), data)
     assert found.rank == 5
     assert set(found.unobservable) == {
-        "base frame translation x", "base frame translation y", "base frame yaw (about z)", "size of the whole mechanism"
-    }  # fmt: skip
+        "base frame translation x",
+        "base frame translation y",
+        "base frame yaw (about z)",
+        "size of the whole mechanism",
+    }
     assert any("hold one length" in text for text in found.advice)
 
 
 def test_out_of_plane_numbers_of_a_planar_loop_are_bound():
-    """An axis of a planar loop cannot be tilted alone: it is no parameter by default, and refused by name."""
+    """An axis of a planar loop cannot be tilted alone: it is no parameter by default, and refused
+    by name.
+    """
     four_bar = parse(linkages.toml())
     assert "crank_pin.axis.x" in parameter_names(four_bar)
     assert "crank_pin.axis.x" not in default_parameters(four_bar)
     data = read_of_four_bar(linkages.POINTS, np.random.default_rng(0))
-    with pytest.raises(InputError, match="a loop that is planar or spherical, which could no longer move"):
+    with pytest.raises(
+        InputError, match="a loop that is planar or spherical, which could no longer move"
+    ):
         calibrate(four_bar, data, parameters=["crank_pin.axis.x"])
 
 
-# --- fits --------------------------------------------------------------------------------------------------------------
+# --- fits -----------------------------------------------------------------------------------------
 
 
 def test_a_four_bar_is_recovered_within_its_deviations():
-    """Points off by 0.5 mm and an encoder's offset, from cranks of full turns: chi-square has its degrees of freedom, and errors over
-    their standard deviations have variance one."""
+    """Points off by 0.5 mm and an encoder's offset, from cranks of full turns: chi-square has its
+    degrees of freedom, and errors over their standard deviations have variance one.
+    """
     scores, chances = [], []
     for seed in range(6):
         rng = np.random.default_rng(seed)
         true, offset = linkages.built(rng), rng.uniform(-0.05, 0.05)
         found = calibrate(parse(linkages.toml()), read_of_four_bar(true, rng, offset=offset))
-        wanted = {f"{linkages.PATHS[n]}.{k}": v for n, point in true.items() for k, v in zip("xy", point, strict=True)}
+        wanted = {
+            f"{linkages.PATHS[n]}.{k}": v
+            for n, point in true.items()
+            for k, v in zip("xy", point, strict=True)
+        }
         wanted |= {"follower.zero": offset, "coupler.points.pen.z": 0.0}
         assert found.believable
         chances.append(found.p_value)
@@ -214,18 +278,30 @@ def test_a_four_bar_is_recovered_within_its_deviations():
 
 
 @pytest.mark.parametrize(
-    "name", ["stephenson_six_bar", pytest.param("ankle", marks=pytest.mark.slow), "double_wishbone", "zhao2000"]
+    "name",
+    [
+        "stephenson_six_bar",
+        pytest.param("ankle", marks=pytest.mark.slow),
+        "double_wishbone",
+        "zhao2000",
+    ],
 )
 def test_a_machine_is_recovered_from_its_readings(name):
-    """Readings of a machine with other numbers: the corrected file gives them within the noise, and what is read of new
-    configurations."""
+    """Readings of a machine with other numbers: the corrected file gives them within the noise, and
+    what is read of new configurations.
+    """
     mechanism, rng = symkin.load(name), np.random.default_rng(3)
     noise = Noise(1e-4, 1e-6, position=2e-3, orientation=1e-5, distance=2e-3, inclination=1e-5)
     read = tuple(o for o in RICH[name] if o != "pose")
-    names = [n for n in default_parameters(mechanism, read) if "axis" not in n and "quaternion" not in n]
+    names = [
+        n for n in default_parameters(mechanism, read) if "axis" not in n and "quaternion" not in n
+    ]
     values = geometry_parameters(mechanism, read)
     spread = 2e-4 * mechanism.characteristic_length
-    true = with_parameters(mechanism, {n: values[n] + spread * rng.uniform(-1, 1) for n in names if not n.endswith("zero")})
+    true = with_parameters(
+        mechanism,
+        {n: values[n] + spread * rng.uniform(-1, 1) for n in names if not n.endswith("zero")},
+    )
     data, _ = taken(true, RICH[name], count=40, noise=noise)
     found = calibrate(mechanism, data, residual="maximum likelihood", outliers="ignore")
     assert found.status == "ok"
@@ -235,22 +311,32 @@ def test_a_machine_is_recovered_from_its_readings(name):
     at = solve_configurations(there, fresh, np.zeros(0))
     assert at.solved.all()
     h = there.evaluate(at.z, fresh.joints, np.zeros(0), fresh.quaternions).readings
-    own = [k for k, (kind, _) in enumerate(there.columns) if kind not in ("position", "orientation")]
+    own = [
+        k for k, (kind, _) in enumerate(there.columns) if kind not in ("position", "orientation")
+    ]
     wanted = np.hstack([r.values for r in fresh.readings])
     off = np.abs(h[:, own] - wanted) / np.where(there.angular[own], 1e-4, 0.02)
     assert np.sqrt(np.mean(off**2)) < 1.0
 
 
 def test_the_other_assembly_mode_is_found():
-    """Readings of a four-bar that was put together the other way than its file's reference: the mode that fits is taken."""
+    """Readings of a four-bar that was put together the other way than its file's reference: the
+    mode that fits is taken.
+    """
     rng = np.random.default_rng(7)
     true, crank = linkages.built(rng, 0.2), rng.uniform(-np.pi, np.pi, 30)
     follower, pen, _, _ = linkages.readings(true, crank, side=-1.0)
     readings = [
         symkin.Reading("follower", follower + rng.normal(0, ANGLE, 30), ANGLE),
-        symkin.Reading("point.pen", np.column_stack([pen, 0.0 * crank]) + rng.normal(0, LENGTH, (30, 3)), LENGTH),
+        symkin.Reading(
+            "point.pen",
+            np.column_stack([pen, 0.0 * crank]) + rng.normal(0, LENGTH, (30, 3)),
+            LENGTH,
+        ),
     ]
-    found = calibrate(parse(linkages.toml()), symkin.Measurements(crank[:, None], readings=readings))
+    found = calibrate(
+        parse(linkages.toml()), symkin.Measurements(crank[:, None], readings=readings)
+    )
     assert found.believable
     assert found.values["coupler.points.pen.x"] == pytest.approx(true["pen"][0], abs=0.1)
 
@@ -261,7 +347,9 @@ def test_a_wrong_reading_of_an_encoder_is_named():
     data = read_of_four_bar(linkages.POINTS, rng)
     values = np.array(data.readings[0].values)
     values[17] += np.radians(1.0)
-    data = symkin.Measurements(data.joints, readings=[symkin.Reading("follower", values, ANGLE), data.readings[1]])
+    data = symkin.Measurements(
+        data.joints, readings=[symkin.Reading("follower", values, ANGLE), data.readings[1]]
+    )
     found = calibrate(parse(linkages.toml()), data)
     assert [(o.configuration, o.kind) for o in found.outliers] == [(17, "follower")]
     assert "angle +1 deg" in found.outliers[0].reason
@@ -279,7 +367,7 @@ def test_a_scale_of_an_encoder_is_identified():
     assert found.values["follower.scale"] == pytest.approx(1 / 1.01, rel=1e-9)
 
 
-# --- files and refusals ----------------------------------------------------------------------------------------------------
+# --- files and refusals ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", RICH)
@@ -287,7 +375,10 @@ def test_a_file_reads_back(tmp_path, name):
     """Columns of all kinds are read back with every digit."""
     mechanism = symkin.load(name)
     data, _ = taken(
-        mechanism, RICH[name], count=5, noise=Noise(1e-3, 1e-4, position=0.1, orientation=1e-4, distance=0.1, inclination=1e-4)
+        mechanism,
+        RICH[name],
+        count=5,
+        noise=Noise(1e-3, 1e-4, position=0.1, orientation=1e-4, distance=0.1, inclination=1e-4),
     )
     path = tmp_path / "data.csv"
     path.write_text(measurements_text(mechanism, data))
@@ -302,11 +393,15 @@ def test_a_file_reads_back(tmp_path, name):
 def test_columns_of_the_platforms_link_are_those_of_the_platform(tmp_path):
     """foot.x of an ankle is x; both together are refused."""
     path = tmp_path / "data.csv"
-    path.write_text("upper_motor[deg],lower_motor[deg],foot.x[mm],sigma_foot.x[mm]\n0,0,1.5,0.1\n1,2,2.5,0.1\n")
+    path.write_text(
+        "upper_motor[deg],lower_motor[deg],foot.x[mm],sigma_foot.x[mm]\n0,0,1.5,0.1\n1,2,2.5,0.1\n"
+    )
     data = read_measurements(path, symkin.load("ankle")).measurements
     assert data.position[:, 0].tolist() == [1.5, 2.5]
     assert data.sigma("position")[:, 0].tolist() == [0.1, 0.1]
-    path.write_text("upper_motor[deg],lower_motor[deg],foot.x[mm],x[mm]\n0,0,1.5,0.1\n1,2,2.5,0.1\n")
+    path.write_text(
+        "upper_motor[deg],lower_motor[deg],foot.x[mm],x[mm]\n0,0,1.5,0.1\n1,2,2.5,0.1\n"
+    )
     with pytest.raises(InputError, match=r"'foot.x' and 'x' both mean 'x'"):
         read_measurements(path, symkin.load("ankle"))
 
@@ -320,17 +415,32 @@ def test_columns_of_the_platforms_link_are_those_of_the_platform(tmp_path):
         ("ankle", "point.x[mm]", "column 'point.x' is unknown"),
         ("four_bar", "coupler.roll[deg]", "column 'coupler.roll' is unknown"),
         ("four_bar", "x[mm]", "column 'x' is of a platform, and four_bar has no platform link"),
-        ("four_bar", "follower[deg],sigma_follower_pin[deg]", "'sigma_follower_pin' stands there without follower_pin"),
+        (
+            "four_bar",
+            "follower[deg],sigma_follower_pin[deg]",
+            "'sigma_follower_pin' stands there without follower_pin",
+        ),
         ("four_bar", "coupler.qw,coupler.qx,coupler.qy", "column 'coupler.qz' is missing"),
-        ("four_bar", "colour[mm]", "there is no column of any reading beside the joints; unknown: 'colour"),
+        (
+            "four_bar",
+            "colour[mm]",
+            "there is no column of any reading beside the joints; unknown: 'colour",
+        ),
     ],
 )
 def test_wrong_columns_are_refused(tmp_path, name, columns, words):
-    """A column that looks like a reading and is none is named, with the nearest; so is what a reading lacks."""
+    """A column that looks like a reading and is none is named, with the nearest; so is what a
+    reading lacks.
+    """
     mechanism = symkin.load(name)
     head = [f"{c.name}[deg]" for c in mechanism.actuated]
     path = tmp_path / "data.csv"
-    path.write_text(",".join([*head, columns]) + "\n" + ",".join(["1"] * (len(head) + columns.count(",") + 1)) + "\n")
+    path.write_text(
+        ",".join([*head, columns])
+        + "\n"
+        + ",".join(["1"] * (len(head) + columns.count(",") + 1))
+        + "\n"
+    )
     with pytest.raises(InputError) as error:
         read_measurements(path, mechanism)
     assert words in str(error.value)
@@ -346,7 +456,9 @@ def test_wrong_columns_are_refused(tmp_path, name, columns, words):
 )
 def test_what_cannot_be_read_is_refused(name, reading, words):
     mechanism = symkin.load(name)
-    data = symkin.Measurements(np.zeros((2, len(mechanism.actuated))), readings=[symkin.Reading(reading, np.zeros(2))])
+    data = symkin.Measurements(
+        np.zeros((2, len(mechanism.actuated))), readings=[symkin.Reading(reading, np.zeros(2))]
+    )
     with pytest.raises(InputError, match=words):
         calibrate(mechanism, data)
 
@@ -359,7 +471,9 @@ def test_a_platform_that_is_not_there_is_not_read():
 
 def test_joints_that_leave_a_freedom_are_refused():
     """The rack alone does not tell where a wheel is."""
-    data = symkin.Measurements(np.linspace(-10, 10, 6)[:, None], position=np.tile([0.0, 760.0, 320.0], (6, 1)))
+    data = symkin.Measurements(
+        np.linspace(-10, 10, 6)[:, None], position=np.tile([0.0, 760.0, 320.0], (6, 1))
+    )
     with pytest.raises(InputError, match=r"the actuated joints \(rack\) do not determine the pose"):
         calibrate(symkin.load("five_link_suspension"), data)
 
@@ -369,11 +483,17 @@ def test_a_link_that_turns_idly_has_no_orientation():
     four_bar = symkin.load("four_bar")
     pins = [e.joint for e in four_bar.link_joints]
     loose = symkin.Mechanism(
-        "loose", link_joints=[
-            symkin.LinkJoint(pins[0], ["base", "crank_link"]), symkin.LinkJoint(Joint("a", "S", pins[1].point), ["crank_link", "rod"]),
-            symkin.LinkJoint(Joint("b", "S", pins[2].point), ["rod", "rocker"]), symkin.LinkJoint(pins[3], ["base", "rocker"]),
+        "loose",
+        link_joints=[
+            symkin.LinkJoint(pins[0], ["base", "crank_link"]),
+            symkin.LinkJoint(Joint("a", "S", pins[1].point), ["crank_link", "rod"]),
+            symkin.LinkJoint(Joint("b", "S", pins[2].point), ["rod", "rocker"]),
+            symkin.LinkJoint(pins[3], ["base", "rocker"]),
         ],
-    )  # fmt: skip
-    data = symkin.Measurements(np.ones((2, 1)), readings=[symkin.Reading("rod.orientation", np.tile([1.0, 0, 0, 0], (2, 1)))])
+    )
+    data = symkin.Measurements(
+        np.ones((2, 1)),
+        readings=[symkin.Reading("rod.orientation", np.tile([1.0, 0, 0, 0], (2, 1)))],
+    )
     with pytest.raises(InputError, match="link 'rod' turns idly"):
         calibrate(loose, data)

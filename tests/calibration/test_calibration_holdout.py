@@ -1,4 +1,6 @@
-"""Held-out postures: predictions are as good as they are said to be, and one that is not is no believable fit."""
+"""Held-out postures: predictions are as good as they are said to be, and one that is not is no
+believable fit.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +25,17 @@ def readings(posed, rng):
 def measured(count, seed, *, known=True):
     rng = np.random.default_rng(seed)
     posed = NOMINAL.spoilt(rng).postures(count, rng)
-    return Measurements(posed.joints, position=readings(posed, rng), position_sigma=NOISE if known else None)
+    return Measurements(
+        posed.joints, position=readings(posed, rng), position_sigma=NOISE if known else None
+    )
 
 
 @pytest.mark.slow
 def test_predictions_scatter_as_they_say():
-    """Fits to 24 postures predict 12 others: chi-square over its degrees of freedom is 1 to within four standard deviations,
-    noise known; that of the noise alone is clearly more, since the parameters are uncertain too."""
+    """Fits to 24 postures predict 12 others: chi-square over its degrees of freedom is 1 to within
+    four standard deviations, noise known; that of the noise alone is clearly more, since the
+    parameters are uncertain too.
+    """
     chi_square, degrees, alone = 0.0, 0, 0.0
     for seed in range(8):
         data = measured(36, seed)
@@ -43,7 +49,9 @@ def test_predictions_scatter_as_they_say():
 
 
 def test_a_draw_takes_whole_groups_and_what_is_read():
-    """Members of a group are held out together, rows without a reading never; as many as asked, or the last group more."""
+    """Members of a group are held out together, rows without a reading never; as many as asked, or
+    the last group more.
+    """
     groups = np.repeat(np.arange(10), 4)
     groups[36:] = -1
     inclination = np.where(np.arange(40)[:, None] < 38, 0.1, np.nan) * np.ones(2)
@@ -67,9 +75,21 @@ def fit(folder, data, *options):
     (folder / "hexapod.toml").write_text(MECHANISM.to_toml())
     header = ",".join([*(f"leg{k}[mm]" for k in range(1, 7)), "x[mm]", "y[mm]", "z[mm]"])
     rows = np.column_stack([data.joints, data.position])
-    (folder / "data.csv").write_text("\n".join([header, *(",".join(map(repr, map(float, row))) for row in rows)]) + "\n")
+    (folder / "data.csv").write_text(
+        "\n".join([header, *(",".join(map(repr, map(float, row))) for row in rows)]) + "\n"
+    )
     with pytest.raises(SystemExit) as ended:
-        main(["calibrate", "fit", str(folder / "hexapod.toml"), str(folder / "data.csv"), "-o", str(folder / "out"), *options])
+        main(
+            [
+                "calibrate",
+                "fit",
+                str(folder / "hexapod.toml"),
+                str(folder / "data.csv"),
+                "-o",
+                str(folder / "out"),
+                *options,
+            ]
+        )
     return ended.value.code or 0, json.loads((folder / "out" / "report.json").read_text())
 
 
@@ -77,7 +97,9 @@ def fit(folder, data, *options):
 @pytest.mark.slow
 @pytest.mark.parametrize("known", [True, False], ids=["noise known", "noise unknown"])
 def test_the_command_reports_what_it_held_out(capsys, tmp_path, known):
-    """A quarter is not fitted but predicted, by line and with the seed; the verdict, the summary and JSON say so."""
+    """A quarter is not fitted but predicted, by line and with the seed; the verdict, the summary
+    and JSON say so.
+    """
     noise = ("--sigma-position", f"{NOISE}mm") if known else ()
     status, report = fit(tmp_path, measured(60, 3), "--hold-out", "25%", "--seed", "7", *noise)
     said = capsys.readouterr().out
@@ -94,8 +116,9 @@ def test_the_command_reports_what_it_held_out(capsys, tmp_path, known):
 
 @pytest.mark.slow
 def test_a_missed_prediction_is_not_believable(tmp_path):
-    """Held-out rows that are all 0.3 mm off: the fit is as good as before, and yet not believable, with the reason. Of one such
-    row the line is named as an outlier, and the fit stands."""
+    """Held-out rows that are all 0.3 mm off: the fit is as good as before, and yet not believable,
+    with the reason. Of one such row the line is named as an outlier, and the fit stands.
+    """
     data = measured(60, 4)
     held = np.flatnonzero(draw_held_out(data, 15, 0))
     for spoilt, believable in ((held, False), (held[:1], True)):

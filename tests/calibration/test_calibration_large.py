@@ -22,7 +22,9 @@ def positions(seed=0, count=70):
     read = posed.positions + NOISE * rng.normal(size=(count, 3))
     read[5, 1], read[17] = np.nan, np.nan
     read[30] += 1.0
-    return HEXAPOD.mechanism(), Measurements(posed.joints, position=read, position_sigma=NOISE, joint_sigma=0.5 * NOISE)
+    return HEXAPOD.mechanism(), Measurements(
+        posed.joints, position=read, position_sigma=NOISE, joint_sigma=0.5 * NOISE
+    )
 
 
 def groups(seed=0):
@@ -51,14 +53,18 @@ def fitted(case, residual, method):
     ],
 )
 def test_parts_give_the_fit_of_the_whole(monkeypatch, case, residual, method):
-    """Values, standard deviations, chi-square, residuals, outliers and notes are those of all postures taken together."""
+    """Values, standard deviations, chi-square, residuals, outliers and notes are those of all
+    postures taken together.
+    """
     whole = fitted(case, residual, method)
     monkeypatch.setattr(inside.fit_problem, "MAX_WHOLE_ROWS", 20)
     monkeypatch.setattr(inside.fit_problem, "PART_ROWS", 9)
     found = fitted(case, residual, method)
     assert found.problem.is_large
     assert len(found.problem.parts) > 3
-    assert sorted(np.concatenate([rows for rows, _ in found.problem.parts])) == list(range(len(found.used)))
+    assert sorted(np.concatenate([rows for rows, _ in found.problem.parts])) == list(
+        range(len(found.used))
+    )
     assert (found.status, found.rank, found.degrees) == (whole.status, whole.rank, whole.degrees)
     assert found.chi_square == pytest.approx(whole.chi_square, rel=1e-6)
     for ours, theirs in zip(found.parameters, whole.parameters, strict=True):
@@ -67,7 +73,11 @@ def test_parts_give_the_fit_of_the_whole(monkeypatch, case, residual, method):
     assert [o.label for o in found.outliers] == [o.label for o in whole.outliers]
     assert len(found.notes) == len(whole.notes)
     for ours, theirs in zip(found.residuals, whole.residuals, strict=True):
-        assert (ours.configuration, ours.kind, ours.component) == (theirs.configuration, theirs.kind, theirs.component)
+        assert (ours.configuration, ours.kind, ours.component) == (
+            theirs.configuration,
+            theirs.kind,
+            theirs.component,
+        )
         assert ours.normalised == pytest.approx(theirs.normalised, abs=2e-3)
 
 

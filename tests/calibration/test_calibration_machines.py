@@ -1,4 +1,6 @@
-"""Good fits of wrong files: the machine that the readings are of is told from the one that the file describes."""
+"""Good fits of wrong files: the machine that the readings are of is told from the one that the file
+describes.
+"""
 
 from __future__ import annotations
 
@@ -45,14 +47,18 @@ def built(base, platform, rng, spread=1.0):
     ("columns", "words"),
     [
         ((2, 1, 0, 3, 4, 5), "the columns leg1 and leg3 look exchanged"),
-        ((1, 2, 0, 3, 4, 5), "the columns leg1, leg2, leg3 look exchanged: they seem to hold leg2, leg3, leg1"),
+        (
+            (1, 2, 0, 3, 4, 5),
+            "the columns leg1, leg2, leg3 look exchanged: they seem to hold leg2, leg3, leg1",
+        ),
         ((5, 4, 3, 2, 1, 0), "they seem to hold leg6, leg5, leg4, leg3, leg2, leg1"),
     ],
     ids=["two", "three", "all"],
 )
 def test_exchanged_columns_are_another_machine_and_named(capsys, tmp_path, columns, words):
-    """Whole poses and leg columns in another order fit perfectly: exit 3 all the same, no mechanism file, and the first line says
-    so and in which order they stand."""
+    """Whole poses and leg columns in another order fit perfectly: exit 3 all the same, no mechanism
+    file, and the first line says so and in which order they stand.
+    """
     rng = np.random.default_rng(1)
     nominal = hexapods.rings(rng)
     machine, out = described(tmp_path, *nominal), tmp_path / "out"
@@ -67,12 +73,17 @@ def test_exchanged_columns_are_another_machine_and_named(capsys, tmp_path, colum
 
 @pytest.mark.slow
 def test_another_machines_nominal_is_refused_unless_told_otherwise(capsys, tmp_path):
-    """Readings of a machine with a platform half as large again: exit 3; with --any-machine exit 0 and the file of that machine,
-    which solves its rows, and the first line still says what it is."""
+    """Readings of a machine with a platform half as large again: exit 3; with --any-machine exit 0
+    and the file of that machine, which solves its rows, and the first line still says what it is.
+    """
     rng = np.random.default_rng(2)
     nominal = hexapods.rings(rng)
     true = built(nominal[0], 1.5 * nominal[1], rng)
-    machine, data, out = described(tmp_path, *nominal), measured(tmp_path, *true, rng), tmp_path / "out"
+    machine, data, out = (
+        described(tmp_path, *nominal),
+        measured(tmp_path, *true, rng),
+        tmp_path / "out",
+    )
     status, said = run(capsys, "calibrate", "fit", machine, data, "-o", out)
     assert status == 3
     assert "another machine than hexapod describes" in said.splitlines()[0]
@@ -82,17 +93,25 @@ def test_another_machines_nominal_is_refused_unless_told_otherwise(capsys, tmp_p
     assert "another machine than hexapod describes" in said.splitlines()[0]
     made, (position, q) = symkin.load(str(out / "hexapod.toml")), hexapods.poses(3, rng)
     for row, p, o in zip(hexapods.legs(*true, position, q), position, q, strict=True):
-        assert np.max(np.abs(symkin.solve(made, joints=row, start=[*p, *o]).solution.position - p)) < 0.02
+        assert (
+            np.max(np.abs(symkin.solve(made, joints=row, start=[*p, *o]).solution.position - p))
+            < 0.02
+        )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("spread", "far"), [(1.0, False), (6.0, False), (60.0, True)])
 def test_the_machine_as_built_is_no_other_one(tmp_path, spread, far):
-    """Joint centres off by up to 1 mm, 6 mm (1 % of the size) and 60 mm: believable, believable, another machine."""
+    """Joint centres off by up to 1 mm, 6 mm (1 % of the size) and 60 mm: believable, believable,
+    another machine.
+    """
     rng = np.random.default_rng(5)
     nominal = hexapods.rings(rng)
     mechanism = symkin.load(str(described(tmp_path, *nominal)))
-    report = fit_file(mechanism, read_measurements(measured(tmp_path, *built(*nominal, rng, spread), rng), mechanism))
+    report = fit_file(
+        mechanism,
+        read_measurements(measured(tmp_path, *built(*nominal, rng, spread), rng), mechanism),
+    )
     assert report.believable is not far
     assert report.usable is not far
     assert (report.departure.share > 0.08) is far
@@ -100,14 +119,17 @@ def test_the_machine_as_built_is_no_other_one(tmp_path, spread, far):
 
 @pytest.mark.slow
 def test_another_base_frame_is_no_other_machine(tmp_path):
-    """The same machine with base and platform frames turned by 25 degrees and moved: the poses that the fit gives are the file's
-    but for constant frames."""
+    """The same machine with base and platform frames turned by 25 degrees and moved: the poses that
+    the fit gives are the file's but for constant frames.
+    """
     rng = np.random.default_rng(6)
     base, platform = hexapods.rings(rng)
     true = built(base, platform, rng, 0.5)
     c, s = np.cos(np.radians(25)), np.sin(np.radians(25))
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    mechanism = symkin.load(str(described(tmp_path, (base - [30, 20, 10]) @ turn.T, (platform + [5, 5, 40]) @ turn.T)))
+    mechanism = symkin.load(
+        str(described(tmp_path, (base - [30, 20, 10]) @ turn.T, (platform + [5, 5, 40]) @ turn.T))
+    )
     report = fit_file(mechanism, read_measurements(measured(tmp_path, *true, rng), mechanism))
     assert report.fit.believable
     assert report.departure.share < 0.01
@@ -116,9 +138,10 @@ def test_another_base_frame_is_no_other_machine(tmp_path):
 
 @pytest.mark.slow
 def test_tolerances_are_prior_standard_deviations(tmp_path):
-    """Geometries drawn from the tolerance and fewer readings than parameters: errors of the estimate have the covariance that is
-    stated, chi-square (readings and tolerances) has as many degrees of freedom as there are readings, and pose sigma is
-    finite."""
+    """Geometries drawn from the tolerance and fewer readings than parameters: errors of the
+    estimate have the covariance that is stated, chi-square (readings and tolerances) has as many
+    degrees of freedom as there are readings, and pose sigma is finite.
+    """
     squares, values = [], []
     for seed in range(6):
         rng = np.random.default_rng(100 + seed)
@@ -127,13 +150,21 @@ def test_tolerances_are_prior_standard_deviations(tmp_path):
         true = [t + rng.normal(size=t.shape) for t in nominal]
         path = measured(tmp_path, *true, rng, rows=5)
         fixed = [f"leg{k}.offset" for k in range(1, 7)]
-        fit = calibrate(mechanism, read_measurements(path, mechanism).measurements, fixed=fixed, tolerance=(1.0, 0.01))
+        fit = calibrate(
+            mechanism,
+            read_measurements(path, mechanism).measurements,
+            fixed=fixed,
+            tolerance=(1.0, 0.01),
+        )
         assert fit.status == "ok"
         assert fit.degrees == 30
         values.append(fit.chi_square / fit.degrees)
         error = np.array(
             [
-                p.value - true[("base", "platform").index(p.name.split(".")[1])][int(p.name[3]) - 1]["xyz".index(p.name[-1])]
+                p.value
+                - true[("base", "platform").index(p.name.split(".")[1])][int(p.name[3]) - 1][
+                    "xyz".index(p.name[-1])
+                ]
                 for p in fit.parameters
                 if not p.held
             ]
@@ -147,10 +178,22 @@ def test_tolerances_are_prior_standard_deviations(tmp_path):
 
 @pytest.mark.slow
 def test_a_tolerance_holds_a_machine_that_is_within_and_refuses_one_that_is_not(capsys, tmp_path):
-    """Joint centres 60 mm away are another machine; with a tolerance of 40 mm they are expected, with one of 1 mm not."""
+    """Joint centres 60 mm away are another machine; with a tolerance of 40 mm they are expected,
+    with one of 1 mm not.
+    """
     rng = np.random.default_rng(5)
     nominal = hexapods.rings(rng)
-    machine, data, out = described(tmp_path, *nominal), measured(tmp_path, *built(*nominal, rng, 60.0), rng), tmp_path / "out"
-    assert run(capsys, "calibrate", "fit", machine, data, "-o", out, "--tolerance", "1mm,0.1deg")[0] == 3
-    assert run(capsys, "calibrate", "fit", machine, data, "-o", out, "--tolerance", "3deg,40mm")[0] == 0
+    machine, data, out = (
+        described(tmp_path, *nominal),
+        measured(tmp_path, *built(*nominal, rng, 60.0), rng),
+        tmp_path / "out",
+    )
+    assert (
+        run(capsys, "calibrate", "fit", machine, data, "-o", out, "--tolerance", "1mm,0.1deg")[0]
+        == 3
+    )
+    assert (
+        run(capsys, "calibrate", "fit", machine, data, "-o", out, "--tolerance", "3deg,40mm")[0]
+        == 0
+    )
     assert run(capsys, "calibrate", "fit", machine, data, "-o", out, "--tolerance", "40mm")[0] == 2

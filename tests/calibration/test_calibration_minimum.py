@@ -1,5 +1,7 @@
-"""Fits end at a minimum of what is written: parameters that nothing tells at nominal and something tells on the way, and the file
-read back. The machines, their readings and their chi-square are NumPy's (see `parallel_arm`)."""
+"""Fits end at a minimum of what is written: parameters that nothing tells at nominal and something
+tells on the way, and the file read back. The machines, their readings and their chi-square are
+NumPy's (see `parallel_arm`).
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ from symkin import Measurements, calibrate, load
 
 @pytest.fixture(scope="module")
 def delivered():
-    """Tool positions of a machine as a factory calibrates it: axes off parallel by 1e-4 rad, hundreds of metres that cancel."""
+    """Tool positions of a machine as a factory calibrates it: axes off parallel by 1e-4 rad,
+    hundreds of metres that cancel.
+    """
     rng = np.random.default_rng([1, 5])
     table = parallel_arm.moved_lines(1e-3, 0.3, rng)
     assert np.max(np.abs(table[:, 1])) > 1e5
@@ -25,10 +29,16 @@ def delivered():
 
 def projected_gradient(mechanism, data):
     """By how much one more linear step would lower chi-square, in NumPy."""
-    table = np.array([[getattr(row, key) for key in parallel_arm.KEYS] for row in mechanism.dh.rows])
+    table = np.array(
+        [[getattr(row, key) for key in parallel_arm.KEYS] for row in mechanism.dh.rows]
+    )
     matrix = parallel_arm.slopes(table, data.joints).reshape(-1, 24) / parallel_arm.SIGMA
-    gap = ((parallel_arm.positions(table, data.joints) - data.position) / parallel_arm.SIGMA).ravel()
-    left, singular, _ = np.linalg.svd(matrix / np.maximum(np.linalg.norm(matrix, axis=0), 1.0), full_matrices=False)
+    gap = (
+        (parallel_arm.positions(table, data.joints) - data.position) / parallel_arm.SIGMA
+    ).ravel()
+    left, singular, _ = np.linalg.svd(
+        matrix / np.maximum(np.linalg.norm(matrix, axis=0), 1.0), full_matrices=False
+    )
     return np.linalg.norm(left[:, singular > 1e-6].T @ gap)
 
 
@@ -36,8 +46,9 @@ def projected_gradient(mechanism, data):
 @pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_the_minimum_is_that_of_the_truth_or_less(delivered, method):
-    """Every method: chi-square of the written file is not above that of the true table, is the one reported, and has no
-    gradient."""
+    """Every method: chi-square of the written file is not above that of the true table, is the one
+    reported, and has no gradient.
+    """
     table, data = delivered
     fit = calibrate(parallel_arm.arm(), data, method=method, outliers="ignore")
     found = parse(fit.corrected.to_toml())
@@ -51,21 +62,29 @@ def test_the_minimum_is_that_of_the_truth_or_less(delivered, method):
 
 @pytest.mark.slow
 def test_scipy_finds_no_less():
-    """Two random machines: within 1 % of the least that SciPy's methods find from the same start."""
+    """Two random machines: within 1 % of the least that SciPy's methods find from the same
+    start.
+    """
     pytest.importorskip("scipy")
     for seed in (1, 2):
         rng = np.random.default_rng([seed, 5])
         data = parallel_arm.measured(parallel_arm.random_table(rng), rng)
         fit = calibrate(parallel_arm.arm(), data, outliers="ignore")
-        assert parallel_arm.chi_square(fit.corrected, data) < 1.01 * parallel_arm.least_chi_square(data)
+        assert parallel_arm.chi_square(fit.corrected, data) < 1.01 * parallel_arm.least_chi_square(
+            data
+        )
 
 
 def test_what_the_model_lacks_is_in_the_figures(delivered):
-    """A target off the tool that is no parameter: chi-square is as large as the file's is, and nothing is believable."""
+    """A target off the tool that is no parameter: chi-square is as large as the file's is, and
+    nothing is believable.
+    """
     table, _ = delivered
     rng = np.random.default_rng(3)
     data = parallel_arm.measured(table, rng, offset=(30.0, 20.0, 0.0))
-    fit = calibrate(parallel_arm.arm(), data, parameters=["dh.1.d", "dh.2.a", "dh.3.a"], outliers="ignore")
+    fit = calibrate(
+        parallel_arm.arm(), data, parameters=["dh.1.d", "dh.2.a", "dh.3.a"], outliers="ignore"
+    )
     assert fit.chi_square == pytest.approx(parallel_arm.chi_square(fit.corrected, data), rel=1e-6)
     assert fit.chi_square > 1e4
     assert not fit.believable
@@ -73,8 +92,9 @@ def test_what_the_model_lacks_is_in_the_figures(delivered):
 
 @pytest.mark.slow
 def test_a_file_that_is_not_the_fit_is_not_written(capsys, monkeypatch, tmp_path):
-    """A writer that loses digits: no mechanism file, the sentence says where it differs from the fit, exit status 3; without the
-    loss the file is written."""
+    """A writer that loses digits: no mechanism file, the sentence says where it differs from the
+    fit, exit status 3; without the loss the file is written.
+    """
     rng = np.random.default_rng([1, 5])
     data = parallel_arm.measured(parallel_arm.random_table(rng), rng)
     arm, corrected = parallel_arm.arm(), assessment.with_parameters
@@ -87,21 +107,37 @@ def test_a_file_that_is_not_the_fit_is_not_written(capsys, monkeypatch, tmp_path
     for lossy in (True, False):
         monkeypatch.setattr(assessment, "with_parameters", rounded if lossy else corrected)
         with pytest.raises(SystemExit) as ended:
-            main(["calibrate", "fit", str(tmp_path / "arm.toml"), str(tmp_path / "data.csv"), "-o", str(tmp_path / "out")])
+            main(
+                [
+                    "calibrate",
+                    "fit",
+                    str(tmp_path / "arm.toml"),
+                    str(tmp_path / "data.csv"),
+                    "-o",
+                    str(tmp_path / "out"),
+                ]
+            )
         assert ended.value.code == (3 if lossy else 0)
-        assert ("does not give the readings that the fit does at posture line 2" in capsys.readouterr().out) == lossy
+        assert (
+            "does not give the readings that the fit does at posture line 2"
+            in capsys.readouterr().out
+        ) == lossy
         assert (tmp_path / "out" / "arm.toml").exists() != lossy
-    assert parallel_arm.chi_square(load(tmp_path / "out" / "arm.toml"), data) < parallel_arm.chi_square(arm, data)
+    assert parallel_arm.chi_square(
+        load(tmp_path / "out" / "arm.toml"), data
+    ) < parallel_arm.chi_square(arm, data)
 
 
-# --- physical ------------------------------------------------------------------------------------------------------
+# --- physical -------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
 def hexapod():
     """Whole poses of a platform on six rods, joints by distances of points in NumPy."""
     mechanism, rng = load("ren2008"), np.random.default_rng(8)
-    base, platform = (np.array([getattr(limb, end) for limb in mechanism.limbs]) for end in ("base", "platform"))
+    base, platform = (
+        np.array([getattr(limb, end) for limb in mechanism.limbs]) for end in ("base", "platform")
+    )
     offset = np.array([limb.offset for limb in mechanism.limbs])
     position = np.array(mechanism.platform_position) + rng.uniform(-0.1, 0.1, (24, 3))
     turn = 0.1 * rng.normal(size=(24, 3))
@@ -112,14 +148,20 @@ def hexapod():
     lengths = np.linalg.norm(position[:, None] + ends - base, axis=2)
     joints = lengths - offset + 2e-6 * rng.normal(size=lengths.shape)
     return mechanism, Measurements(
-        joints, position=position, orientation=q, joint_sigma=2e-6, position_sigma=1e-6, orientation_sigma=1e-6
+        joints,
+        position=position,
+        orientation=q,
+        joint_sigma=2e-6,
+        position_sigma=1e-6,
+        orientation_sigma=1e-6,
     )
 
 
 @pytest.mark.slow
 def test_rods_inside_out_are_refused(hexapod):
-    """All readings negated: the fit is perfect with rods inside out, and refused with the legs and rows named; right readings are
-    not."""
+    """All readings negated: the fit is perfect with rods inside out, and refused with the legs and
+    rows named; right readings are not.
+    """
     mechanism, data = hexapod
     assert calibrate(mechanism, data).refused is None
     fit = calibrate(mechanism, replace(data, joints=-data.joints))
@@ -132,5 +174,7 @@ def test_the_written_file_solves_its_rows(hexapod):
     mechanism, data = hexapod
     found = parse(calibrate(mechanism, data).corrected.to_toml())
     for k in range(0, 24, 7):
-        pose = symkin.solve(found, joints=data.joints[k], start=[*data.position[k], *data.orientation[k]]).solution.pose
+        pose = symkin.solve(
+            found, joints=data.joints[k], start=[*data.position[k], *data.orientation[k]]
+        ).solution.pose
         np.testing.assert_allclose(pose.position, data.position[k], atol=3e-5)

@@ -1,4 +1,6 @@
-"""Gross errors and robust losses, on a controller's log of a hexapod made in NumPy (see `hexapod_log`)."""
+"""Gross errors and robust losses, on a controller's log of a hexapod made in NumPy (see
+`hexapod_log`).
+"""
 
 from __future__ import annotations
 
@@ -21,8 +23,9 @@ def logged():
 
 
 def misfit(mechanism):
-    """Largest distance of joint centres from the true ones, after the best rigid motions: none is needed where poses are read
-    whole."""
+    """Largest distance of joint centres from the true ones, after the best rigid motions: none is
+    needed where poses are read whole.
+    """
     pairs = zip(mechanism.limbs, hexapod_log.TRUTH.limbs, strict=True)
     return max(float(np.linalg.norm(np.subtract(a.base, b.base))) for a, b in pairs)
 
@@ -31,27 +34,38 @@ def misfit(mechanism):
 @pytest.mark.parametrize("stated", [True, False], ids=["noise stated", "noise unknown"])
 @pytest.mark.parametrize(("share", "size"), [(0.02, 1e-4), (0.3, 5e-3), (0.4, 1e-4)])
 def test_gross_errors_are_found_and_no_others(logged, share, size, stated):
-    """2 to 40 % of the positions off by normal errors: these are left out, hardly another, and the rest fits as without them; the
-    lines give shift and statistic as they are."""
+    """2 to 40 % of the positions off by normal errors: these are left out, hardly another, and the
+    rest fits as without them; the lines give shift and statistic as they are.
+    """
     nominal, data, rng = logged
     bad, rows = hexapod_log.spoilt(data, share, size, rng)
     fit = calibrate(nominal, bad if stated else hexapod_log.unstated(bad))
     found = {o.configuration for o in fit.outliers}
-    far = {int(k) for k in rows if np.linalg.norm(bad.position[k] - data.position[k]) > 20 * hexapod_log.SCATTER}
+    far = {
+        int(k)
+        for k in rows
+        if np.linalg.norm(bad.position[k] - data.position[k]) > 20 * hexapod_log.SCATTER
+    }
     assert fit.refused is None
     assert far <= found
     assert len(found - set(rows.tolist())) <= 1
-    assert np.sqrt(np.mean([r.value**2 for r in fit.residuals if r.kind == "position"])) < 1.3 * hexapod_log.SCATTER
+    assert (
+        np.sqrt(np.mean([r.value**2 for r in fit.residuals if r.kind == "position"]))
+        < 1.3 * hexapod_log.SCATTER
+    )
     for o in fit.outliers:
-        np.testing.assert_allclose(o.shift, (bad.position - data.position)[o.configuration], atol=10 * hexapod_log.SCATTER)
+        np.testing.assert_allclose(
+            o.shift, (bad.position - data.position)[o.configuration], atol=10 * hexapod_log.SCATTER
+        )
         assert float(re.search(r"statistic (\S+) with", o.reason)[1]) > 10
         assert "e-4" not in o.reason.split("probability")[1]
 
 
 @pytest.mark.slow
 def test_no_removal_loses_the_fit():
-    """Six drawings of one machine, all off by millimetres: the same geometry, believable, and none of the clean rows called bad
-    but by chance."""
+    """Six drawings of one machine, all off by millimetres: the same geometry, believable, and none
+    of the clean rows called bad but by chance.
+    """
     rng = np.random.default_rng(7)
     data = hexapod_log.log(rng, 150)
     for _ in range(6):
@@ -62,7 +76,9 @@ def test_no_removal_loses_the_fit():
 
 
 def test_a_removal_that_does_not_converge_is_undone(logged):
-    """Refits that fail: the first fit stays as it was, with all its readings, and is not refused for them."""
+    """Refits that fail: the first fit stays as it was, with all its readings, and is not refused
+    for them.
+    """
     nominal, data, rng = logged
     bad, _ = hexapod_log.spoilt(data, 0.02, 5e-6, rng)
     first = calibrate(nominal, bad, outliers="ignore")
@@ -73,7 +89,9 @@ def test_a_removal_that_does_not_converge_is_undone(logged):
         return replace(found, result=replace(found.result, status="stalled"))
 
     result = estimate(first.problem, first.state.z, p=first.state.p)
-    found = Fit(first.problem, result, np.arange(60), np.zeros(0, dtype=int), first.state.determinant_signs)
+    found = Fit(
+        first.problem, result, np.arange(60), np.zeros(0, dtype=int), first.state.determinant_signs
+    )
     made = outlier_removal.fit_without_outliers(fit, bad, found, 0.02)
     assert made.found is found
     assert made.refused is None
@@ -83,7 +101,9 @@ def test_a_removal_that_does_not_converge_is_undone(logged):
 
 @pytest.mark.slow
 def test_too_many_gross_errors_are_refused(logged):
-    """A leg of two thirds of the rows off by millimetres, which spoils position and orientation: refused, for gross errors."""
+    """A leg of two thirds of the rows off by millimetres, which spoils position and orientation:
+    refused, for gross errors.
+    """
     nominal, data, rng = logged
     joints = data.joints.copy()
     joints[np.arange(40), rng.integers(6, size=40)] += 5e-3 * rng.normal(size=40)
@@ -96,21 +116,37 @@ def test_too_many_gross_errors_are_refused(logged):
 @pytest.mark.slow
 @pytest.mark.parametrize("loss", ["huber", "cauchy"])
 def test_robust_losses_keep_to_the_majority(capsys, tmp_path, logged, loss):
-    """A tenth of the rows off by 0.1 mm and none left out: joint centres many times nearer to the truth than by least squares;
-    without bad rows the same within the standard deviations, which are larger by 1 / sqrt(0.95); the report says what the loss
-    does."""
+    """A tenth of the rows off by 0.1 mm and none left out: joint centres many times nearer to the
+    truth than by least squares; without bad rows the same within the standard deviations, which are
+    larger by 1 / sqrt(0.95); the report says what the loss does.
+    """
     nominal, data, rng = logged
     bad, _ = hexapod_log.spoilt(data, 0.1, 1e-4, rng)
-    robust, squares = (calibrate(nominal, bad, loss=k, outliers="ignore") for k in (loss, "squared"))
+    robust, squares = (
+        calibrate(nominal, bad, loss=k, outliers="ignore") for k in (loss, "squared")
+    )
     assert misfit(robust.corrected) < 0.25 * misfit(squares.corrected)
-    robust, squares = (calibrate(nominal, data, loss=k, outliers="ignore") for k in (loss, "squared"))
+    robust, squares = (
+        calibrate(nominal, data, loss=k, outliers="ignore") for k in (loss, "squared")
+    )
     for a, b in zip(robust.parameters, squares.parameters, strict=True):
         assert abs(a.value - b.value) < 2 * b.sigma
         assert a.sigma == pytest.approx(b.sigma / np.sqrt(0.95), rel=1e-3)
     (tmp_path / "m.toml").write_text(nominal.to_toml())
     write_measurements(tmp_path / "d.csv", nominal, data.subset(np.arange(20)))
     with pytest.raises(SystemExit) as ended:
-        main(["calibrate", "fit", str(tmp_path / "m.toml"), str(tmp_path / "d.csv"), "-o", str(tmp_path / "out"), "--loss", loss])
+        main(
+            [
+                "calibrate",
+                "fit",
+                str(tmp_path / "m.toml"),
+                str(tmp_path / "d.csv"),
+                "-o",
+                str(tmp_path / "out"),
+                "--loss",
+                loss,
+            ]
+        )
     assert ended.value.code == 0
     notes = json.loads((tmp_path / "out" / "report.json").read_text())["notes"]
     assert any(f"loss {loss}: readings count less from" in note for note in notes)

@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from helpers.inside import MEASURING_FRAMES, default_parameters, parameter_figure, png, pose_sigma_figure, predict_pose_sigma
+from helpers.inside import (
+    MEASURING_FRAMES,
+    default_parameters,
+    parameter_figure,
+    png,
+    pose_sigma_figure,
+    predict_pose_sigma,
+)
 from helpers.tracker import NOISE, WORLD_POSITION, Hexapod
 from symkin import Measurements, calibrate
 
@@ -16,8 +23,12 @@ def case():
     rng = np.random.default_rng(0)
     nominal = Hexapod.nominal()
     posed, mechanism = nominal.spoilt(rng).postures(60, rng), nominal.mechanism()
-    data = Measurements(posed.joints, position=posed.seen() + NOISE * rng.normal(size=(60, 3)), position_sigma=NOISE)
-    return posed, calibrate(mechanism, data, parameters=(*default_parameters(mechanism), *MEASURING_FRAMES[:9]))
+    data = Measurements(
+        posed.joints, position=posed.seen() + NOISE * rng.normal(size=(60, 3)), position_sigma=NOISE
+    )
+    return posed, calibrate(
+        mechanism, data, parameters=(*default_parameters(mechanism), *MEASURING_FRAMES[:9])
+    )
 
 
 def bars(axes):
@@ -25,8 +36,9 @@ def bars(axes):
 
 
 def test_changes_stand_beside_changes_over_sigma(case):
-    """One bar a parameter in both panels, the second the first over its standard deviation; measuring frames, which have no
-    nominal place, are not among them."""
+    """One bar a parameter in both panels, the second the first over its standard deviation;
+    measuring frames, which have no nominal place, are not among them.
+    """
     _, fit = case
     left, right = parameter_figure(fit).axes
     own = [p for p in fit.parameters if p.name not in MEASURING_FRAMES]
@@ -38,7 +50,9 @@ def test_changes_stand_beside_changes_over_sigma(case):
 
 
 def test_measured_poses_stand_on_the_map(case):
-    """In the mechanism's own base frame, also where they were seen from elsewhere, in both views."""
+    """In the mechanism's own base frame, also where they were seen from elsewhere, in both
+    views.
+    """
     posed, fit = case
     sigma = predict_pose_sigma(fit)
     panels = [axes for axes in pose_sigma_figure(fit, sigma).axes if axes.lines]
@@ -49,7 +63,9 @@ def test_measured_poses_stand_on_the_map(case):
 
 
 def test_unknown_sigma_is_said():
-    """Where no degree of freedom is left there is no standard deviation, and the second panel says so."""
+    """Where no degree of freedom is left there is no standard deviation, and the second panel says
+    so.
+    """
     nominal = Hexapod.nominal()
     posed = nominal.postures(2, np.random.default_rng(1))
     fit = calibrate(

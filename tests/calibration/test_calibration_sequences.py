@@ -1,4 +1,6 @@
-"""The Euler sequence of few postures: what does not close counts against a sequence, and what data cannot tell is said."""
+"""The Euler sequence of few postures: what does not close counts against a sequence, and what data
+cannot tell is said.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,13 @@ def pool():
     def away(point):
         return tuple(np.array(point) + 0.02 * NOMINAL.characteristic_length * rng.uniform(-1, 1, 3))
 
-    true = replace(NOMINAL, limbs=[replace(limb, base=away(limb.base), platform=away(limb.platform)) for limb in NOMINAL.limbs])
+    true = replace(
+        NOMINAL,
+        limbs=[
+            replace(limb, base=away(limb.base), platform=away(limb.platform))
+            for limb in NOMINAL.limbs
+        ],
+    )
     made = random_configurations(Workspace.about(true), group_numbers(60, 0), NOISE, rng)
     return simulate_readings(NOMINAL, made, group_numbers(60, 0), ("pose",), NOISE, rng)
 
@@ -48,7 +56,9 @@ def hidden(path, measurements, sequence="XZX"):
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [8, 9, 10, 12])
 def test_few_postures_choose_the_sequence_that_explains_them_all(tmp_path, pool, count):
-    """8 to 12 postures, three draws of each: the true sequence, clear of the runner-up, and a fit that uses every posture."""
+    """8 to 12 postures, three draws of each: the true sequence, clear of the runner-up, and a fit
+    that uses every posture.
+    """
     for k in range(3):
         rows = np.random.default_rng(100 * count + k).choice(60, count, replace=False)
         data = hidden(tmp_path / "data.csv", pool.subset(rows))
@@ -64,14 +74,18 @@ def test_few_postures_choose_the_sequence_that_explains_them_all(tmp_path, pool,
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [6, 7])
 def test_as_many_parameters_as_readings_tell_no_sequence(tmp_path, pool, count):
-    """42 parameters and at most 42 readings: refused with the remedy, where any sequence would fit."""
+    """42 parameters and at most 42 readings: refused with the remedy, where any sequence would
+    fit.
+    """
     with pytest.raises(InputError, match="name the sequence in the header"):
         find_sequence(NOMINAL, hidden(tmp_path / "data.csv", pool.subset(np.arange(count))))
 
 
 @pytest.mark.slow
 def test_a_bad_row_does_not_change_the_sequence(tmp_path, pool):
-    """A posture whose joints are off by 600 times their noise counts against every sequence alike."""
+    """A posture whose joints are off by 600 times their noise counts against every sequence
+    alike.
+    """
     joints = pool.joints.copy()
     joints[4] += [3.0, -3.0, 3.0, -3.0, 3.0, -3.0]
     data = hidden(tmp_path / "data.csv", replace(pool, joints=joints).subset(np.arange(20)))
@@ -84,7 +98,9 @@ def test_a_bad_row_does_not_change_the_sequence(tmp_path, pool):
 @pytest.mark.slow
 def test_the_sequence_is_not_stated_where_nothing_fits(tmp_path, pool):
     """Exchanged columns: no sentence that the angles fit a sequence, in text and JSON."""
-    report = fit_file(NOMINAL, hidden(tmp_path / "data.csv", replace(pool, position=pool.position[:, [1, 0, 2]])))
+    report = fit_file(
+        NOMINAL, hidden(tmp_path / "data.csv", replace(pool, position=pool.position[:, [1, 0, 2]]))
+    )
     assert not report.usable
     assert "the angles fit" not in report.summary()
     assert "no Euler sequence led to a fit that can be used" in report.summary()
@@ -102,5 +118,7 @@ def test_the_sequence_is_not_stated_where_nothing_fits(tmp_path, pool):
     ],
 )
 def test_a_choice_is_clear_where_noise_cannot_make_the_difference(best, second, clear):
-    """Known noise: the other must be worse than noise. Unknown noise: the ratio must be beyond that of equal fits (F)."""
+    """Known noise: the other must be worse than noise. Unknown noise: the ratio must be beyond that
+    of equal fits (F).
+    """
     assert best.better_than(second) is clear

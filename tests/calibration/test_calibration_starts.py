@@ -1,4 +1,6 @@
-"""Which mode each posture starts in: what was read of it decides, whatever the file of the mechanism leaves open."""
+"""Which mode each posture starts in: what was read of it decides, whatever the file of the
+mechanism leaves open.
+"""
 
 from __future__ import annotations
 
@@ -62,12 +64,18 @@ def blank(column, rows):
         blank(1, slice(0, 60, 4)),
         lambda *read: (read[0], read[1], None),
     ],
-    ids=["three orientations", "all orientations but five", "a quarter of the positions", "positions only"],
+    ids=[
+        "three orientations",
+        "all orientations but five",
+        "a quarter of the positions",
+        "positions only",
+    ],
 )
 @pytest.mark.parametrize("seed", [0, 1])
 def test_blank_readings_do_not_lose_the_fit(tmp_path, seed, change):
-    """Rods without a reference pose, so that home is the origin: the fit is believable, and every posture stands at its true
-    pose."""
+    """Rods without a reference pose, so that home is the origin: the fit is believable, and every
+    posture stands at its true pose.
+    """
     rng = np.random.default_rng(seed)
     mechanism, base, platform = machine(tmp_path, rng, home=False)
     file, position, q = data(tmp_path, mechanism, base, platform, rng, 60, change)
@@ -84,7 +92,9 @@ def test_six_blank_orientations_among_six_hundred(tmp_path):
     """As the log of a controller has them: believable, nothing left out."""
     rng = np.random.default_rng(4)
     mechanism, base, platform = machine(tmp_path, rng, home=True)
-    file, position, _ = data(tmp_path, mechanism, base, platform, rng, 600, blank(2, rng.choice(600, 6, replace=False)))
+    file, position, _ = data(
+        tmp_path, mechanism, base, platform, rng, 600, blank(2, rng.choice(600, 6, replace=False))
+    )
     report = fit_file(mechanism, file)
     assert report.believable, report.verdict
     assert not report.fit.unsolved
@@ -93,7 +103,9 @@ def test_six_blank_orientations_among_six_hundred(tmp_path):
 
 @pytest.mark.slow
 def test_groups_alone_find_the_mode_they_agree_in(tmp_path):
-    """Groups of equal inclination and no reference pose: the groups agree in the mode that was measured, platform above base."""
+    """Groups of equal inclination and no reference pose: the groups agree in the mode that was
+    measured, platform above base.
+    """
     rng = np.random.default_rng(7)
     mechanism, base, platform = machine(tmp_path, rng, home=False)
     groups = np.repeat(np.arange(8), 5)
@@ -118,8 +130,9 @@ def test_groups_alone_find_the_mode_they_agree_in(tmp_path):
 
 @pytest.mark.slow
 def test_the_region_of_pose_sigma_is_the_measured_one(tmp_path):
-    """Postures far from the reference pose: the poses at which standard deviations are stated lie within the box of those
-    measured."""
+    """Postures far from the reference pose: the poses at which standard deviations are stated lie
+    within the box of those measured.
+    """
     rng = np.random.default_rng(3)
     mechanism, base, platform = machine(tmp_path, rng, home=True)
     moved = replace(mechanism, platform_position=(0.0, 0.0, 600.0))
@@ -137,12 +150,17 @@ def test_the_region_of_pose_sigma_is_the_measured_one(tmp_path):
 
 
 def test_home_is_the_example_where_the_file_says_no_reference(tmp_path):
-    """Rods without [platform] and an [example]: direct problems begin there, not at the origin; with a reference they begin at
-    it."""
+    """Rods without [platform] and an [example]: direct problems begin there, not at the origin;
+    with a reference they begin at it.
+    """
     base, platform = hexapods.rings(np.random.default_rng(8))
-    example = symkin.Example(joints=tuple([500.0] * 6), start=(10.0, 0.0, hexapods.HEIGHT, 1.0, 0.0, 0.0, 0.0))
+    example = symkin.Example(
+        joints=tuple([500.0] * 6), start=(10.0, 0.0, hexapods.HEIGHT, 1.0, 0.0, 0.0, 0.0)
+    )
     for home, height in ((False, hexapods.HEIGHT), (True, hexapods.HEIGHT)):
-        (tmp_path / "hexapod.toml").write_text(hexapods.toml(base, platform + [0, 0, 150], home=home))
+        (tmp_path / "hexapod.toml").write_text(
+            hexapods.toml(base, platform + [0, 0, 150], home=home)
+        )
         mechanism = replace(symkin.load(str(tmp_path / "hexapod.toml")), example=example)
         assert home_pose(mechanism).position[2] == height
         assert home_pose(mechanism).position[0] == (0.0 if home else 10.0)
@@ -169,11 +187,26 @@ def planar_three_rrr() -> Mechanism:
 def test_passive_joints_far_from_the_reference_do_not_bend_the_first_guess(
     seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Whole poses of the file's own geometry, elbows up to a quarter turn off: the fit begins and ends at this geometry."""
+    """Whole poses of the file's own geometry, elbows up to a quarter turn off: the fit begins and
+    ends at this geometry.
+    """
     (tmp_path / "rrr3.toml").write_text(planar_three_rrr().to_toml(), encoding="utf-8")
     described, readings = tmp_path / "rrr3.toml", tmp_path / "data.csv"
     assert (
-        run(capsys, "calibrate", "simulate", described, "-o", readings, "--postures", 40, "--readings", "pose", "--seed", seed)[0]
+        run(
+            capsys,
+            "calibrate",
+            "simulate",
+            described,
+            "-o",
+            readings,
+            "--postures",
+            40,
+            "--readings",
+            "pose",
+            "--seed",
+            seed,
+        )[0]
         == 0
     )
     status, out, _ = run(capsys, "calibrate", "fit", described, readings, "-o", tmp_path / "fit")

@@ -1,4 +1,6 @@
-"""What a fit is said to be: figures of a wrong fit are never given, headline and notes agree, and slips of files are named."""
+"""What a fit is said to be: figures of a wrong fit are never given, headline and notes agree, and
+slips of files are named.
+"""
 
 from __future__ import annotations
 
@@ -27,19 +29,31 @@ from helpers.inside import (
 )
 from symkin import InputError
 
-NOMINAL, RODS, RODS_TRUE = symkin.load("zhang2009"), symkin.load("ren2008"), symkin.load("ren2008_true")
+NOMINAL, RODS, RODS_TRUE = (
+    symkin.load("zhang2009"),
+    symkin.load("ren2008"),
+    symkin.load("ren2008_true"),
+)
 NOISE = Noise(lengths=0.005, position=0.02, orientation=np.radians(0.002))
 
 
 @pytest.fixture(scope="module")
 def poses():
-    """Joints and whole poses of a platform whose joint centres are off by up to 0.2 % of the size."""
+    """Joints and whole poses of a platform whose joint centres are off by up to 0.2 % of the
+    size.
+    """
     rng = np.random.default_rng(5)
 
     def away(point):
         return tuple(np.array(point) + 2e-3 * NOMINAL.characteristic_length * rng.uniform(-1, 1, 3))
 
-    true = replace(NOMINAL, limbs=[replace(limb, base=away(limb.base), platform=away(limb.platform)) for limb in NOMINAL.limbs])
+    true = replace(
+        NOMINAL,
+        limbs=[
+            replace(limb, base=away(limb.base), platform=away(limb.platform))
+            for limb in NOMINAL.limbs
+        ],
+    )
     made = random_configurations(Workspace.about(true), group_numbers(60, 0), NOISE, rng)
     return simulate_readings(NOMINAL, made, group_numbers(60, 0), ("pose",), NOISE, rng)
 
@@ -47,8 +61,19 @@ def poses():
 @pytest.fixture(scope="module")
 def grouped():
     """Rods and groups of equal inclination: 40 postures in 5 groups."""
-    rng, groups, noise = np.random.default_rng(6), group_numbers(40, 5), Noise(lengths=2e-6, group=np.radians(0.001))
-    return simulate_readings(RODS, random_configurations(Workspace.about(RODS_TRUE), groups, noise, rng), groups, (), noise, rng)
+    rng, groups, noise = (
+        np.random.default_rng(6),
+        group_numbers(40, 5),
+        Noise(lengths=2e-6, group=np.radians(0.001)),
+    )
+    return simulate_readings(
+        RODS,
+        random_configurations(Workspace.about(RODS_TRUE), groups, noise, rng),
+        groups,
+        (),
+        noise,
+        rng,
+    )
 
 
 def fitted(path, mechanism, measurements, **options):
@@ -67,15 +92,18 @@ def refused(path, mechanism, measurements, **options):
     return report.verdict
 
 
-# --- fits that are none --------------------------------------------------------------------------------------------
+# --- fits that are none ---------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 def test_a_geometry_bent_to_wrong_readings_is_not_usable(capsys, tmp_path, poses):
-    """A fit that converged with residuals hundreds of times the noise: exit 3, no mechanism file, no pose figures, the slip
-    named."""
+    """A fit that converged with residuals hundreds of times the noise: exit 3, no mechanism file,
+    no pose figures, the slip named.
+    """
     path, out = tmp_path / "data.csv", tmp_path / "out"
-    write_measurements(path, NOMINAL, replace(poses, orientation=poses.orientation * (1, -1, -1, -1)))
+    write_measurements(
+        path, NOMINAL, replace(poses, orientation=poses.orientation * (1, -1, -1, -1))
+    )
     with pytest.raises(SystemExit) as ended:
         main(["calibrate", "fit", "zhang2009", str(path), "-o", str(out)])
     said = capsys.readouterr().out
@@ -102,14 +130,19 @@ def test_a_geometry_bent_to_wrong_readings_is_not_usable(capsys, tmp_path, poses
     ids=["exchanged", "mirrored", "turned"],
 )
 def test_pose_columns_that_stand_wrong_are_named(tmp_path, poses, order, signs, words):
-    """Exchanged or mirrored positions are not usable, and the slip that explains them comes first."""
-    assert words in refused(tmp_path / "data.csv", NOMINAL, replace(poses, position=poses.position[:, order] * signs))
+    """Exchanged or mirrored positions are not usable, and the slip that explains them comes
+    first.
+    """
+    assert words in refused(
+        tmp_path / "data.csv", NOMINAL, replace(poses, position=poses.position[:, order] * signs)
+    )
 
 
 @pytest.mark.slow
 def test_files_of_an_earlier_fit_are_told_from_this_one(capsys, tmp_path, grouped):
-    """A folder with the mechanism of a fit that was usable: after one that is not it is still there, and a note says whose it
-    is."""
+    """A folder with the mechanism of a fit that was usable: after one that is not it is still
+    there, and a note says whose it is.
+    """
     path, out, said = tmp_path / "data.csv", tmp_path / "out", []
     for measurements in (grouped, replace(grouped, joints=1e3 * grouped.joints)):
         write_measurements(path, RODS, measurements)
@@ -123,19 +156,25 @@ def test_files_of_an_earlier_fit_are_told_from_this_one(capsys, tmp_path, groupe
 @pytest.mark.slow
 def test_noise_stated_too_small_stays_usable(tmp_path, poses):
     """Noise ten times the stated one: usable, not believable, no suspicion."""
-    report = fitted(tmp_path / "data.csv", NOMINAL, replace(poses, position_sigma=0.002, orientation_sigma=np.radians(2e-4)))
+    report = fitted(
+        tmp_path / "data.csv",
+        NOMINAL,
+        replace(poses, position_sigma=0.002, orientation_sigma=np.radians(2e-4)),
+    )
     assert report.usable
     assert not report.believable
     assert report.verdict.startswith("NOT BELIEVABLE: chi-square per degree of freedom is")
     assert not report.suspicions
 
 
-# --- headline, notes and figures agree -----------------------------------------------------------------------------
+# --- headline, notes and figures agree ------------------------------------------------------------
 
 
 @pytest.mark.slow
 def test_noise_stated_too_large_is_not_as_expected(tmp_path, grouped):
-    """Standard deviations ten times too large: headline, JSON and the pose's figures say so, as the note does."""
+    """Standard deviations ten times too large: headline, JSON and the pose's figures say so, as the
+    note does.
+    """
     report = fitted(tmp_path / "data.csv", RODS, replace(grouped, group_sigma=np.radians(0.01)))
     assert report.fit.p_value > 0.999
     assert not report.believable
@@ -149,8 +188,9 @@ def test_noise_stated_too_large_is_not_as_expected(tmp_path, grouped):
 
 @pytest.mark.slow
 def test_copies_of_rows_are_left_out(tmp_path, grouped):
-    """Every row twice, numbers written otherwise: the same degrees of freedom and standard deviations as once, and the lines
-    named."""
+    """Every row twice, numbers written otherwise: the same degrees of freedom and standard
+    deviations as once, and the lines named.
+    """
     path = tmp_path / "data.csv"
     once = fitted(path, RODS, grouped)
 
@@ -177,7 +217,9 @@ def test_one_posture_again_and_again_is_refused(tmp_path, grouped):
 
 @pytest.mark.slow
 def test_rows_without_a_reading_are_not_counted(tmp_path, grouped):
-    """A row with joints only tells nothing: 39 of 40 postures, the line named, and the fit that of the other rows."""
+    """A row with joints only tells nothing: 39 of 40 postures, the line named, and the fit that of
+    the other rows.
+    """
     path = tmp_path / "data.csv"
     write_measurements(path, RODS, grouped)
 
@@ -193,7 +235,7 @@ def test_rows_without_a_reading_are_not_counted(tmp_path, grouped):
     assert report.fit.chi_square == pytest.approx(others.fit.chi_square, rel=1e-6)
 
 
-# --- diagnoses -----------------------------------------------------------------------------------------------------
+# --- diagnoses ------------------------------------------------------------------------------------
 
 
 @pytest.mark.long
@@ -202,7 +244,9 @@ def test_a_posture_that_never_changes_is_said(tmp_path, grouped):
     """One posture with noise is not taken for another unit."""
     rng = np.random.default_rng(0)
     joints = grouped.joints[:1] + 2e-6 * rng.normal(size=(20, 6))
-    report = fitted(tmp_path / "data.csv", RODS, replace(grouped.subset(np.arange(20)), joints=joints))
+    report = fitted(
+        tmp_path / "data.csv", RODS, replace(grouped.subset(np.arange(20)), joints=joints)
+    )
     assert not report.usable
     assert "the posture never changes" in report.verdict
     assert "1000" not in report.verdict
@@ -233,8 +277,9 @@ def strayed(groups):
     ],
 )
 def test_wrong_labels_of_groups_are_named(tmp_path, grouped, change, words):
-    """Two groups under one label, shuffled labels and single stray postures are told from one another; right labels are not
-    suspected."""
+    """Two groups under one label, shuffled labels and single stray postures are told from one
+    another; right labels are not suspected.
+    """
     report = fitted(tmp_path / "data.csv", RODS, replace(grouped, groups=change(grouped.groups)))
     assert not report.usable
     assert words in report.verdict
@@ -253,22 +298,27 @@ def test_a_sequence_named_wrongly_is_told(tmp_path, poses):
     assert "XZX about moving axes" in str(nothing.value)
 
 
-# --- picture -------------------------------------------------------------------------------------------------------
+# --- picture --------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("sigma", [2e-6, 0.02])
 def test_the_legends_stand_beside_the_points_and_few_ticks_on_the_axis(tmp_path, poses, sigma):
-    """Whether residuals are like the noise or 10^4 times larger, legends cover no panel, tick labels do not overlap, and the
-    normal distribution is drawn within the panel."""
+    """Whether residuals are like the noise or 10^4 times larger, legends cover no panel, tick
+    labels do not overlap, and the normal distribution is drawn within the panel.
+    """
     report = fitted(
-        tmp_path / "data.csv", NOMINAL, replace(poses, position_sigma=sigma, orientation_sigma=np.radians(0.1 * sigma))
+        tmp_path / "data.csv",
+        NOMINAL,
+        replace(poses, position_sigma=sigma, orientation_sigma=np.radians(0.1 * sigma)),
     )
     figure = residual_figure(report.fit)
     figure.draw_without_rendering()
     for axes in figure.axes:
         panel, legend = axes.get_window_extent(), axes.get_legend().get_window_extent()
         assert legend.y0 >= panel.y1
-    boxes = [label.get_window_extent() for label in figure.axes[1].get_xticklabels() if label.get_text()]
+    boxes = [
+        label.get_window_extent() for label in figure.axes[1].get_xticklabels() if label.get_text()
+    ]
     assert all(a.x1 < b.x0 for a, b in pairwise(boxes))
     assert any("normal" in text.get_text() for text in figure.axes[1].get_legend().get_texts())

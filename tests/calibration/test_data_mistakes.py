@@ -1,4 +1,6 @@
-"""Every mistake in the table of rules is named where a file has it, by its own rule, and none where the readings are right."""
+"""Every mistake in the table of rules is named where a file has it, by its own rule, and none where
+the readings are right.
+"""
 
 from __future__ import annotations
 
@@ -63,22 +65,50 @@ def inclinations_exchanged(m):
 
 
 MISTAKES = {
-    "the joints never move": (with_joints(lambda q: np.tile(q[:1], (len(q), 1))), "the posture never changes"),
+    "the joints never move": (
+        with_joints(lambda q: np.tile(q[:1], (len(q), 1))),
+        "the posture never changes",
+    ),
     "all joints of a kind in another unit": (with_joints(lambda q: 1e3 * q), "too large"),
-    "one joint in another unit than the others": (with_joints(column_times(2, 1e-3)), "leg3 look a factor of 1000 too small"),
-    "two joint columns exchanged": (with_joints(lambda q: q[:, [0, 4, 2, 3, 1, 5]]), "columns leg2 and leg5 look exchanged"),
-    "the sign of a joint reversed": (with_joints(column_times(3, -1.0)), "the sign of leg4 looks reversed"),
-    "positions in another unit": (lambda m: replace(m, position=1e3 * m.position), "the positions look"),
-    "orientations of the base in the platform": (lambda m: replace(m, orientation=m.orientation * [1, -1, -1, -1]), "inverted"),
-    "quaternions with their scalar last": (lambda m: replace(m, orientation=np.roll(m.orientation, -1, axis=1)), "qw looks"),
+    "one joint in another unit than the others": (
+        with_joints(column_times(2, 1e-3)),
+        "leg3 look a factor of 1000 too small",
+    ),
+    "two joint columns exchanged": (
+        with_joints(lambda q: q[:, [0, 4, 2, 3, 1, 5]]),
+        "columns leg2 and leg5 look exchanged",
+    ),
+    "the sign of a joint reversed": (
+        with_joints(column_times(3, -1.0)),
+        "the sign of leg4 looks reversed",
+    ),
+    "positions in another unit": (
+        lambda m: replace(m, position=1e3 * m.position),
+        "the positions look",
+    ),
+    "orientations of the base in the platform": (
+        lambda m: replace(m, orientation=m.orientation * [1, -1, -1, -1]),
+        "inverted",
+    ),
+    "quaternions with their scalar last": (
+        lambda m: replace(m, orientation=np.roll(m.orientation, -1, axis=1)),
+        "qw looks",
+    ),
     "distances in another unit": (distances_in_millimetres, "the distances look"),
     "alpha and beta exchanged": (inclinations_exchanged, "alpha and beta look exchanged"),
     "joint columns in another order, with other signs": (
-        with_joints(lambda q: q[:, [1, 2, 0, 3, 4, 5]]), "they seem to hold leg2, leg3, leg1"
+        with_joints(lambda q: q[:, [1, 2, 0, 3, 4, 5]]),
+        "they seem to hold leg2, leg3, leg1",
     ),
-    "position columns in another order": (positions_only(lambda x: x[:, [2, 1, 0]]), "the columns x and z look exchanged"),
-    "the sign of a position column reversed": (positions_only(column_times(2, -1.0)), "the sign of z looks reversed"),
-}  # fmt: skip
+    "position columns in another order": (
+        positions_only(lambda x: x[:, [2, 1, 0]]),
+        "the columns x and z look exchanged",
+    ),
+    "the sign of a position column reversed": (
+        positions_only(column_times(2, -1.0)),
+        "the sign of z looks reversed",
+    ),
+}
 
 
 LINKAGE = symkin.load("stephenson_six_bar")
@@ -99,16 +129,23 @@ def with_readings(change):
 
 MISTAKES_OF_ENCODERS = {
     "the sign of a passive joint's encoder reversed": (
-        with_readings(lambda read: [read[0], replace(read[1], values=-read[1].values)]), "the sign of output looks reversed"
+        with_readings(lambda read: [read[0], replace(read[1], values=-read[1].values)]),
+        "the sign of output looks reversed",
     ),
     "two encoders exchanged": (
-        with_readings(lambda read: [replace(read[0], values=read[1].values), replace(read[1], values=read[0].values)]),
+        with_readings(
+            lambda read: [
+                replace(read[0], values=read[1].values),
+                replace(read[1], values=read[0].values),
+            ]
+        ),
         "the columns rocker and output look exchanged",
     ),
     "readings of joints, points and links in another unit": (
-        with_readings(lambda read: [replace(read[0], values=np.degrees(read[0].values)), read[1]]), "the readings of rocker look"
+        with_readings(lambda read: [replace(read[0], values=np.degrees(read[0].values)), read[1]]),
+        "the readings of rocker look",
     ),
-}  # fmt: skip
+}
 
 
 def assert_named(machine, right, mistake, spoil, words) -> None:
@@ -135,7 +172,10 @@ def test_right_readings_are_not_suspected(poses: Measurements) -> None:
 
 
 def test_every_rule_of_the_table_has_a_case_here() -> None:
-    assert {rule.mistake for rule in RULES if rule.stage is not Stage.LABELS} == {*MISTAKES, *MISTAKES_OF_ENCODERS}
+    assert {rule.mistake for rule in RULES if rule.stage is not Stage.LABELS} == {
+        *MISTAKES,
+        *MISTAKES_OF_ENCODERS,
+    }
     assert sum(rule.stage is Stage.LABELS for rule in RULES) == 1
 
 
@@ -156,4 +196,7 @@ def test_a_wrong_label_of_a_group_is_named() -> None:
     assert diagnose_labels(MACHINE, data) == ()
     wrong = groups.copy()
     wrong[4] = 2
-    assert "posture 5 looks to be in the wrong group" in diagnose_labels(MACHINE, replace(data, groups=wrong))[0]
+    assert (
+        "posture 5 looks to be in the wrong group"
+        in diagnose_labels(MACHINE, replace(data, groups=wrong))[0]
+    )

@@ -34,9 +34,11 @@ from symkin import InputError, Measurements
 NOMINAL = symkin.load("ren2008")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
 TEN = {
-    *(f"base frame translation {k}" for k in "xyz"), "base frame yaw (about z)",
-    *(f"platform frame translation {k}" for k in "xyz"), *(f"platform frame rotation about {k}" for k in "xyz"),
-}  # fmt: skip
+    *(f"base frame translation {k}" for k in "xyz"),
+    "base frame yaw (about z)",
+    *(f"platform frame translation {k}" for k in "xyz"),
+    *(f"platform frame rotation about {k}" for k in "xyz"),
+}
 
 
 def grouped(rng, **options) -> Measurements:
@@ -46,8 +48,9 @@ def grouped(rng, **options) -> Measurements:
 
 @pytest.mark.parametrize("spread", [0.0, 0.005])
 def test_inclinations_leave_exactly_the_frames(spread):
-    """42 parameters have rank 32; what is left is the platform frame (6), base translation (3) and yaw (1), at exact data and
-    where the nominal geometry does not fit them."""
+    """42 parameters have rank 32; what is left is the platform frame (6), base translation (3) and
+    yaw (1), at exact data and where the nominal geometry does not fit them.
+    """
     rng = np.random.default_rng(1)
     truth = random_geometry(geometry(NOMINAL), (), spread, rng) if spread else geometry(NOMINAL)
     found = identifiability(NOMINAL, measured(truth, rng))
@@ -72,11 +75,16 @@ def test_one_level_group():
     assert len(found.unobservable) == 5
     assert any("other inclinations" in text for text in found.advice)
     for leg in (3, 4, 5):
-        assert any(f"leg{leg}.platform.z" in text and f"leg{leg}.base.z" in text for text in found.unobservable)
+        assert any(
+            f"leg{leg}.platform.z" in text and f"leg{leg}.base.z" in text
+            for text in found.unobservable
+        )
 
 
 def test_no_yaw():
-    """With gamma always 0 the rank is 30 of 32: roll and pitch of the base frame are lost, and the advice is to vary yaw."""
+    """With gamma always 0 the rank is 30 of 32: roll and pitch of the base frame are lost, and the
+    advice is to vary yaw.
+    """
     found = identifiability(NOMINAL, grouped(np.random.default_rng(4), yaw=0.0), fixed=HELD)
     assert found.rank == 30
     assert set(found.unobservable) == {"base frame roll (about x)", "base frame pitch (about y)"}
@@ -84,12 +92,16 @@ def test_no_yaw():
 
 
 def test_scale_factors():
-    """Six factors of the rods' readings make 38 parameters of rank 37: the size with all factors is free."""
+    """Six factors of the rods' readings make 38 parameters of rank 37: the size with all factors is
+    free.
+    """
     names = [*default_parameters(NOMINAL), *(f"leg{k}.scale" for k in range(1, 7))]
     data = grouped(np.random.default_rng(5))
     found = identifiability(NOMINAL, data, parameters=names, fixed=HELD)
     assert found.rank == 37
-    assert found.unobservable == ("size of the whole mechanism with the factors of all length readings",)
+    assert found.unobservable == (
+        "size of the whole mechanism with the factors of all length readings",
+    )
     assert any("distance" in text for text in found.advice)
     cured = identifiability(NOMINAL, data, parameters=names, fixed=[*HELD, "leg1.scale"])
     assert (cured.rank, cured.unobservable) == (37, ())
@@ -100,19 +112,30 @@ def test_named_directions_span_the_null_space():
     data = grouped(np.random.default_rng(6))
     found = identifiability(NOMINAL, data)
     problem = build_calibration(NOMINAL, data)
-    named = np.array([v for name, v in named_motions(problem.model, problem.model.nominal) if name in TEN]).T
+    named = np.array(
+        [v for name, v in named_motions(problem.model, problem.model.nominal) if name in TEN]
+    ).T
     overlap = np.linalg.svd(np.linalg.qr(named)[0].T @ found.null_space, compute_uv=False)
     np.testing.assert_allclose(overlap, 1.0, atol=1e-6)
 
 
 def test_parallel_axes_of_an_arm():
-    """Three parallel axes in a row: only the sum of their offsets d is told, so that two differences are not."""
+    """Three parallel axes in a row: only the sum of their offsets d is told, so that two
+    differences are not.
+    """
     arm = symkin.load("gluon_6l3")
     forward = build_problem(arm, "direct").forward
     joints = np.random.default_rng(7).uniform(-2, 2, (30, 6))
     poses = np.array([forward(q) for q in joints])
     found = identifiability(
-        arm, Measurements(joints, position=poses[:, :3], orientation=poses[:, 3:], position_sigma=0.01, orientation_sigma=1e-4)
+        arm,
+        Measurements(
+            joints,
+            position=poses[:, :3],
+            orientation=poses[:, 3:],
+            position_sigma=0.01,
+            orientation_sigma=1e-4,
+        ),
     )
     assert found.rank == 22
     assert len(found.unobservable) == 2
@@ -122,28 +145,39 @@ def test_parallel_axes_of_an_arm():
 
 
 def test_measuring_frames_are_named_with_what_they_mix():
-    """A world frame beside full freedom of a platform's base: six combinations, each naming both."""
+    """A world frame beside full freedom of a platform's base: six combinations, each naming
+    both.
+    """
     rng = np.random.default_rng(8)
     joints, _ = groups_of_postures(geometry(NOMINAL), rng)
     poses = [symkin.solve(NOMINAL, joints=q).solution for q in joints]
     data = Measurements(
-        joints, position=np.array([s.position for s in poses]), orientation=np.array([s.quaternion for s in poses]),
-        position_sigma=1e-5, orientation_sigma=1e-5,
-    )  # fmt: skip
+        joints,
+        position=np.array([s.position for s in poses]),
+        orientation=np.array([s.quaternion for s in poses]),
+        position_sigma=1e-5,
+        orientation_sigma=1e-5,
+    )
     world = [f"world.{what}.{k}" for what in ("position", "rotation") for k in "xyz"]
     found = identifiability(NOMINAL, data, parameters=[*default_parameters(NOMINAL), *world])
     assert found.rank == 42
-    assert sorted(found.unobservable) == sorted(f"world frame {w[6:].replace('.', ' ')} with the base frame" for w in world)
+    assert sorted(found.unobservable) == sorted(
+        f"world frame {w[6:].replace('.', ' ')} with the base frame" for w in world
+    )
 
 
 def test_local_freedoms_of_joints():
-    """How a joint is written down is never told: its point along the axis, the length of the axis."""
+    """How a joint is written down is never told: its point along the axis, the length of the
+    axis.
+    """
     bar = five_bar()
     names = [n for n in build_closure(bar).parameter_names if n.startswith("left.q1")]
     joints = np.pi / 2 + np.random.default_rng(9).uniform(-0.5, 0.5, (20, 2))
     data = Measurements(joints, position=np.zeros((20, 3)), position_sigma=1e-3)
     found = identifiability(bar, data, parameters=names)
-    assert {"point of left.q1 along its axis", "length of the vector left.q1.axis"} <= set(found.unobservable)
+    assert {"point of left.q1 along its axis", "length of the vector left.q1.axis"} <= set(
+        found.unobservable
+    )
 
 
 def test_null_space_changes_nothing():
@@ -158,7 +192,12 @@ def test_null_space_changes_nothing():
     for step in (1e-3, 1e-4):
         p = model.nominal + step * direction
         changes.append(
-            np.linalg.norm(evaluate(problem, p, solve_configurations(model, data, p, z=z).z, "means").linearised.vector - before)
+            np.linalg.norm(
+                evaluate(
+                    problem, p, solve_configurations(model, data, p, z=z).z, "means"
+                ).linearised.vector
+                - before
+            )
         )
     assert changes[1] < 0.02 * changes[0]
 

@@ -57,7 +57,9 @@ def test_a_statistic_is_what_a_free_shift_takes_of_chi_square(absorbed):
     found = _test_readings(model_of(errors, columns), "position", np.arange(n), rows)
     for k in range(n):
         before, _ = squares(columns, errors.ravel())
-        after, coefficients = squares(np.hstack([columns, np.eye(n * WIDTH)[:, rows[k]]]), errors.ravel())
+        after, coefficients = squares(
+            np.hstack([columns, np.eye(n * WIDTH)[:, rows[k]]]), errors.ravel()
+        )
         assert found.statistic[k] == pytest.approx(before - after, rel=1e-9, abs=1e-9)
         np.testing.assert_allclose(found.shift[k], coefficients[absorbed:], atol=1e-8)
         assert found.degrees[k] == WIDTH
@@ -105,7 +107,9 @@ def _normal_of(probability):
     low, high = 0.0, 40.0
     for _ in range(200):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if math.erfc(middle / math.sqrt(2.0)) > probability else (low, middle)
+        low, high = (
+            (middle, high) if math.erfc(middle / math.sqrt(2.0)) > probability else (low, middle)
+        )
     return low
 
 

@@ -1,4 +1,6 @@
-"""Plans: rank-one formulas against plain matrices, workspaces and wedges kept, planned postures against random ones."""
+"""Plans: rank-one formulas against plain matrices, workspaces and wedges kept, planned postures
+against random ones.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,9 @@ def exchange(criterion, seed=0):
 
 @pytest.mark.parametrize("criterion", CRITERIA)
 def test_gains_are_differences_of_the_criterion(criterion):
-    """The gain of adding a candidate, and C after adding it, are those of the inverse computed anew."""
+    """The gain of adding a candidate, and C after adding it, are those of the inverse computed
+    anew.
+    """
     choice = exchange(criterion)
     chosen = list(range(9))
     c = choice.covariance(chosen)
@@ -56,13 +60,20 @@ def test_gains_are_differences_of_the_criterion(criterion):
 @pytest.mark.parametrize("criterion", CRITERIA)
 @pytest.mark.parametrize("precision", [1.0, 1e4, 1e8, 1e9, 1e12])
 def test_readings_of_any_precision_are_judged(criterion, precision):
-    """Candidates that each tell two parameters of six, beside a weak prior: three of different kinds are needed. To take out the only
-    one that tells something leaves the prior, not rounding."""
+    """Candidates that each tell two parameters of six, beside a weak prior: three of different
+    kinds are needed. To take out the only one that tells something leaves the prior, not rounding.
+    """
     rng = np.random.default_rng(3)
     rows = np.zeros((30, 2, 6))
     for k in range(30):
         rows[k][:, 2 * (k % 3) : 2 * (k % 3) + 2] = np.linalg.qr(rng.normal(size=(2, 2)))[0]
-    choice = ExchangeSearch(Candidates(precision * rows, np.zeros((30, 2, 2)), np.full(30, -1)), 0, criterion, np.eye(6), 1e-4)
+    choice = ExchangeSearch(
+        Candidates(precision * rows, np.zeros((30, 2, 2)), np.full(30, -1)),
+        0,
+        criterion,
+        np.eye(6),
+        1e-4,
+    )
     for begun in ([0, 3, 6], [2, 1, 4], choice.greedy(3, {-1})):
         assert {k % 3 for k in choice.improve(begun, {-1})} == {0, 1, 2}
     c = choice.covariance([0, 1])
@@ -71,7 +82,9 @@ def test_readings_of_any_precision_are_judged(criterion, precision):
 
 @pytest.mark.parametrize("criterion", CRITERIA)
 def test_exchange_ends_where_no_single_exchange_helps(criterion):
-    """Improving never makes the criterion worse, and at its end no candidate in place of a chosen one makes it better."""
+    """Improving never makes the criterion worse, and at its end no candidate in place of a chosen
+    one makes it better.
+    """
     choice = exchange(criterion, 5)
     allowed = {0, 1, 2}
     begun = choice.greedy(9, allowed)
@@ -118,7 +131,9 @@ def test_drawn_postures_close_within_limits_at_their_inclination(mechanism, held
             column = made.values[:, closure.slices[c.name].start]
             assert np.all((column >= c.limits[0]) & (column <= c.limits[1]))
     if held:
-        ups = np.array([Pose(row[:3], row[3:]).inverse().turn(np.array([0.0, 0.0, 1.0])) for row in made.poses]).reshape(3, 4, 3)
+        ups = np.array(
+            [Pose(row[:3], row[3:]).inverse().turn(np.array([0.0, 0.0, 1.0])) for row in made.poses]
+        ).reshape(3, 4, 3)
         assert np.abs(ups - ups[:, :1]).max() < 1e-12
 
 
@@ -132,7 +147,9 @@ def test_inclinations_that_a_platform_cannot_take_are_refused():
 
 
 def test_pose_slopes_are_differences_of_the_direct_problem():
-    """dX/dp at held joints against a central difference of the direct problem of two neighbouring geometries."""
+    """dX/dp at held joints against a central difference of the direct problem of two neighbouring
+    geometries.
+    """
     from helpers.inside import with_parameters
 
     rng = np.random.default_rng(1)
@@ -140,24 +157,38 @@ def test_pose_slopes_are_differences_of_the_direct_problem():
     made = workspace.draw(workspace.inclinations(1, rng), rng, held=False)
     name, step = "leg3.base.x", 1e-5
     slopes, _ = pose_slopes(NOMINAL, made, [name])
-    value = dict(zip(build_closure(NOMINAL).parameter_names, build_closure(NOMINAL).parameter_values, strict=True))[name]
+    value = dict(
+        zip(
+            build_closure(NOMINAL).parameter_names,
+            build_closure(NOMINAL).parameter_values,
+            strict=True,
+        )
+    )[name]
     start = [*made.poses[0]]
     ends = [
-        symkin.solve(with_parameters(NOMINAL, {name: value + s * step}), joints=made.joints[0], start=start).solution.pose
+        symkin.solve(
+            with_parameters(NOMINAL, {name: value + s * step}), joints=made.joints[0], start=start
+        ).solution.pose
         for s in (1, -1)
     ]
-    np.testing.assert_allclose(slopes[0, :3, 0], (ends[0].position - ends[1].position) / (2 * step), atol=1e-6)
+    np.testing.assert_allclose(
+        slopes[0, :3, 0], (ends[0].position - ends[1].position) / (2 * step), atol=1e-6
+    )
 
 
 def test_predicted_deviations_are_those_of_a_fit():
-    """The information of a plan's rows is the inverse of the covariance that a maximum-likelihood fit reports, held frames."""
+    """The information of a plan's rows is the inverse of the covariance that a maximum-likelihood
+    fit reports, held frames.
+    """
     from helpers.inside import joint_frames, less_inclinations
 
     rng = np.random.default_rng(3)
     groups = group_numbers(40, 10)
     made = random_configurations(Workspace.about(NOMINAL), groups, Noise(), rng)
     quiet = simulate_readings(NOMINAL, made, groups, (), Noise(), rng)
-    exact = symkin.Measurements(quiet.joints, groups=groups, joint_sigma=NOISE.joints(NOMINAL), group_sigma=NOISE.group)
+    exact = symkin.Measurements(
+        quiet.joints, groups=groups, joint_sigma=NOISE.joints(NOMINAL), group_sigma=NOISE.group
+    )
     fit = calibrate(
         NOMINAL,
         exact,
@@ -201,14 +232,18 @@ def test_a_plan_keeps_its_workspace_and_wedges(plan_24):
 def test_the_same_seed_gives_the_same_plan():
     """A plan is a function of its seed."""
     workspace, wedges = Workspace.about(NOMINAL), np.radians([[0.0, 0.0], [15.0, -15.0]])
-    one, two = (plan_measurements(workspace, 10, NOISE, groups=2, wedges=wedges, seed=1) for _ in range(2))
+    one, two = (
+        plan_measurements(workspace, 10, NOISE, groups=2, wedges=wedges, seed=1) for _ in range(2)
+    )
     assert np.array_equal(one.configurations.joints, two.configurations.joints)
     assert one.accuracy.worst_position == two.accuracy.worst_position
 
 
 @pytest.mark.slow
 def test_24_planned_postures_are_predicted_to_reach_the_accuracy(plan_24):
-    """0.1 mm and 0.01 deg, largest of 200 poses in 95 % of calibrations, aligned frames; random postures miss both."""
+    """0.1 mm and 0.01 deg, largest of 200 poses in 95 % of calibrations, aligned frames; random
+    postures miss both.
+    """
     assert plan_24.accuracy.rank == 32
     assert plan_24.accuracy.worst_position < 1e-4
     assert math.degrees(plan_24.accuracy.worst_angle) < 0.01
@@ -217,10 +252,17 @@ def test_24_planned_postures_are_predicted_to_reach_the_accuracy(plan_24):
 
 @pytest.mark.slow
 def test_plans_without_groups_use_readings():
-    """With poses read, every parameter of an arm by DH that poses tell is observable, and a plan beats random postures."""
+    """With poses read, every parameter of an arm by DH that poses tell is observable, and a plan
+    beats random postures.
+    """
     arm = symkin.load("gluon_6l3")
     plan = plan_measurements(
-        Workspace.about(arm), 12, Noise(angles=1e-5, position=0.05, orientation=1e-4), groups=0, readings=("pose",), seed=2
+        Workspace.about(arm),
+        12,
+        Noise(angles=1e-5, position=0.05, orientation=1e-4),
+        groups=0,
+        readings=("pose",),
+        seed=2,
     )
     assert np.all(plan.groups == NO_GROUP)
     assert plan.accuracy.position < plan.random.position

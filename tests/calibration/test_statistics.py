@@ -1,4 +1,6 @@
-"""Statistics: tail probabilities, covariance against simulation, the Cramer-Rao bound, and outliers."""
+"""Statistics: tail probabilities, covariance against simulation, the Cramer-Rao bound, and
+outliers.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +48,7 @@ def fitted(data, form="means"):
     return problem, estimate(problem, z).state
 
 
-# --- probabilities -------------------------------------------------------------------------------------------------
+# --- probabilities --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("x", [0.1, 1.0, 7.0, 40.0])
@@ -64,11 +66,13 @@ def test_f_tail(x):
     assert f_tail(x, 3, 10**7) == pytest.approx(chi_square_tail(3 * x, 3), rel=1e-4)
 
 
-# --- covariance ----------------------------------------------------------------------------------------------------
+# --- covariance -----------------------------------------------------------------------------------
 
 
 def trials(count, form, seed=100):
-    """Errors of the estimate over seeds, each in the metric of the bound C = (J^T S^-1 J)^-1, and the ratio predicted."""
+    """Errors of the estimate over seeds, each in the metric of the bound C = (J^T S^-1 J)^-1, and
+    the ratio predicted.
+    """
     truth, ratios, predicted, chi = geometry(TRUE), [], [], []
     for k in range(count):
         data = measured(truth, np.random.default_rng(seed + k), noisy=True)
@@ -84,8 +88,9 @@ def trials(count, form, seed=100):
 
 @pytest.mark.slow
 def test_means_attain_the_cramer_rao_bound():
-    """Over 60 seeds the error's chi-square per parameter is 1 to within four of its deviations, sqrt(2 / (32 * 60)), and
-    so is that of the residuals (28 degrees of freedom each)."""
+    """Over 60 seeds the error's chi-square per parameter is 1 to within four of its deviations,
+    sqrt(2 / (32 * 60)), and so is that of the residuals (28 degrees of freedom each).
+    """
     ratio, predicted, chi = trials(60, "means")
     assert abs(ratio - 1) < 4 * math.sqrt(2 / (32 * 60))
     assert predicted == pytest.approx(1.0, abs=0.01)
@@ -94,7 +99,9 @@ def test_means_attain_the_cramer_rao_bound():
 
 @pytest.mark.slow
 def test_differences_lose_what_their_covariance_says():
-    """Neighbour differences are worse than the bound, by as much as the covariance of the form predicts."""
+    """Neighbour differences are worse than the bound, by as much as the covariance of the form
+    predicts.
+    """
     ratio, predicted, _ = trials(60, "differences")
     assert predicted > 1.15
     assert abs(ratio / predicted - 1) < 0.15
@@ -102,21 +109,28 @@ def test_differences_lose_what_their_covariance_says():
 
 @pytest.mark.slow
 def test_covariance_is_that_of_the_estimates():
-    """Standard deviations of parameters against the scatter of estimates at one set of postures, over 150 draws of noise."""
+    """Standard deviations of parameters against the scatter of estimates at one set of postures,
+    over 150 draws of noise.
+    """
     truth, rng = geometry(TRUE), np.random.default_rng(3)
     joints, groups = groups_of_postures(truth, rng)
     noise = ROD / math.sqrt(12)
     found, sigma = [], None
     for _ in range(150):
         data = Measurements(
-            joints + noise * rng.normal(size=joints.shape), groups=groups, group_sigma=0.1 * INCLINOMETER, joint_sigma=noise
+            joints + noise * rng.normal(size=joints.shape),
+            groups=groups,
+            group_sigma=0.1 * INCLINOMETER,
+            joint_sigma=noise,
         )
         problem, state = fitted(data)
         found.append(state.p)
         if sigma is None:
             quiet = replace(problem, readings=replace(problem.readings))
             whole = covariance(quiet, state)
-            silent = covariance(replace(problem, measurements=replace(data, joint_sigma=None)), state)
+            silent = covariance(
+                replace(problem, measurements=replace(data, joint_sigma=None)), state
+            )
             sigma = np.sqrt(np.diag(whole - silent))
     assert np.mean(np.var(found, axis=0) / sigma**2) == pytest.approx(1.0, abs=0.25)
 
@@ -131,7 +145,12 @@ def test_pose_deviation_is_that_of_poses():
     draws = rng.multivariate_normal(fit.state.p, fit.covariance[:count, :count], size=400)
     data = Measurements(joints)
     z = solve_configurations(problem.model, data, fit.state.p).z
-    positions = [problem.model.poses(solve_configurations(problem.model, data, p, z=z).z, data.joints, p)[:, :3] for p in draws]
+    positions = [
+        problem.model.poses(solve_configurations(problem.model, data, p, z=z).z, data.joints, p)[
+            :, :3
+        ]
+        for p in draws
+    ]
     np.testing.assert_allclose(np.std(positions, axis=0), sigma[:, :3], rtol=0.15)
 
 
@@ -140,33 +159,47 @@ def test_wrong_noise_is_not_believed():
     data = measured(geometry(TRUE), np.random.default_rng(5), noisy=True)
     honest = calibrate(NOMINAL, data, fixed=HELD)
     assert honest.believable
-    wrong = calibrate(NOMINAL, replace(data, group_sigma=INCLINOMETER / 60, joint_sigma=None), fixed=HELD, outliers="ignore")
+    wrong = calibrate(
+        NOMINAL,
+        replace(data, group_sigma=INCLINOMETER / 60, joint_sigma=None),
+        fixed=HELD,
+        outliers="ignore",
+    )
     assert not wrong.believable
     assert any("not believable" in note for note in wrong.notes)
 
 
 def test_unknown_noise_is_scaled_by_the_fit():
-    """Without standard deviations those of the parameters follow from the residuals: as with the true ones, to a tenth or
-    three, and no probability is claimed."""
+    """Without standard deviations those of the parameters follow from the residuals: as with the
+    true ones, to a tenth or three, and no probability is claimed.
+    """
     data = measured(geometry(TRUE), np.random.default_rng(6), noisy=True, rods=False)
     known = calibrate(NOMINAL, data, fixed=HELD, outliers="ignore")
     unknown = calibrate(NOMINAL, replace(data, group_sigma=None), fixed=HELD, outliers="ignore")
     assert unknown.p_value is None
-    ratio = [a.sigma / b.sigma for a, b in zip(unknown.parameters, known.parameters, strict=True) if not a.held]
+    ratio = [
+        a.sigma / b.sigma
+        for a, b in zip(unknown.parameters, known.parameters, strict=True)
+        if not a.held
+    ]
     assert max(ratio) / min(ratio) == pytest.approx(1.0, rel=1e-6)
     assert 0.6 < ratio[0] < 1.5
 
 
-# --- outliers ------------------------------------------------------------------------------------------------------
+# --- outliers -------------------------------------------------------------------------------------
 
 
 def with_outlier(seed):
-    """A noisy data set with one inclination off by 0.01 deg, the posture's number, and the clean set."""
+    """A noisy data set with one inclination off by 0.01 deg, the posture's number, and the clean
+    set.
+    """
     rng, truth = np.random.default_rng(seed), geometry(TRUE)
     data = measured(truth, rng, noisy=True)
     problem = build_calibration(TRUE, data, fixed=HELD)
     poses = problem.model.poses(
-        solve_configurations(problem.model, data, problem.model.nominal).z, data.joints, problem.model.nominal
+        solve_configurations(problem.model, data, problem.model.nominal).z,
+        data.joints,
+        problem.model.nominal,
     )
     posture, shift = int(rng.integers(len(data))), np.zeros(2)
     shift[rng.integers(2)] = np.radians(0.01) * rng.choice([-1, 1])
@@ -175,12 +208,16 @@ def with_outlier(seed):
 
 @pytest.mark.slow
 def test_outliers_are_found_and_clean_sets_left_alone():
-    """One reading off by 0.01 deg is found in at least 19 of 20 sets; of the clean sets at most one has any flagged."""
+    """One reading off by 0.01 deg is found in at least 19 of 20 sets; of the clean sets at most one
+    has any flagged.
+    """
     hits, flagged = 0, 0
     for seed in range(20):
         spoilt, posture, clean = with_outlier(500 + seed)
         problem, state = fitted(spoilt)
-        hits += posture in [o.configuration for o in screen_readings(problem, linear_model(problem, state)).outliers]
+        hits += posture in [
+            o.configuration for o in screen_readings(problem, linear_model(problem, state)).outliers
+        ]
         problem, state = fitted(clean)
         flagged += bool(screen_readings(problem, linear_model(problem, state)).outliers)
     assert hits >= 19
@@ -188,8 +225,9 @@ def test_outliers_are_found_and_clean_sets_left_alone():
 
 
 def test_outliers_are_left_out_with_their_reason():
-    """The fit without the outlier is that of the data without it, to a thousandth of the noise; the note names posture, size and
-    probability."""
+    """The fit without the outlier is that of the data without it, to a thousandth of the noise; the
+    note names posture, size and probability.
+    """
     spoilt, posture, _ = with_outlier(700)
     fit = calibrate(NOMINAL, spoilt, fixed=HELD)
     without = calibrate(NOMINAL, spoilt.without(posture, "group"), fixed=HELD, outliers="ignore")
@@ -211,7 +249,9 @@ def test_deletion_statistic_is_the_fall_of_chi_square():
     assert model.without(rows).degrees == model.degrees - 2
     assert model.chi_square - model.without(rows).chi_square == pytest.approx(statistic, rel=1e-9)
     problem, state = fitted(data.without(3, "group"), "maximum likelihood")
-    assert linear_model(problem, state).chi_square == pytest.approx(model.chi_square - statistic, rel=1e-2)
+    assert linear_model(problem, state).chi_square == pytest.approx(
+        model.chi_square - statistic, rel=1e-2
+    )
 
 
 def test_groups_of_one_are_said():
@@ -225,23 +265,35 @@ def test_groups_of_one_are_said():
 
 
 def test_residuals_are_listed_with_their_posture():
-    """One entry a reading, in the data's units; normalised ones of a believable fit have unit variance."""
+    """One entry a reading, in the data's units; normalised ones of a believable fit have unit
+    variance.
+    """
     data = measured(
-        random_geometry(geometry(NOMINAL), HELD, 0.005, np.random.default_rng(10)), np.random.default_rng(11), noisy=True
+        random_geometry(geometry(NOMINAL), HELD, 0.005, np.random.default_rng(10)),
+        np.random.default_rng(11),
+        noisy=True,
     )
     fit = calibrate(NOMINAL, data, fixed=HELD, outliers="ignore")
     assert len(fit.residuals) == 80
     assert {r.kind for r in fit.residuals} == {"group"}
-    assert np.sqrt(np.mean([r.normalised**2 for r in fit.residuals if r.normalised is not None])) == pytest.approx(1.0, abs=0.4)
+    assert np.sqrt(
+        np.mean([r.normalised**2 for r in fit.residuals if r.normalised is not None])
+    ) == pytest.approx(1.0, abs=0.4)
     for group in range(10):
         for component in ("alpha", "beta"):
-            inside = [r.value for r in fit.residuals if data.groups[r.configuration] == group and r.component == component]
+            inside = [
+                r.value
+                for r in fit.residuals
+                if data.groups[r.configuration] == group and r.component == component
+            ]
             assert abs(sum(inside)) < 1e-12
 
 
 def test_curvature_grows_with_the_noise():
-    """Twice the noise doubles each parameter's curvature (second order in the step, over the step); at the method's own noise no
-    standard deviation is doubtful, and where postures no longer close it is infinite."""
+    """Twice the noise doubles each parameter's curvature (second order in the step, over the step);
+    at the method's own noise no standard deviation is doubtful, and where postures no longer close
+    it is infinite.
+    """
     truth, rng = geometry(TRUE), np.random.default_rng(6)
     problem, state = fitted(measured(truth, rng, noisy=True))
     own, twice = curvature(problem, state), curvature(problem, state, spread=4.0)

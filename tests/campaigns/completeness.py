@@ -1,11 +1,14 @@
 """Whether anything is ever lost: many random machines and inputs, every count checked.
 
-    python tests/campaigns/completeness.py [--count 1000] [--seed 0] [--cases platforms,legs,arm,generic,closed,closed_platforms]
+    python tests/campaigns/completeness.py [--count 1000] [--seed 0]
+        [--cases platforms,legs,arm,generic,closed,closed_platforms]
 
-platforms: random 6-6 geometries at the lengths of a random pose. legs: one symmetric platform (zhang2009) at random
-lengths. arm: gluon_6l3 at random poses, against EAIK where it is installed. generic: other mechanisms against 20,000
-random starts. closed: random arms of each structure that has a closed form, against continuation; closed_platforms: the same of platforms. Each line says how many inputs had an unresolved path, a wrong count of complex roots, a lost pose (the
-one that made the input), a duplicate or an odd number of real modes, and the largest closure error over the size.
+platforms: random 6-6 geometries at the lengths of a random pose. legs: one symmetric platform
+(zhang2009) at random lengths. arm: gluon_6l3 at random poses, against EAIK where it is installed.
+generic: other mechanisms against 20,000 random starts. closed: random arms of each structure that
+has a closed form, against continuation; closed_platforms: the same of platforms. Each line says how
+many inputs had an unresolved path, a wrong count of complex roots, a lost pose (the one that made
+the input), a duplicate or an odd number of real modes, and the largest closure error over the size.
 """
 
 from __future__ import annotations
@@ -35,7 +38,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--cases", default=",".join(CASES))
     options = parser.parse_args()
-    print(f"count {options.count}, seed {options.seed}, engine {environ.get('SYMKIN_ENGINE', 'auto')}")
+    print(
+        f"count {options.count}, seed {options.seed}, engine {environ.get('SYMKIN_ENGINE', 'auto')}"
+    )
     with tempfile.TemporaryDirectory() as folder:
         environ["SYMKIN_CACHE"] = folder
         for name in options.cases.split(","):
@@ -43,7 +48,9 @@ def main() -> None:
 
 
 def report(name: str, found: Iterator[tuple[Modes, int, symkin.Pose | None]]) -> None:
-    """Count what is wrong with results, each with its expected complex count and a pose that must be among the modes."""
+    """Count what is wrong with results, each with its expected complex count and a pose that must
+    be among the modes.
+    """
     wrong: Counter[str] = Counter()
     real: Counter[int] = Counter()
     largest, inputs = 0.0, 0
@@ -58,23 +65,35 @@ def report(name: str, found: Iterator[tuple[Modes, int, symkin.Pose | None]]) ->
         wrong["odd"] += len(modes) % 2
         wrong["duplicate"] += has_duplicate(modes)
         if pose is not None:
-            wrong["lost"] += min((distance(mode, pose, size) for mode in modes), default=math.inf) > 1e-6
+            wrong["lost"] += (
+                min((distance(mode, pose, size) for mode in modes), default=math.inf) > 1e-6
+            )
     print(
-        f"{name}: {inputs} inputs; {dict(wrong)}; largest error / size {largest:.1e}; real modes {dict(sorted(real.items()))}",
+        f"{name}: {inputs} inputs; {dict(wrong)}; largest error / size {largest:.1e}; real modes "
+        f"{dict(sorted(real.items()))}",
         flush=True,
     )
 
 
 def distance(mode: Solution, pose: symkin.Pose, size: float) -> float:
-    return max(float(np.max(np.abs(mode.position - pose.position))) / size, float(np.max(np.abs(mode.rotation - pose.rotation))))
+    return max(
+        float(np.max(np.abs(mode.position - pose.position))) / size,
+        float(np.max(np.abs(mode.rotation - pose.rotation))),
+    )
 
 
 def has_duplicate(modes: Modes) -> bool:
     keys = [
-        np.concatenate([m.position / modes.problem.closure.characteristic_length, m.rotation.ravel()])
+        np.concatenate(
+            [m.position / modes.problem.closure.characteristic_length, m.rotation.ravel()]
+        )
         for m in modes.representatives
     ]
-    apart = np.max(np.abs(np.array(keys)[:, None] - np.array(keys)[None]), axis=2) if keys else np.zeros((0, 0))
+    apart = (
+        np.max(np.abs(np.array(keys)[:, None] - np.array(keys)[None]), axis=2)
+        if keys
+        else np.zeros((0, 0))
+    )
     return bool(np.any(apart + np.eye(len(keys)) < 1e-9))
 
 
@@ -86,10 +105,19 @@ def random_pose(rng: np.random.Generator, spread: float, height: float, turn: fl
 def platforms(count: int, rng: np.random.Generator) -> None:
     def found() -> Iterator[tuple[Modes, int, symkin.Pose]]:
         for _ in range(count):
-            rods = [symkin.RodLimb(f"leg{i}", rng.normal(size=3), 0.6 * rng.normal(size=3)) for i in range(6)]
+            rods = [
+                symkin.RodLimb(f"leg{i}", rng.normal(size=3), 0.6 * rng.normal(size=3))
+                for i in range(6)
+            ]
             platform = symkin.Mechanism("platform", rods, platform_position=(0, 0, 1.5))
             pose = random_pose(rng, 1.0, 0.0, 10.0)
-            yield symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values), 40, pose
+            yield (
+                symkin.modes(
+                    platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values
+                ),
+                40,
+                pose,
+            )
 
     report("random 6-6", found())
 
@@ -100,21 +128,30 @@ def legs(count: int, rng: np.random.Generator) -> None:
     def found() -> Iterator[tuple[Modes, int, symkin.Pose]]:
         for _ in range(count):
             pose = random_pose(rng, 80.0, 300.0, 0.2)
-            yield symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values), 28, pose
+            yield (
+                symkin.modes(
+                    platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values
+                ),
+                28,
+                pose,
+            )
 
     report("zhang2009, random legs", found())
 
 
 def arm(count: int, rng: np.random.Generator) -> None:
-    """Every solution of continuation is one of EAIK's and the reverse, to 1e-9 rad times the condition; by their residual
-    where two lie closer than 1e-3."""
+    """Every solution of continuation is one of EAIK's and the reverse, to 1e-9 rad times the
+    condition; by their residual where two lie closer than 1e-3.
+    """
     mechanism = symkin.load("gluon_6l3")
 
     def found() -> Iterator[tuple[Modes, int, None]]:
         for pose in poses:
             yield symkin.modes(mechanism, pose=pose), 8, None
 
-    poses = [symkin.modes(mechanism, joints=rng.uniform(-180, 180, 6))[0].pose for _ in range(count)]
+    poses = [
+        symkin.modes(mechanism, joints=rng.uniform(-180, 180, 6))[0].pose for _ in range(count)
+    ]
     report("gluon_6l3, random poses", found())
     try:
         from eaik.IK_DH import DhRobot
@@ -122,26 +159,38 @@ def arm(count: int, rng: np.random.Generator) -> None:
         print("gluon_6l3 against EAIK: EAIK is not installed (pip install eaik)")
         return
     rows = mechanism.dh.rows
-    robot = DhRobot(np.array([r.alpha for r in rows]), np.array([r.a for r in rows]), np.array([r.d for r in rows]))
+    robot = DhRobot(
+        np.array([r.alpha for r in rows]),
+        np.array([r.a for r in rows]),
+        np.array([r.d for r in rows]),
+    )
     wrong, compared, worst = 0, 0, 0.0
     for pose in poses:
         target = np.eye(4)
         target[:3, :3], target[:3, 3] = pose.rotation, pose.position
         answer = robot.IK(target)
-        theirs = np.array([q for q, least in zip(answer.Q, answer.is_LS, strict=True) if not least]).reshape(-1, 6)
+        theirs = np.array(
+            [q for q, least in zip(answer.Q, answer.is_LS, strict=True) if not least]
+        ).reshape(-1, 6)
         theirs = theirs - [r.theta for r in rows]
         modes = symkin.modes(mechanism, pose=pose)
         ours = np.radians([m.actuated for m in modes]).reshape(-1, 6)
         conditions = np.array([m.condition for m in modes])
         apart = np.abs(np.angle(np.exp(1j * (ours[:, None] - theirs[None])))).max(axis=2)
-        close = np.abs(np.angle(np.exp(1j * (ours[:, None] - ours[None])))).max(axis=2) + 10 * np.eye(len(ours))
+        close = np.abs(np.angle(np.exp(1j * (ours[:, None] - ours[None])))).max(
+            axis=2
+        ) + 10 * np.eye(len(ours))
         plain = close.min(axis=1, initial=10.0) > 1e-3
         compared += len(ours)
         misses = (apart.min(axis=1, initial=10.0) > 1e-9 * conditions) & plain
         wrong += bool(misses.any() or (len(ours) != len(theirs) and plain.all()))
-        worst = max(worst, float(np.max(apart.min(axis=1, initial=10.0)[plain] / conditions[plain], initial=0.0)))
+        worst = max(
+            worst,
+            float(np.max(apart.min(axis=1, initial=10.0)[plain] / conditions[plain], initial=0.0)),
+        )
     print(
-        f"gluon_6l3 against EAIK: {compared} solutions at {count} poses, {wrong} poses differ; largest difference / condition {worst:.1e} rad"
+        f"gluon_6l3 against EAIK: {compared} solutions at {count} poses, {wrong} poses differ; "
+        f"largest difference / condition {worst:.1e} rad"
     )
 
 
@@ -150,14 +199,18 @@ def generic(count: int, rng: np.random.Generator) -> None:
     from helpers.samples import delta, five_bar, three_rrr
 
     machines = [five_bar(), three_rrr("planar"), delta(), replace(delta(), motion="spatial")]
-    machines += [symkin.load(name) for name in ("zhao2000", "zhao2000_links", "ren2008_true", "zhang2009")]
+    machines += [
+        symkin.load(name) for name in ("zhao2000", "zhao2000_links", "ren2008_true", "zhang2009")
+    ]
     for mechanism in machines:
         lost = more = unresolved = 0
         inputs = max(1, count // 200)
         for _ in range(inputs):
             shift = rng.uniform(-0.15, 0.15, len(mechanism.actuated))
             joints = [
-                mechanism.angle_out(c.reference[0] + d) if c.is_angular else c.reference[0] * (1 + 0.3 * d)
+                mechanism.angle_out(c.reference[0] + d)
+                if c.is_angular
+                else c.reference[0] * (1 + 0.3 * d)
                 for c, d in zip(mechanism.actuated, shift, strict=True)
             ]
             complete = symkin.modes(mechanism, joints=joints)
@@ -166,7 +219,8 @@ def generic(count: int, rng: np.random.Generator) -> None:
             lost += missing(sampled, complete)
             more += missing(complete, sampled)
         print(
-            f"{mechanism.name} ({mechanism.motion}): {inputs} inputs; {lost} modes of 20,000 starts lost, {more} found beyond them, {unresolved} unresolved",
+            f"{mechanism.name} ({mechanism.motion}): {inputs} inputs; {lost} modes of 20,000 "
+            f"starts lost, {more} found beyond them, {unresolved} unresolved",
             flush=True,
         )
 
@@ -175,21 +229,30 @@ def missing(some: Modes, others: Modes) -> int:
     """How many of `some` are not among `others`."""
     size = some.problem.closure.characteristic_length
     known = [flat(m, size) for m in others]
-    return sum(min((np.max(np.abs(flat(m, size) - k)) for k in known), default=1.0) > 1e-5 for m in some)
+    return sum(
+        min((np.max(np.abs(flat(m, size) - k)) for k in known), default=1.0) > 1e-5 for m in some
+    )
 
 
 def flat(mode: Solution, size: float) -> np.ndarray:
     angles = [
-        f(v) for n, v in mode.values.items() if isinstance(v, float) and not n.startswith("pose.") for f in (math.cos, math.sin)
+        f(v)
+        for n, v in mode.values.items()
+        if isinstance(v, float) and not n.startswith("pose.")
+        for f in (math.cos, math.sin)
     ]
     return np.concatenate([mode.position / size, mode.rotation.ravel(), angles])
 
 
 def closed(count: int, rng: np.random.Generator) -> None:
-    """Of random arms of each structure that has a closed form: the modes of formulas are those of continuation."""
+    """Of random arms of each structure that has a closed form: the modes of formulas are those of
+    continuation.
+    """
     from helpers.arms import random_values, structures
 
-    arms = structures(rng) | {name: symkin.load(name) for name in ("gluon_6l3", "yao2020", "ur5e", "scara")}
+    arms = structures(rng) | {
+        name: symkin.load(name) for name in ("gluon_6l3", "yao2020", "ur5e", "scara")
+    }
     for name, mechanism in arms.items():
         values = [
             [
@@ -203,10 +266,17 @@ def closed(count: int, rng: np.random.Generator) -> None:
 
 
 def closed_platforms(count: int, rng: np.random.Generator) -> None:
-    """The same of platforms: direct problems at joint values of whole turns, inverse ones at poses that these give."""
+    """The same of platforms: direct problems at joint values of whole turns, inverse ones at poses
+    that these give.
+    """
     from helpers.samples import readme_five_bar, three_rrr
 
-    platforms = (symkin.load("delta"), readme_five_bar("planar"), symkin.load("zhao2000"), three_rrr("planar"))
+    platforms = (
+        symkin.load("delta"),
+        readme_five_bar("planar"),
+        symkin.load("zhao2000"),
+        three_rrr("planar"),
+    )
     for mechanism in platforms:
         size, joints = mechanism.characteristic_length, mechanism.actuated
         spread = np.array([math.pi if c.is_angular else 0.4 * size for c in joints])
@@ -215,7 +285,9 @@ def closed_platforms(count: int, rng: np.random.Generator) -> None:
         values *= [mechanism.angle_out(1.0) if c.is_angular else 1.0 for c in joints]
         if mechanism.name != "three_rrr":
             _beside_paths(f"{mechanism.name}, direct", mechanism, joints=values)
-        poses = [mode.pose for modes in symkin.modes(mechanism, joints=values) for mode in modes][:count]
+        poses = [mode.pose for modes in symkin.modes(mechanism, joints=values) for mode in modes][
+            :count
+        ]
         _beside_paths(f"{mechanism.name}, inverse", mechanism, pose=poses)
 
 
@@ -227,7 +299,8 @@ def _beside_paths(name: str, mechanism: symkin.Mechanism, **inputs: Any) -> None
     more = sum(missing(a, b) for a, b in zip(ours, theirs, strict=True))
     left, solved = sum(a.method != "closed" for a in ours), sum(len(a) > 0 for a in ours)
     print(
-        f"{name}: {len(ours)} inputs, {solved} with modes, {left} left to paths; {lost} modes of paths lost, {more} found beyond them",
+        f"{name}: {len(ours)} inputs, {solved} with modes, {left} left to paths; {lost} modes of "
+        f"paths lost, {more} found beyond them",
         flush=True,
     )
 

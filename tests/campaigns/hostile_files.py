@@ -1,15 +1,19 @@
-"""Calibration of random hexapods from hostile files: no fit that misses held-out rows is called believable.
+"""Calibration of random hexapods from hostile files: no fit that misses held-out rows is called
+believable.
 
-    python tests/campaigns/hostile_files.py [--trials 100] [--seed 0] [--rows 48] [--kind NAME] [--verbose]
+    python tests/campaigns/hostile_files.py [--trials 100] [--seed 0] [--rows 48] [--kind NAME]
+        [--verbose]
 
-Each trial draws a platform on six rods (some files have a reference pose, some an example, some neither), a true machine within
-0.2 % of its size, and a file of joints and poses, and spoils the file in one way. The file goes the way of `symkin calibrate
-fit`; the mechanism that would be written is read back, and its direct problem at exact joints of held-out poses is compared with
-these poses, over the standard deviation that the fit states there. The data, the files and the held-out poses are made here in
-plain NumPy.
+Each trial draws a platform on six rods (some files have a reference pose, some an example, some
+neither), a true machine within 0.2 % of its size, and a file of joints and poses, and spoils the
+file in one way. The file goes the way of `symkin calibrate fit`; the mechanism that would be
+written is read back, and its direct problem at exact joints of held-out poses is compared with
+these poses, over the standard deviation that the fit states there. The data, the files and the
+held-out poses are made here in plain NumPy.
 
-The exit status is 1 where a believable fit misses a held-out row by more than `MOST` standard deviations, where a file of another
-machine or with a wrong column is believable, or where fewer than `LEAST_GOOD` of the files without a slip (clean, blanks) are.
+The exit status is 1 where a believable fit misses a held-out row by more than `MOST` standard
+deviations, where a file of another machine or with a wrong column is believable, or where fewer
+than `LEAST_GOOD` of the files without a slip (clean, blanks) are.
 """
 
 from __future__ import annotations
@@ -36,7 +40,9 @@ LEAST_GOOD = 0.95
 """Least share of believable fits among files without a slip."""
 HELD_OUT = 12
 SIGMA_LEG, SIGMA_POSITION, SIGMA_ANGLE = 2e-6, 1e-5, 2e-5
-"""Noise of legs and positions, over the radius of the base, and of each component of an orientation (rad)."""
+"""Noise of legs and positions, over the radius of the base, and of each component of an orientation
+(rad).
+"""
 
 
 @dataclass(frozen=True)
@@ -55,7 +61,13 @@ class Hexapod:
 
     def near(self, spread: float, rng: np.random.Generator) -> Hexapod:
         """Another one with every joint centre and offset within `spread`."""
-        return Hexapod(*(t + rng.uniform(-spread, spread, t.shape) for t in (self.base, self.platform, self.offset)), self.height)
+        return Hexapod(
+            *(
+                t + rng.uniform(-spread, spread, t.shape)
+                for t in (self.base, self.platform, self.offset)
+            ),
+            self.height,
+        )
 
 
 @dataclass(frozen=True)
@@ -86,11 +98,13 @@ def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     return np.hstack([a * w - np.sum(b * u, axis=1, keepdims=True), a * u + w * b + np.cross(b, u)])
 
 
-# --- machines ------------------------------------------------------------------------------------------------------
+# --- machines -------------------------------------------------------------------------------------
 
 
 def random_hexapod(rng: np.random.Generator) -> Hexapod:
-    """Pairs of joints on two rings, base and platform paired the other way, each joint off its place by some per cent."""
+    """Pairs of joints on two rings, base and platform paired the other way, each joint off its
+    place by some per cent.
+    """
     radius = 10 ** rng.uniform(2.0, 2.9)
     ratio, height = rng.uniform(0.45, 0.9), rng.uniform(0.7, 1.4) * radius
     gaps = np.radians(rng.uniform(12, 40, 2))
@@ -99,25 +113,40 @@ def random_hexapod(rng: np.random.Generator) -> Hexapod:
     below = thirds + side * gaps[0]
     above = thirds + side * (np.radians(120) - gaps[1])
     ring = [
-        r * np.column_stack([np.cos(a), np.sin(a), np.zeros(6)]) + 0.04 * radius * rng.uniform(-1, 1, (6, 3))
+        r * np.column_stack([np.cos(a), np.sin(a), np.zeros(6)])
+        + 0.04 * radius * rng.uniform(-1, 1, (6, 3))
         for r, a in ((radius, below), (ratio * radius, above))
     ]
     offset = rng.uniform(0.3, 0.5) * radius * np.ones(6) if rng.random() < 0.5 else np.zeros(6)
     return Hexapod(ring[0], ring[1], offset, height)
 
 
-def random_poses(machine: Hexapod, count: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def random_poses(
+    machine: Hexapod, count: int, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
     radius = float(np.linalg.norm(machine.base[0]))
-    position = np.array([0, 0, machine.height]) + radius * rng.uniform([-0.25, -0.25, -0.12], [0.25, 0.25, 0.12], (count, 3))
-    return position, turned(np.tile([1.0, 0, 0, 0], (count, 1)), np.radians(15) * rng.uniform(-1, 1, (count, 3)))
+    position = np.array([0, 0, machine.height]) + radius * rng.uniform(
+        [-0.25, -0.25, -0.12], [0.25, 0.25, 0.12], (count, 3)
+    )
+    return position, turned(
+        np.tile([1.0, 0, 0, 0], (count, 1)), np.radians(15) * rng.uniform(-1, 1, (count, 3))
+    )
 
 
 def toml(machine: Hexapod, known: str) -> str:
     """A mechanism file; `known` says what of home stands in it: reference, example or nothing."""
     lines = ["format = 1", 'name = "hexapod"', 'length_unit = "mm"', 'angle_unit = "deg"']
     for k in range(6):
-        base, platform = (", ".join(repr(float(v)) for v in t[k]) for t in (machine.base, machine.platform))
-        lines += ["[[limb]]", f'name = "leg{k + 1}"', 'type = "UPS"', f"base = [{base}]", f"platform = [{platform}]"]
+        base, platform = (
+            ", ".join(repr(float(v)) for v in t[k]) for t in (machine.base, machine.platform)
+        )
+        lines += [
+            "[[limb]]",
+            f'name = "leg{k + 1}"',
+            'type = "UPS"',
+            f"base = [{base}]",
+            f"platform = [{platform}]",
+        ]
         lines += [f"offset = {float(machine.offset[k])!r}"]
     if known == "reference":
         lines += ["[platform]", f"position = [0.0, 0.0, {machine.height!r}]"]
@@ -133,18 +162,29 @@ def toml(machine: Hexapod, known: str) -> str:
 
 def csv(table: Table, sigmas: tuple[float, float, float]) -> str:
     """A measurement file with standard deviations."""
-    names = [f"leg{k}[mm]" for k in range(1, 7)] + [f"sigma_leg{k}[mm]" for k in range(1, 7)] + ["x[mm]", "y[mm]", "z[mm]"]
+    names = (
+        [f"leg{k}[mm]" for k in range(1, 7)]
+        + [f"sigma_leg{k}[mm]" for k in range(1, 7)]
+        + ["x[mm]", "y[mm]", "z[mm]"]
+    )
     names += ["sigma_x[mm]", "sigma_y[mm]", "sigma_z[mm]"]
     count = len(table.legs)
-    columns = [table.legs, np.full((count, 6), sigmas[0]), table.position, np.full((count, 3), sigmas[1])]
+    columns = [
+        table.legs,
+        np.full((count, 6), sigmas[0]),
+        table.position,
+        np.full((count, 3), sigmas[1]),
+    ]
     if table.oriented:
         names += ["qw", "qx", "qy", "qz", "sigma_orientation[deg]"]
         columns += [table.quaternion, np.full((count, 1), np.degrees(sigmas[2]))]
-    rows = [",".join("" if np.isnan(v) else repr(float(v)) for v in row) for row in np.hstack(columns)]
+    rows = [
+        ",".join("" if np.isnan(v) else repr(float(v)) for v in row) for row in np.hstack(columns)
+    ]
     return "\n".join([",".join(names), *rows]) + "\n"
 
 
-# --- hostility -----------------------------------------------------------------------------------------------------
+# --- hostility ------------------------------------------------------------------------------------
 
 Spoiler = Callable[[Table, np.random.Generator], Table]
 
@@ -190,10 +230,17 @@ def blanked(share: float, *, position: bool = False) -> Spoiler:
 
 
 def outliers(share: float) -> Spoiler:
-    """Rows, by share, where one leg, a position or an orientation is off by 20 to 2000 times its noise."""
+    """Rows, by share, where one leg, a position or an orientation is off by 20 to 2000 times its
+    noise.
+    """
 
     def spoil(t: Table, rng: np.random.Generator) -> Table:
-        legs, position, q, radius = t.legs.copy(), t.position.copy(), t.quaternion.copy(), float(np.max(np.abs(t.position)))
+        legs, position, q, radius = (
+            t.legs.copy(),
+            t.position.copy(),
+            t.quaternion.copy(),
+            float(np.max(np.abs(t.position))),
+        )
         for k in rng.choice(len(legs), max(1, round(share * len(legs))), replace=False):
             size = 10 ** rng.uniform(1.3, 3.3) * rng.choice([-1, 1])
             what = rng.integers(3)
@@ -216,7 +263,9 @@ KINDS: dict[str, Spoiler] = {
     "blank positions, 10 %": blanked(0.1, position=True),
     "two legs exchanged": exchanged(two),
     "legs in any order": exchanged(any_order),
-    "legs exchanged, positions only": lambda t, rng: replace(exchanged(two)(t, rng), oriented=False),
+    "legs exchanged, positions only": lambda t, rng: replace(
+        exchanged(two)(t, rng), oriented=False
+    ),
     "one leg's sign": one_sign,
     "all legs' signs": lambda t, _: replace(t, legs=-t.legs),
     "mirrored axis": mirrored,
@@ -233,17 +282,28 @@ KINDS: dict[str, Spoiler] = {
 SLIPS = tuple(
     kind
     for kind in KINDS
-    if any(word in kind for word in ("exchanged", "order", "sign", "mirrored", "inverse", "metres", "another"))
+    if any(
+        word in kind
+        for word in ("exchanged", "order", "sign", "mirrored", "inverse", "metres", "another")
+    )
 )
-HARMLESS = ("clean", "positions only", "blank orientations, 2 %", "blank orientations, 40 %", "blank positions, 10 %")
+HARMLESS = (
+    "clean",
+    "positions only",
+    "blank orientations, 2 %",
+    "blank orientations, 40 %",
+    "blank positions, 10 %",
+)
 
 
-# --- one trial -----------------------------------------------------------------------------------------------------
+# --- one trial ------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The verdict of one file, and the largest error at held-out rows over its stated sigma (None: no file is written)."""
+    """The verdict of one file, and the largest error at held-out rows over its stated sigma (None:
+    no file is written).
+    """
 
     kind: str
     believable: bool
@@ -258,7 +318,9 @@ def trial(kind: str, number: int, seed: int, rows: int, folder: Path) -> Outcome
     truth = (random_hexapod(rng) if kind == "another machine" else nominal).near(2e-3 * radius, rng)
     if kind == "another machine":
         scale = radius / float(np.linalg.norm(truth.base[0]))
-        truth = Hexapod(scale * truth.base, scale * truth.platform, nominal.offset, scale * truth.height)
+        truth = Hexapod(
+            scale * truth.base, scale * truth.platform, nominal.offset, scale * truth.height
+        )
     sigmas = (SIGMA_LEG * radius, SIGMA_POSITION * radius, SIGMA_ANGLE)
     position, q = random_poses(truth, rows, rng)
     table = Table(
@@ -275,12 +337,20 @@ def trial(kind: str, number: int, seed: int, rows: int, folder: Path) -> Outcome
         report = fit_file(loaded, read_measurements(data, loaded))
     except SymkinError as error:
         return Outcome(kind, False, f"refused: {error}", None)
-    miss = largest_miss(report, truth, *random_poses(truth, HELD_OUT, rng), oriented=spoilt.oriented) if report.usable else None
+    miss = (
+        largest_miss(report, truth, *random_poses(truth, HELD_OUT, rng), oriented=spoilt.oriented)
+        if report.usable
+        else None
+    )
     return Outcome(kind, report.believable, report.verdict, miss)
 
 
-def largest_miss(report: FitReport, truth: Hexapod, position: np.ndarray, q: np.ndarray, *, oriented: bool) -> float:
-    """Largest component of position and rotation by which the written file misses poses, over the stated standard deviation."""
+def largest_miss(
+    report: FitReport, truth: Hexapod, position: np.ndarray, q: np.ndarray, *, oriented: bool
+) -> float:
+    """Largest component of position and rotation by which the written file misses poses, over the
+    stated standard deviation.
+    """
     legs = truth.legs(position, q)
     starts = np.hstack([position, q])
     written = Path(report.data).with_name("written.toml")
@@ -296,8 +366,13 @@ def largest_miss(report: FitReport, truth: Hexapod, position: np.ndarray, q: np.
             return np.inf
         off = np.asarray(found.solution.position) - position[k]
         turn = matrices(q[k : k + 1])[0].T @ np.asarray(found.solution.pose.rotation)
-        angle = 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-        misses.append(np.abs(np.concatenate([off, angle if oriented else []])) / stated[k][: 6 if oriented else 3])
+        angle = 0.5 * np.array(
+            [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
+        )
+        misses.append(
+            np.abs(np.concatenate([off, angle if oriented else []]))
+            / stated[k][: 6 if oriented else 3]
+        )
     return float(np.max(misses))
 
 
@@ -318,12 +393,18 @@ def main() -> int:
             found.append(trial(kind, number, options.seed, options.rows, Path(folder)))
         if options.verbose:
             o = found[-1]
-            print(f"{number:4d} {o.kind:32s} {'' if o.miss is None else f'{o.miss:.3g}':>8s}  {o.verdict[:240]}", flush=True)
+            print(
+                f"{number:4d} {o.kind:32s} {'' if o.miss is None else f'{o.miss:.3g}':>8s}  "
+                f"{o.verdict[:240]}",
+                flush=True,
+            )
     print(
-        f"seed {options.seed}, {options.trials} hexapods, {options.rows} rows each, {time.process_time() - begin:.0f} s of processor time"
+        f"seed {options.seed}, {options.trials} hexapods, {options.rows} rows each, "
+        f"{time.process_time() - begin:.0f} s of processor time"
     )
     print(
-        f"{'kind of file':32s} {'files':>6s} {'believable':>11s} {'written':>8s} {'largest miss when believable, in sigma':>40s}"
+        f"{'kind of file':32s} {'files':>6s} {'believable':>11s} {'written':>8s} "
+        f"{'largest miss when believable, in sigma':>40s}"
     )
     lies = 0
     for kind in kinds:
@@ -332,14 +413,18 @@ def main() -> int:
         lies += sum(miss > MOST for miss in misses)
         written = sum(o.miss is not None for o in same)
         print(
-            f"{kind:32s} {len(same):6d} {sum(o.believable for o in same):11d} {written:8d} {f'{max(misses):.3g}' if misses else '-':>40s}"
+            f"{kind:32s} {len(same):6d} {sum(o.believable for o in same):11d} {written:8d} "
+            f"{f'{max(misses):.3g}' if misses else '-':>40s}"
         )
     slips = sum(o.believable for o in found if o.kind in SLIPS)
     harmless = [o for o in found if o.kind in HARMLESS]
     good = sum(o.believable for o in harmless) / len(harmless) if harmless else 1.0
     print(f"believable and off by more than {MOST:g} sigma: {lies} of {len(found)} (0 is allowed)")
     print(f"believable although a column or the machine is wrong: {slips} (0 is allowed)")
-    print(f"believable among files without a slip: {100 * good:.0f} % (at least {100 * LEAST_GOOD:.0f} %)")
+    print(
+        f"believable among files without a slip: {100 * good:.0f} % (at least "
+        f"{100 * LEAST_GOOD:.0f} %)"
+    )
     return 0 if lies == slips == 0 and good >= LEAST_GOOD else 1
 
 

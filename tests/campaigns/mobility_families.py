@@ -1,12 +1,16 @@
-"""Families of machines whose mobility is known by theory: does `mobility` count it, whatever the seed?
+"""Families of machines whose mobility is known by theory: does `mobility` count it, whatever the
+seed?
 
-    python tests/campaigns/mobility_families.py [--count 500] [--seed 0] [--seeds 10] [--family NAME] [-o FOLDER]
+    python tests/campaigns/mobility_families.py [--count 500] [--seed 0] [--seeds 10]
+        [--family NAME] [-o FOLDER]
 
-Each machine is drawn with round or with random numbers, turned in space and scaled between 1e-8 and 1e6. What moves is moved by
-this program too, with the joints' screws (a product of exponentials) or the rods' lengths, NumPy only; what is rigid by theory is
-of full rank in the same screws, or is named shaky. Sources: parallel cranks, translations; R. Bricard, Memoire sur la theorie de
-l'octaedre articule, 1897 (octahedra, line- and plane-symmetric) and Lecons de cinematique, 1927 (loops of six revolutes); equal
-parallel rods, translations on a sphere alone. Exit status 1 where a count is wrong, or depends on the seed.
+Each machine is drawn with round or with random numbers, turned in space and scaled between 1e-8 and
+1e6. What moves is moved by this program too, with the joints' screws (a product of exponentials) or
+the rods' lengths, NumPy only; what is rigid by theory is of full rank in the same screws, or is
+named shaky. Sources: parallel cranks, translations; R. Bricard, Memoire sur la theorie de
+l'octaedre articule, 1897 (octahedra, line- and plane-symmetric) and Lecons de cinematique, 1927
+(loops of six revolutes); equal parallel rods, translations on a sphere alone. Exit status 1 where a
+count is wrong, or depends on the seed.
 """
 
 from __future__ import annotations
@@ -35,8 +39,9 @@ MOVED = 0.02
 
 @dataclass(frozen=True)
 class Machine:
-    """Revolutes (links, point, axis) or rods (from, to) from base to platform, and the mobility; `shaky`: rigid, though of a lower
-    rank."""
+    """Revolutes (links, point, axis) or rods (from, to) from base to platform, and the mobility;
+    `shaky`: rigid, though of a lower rank.
+    """
 
     family: str
     mobility: int
@@ -57,10 +62,21 @@ class Machine:
         """The mechanism file."""
         lines = ["format = 1", f'name = "{self.family}"', 'length_unit = "m"', 'angle_unit = "rad"']
         for k, (a, b, point, axis) in enumerate(self.joints):
-            lines += ["[[joint]]", f'name = "j{k}"', 'type = "R"', f'links = ["{a}", "{b}"]', f"point = {_numbers(point)}"]
+            lines += [
+                "[[joint]]",
+                f'name = "j{k}"',
+                'type = "R"',
+                f'links = ["{a}", "{b}"]',
+                f"point = {_numbers(point)}",
+            ]
             lines += [f"axis = {_numbers(axis)}", *(["actuated = true"] if k == 0 else [])]
         for k, (start, end) in enumerate(self.rods):
-            lines += ["[[rod]]", f'name = "rod{k}"', 'links = ["base", "platform"]', f"from = {_numbers(start)}"]
+            lines += [
+                "[[rod]]",
+                f'name = "rod{k}"',
+                'links = ["base", "platform"]',
+                f"from = {_numbers(start)}",
+            ]
             lines += [f"to = {_numbers(end)}"]
         return "\n".join(lines) + "\n"
 
@@ -69,7 +85,7 @@ def _numbers(vector: Array) -> str:
     return "[" + ", ".join(repr(float(v)) for v in vector) + "]"
 
 
-# --- families --------------------------------------------------------------------------------------------------------
+# --- families -------------------------------------------------------------------------------------
 
 
 def _draw(rng: np.random.Generator, round_numbers: bool, size: int = 3) -> Array:
@@ -82,7 +98,10 @@ def _apart(rng: np.random.Generator, round_numbers: bool, count: int) -> Array:
     while True:
         points = np.array([_draw(rng, round_numbers) for _ in range(count)])
         gaps = [np.linalg.norm(p - q) for k, p in enumerate(points) for q in points[:k]]
-        if min(gaps) > 0.3 and np.linalg.svd(points - points.mean(axis=0))[1][min(2, count - 2)] > 0.3:
+        if (
+            min(gaps) > 0.3
+            and np.linalg.svd(points - points.mean(axis=0))[1][min(2, count - 2)] > 0.3
+        ):
             return points
 
 
@@ -107,7 +126,9 @@ def lift(rng: np.random.Generator, round_numbers: bool) -> Machine:
 
 def folded_lift(rng: np.random.Generator, round_numbers: bool) -> Machine:
     """The same with all pivots and cranks in one line: the reference is singular."""
-    across = np.sort(rng.choice(np.arange(1, 12), 3, replace=False)) * (0.5 if round_numbers else rng.uniform(0.3, 0.7))
+    across = np.sort(rng.choice(np.arange(1, 12), 3, replace=False)) * (
+        0.5 if round_numbers else rng.uniform(0.3, 0.7)
+    )
     pivots = np.column_stack([across, np.zeros(3), np.zeros(3)])
     return _cranks("folded_lift", pivots, np.tile([0.31, 0.0, 0.0], (3, 1)), mobility=1)
 
@@ -117,7 +138,9 @@ def uneven_lift(rng: np.random.Generator, round_numbers: bool) -> Machine:
     made = lift(rng, round_numbers)
     pivots = np.array([j[2] for j in made.joints[0:6:2]])
     arms = np.array([j[2] for j in made.joints[1:6:2]]) - pivots
-    return _cranks("uneven_lift", pivots, arms * np.array([1.0, 1.0, 1.5])[:, None], mobility=0, shaky=True)
+    return _cranks(
+        "uneven_lift", pivots, arms * np.array([1.0, 1.0, 1.5])[:, None], mobility=0, shaky=True
+    )
 
 
 def skew_lift(rng: np.random.Generator, round_numbers: bool) -> Machine:
@@ -131,7 +154,9 @@ def skew_lift(rng: np.random.Generator, round_numbers: bool) -> Machine:
 
 def _loop(family: str, points: Array, axes: Array, mobility: int) -> Machine:
     links = ["base", "k1", "k2", "k3", "k4", "k5", "base"]
-    joints = tuple((links[k], links[k + 1], points[k], axes[k] / np.linalg.norm(axes[k])) for k in range(6))
+    joints = tuple(
+        (links[k], links[k + 1], points[k], axes[k] / np.linalg.norm(axes[k])) for k in range(6)
+    )
     return Machine(family, mobility, joints)
 
 
@@ -139,7 +164,9 @@ def line_symmetric(rng: np.random.Generator, round_numbers: bool) -> Machine:
     """Three axes and their images in a half turn about z."""
     half = np.array([-1.0, -1.0, 1.0])
     points, axes = _apart(rng, round_numbers, 3), _apart(rng, round_numbers, 3)
-    return _loop("line_symmetric", np.vstack([points, points * half]), np.vstack([axes, axes * half]), 1)
+    return _loop(
+        "line_symmetric", np.vstack([points, points * half]), np.vstack([axes, axes * half]), 1
+    )
 
 
 def plane_symmetric(rng: np.random.Generator, round_numbers: bool) -> Machine:
@@ -177,7 +204,9 @@ def line_octahedron(rng: np.random.Generator, round_numbers: bool) -> Machine:
 
 
 def plane_octahedron(rng: np.random.Generator, round_numbers: bool) -> Machine:
-    """Two pairs of opposite vertices are images of each other in a plane, the third pair lies in it."""
+    """Two pairs of opposite vertices are images of each other in a plane, the third pair lies in
+    it.
+    """
     base, other = _apart(rng, round_numbers, 3), _apart(rng, round_numbers, 3)
     base[2, 2] = 0.0
     opposite = base * [1.0, 1.0, -1.0]
@@ -194,19 +223,31 @@ def rigid_octahedron(rng: np.random.Generator, round_numbers: bool) -> Machine:
 
 
 def equal_rods(rng: np.random.Generator, round_numbers: bool) -> Machine:
-    """Five to seven equal parallel rods: translations on a sphere; a turn about the rods ends at once."""
+    """Five to seven equal parallel rods: translations on a sphere; a turn about the rods ends at
+    once.
+    """
     points = _apart(rng, round_numbers, int(rng.integers(5, 8)))
     rod = np.array([0.3, 0.4, 1.2]) if round_numbers else rng.normal(size=3) + [0.0, 0.0, 2.0]
     return Machine("equal_rods", 2, rods=tuple((p, p + rod) for p in points))
 
 
 FAMILIES: tuple[Callable[[np.random.Generator, bool], Machine], ...] = (
-    lift, folded_lift, uneven_lift, skew_lift, line_symmetric, plane_symmetric, moved_axis, six_axes, line_octahedron,
-    plane_octahedron, rigid_octahedron, equal_rods,
-)  # fmt: skip
+    lift,
+    folded_lift,
+    uneven_lift,
+    skew_lift,
+    line_symmetric,
+    plane_symmetric,
+    moved_axis,
+    six_axes,
+    line_octahedron,
+    plane_octahedron,
+    rigid_octahedron,
+    equal_rods,
+)
 
 
-# --- the judge: screws and rods --------------------------------------------------------------------------------------
+# --- the judge: screws and rods -------------------------------------------------------------------
 
 
 def _turned(axis: Array, angle: float) -> Array:
@@ -216,7 +257,9 @@ def _turned(axis: Array, angle: float) -> Array:
 
 
 class Judge:
-    """Rows and their derivatives of a machine of size 1 at joint angles, or at a platform's turn and shift."""
+    """Rows and their derivatives of a machine of size 1 at joint angles, or at a platform's turn
+    and shift.
+    """
 
     def __init__(self, machine: Machine) -> None:
         self.machine, self.loops = machine, []
@@ -224,7 +267,10 @@ class Judge:
         if len(joints) == 6 and joints[-1][1] == "base":
             self.loops = [[(k, 1.0) for k in range(6)]]
         elif joints:
-            self.loops = [[(0, 1.0), (1, 1.0), (2 * k + 1, -1.0), (2 * k, -1.0)] for k in range(1, len(joints) // 2)]
+            self.loops = [
+                [(0, 1.0), (1, 1.0), (2 * k + 1, -1.0), (2 * k, -1.0)]
+                for k in range(1, len(joints) // 2)
+            ]
         self.freedom = len(joints) or 6
 
     def rows(self, z: Array) -> tuple[Array, Array]:
@@ -240,7 +286,9 @@ class Judge:
                 slope[:, k] = sign * np.concatenate([now, np.cross(arm, now)])
                 by = _turned(axis, sign * z[k])
                 turn, shift = turn @ by, turn @ (point - by @ point) + shift
-            off = 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+            off = 0.5 * np.array(
+                [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
+            )
             values.append(np.concatenate([off, shift]))
             slopes.append(slope)
         return np.concatenate(values), np.vstack(slopes)
@@ -255,7 +303,11 @@ class Judge:
 
     @property
     def start(self) -> Array:
-        return np.concatenate([np.eye(3).ravel(), np.zeros(3)]) if self.machine.rods else np.zeros(self.freedom)
+        return (
+            np.concatenate([np.eye(3).ravel(), np.zeros(3)])
+            if self.machine.rods
+            else np.zeros(self.freedom)
+        )
 
     def moved(self, z: Array, step: Array) -> Array:
         if not self.machine.rods:
@@ -269,7 +321,9 @@ class Judge:
         return int(np.sum(s > 1e-9 * s[0]))
 
     def moves(self, rng: np.random.Generator) -> bool:
-        """Whether small steps along first-order motions, each brought back to closed loops, lead away from the reference."""
+        """Whether small steps along first-order motions, each brought back to closed loops, lead
+        away from the reference.
+        """
         z, way = self.start, rng.normal(size=self.freedom)
         for _ in range(10):
             _, j = self.rows(z)
@@ -288,7 +342,9 @@ class Judge:
 
 
 def doubt(machine: Machine, rng: np.random.Generator) -> str:
-    """Why theory is in doubt of this very machine: chance relations of round numbers, for example."""
+    """Why theory is in doubt of this very machine: chance relations of round numbers, for
+    example.
+    """
     judge = Judge(machine)
     free = judge.freedom - judge.rank(judge.start)
     if machine.family in ("folded_lift", "equal_rods"):
@@ -298,7 +354,7 @@ def doubt(machine: Machine, rng: np.random.Generator) -> str:
     return "" if free == int(machine.shaky) else "its rank is not what theory says"
 
 
-# --- the campaign ------------------------------------------------------------------------------------------------------
+# --- the campaign ---------------------------------------------------------------------------------
 
 
 def drawn(index: int, seed: int, family: str | None) -> tuple[Machine, Machine]:
@@ -309,7 +365,11 @@ def drawn(index: int, seed: int, family: str | None) -> tuple[Machine, Machine]:
         machine = made[index % len(made)](rng, bool((index // len(made)) % 2))
         if not doubt(machine, rng):
             break
-    turn = _turned(*((v := rng.normal(size=3)) / np.linalg.norm(v), float(rng.uniform(0.0, 3.0)))) if index % 5 else np.eye(3)
+    turn = (
+        _turned(*((v := rng.normal(size=3)) / np.linalg.norm(v), float(rng.uniform(0.0, 3.0))))
+        if index % 5
+        else np.eye(3)
+    )
     shift = rng.normal(size=3) if index % 5 else np.zeros(3)
     scale = 10.0 ** float(rng.uniform(-8.0, 6.0)) if index % 3 else 1.0
     return machine, machine.placed(turn, shift, scale)
@@ -352,7 +412,10 @@ def main() -> int:
                 (options.output / f"{index}_{machine.family}.toml").write_text(placed.text())
     for family, count in counts.items():
         print(f"{family}: {count} machines, {bad[family]} wrong")
-    print(f"{options.count} machines, {options.seeds} seeds each, {sum(bad.values())} wrong, {time.perf_counter() - begin:.0f} s")
+    print(
+        f"{options.count} machines, {options.seeds} seeds each, {sum(bad.values())} wrong, "
+        f"{time.perf_counter() - begin:.0f} s"
+    )
     return 1 if bad else 0
 
 

@@ -2,10 +2,11 @@
 
     python tests/campaigns/moved_twins.py [--random 200] [--seed 0] [--turns 5] [--only NAME ...]
 
-Every shipped machine and random graphs, at one input with a mode (direct by the actuated joints, and of limbs also inverse), against
-twins: each turned by one of some rotations, at sizes from 1e-8 to 1e6, its parts in another order. The count of modes, the complex count,
-the statement and the angles of the modes must be those at home. Machines whose declared motion belongs to the base frame are turned about
-z only (planar, schoenflies). Exit status 1 where a twin differs.
+Every shipped machine and random graphs, at one input with a mode (direct by the actuated joints,
+and of limbs also inverse), against twins: each turned by one of some rotations, at sizes from 1e-8
+to 1e6, its parts in another order. The count of modes, the complex count, the statement and the
+angles of the modes must be those at home. Machines whose declared motion belongs to the base frame
+are turned about z only (planar, schoenflies). Exit status 1 where a twin differs.
 """
 
 from __future__ import annotations
@@ -86,8 +87,17 @@ def difference(home: Found, other: Found, mechanism: symkin.Mechanism) -> str | 
         return f"{told[1]} for {told[0]}"
     names = [c.name for c in mechanism.coordinates if c.kind == "angle"]
     turn = 2 * np.pi / (360.0 if mechanism.angle_unit == "deg" else 2 * np.pi)
-    a, b = (np.array([[m.joints[n] for n in names if n in m.joints] for m in f], dtype=float) * turn for f in (home, other))
-    if a.size and np.max(np.min(np.max(np.abs(np.angle(np.exp(1j * (a[:, None] - b[None])))), axis=2), axis=1)) > SAME:
+    a, b = (
+        np.array([[m.joints[n] for n in names if n in m.joints] for m in f], dtype=float) * turn
+        for f in (home, other)
+    )
+    if (
+        a.size
+        and np.max(
+            np.min(np.max(np.abs(np.angle(np.exp(1j * (a[:, None] - b[None])))), axis=2), axis=1)
+        )
+        > SAME
+    ):
         return "other angles"
     return None
 
@@ -96,9 +106,18 @@ def shipped_cases(only: list[str] | None) -> Iterator[Case]:
     for name in only or shipped_names():
         mechanism = symkin.load(name)
         problem = build_problem(mechanism, "direct") if not mechanism.is_graph else None
-        actuated = {c.name: mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0] for c in mechanism.actuated}
+        actuated = {
+            c.name: mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
+            for c in mechanism.actuated
+        }
         if actuated and not (problem is not None and problem.is_explicit):
-            yield Case(mechanism, {name: value + 1e-3 * k for k, (name, value) in enumerate(actuated.items(), start=1)})
+            yield Case(
+                mechanism,
+                {
+                    name: value + 1e-3 * k
+                    for k, (name, value) in enumerate(actuated.items(), start=1)
+                },
+            )
         if problem is not None:
             found = symkin.solve(mechanism, joints=list(actuated.values()))
             assert found.solution is not None
@@ -128,7 +147,10 @@ def main() -> int:
     options = parser.parse_args()
     counts: Counter[str] = Counter()
     rng = np.random.default_rng(options.seed)
-    for case in chain(shipped_cases(options.only), random_cases(0 if options.only else options.random, options.seed)):
+    for case in chain(
+        shipped_cases(options.only),
+        random_cases(0 if options.only else options.random, options.seed),
+    ):
         if case.mechanism.name in options.skip:
             continue
         begin, findings = time.perf_counter(), []
@@ -144,7 +166,12 @@ def main() -> int:
         except Exception as error:
             findings.append(f"error: {error!r}")
         counts["differ"] += len(findings)
-        print(case.label, f"{time.perf_counter() - begin:.1f} s", "; ".join(findings) or "same", flush=True)
+        print(
+            case.label,
+            f"{time.perf_counter() - begin:.1f} s",
+            "; ".join(findings) or "same",
+            flush=True,
+        )
     print(dict(counts))
     return int(bool(counts["differ"]))
 

@@ -7,8 +7,8 @@ in its place) and the tests that must fail with it. The tracked files are copied
 folder, one for each job. There the tests pass as the files are; then a fault is put in, its tests
 run with a cache of their own, and the file is put back. Tests that compare generated C with the
 committed folders, digests and golden figures are left out: they find every change and say of none
-that it is wrong. The command ends with 1 where a fault survives or no longer fits the code, or where a test
-fails without any.
+that it is wrong. The command ends with 1 where a fault survives or no longer fits the code, or
+where a test fails without any.
 """
 
 from __future__ import annotations

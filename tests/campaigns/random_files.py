@@ -1,7 +1,9 @@
-"""Random mechanism files: limbs of R, P, H, C, U and S joints, rods, serial arms, special directions, all motions.
+"""Random mechanism files: limbs of R, P, H, C, U and S joints, rods, serial arms, special
+directions, all motions.
 
-Axes are drawn from small sets in most families, so that parallel, meeting and coincident axes, which random numbers never
-give, are common; actuated joints are chosen, in most files, so that they determine the platform at a generic configuration.
+Axes are drawn from small sets in most families, so that parallel, meeting and coincident axes,
+which random numbers never give, are common; actuated joints are chosen, in most files, so that they
+determine the platform at a generic configuration.
 """
 
 from __future__ import annotations
@@ -22,7 +24,9 @@ MOTIONS = ("spatial", "schoenflies", "planar", "translation", "spherical")
 DETERMINED = 0.85
 """Share of files whose actuated joints are chosen to determine the platform."""
 MOST_PASSIVE, MOST_PASSIVE_SHARES = (2, 3, 4, 6), (0.4, 0.35, 0.17, 0.08)
-"""Most passive freedoms that all limbs together have beside one joint of each limb, so that a file is quick, and how often."""
+"""Most passive freedoms that all limbs together have beside one joint of each limb, so that a file
+is quick, and how often.
+"""
 
 
 @dataclass
@@ -65,10 +69,15 @@ def random_file(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def head(rng: np.random.Generator) -> dict[str, Any]:
-    return {"format": 1, "name": "m", "length_unit": str(rng.choice(["mm", "m"])), "angle_unit": str(rng.choice(["deg", "rad"]))}
+    return {
+        "format": 1,
+        "name": "m",
+        "length_unit": str(rng.choice(["mm", "m"])),
+        "angle_unit": str(rng.choice(["deg", "rad"])),
+    }
 
 
-# --- points and axes ------------------------------------------------------------------------------------------------
+# --- points and axes ------------------------------------------------------------------------------
 
 
 def grid_point(rng: np.random.Generator) -> Callable[[], list[float]]:
@@ -97,7 +106,7 @@ def draw(rng: np.random.Generator, types: str) -> Draw:
     return Draw(rng, point, axis, types)
 
 
-# --- families -------------------------------------------------------------------------------------------------------
+# --- families -------------------------------------------------------------------------------------
 
 
 def spatial(rng: np.random.Generator) -> dict[str, Any] | None:
@@ -109,17 +118,26 @@ def spatial(rng: np.random.Generator) -> dict[str, Any] | None:
         if form == "leg":
             limbs.append(leg(d))
         else:
-            joints = [d.joint() for _ in range(int(rng.choice([2, 3, 4, 5], p=[0.3, 0.4, 0.2, 0.1])))]
+            joints = [
+                d.joint() for _ in range(int(rng.choice([2, 3, 4, 5], p=[0.3, 0.4, 0.2, 0.1])))
+            ]
             limb: dict[str, Any] = {"name": f"limb{k}", "joint": joints}
             if form == "rods":
-                limb["joint"] = [d.joint("RP"[rng.integers(2)]) for _ in range(int(rng.integers(1, 3)))]
-                limb["rod"] = [{"from": d.point(), "platform": d.point()} for _ in range(int(rng.integers(1, 4)))]
+                limb["joint"] = [
+                    d.joint("RP"[rng.integers(2)]) for _ in range(int(rng.integers(1, 3)))
+                ]
+                limb["rod"] = [
+                    {"from": d.point(), "platform": d.point()}
+                    for _ in range(int(rng.integers(1, 4)))
+                ]
             limbs.append(limb)
     return assembled(rng, limbs, d, str(rng.choice(MOTIONS, p=[0.6, 0.1, 0.1, 0.1, 0.1])))
 
 
 def equal_limbs(rng: np.random.Generator) -> dict[str, Any] | None:
-    """Two or three equal limbs turned about z, with an optional other one: the way in which machines are made."""
+    """Two or three equal limbs turned about z, with an optional other one: the way in which
+    machines are made.
+    """
     d = draw(rng, "RRPPCUSUS")
     d.axis = special_axis(rng)
     limb = [d.joint() for _ in range(int(rng.choice([2, 3, 4], p=[0.2, 0.6, 0.2])))]
@@ -131,11 +149,17 @@ def equal_limbs(rng: np.random.Generator) -> dict[str, Any] | None:
         joints = []
         for joint in limb:
             turned = {**joint, "name": f"{joint['name']}_{k}"}
-            turned |= {key: [float(v) for v in r @ joint[key]] for key in ("point", "axis", "axis2") if key in joint}
+            turned |= {
+                key: [float(v) for v in r @ joint[key]]
+                for key in ("point", "axis", "axis2")
+                if key in joint
+            }
             joints.append(turned)
         limbs.append({"name": f"limb{k}", "joint": joints})
     if rng.uniform() < 0.4:
-        limbs.append({"name": "other", "joint": [d.joint() for _ in range(int(rng.integers(1, 4)))]})
+        limbs.append(
+            {"name": "other", "joint": [d.joint() for _ in range(int(rng.integers(1, 4)))]}
+        )
     return assembled(rng, limbs, d, str(rng.choice(MOTIONS, p=[0.6, 0.1, 0.1, 0.1, 0.1])))
 
 
@@ -148,7 +172,9 @@ def us_limbs(rng: np.random.Generator) -> dict[str, Any] | None:
         limbs.append({"name": f"limb{k}", "joint": [d.joint("U"), *between, d.joint("S")]})
     other = rng.choice(["UP", "PU", "RP", "PR", "RPR", "C", "PP", "UR", "SP", "RRP"])
     limbs.append({"name": "centre", "joint": [d.joint(kind) for kind in str(other)]})
-    return assembled(rng, limbs, d, str(rng.choice(["spatial", "spatial", "spherical", "schoenflies"])))
+    return assembled(
+        rng, limbs, d, str(rng.choice(["spatial", "spatial", "spherical", "schoenflies"]))
+    )
 
 
 def planar(rng: np.random.Generator) -> dict[str, Any] | None:
@@ -171,7 +197,10 @@ def spherical(rng: np.random.Generator) -> dict[str, Any] | None:
     axis = special_axis(rng) if rng.uniform() < 0.3 else free_axis(rng)
     d = Draw(rng, lambda: list(centre), axis, "RRRRRRUS")
     limbs = [
-        {"name": f"limb{k}", "joint": [d.joint() for _ in range(int(rng.choice([2, 3], p=[0.3, 0.7])))]}
+        {
+            "name": f"limb{k}",
+            "joint": [d.joint() for _ in range(int(rng.choice([2, 3], p=[0.3, 0.7])))],
+        }
         for k in range(int(rng.integers(1, 4)))
     ]
     data = assembled(rng, limbs, d, str(rng.choice(["spherical", "spatial"])))
@@ -207,7 +236,9 @@ def arm(rng: np.random.Generator) -> dict[str, Any] | None:
                     "alpha": turns[1],
                 }
             )
-        return data | {"dh": {"convention": str(rng.choice(["standard", "modified"])), "rows": rows}}
+        return data | {
+            "dh": {"convention": str(rng.choice(["standard", "modified"])), "rows": rows}
+        }
     d = draw(rng, "RRRRPH")
     return head(rng) | {"joint": [d.joint() for _ in range(count)], "tool": {"position": d.point()}}
 
@@ -221,15 +252,23 @@ FAMILIES = (spatial, equal_limbs, us_limbs, planar, spherical, legs, arm)
 SHARES = (0.3, 0.18, 0.14, 0.12, 0.1, 0.05, 0.11)
 
 
-# --- which joints are actuated --------------------------------------------------------------------------------------
+# --- which joints are actuated --------------------------------------------------------------------
 
 
-def assembled(rng: np.random.Generator, limbs: list[dict[str, Any]], d: Draw, motion: str) -> dict[str, Any] | None:
-    """The file of some limbs with its actuated joints chosen; None where it is too large to be quick."""
+def assembled(
+    rng: np.random.Generator, limbs: list[dict[str, Any]], d: Draw, motion: str
+) -> dict[str, Any] | None:
+    """The file of some limbs with its actuated joints chosen; None where it is too large to be
+    quick.
+    """
     freedoms = [sum(FREEDOM[j["type"]] for j in limb["joint"]) for limb in limbs if "joint" in limb]
     if motion == "spatial" and sum(freedoms) < 6 * (len(limbs) - 1) and rng.uniform() < 0.7:
         return None
-    quaternion = [1.0, 0.0, 0.0, 0.0] if rng.uniform() < 0.6 else [float(v) for v in _unit(rng.normal(size=4))]
+    quaternion = (
+        [1.0, 0.0, 0.0, 0.0]
+        if rng.uniform() < 0.6
+        else [float(v) for v in _unit(rng.normal(size=4))]
+    )
     platform = {"position": d.point(), "quaternion": quaternion, "motion": motion}
     data = head(rng) | {"platform": platform, "limb": limbs}
     candidates = [j for limb in limbs for j in limb.get("joint", []) if j["type"] in "RPH"]
@@ -245,13 +284,19 @@ def _passive(limbs: list[dict[str, Any]]) -> int:
     """Passive freedoms beside the freest passive joint of each limb."""
     total = 0
     for limb in limbs:
-        freedoms = sorted(FREEDOM[j["type"]] for j in limb.get("joint", []) if not j.get("actuated", False))
+        freedoms = sorted(
+            FREEDOM[j["type"]] for j in limb.get("joint", []) if not j.get("actuated", False)
+        )
         total += sum(freedoms if limb.get("rod") else freedoms[:-1])
     return total
 
 
-def _actuate(rng: np.random.Generator, data: dict[str, Any], candidates: list[dict[str, Any]]) -> None:
-    """Actuate joints at random as long as each adds to what is determined at a generic closed configuration."""
+def _actuate(
+    rng: np.random.Generator, data: dict[str, Any], candidates: list[dict[str, Any]]
+) -> None:
+    """Actuate joints at random as long as each adds to what is determined at a generic closed
+    configuration.
+    """
     m = PlainMechanism(data)
     closed = closed_configurations(m, 6, 0.2, rng)
     if not len(closed):
@@ -278,7 +323,7 @@ def _unit(v: np.ndarray) -> np.ndarray:
     return np.asarray(v / np.linalg.norm(v))
 
 
-# --- text -----------------------------------------------------------------------------------------------------------
+# --- text -----------------------------------------------------------------------------------------
 
 
 def to_toml(data: dict[str, Any]) -> str:
@@ -301,7 +346,9 @@ def _tables(data: dict[str, Any], path: str) -> list[str]:
 
 
 def _is_table(value: Any) -> bool:
-    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
+    return isinstance(value, dict) or (
+        isinstance(value, list) and bool(value) and isinstance(value[0], dict)
+    )
 
 
 def _value(value: Any) -> str:

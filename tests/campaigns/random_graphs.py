@@ -1,13 +1,17 @@
-"""Random graphs of links and joints: does `modes` lose a configuration that random starts of another solver find?
+"""Random graphs of links and joints: does `modes` lose a configuration that random starts of
+another solver find?
 
-    python tests/campaigns/random_graphs.py [--count 500] [--seed 0] [--starts 600] [--small] [--only INDEX ...] [-o FOLDER]
+    python tests/campaigns/random_graphs.py [--count 500] [--seed 0] [--starts 600] [--small]
+        [--only INDEX ...] [-o FOLDER]
 
-Graphs are planar, spherical and spatial, of 2 to 14 links and 1 to 5 loops, with joints of all types, rods and couplings. With
-`--small` they are of one or two loops and quick, planar and spherical ones (axes of small whole numbers for some) with couplings,
-and single spatial loops, at sizes 1e-6 to 1e6; and modes by formulas are compared with those by paths. Values of as many
-coordinates as the mobility are those of a closed configuration, so that there is a mode. The judge is `plain_graph.py`, which shares
-nothing with symkin. Lost is an isolated configuration of the judge that a list lacks which is "proved" or of "probability one";
-sampled lists are counted. A mode that the judge finds open is wrong. Every finding names the file. Exit status 1 where anything is
+Graphs are planar, spherical and spatial, of 2 to 14 links and 1 to 5 loops, with joints of all
+types, rods and couplings. With `--small` they are of one or two loops and quick, planar and
+spherical ones (axes of small whole numbers for some) with couplings, and single spatial loops, at
+sizes 1e-6 to 1e6; and modes by formulas are compared with those by paths. Values of as many
+coordinates as the mobility are those of a closed configuration, so that there is a mode. The judge
+is `plain_graph.py`, which shares nothing with symkin. Lost is an isolated configuration of the
+judge that a list lacks which is "proved" or of "probability one"; sampled lists are counted. A mode
+that the judge finds open is wrong. Every finding names the file. Exit status 1 where anything is
 lost or wrong, or differs between the engines, or ends in an error.
 """
 
@@ -37,7 +41,9 @@ SIZES = (-6.0, 6.0)
 """Decimal exponents of the sizes of small graphs, over a tenth of a metre."""
 LISTED = ("proved", "probability one")
 SAME = 1e-5
-"""Largest difference of a coordinate (rad, share of the size) of one configuration in both writings."""
+"""Largest difference of a coordinate (rad, share of the size) of one configuration in both
+writings.
+"""
 
 
 class Drawing:
@@ -54,11 +60,21 @@ class Drawing:
         """What joints the family has."""
         if not self.is_small:
             return self.name
-        plain = str(self.rng.choice(["planar", "spherical"])) if self.name == "coupled" else self.name.split()[-1]
+        plain = (
+            str(self.rng.choice(["planar", "spherical"]))
+            if self.name == "coupled"
+            else self.name.split()[-1]
+        )
         return "spatial" if plain == "single" else plain
 
     def grow(self) -> str:
-        loops = int(self.rng.integers(1, 6)) if not self.is_small else 1 if self.name.startswith("single") else 2
+        loops = (
+            int(self.rng.integers(1, 6))
+            if not self.is_small
+            else 1
+            if self.name.startswith("single")
+            else 2
+        )
         for loop in range(loops):
             if len(self.links) > 12:
                 break
@@ -74,7 +90,9 @@ class Drawing:
             self.tables.append(f'[[coupling]]\njoint = "j{self.joints}"\nof = {{ j1 = {ratio} }}\n')
 
     def _loop(self, *, first: bool) -> None:
-        """A chain between two links: with as many freedoms as the family has, so that it moves nothing, or one more."""
+        """A chain between two links: with as many freedoms as the family has, so that it moves
+        nothing, or one more.
+        """
         need = 6 if self.family in ("spatial", "rods") else 3
         total = need + int(first or self.name == "coupled" or self.rng.random() < 0.3)
         ends = [str(v) for v in self.rng.choice(self.links, 2, replace=len(self.links) < 2)]
@@ -97,7 +115,9 @@ class Drawing:
             at = to
 
     def _types(self, total: int) -> list[str]:
-        allowed = {"planar": "RRRP", "spherical": "R", "spatial": "RRPCUS", "rods": "RRUS"}[self.family]
+        allowed = {"planar": "RRRP", "spherical": "R", "spatial": "RRPCUS", "rods": "RRUS"}[
+            self.family
+        ]
         while True:
             types, left = [], total
             while left > 0:
@@ -105,7 +125,11 @@ class Drawing:
                 types.append(kind)
                 left -= FREEDOM[kind]
             # a chain of two joints or more, at most one ball, which would otherwise let a link spin
-            if len(types) >= 2 and types.count("S") <= 1 and not (self.family == "planar" and types.count("P") > 1):
+            if (
+                len(types) >= 2
+                and types.count("S") <= 1
+                and not (self.family == "planar" and types.count("P") > 1)
+            ):
                 return types
 
     def _joint(self, kind: str, a: str, b: str) -> None:
@@ -114,12 +138,19 @@ class Drawing:
         if self.family == "planar":
             point[2] = 0.0
             turn = self.rng.uniform(0, np.pi)
-            axis = np.array([0.0, 0.0, 1.0]) if kind == "R" else np.array([np.cos(turn), np.sin(turn), 0.0])
+            axis = (
+                np.array([0.0, 0.0, 1.0])
+                if kind == "R"
+                else np.array([np.cos(turn), np.sin(turn), 0.0])
+            )
         if self.family == "spherical":
             if self.name == "whole spherical":
                 axis = self._whole_direction()
             point = 100 * self.scale * axis
-        table = f'[[joint]]\nname = "j{self.joints}"\ntype = "{kind}"\nlinks = ["{a}", "{b}"]\npoint = {point.tolist()}\n'
+        table = (
+            f'[[joint]]\nname = "j{self.joints}"\ntype = "{kind}"\nlinks = ["{a}", "{b}"]\n'
+            f"point = {point.tolist()}\n"
+        )
         if kind != "S":
             table += f"axis = {axis.tolist()}\n"
         if kind == "U":
@@ -131,11 +162,14 @@ class Drawing:
         self.joints += 1
         ends = self.scale * self.rng.uniform(-100, 100, (2, 3))
         self.tables.append(
-            f'[[rod]]\nname = "j{self.joints}"\nlinks = ["{a}", "{b}"]\nfrom = {ends[0].tolist()}\nto = {ends[1].tolist()}\n'
+            f'[[rod]]\nname = "j{self.joints}"\nlinks = ["{a}", "{b}"]\nfrom = {ends[0].tolist()}\n'
+            f"to = {ends[1].tolist()}\n"
         )
 
     def _whole_direction(self) -> np.ndarray:
-        """A direction of small whole numbers: links of equal angles, axes at right angles to each other."""
+        """A direction of small whole numbers: links of equal angles, axes at right angles to each
+        other.
+        """
         v = np.zeros(3)
         while not v.any():
             v = self.rng.integers(-2, 3, 3).astype(float)
@@ -147,8 +181,10 @@ class Drawing:
 
 
 def chosen_values(path: Path, rng: np.random.Generator) -> tuple[dict[str, float], int] | None:
-    """Values of coordinates, as many as the mobility, that decide all others, at a closed configuration; None where the graph
-    does not close beside its reference, or has idle freedoms that no coordinate binds."""
+    """Values of coordinates, as many as the mobility, that decide all others, at a closed
+    configuration; None where the graph does not close beside its reference, or has idle freedoms
+    that no coordinate binds.
+    """
     g = read(path)
     near = generic(g, count=12, spread=0.3, seed=int(rng.integers(1000)))
     if not len(near):
@@ -169,7 +205,9 @@ def chosen_values(path: Path, rng: np.random.Generator) -> tuple[dict[str, float
     return {g.coordinates[k].name: float(v[k] / g.coordinates[k].unit) for k in given}, mobility
 
 
-def compare(path: Path, given: dict[str, float], starts: int, *, engines: bool = False) -> tuple[str, dict[str, object]]:
+def compare(
+    path: Path, given: dict[str, float], starts: int, *, engines: bool = False
+) -> tuple[str, dict[str, object]]:
     """ "same", "sampled", "refused", "lost", "wrong" or "differs", and what is told of it."""
     mechanism = symkin.load(path)
     begin = time.perf_counter()
@@ -183,17 +221,25 @@ def compare(path: Path, given: dict[str, float], starts: int, *, engines: bool =
     judge = configurations(g, given, starts)
     missing, unpaired = _missing(g, judge, found), _missing(g, judge, paths)
     about: dict[str, object] = {
-        "modes": len(found), "judge": int(judge.isolated.sum()), "missing": missing, "complex": found.complex_count,
-        "completeness": found.completeness, "certified": sum(bool(m.certified) for m in found), "seconds": round(seconds, 2),
-        "groups": [len(group.unknowns) for group in found.groups], "given": given,
-    }  # fmt: skip
+        "modes": len(found),
+        "judge": int(judge.isolated.sum()),
+        "missing": missing,
+        "complex": found.complex_count,
+        "completeness": found.completeness,
+        "certified": sum(bool(m.certified) for m in found),
+        "seconds": round(seconds, 2),
+        "groups": [len(group.unknowns) for group in found.groups],
+        "given": given,
+    }
     if any(mode.residual > 1e-9 * mechanism.characteristic_length for mode in found):
         return "wrong", about
     if missing and found.completeness in LISTED:
         return "lost", about
     if len(paths) != len(found) and paths.completeness in LISTED and found.completeness in LISTED:
         return "differs", about | {"paths": len(paths), "missing by paths": unpaired}
-    return ("sampled" if found.completeness == "sampled" else found.completeness if missing else "same"), about
+    return (
+        "sampled" if found.completeness == "sampled" else found.completeness if missing else "same"
+    ), about
 
 
 def _missing(g: Graph, judge: Found, found: symkin.Modes) -> int:
@@ -225,7 +271,9 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--starts", type=int, default=600)
     parser.add_argument("--small", action="store_true")
-    parser.add_argument("--seconds", type=float, default=np.inf, help="begin no other graph after this many")
+    parser.add_argument(
+        "--seconds", type=float, default=np.inf, help="begin no other graph after this many"
+    )
     parser.add_argument("--only", type=int, nargs="*")
     parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
@@ -251,7 +299,10 @@ def main() -> int:
             verdict, about = "error", {"error": repr(error)}
         counts[verdict] += 1
         counts[drawing.name] += 1
-        size = f"{drawing.name}, size {drawing.scale:.1g}, {len(drawing.links)} links, {drawing.joints} joints"
+        size = (
+            f"{drawing.name}, size {drawing.scale:.1g}, {len(drawing.links)} links, "
+            f"{drawing.joints} joints"
+        )
         print(index, size, verdict, about, flush=True)
     print(dict(counts))
     return int(bool(counts["lost"] or counts["wrong"] or counts["differs"] or counts["error"]))

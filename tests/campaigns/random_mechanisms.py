@@ -1,11 +1,14 @@
-"""Random mechanisms through every verb of the command line, each answer held against a closure of the benchmark's own.
+"""Random mechanisms through every verb of the command line, each answer held against a closure of
+the benchmark's own.
 
-    python tests/campaigns/random_mechanisms.py [--count 2000] [--seed 0] [--workers 1] [--limit 20] [-o FOLDER] [--only INDEX]
+    python tests/campaigns/random_mechanisms.py [--count 2000] [--seed 0] [--workers 1] [--limit 20]
+        [-o FOLDER] [--only INDEX]
 
-Each mechanism has a process of its own. Counted are tracebacks (and warnings, broken JSON, undocumented statuses), lost
-modes (a regular mode that random starts find and a proved list, or one of probability one, lacks), silent wrong answers
-(what does not close, Jacobians that differ from differences of the closure, C that does not compile), timeouts and crashes.
-Every finding names the file and the command that shows it. The same seed gives the same mechanisms; finished ones are kept
+Each mechanism has a process of its own. Counted are tracebacks (and warnings, broken JSON,
+undocumented statuses), lost modes (a regular mode that random starts find and a proved list, or one
+of probability one, lacks), silent wrong answers (what does not close, Jacobians that differ from
+differences of the closure, C that does not compile), timeouts and crashes. Every finding names the
+file and the command that shows it. The same seed gives the same mechanisms; finished ones are kept
 in FOLDER and not run again. Exit status 1 where anything was found.
 """
 
@@ -40,14 +43,22 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--limit", type=float, default=20.0, help="Seconds of CPU that a mechanism may take.")
-    parser.add_argument("--only", type=int, nargs="*", help="Indices to run, again if they are kept.")
+    parser.add_argument(
+        "--limit", type=float, default=20.0, help="Seconds of CPU that a mechanism may take."
+    )
+    parser.add_argument(
+        "--only", type=int, nargs="*", help="Indices to run, again if they are kept."
+    )
     parser.add_argument("-o", "--output", type=Path, help="Folder of mechanism files and results.")
-    parser.add_argument("--refusals", action="store_true", help="Print what was refused, by message.")
+    parser.add_argument(
+        "--refusals", action="store_true", help="Print what was refused, by message."
+    )
     options = parser.parse_args()
     folder = options.output or Path(tempfile.mkdtemp(prefix="random_mechanisms_"))
     folder.mkdir(parents=True, exist_ok=True)
-    results = run_all(folder, options.count, options.seed, options.workers, options.limit, options.only)
+    results = run_all(
+        folder, options.count, options.seed, options.workers, options.limit, options.only
+    )
     print(report(results, options.seed, folder, refusals=options.refusals))
     return int(any(r["findings"] for r in results))
 
@@ -86,7 +97,9 @@ def kept_results(folder: Path, seed: int) -> dict[int, dict[str, Any]]:
 
 
 def _work(folder: Path, seed: int) -> Work:
-    """What a process does with the mechanism of an index: it sends the command that it runs, then its answer."""
+    """What a process does with the mechanism of an index: it sends the command that it runs, then
+    its answer.
+    """
     import numpy as np
 
     from campaigns.random_files import random_file
@@ -98,12 +111,25 @@ def _work(folder: Path, seed: int) -> Work:
         try:
             data = random_file(np.random.default_rng([seed, index]))
             numbers = (seed, index, 1)
-            checks = Checks(file, data, numbers, index % COMPILED_SHARE == 0, index % SWEPT_SHARE == 0, stage=send)
+            checks = Checks(
+                file,
+                data,
+                numbers,
+                index % COMPILED_SHARE == 0,
+                index % SWEPT_SHARE == 0,
+                stage=send,
+            )
             checks.all()
             findings = [asdict(f) for f in checks.findings]
         except BaseException:
             findings = [asdict(f) for f in checks.findings] if checks else []
-            findings.append({"kind": "crash", "text": "the benchmark: " + traceback.format_exc()[-900:], "command": str(file)})
+            findings.append(
+                {
+                    "kind": "crash",
+                    "text": "the benchmark: " + traceback.format_exc()[-900:],
+                    "command": str(file),
+                }
+            )
         about = NOTHING if checks is None else {key: getattr(checks, key) for key in NOTHING}
         send({"findings": findings, **about, "seconds": time.process_time()})
 
@@ -115,11 +141,17 @@ def _result(ended: Ended, limit: float) -> dict[str, Any]:
     last = ended.sent[-1] if ended.sent else "making the file"
     if isinstance(last, dict):
         return last | {"index": ended.task}
-    finding = {"kind": "timeout" if ended.late else "crash", "text": str(ended.fault), "command": last}
+    finding = {
+        "kind": "timeout" if ended.late else "crash",
+        "text": str(ended.fault),
+        "command": last,
+    }
     return NOTHING | {"findings": [finding], "seconds": limit, "index": ended.task}
 
 
-def report(results: list[dict[str, Any]], seed: int, folder: Path, *, refusals: bool = False) -> str:
+def report(
+    results: list[dict[str, Any]], seed: int, folder: Path, *, refusals: bool = False
+) -> str:
     found = Counter(f["kind"] for r in results for f in r["findings"])
     statuses: Counter[str] = Counter()
     messages: Counter[str] = Counter()
@@ -129,14 +161,19 @@ def report(results: list[dict[str, Any]], seed: int, folder: Path, *, refusals: 
         statuses.update(r["statuses"])
         messages.update(r["refusals"])
     seconds = sorted(r["seconds"] for r in results)
-    lines = [f"{f['kind']}: {f['text']}\n    {f['command']}" for r in results for f in r["findings"]]
+    lines = [
+        f"{f['kind']}: {f['text']}\n    {f['command']}" for r in results for f in r["findings"]
+    ]
     lines += [f"  {n:5d}  {text}" for text, n in messages.most_common()] if refusals else []
     lines += [
         f"statuses of commands: {', '.join(f'{key}: {n}' for key, n in sorted(statuses.items()))}",
-        f"lists of modes held against random starts: {sum(r['compared'] for r in results)} complete ones; "
+        f"lists of modes held against random starts: {sum(r['compared'] for r in results)} "
+        f"complete ones; "
         f"{sum(r['sampled'] for r in results)} say that they may not be",
-        f"seconds by verb: {', '.join(f'{key} {seconds:.1f}' for key, seconds in times.most_common())}",
-        f"seconds of CPU: {sum(seconds):.0f} in all, {sum(seconds) / max(1, len(seconds)):.1f} a mechanism, longest {seconds[-1] if seconds else 0:.0f}",
+        f"seconds by verb: "
+        f"{', '.join(f'{key} {seconds:.1f}' for key, seconds in times.most_common())}",
+        f"seconds of CPU: {sum(seconds):.0f} in all, {sum(seconds) / max(1, len(seconds)):.1f} a "
+        f"mechanism, longest {seconds[-1] if seconds else 0:.0f}",
         f"seed {seed}, {len(results)} mechanisms: "
         + ", ".join(f"{found[kind]} {_plural(kind, found[kind])}" for kind in KINDS)
         + f"; files in {folder}",

@@ -1,11 +1,13 @@
-"""Pages of random machines in a browser: do they come up, and show the modes that `modes` lists at other values too?
+"""Pages of random machines in a browser: do they come up, and show the modes that `modes` lists at
+other values too?
 
     python tests/campaigns/random_pages.py [--count 100] [--seed 0] [-o FOLDER]
 
-Machines are those of `random_graphs.py`, with sliders for coordinates that decide all others. Each page is opened in Chromium by
-Playwright. It must come up without an error, and in 30 s. At the start and at two places to which it then goes, its modes are
-those of `modes`. "lost": the page says that it follows all complex solutions and has another list than `modes`, which is complete;
-"short": it says that modes may be missing. Exit status 1 for errors and lost modes.
+Machines are those of `random_graphs.py`, with sliders for coordinates that decide all others. Each
+page is opened in Chromium by Playwright. It must come up without an error, and in 30 s. At the
+start and at two places to which it then goes, its modes are those of `modes`. "lost": the page says
+that it follows all complex solutions and has another list than `modes`, which is complete; "short":
+it says that modes may be missing. Exit status 1 for errors and lost modes.
 """
 
 from __future__ import annotations
@@ -33,22 +35,35 @@ NEAR = 0.1
 COMPLETE = ("proved", "probability one")
 
 
-def judged(page: Any, mechanism: symkin.Mechanism, given: dict[str, float], rng: np.random.Generator) -> tuple[str, object]:
+def judged(
+    page: Any, mechanism: symkin.Mechanism, given: dict[str, float], rng: np.random.Generator
+) -> tuple[str, object]:
     """ "same", "short", "lost", or "sampled" where there is no complete list to compare with."""
     verdict, told = "same", []
     for place in range(3):
         if place:
-            given = {name: value + NEAR * rng.uniform(-1, 1) * _unit(mechanism, name) for name, value in given.items()}
+            given = {
+                name: value + NEAR * rng.uniform(-1, 1) * _unit(mechanism, name)
+                for name, value in given.items()
+            }
             if not page.evaluate("values => symkin.set(values).reached", given):
                 break
-        shown, words = page.evaluate("[symkin.modes().map(mode => mode.joints), document.querySelector('#modes').innerText]")
+        shown, words = page.evaluate(
+            "[symkin.modes().map(mode => mode.joints), document.querySelector('#modes').innerText]"
+        )
         page.wait_for_function("!document.querySelector('#modes').innerText.includes('Finding')")
         found = symkin.modes(mechanism, given=given)
         told.append((len(shown), len(found)))
         if found.completeness not in COMPLETE:
             verdict = "sampled" if verdict == "same" else verdict
         elif len(shown) != len(found):
-            verdict = "short" if any(word in words for word in ("may be missing", " of the ", "too many", "agree")) else "lost"
+            verdict = (
+                "short"
+                if any(
+                    word in words for word in ("may be missing", " of the ", "too many", "agree")
+                )
+                else "lost"
+            )
             if verdict == "lost":
                 break
     return verdict, told
@@ -71,7 +86,9 @@ def main() -> int:
     counts: Counter[str] = Counter()
     with sync_playwright() as playwright:
         arguments = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=arguments)
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=arguments
+        )
         for index in range(options.count):
             rng = np.random.default_rng([options.seed, index])
             path = folder / f"{index}.toml"
@@ -88,7 +105,9 @@ def main() -> int:
     return int(bool(counts["lost"] or counts["error"]))
 
 
-def _opened(browser: Any, path: Path, given: dict[str, float], rng: np.random.Generator) -> tuple[str, object]:
+def _opened(
+    browser: Any, path: Path, given: dict[str, float], rng: np.random.Generator
+) -> tuple[str, object]:
     try:
         mechanism = symkin.load(path)
         symkin.view(mechanism, given=given).save(path.with_suffix(".html"))

@@ -1,15 +1,19 @@
-"""A campaign over robots of others: every MJCF, URDF and SDF file of a folder is read, closed and checked, one line each.
+"""A campaign over robots of others: every MJCF, URDF and SDF file of a folder is read, closed and
+checked, one line each.
 
     python tests/campaigns/robots.py FOLDER [--modes] [--json FILE] [--timeout S]
 
-Each file has a process of its own. Its line tells what was read, rank and mobility (generic: at closed configurations beside the closed
-one), how far the loops were open and are, and what other tools say; or the sentence with which it is refused. With --modes the
-actuated joints stand at the reference, other joints too where that leaves a motion free, and the line ends with the modes of each block.
+Each file has a process of its own. Its line tells what was read, rank and mobility (generic: at
+closed configurations beside the closed one), how far the loops were open and are, and what other
+tools say; or the sentence with which it is refused. With --modes the actuated joints stand at the
+reference, other joints too where that leaves a motion free, and the line ends with the modes of
+each block.
 
-The other tools: MuJoCo for MJCF (poses of all bodies at the file's configuration and at a random one of the tree, violation and rank of its
-equality constraints at the closed configuration), Pinocchio for URDF (poses of all links of the tree, at 0 and at random), for SDF an account
-by maximal coordinates (sdf_twin.py: poses, and the mobility at the file's configuration). Exit status 1 where a file ends in a traceback,
-or was read otherwise than the other tool reads it.
+The other tools: MuJoCo for MJCF (poses of all bodies at the file's configuration and at a random
+one of the tree, violation and rank of its equality constraints at the closed configuration),
+Pinocchio for URDF (poses of all links of the tree, at 0 and at random), for SDF an account by
+maximal coordinates (sdf_twin.py: poses, and the mobility at the file's configuration). Exit status
+1 where a file ends in a traceback, or was read otherwise than the other tool reads it.
 """
 
 from __future__ import annotations
@@ -39,9 +43,17 @@ _STATES = ("read", "open", "refused", "timed out", "crashed", "read otherwise")
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--modes", action="store_true", help="list the modes at the reference's actuated values, too")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write all that is found into a file")
-    parser.add_argument("--timeout", type=float, default=60.0, metavar="S", help="seconds that one file may take")
+    parser.add_argument(
+        "--modes",
+        action="store_true",
+        help="list the modes at the reference's actuated values, too",
+    )
+    parser.add_argument(
+        "--json", type=Path, metavar="FILE", help="write all that is found into a file"
+    )
+    parser.add_argument(
+        "--timeout", type=float, default=60.0, metavar="S", help="seconds that one file may take"
+    )
     parser.add_argument("--one", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.one:
@@ -54,7 +66,9 @@ def main() -> None:
     found = []
     for path in files:
         entry = _in_a_process(path, modes=options.modes, timeout=options.timeout)
-        entry["file"] = str(path.relative_to(options.folder)) if options.folder.is_dir() else str(path)
+        entry["file"] = (
+            str(path.relative_to(options.folder)) if options.folder.is_dir() else str(path)
+        )
         found.append(entry)
         print(line_of(entry), flush=True)
     print(summary_of(found))
@@ -64,7 +78,9 @@ def main() -> None:
 
 
 def robot_files(folder: Path) -> Iterator[Path]:
-    """Files of robots in a folder and those below, by their suffix; of .xml those whose root element is <mujoco>."""
+    """Files of robots in a folder and those below, by their suffix; of .xml those whose root
+    element is <mujoco>.
+    """
     for path in sorted(folder.rglob("*")) if folder.is_dir() else [folder]:
         if path.is_file() and is_robot(path) and (path.suffix.lower() != ".xml" or _is_model(path)):
             yield path
@@ -73,10 +89,13 @@ def robot_files(folder: Path) -> Iterator[Path]:
 def _is_model(path: Path) -> bool:
     """Whether an XML file is a model of MuJoCo, and no part that others include."""
     text = path.read_bytes()
-    return re.search(rb"<mujoco[\s>]", text) is not None and re.search(rb"<worldbody|<include", text) is not None
+    return (
+        re.search(rb"<mujoco[\s>]", text) is not None
+        and re.search(rb"<worldbody|<include", text) is not None
+    )
 
 
-# --- one file ------------------------------------------------------------------------------------------------------------
+# --- one file -------------------------------------------------------------------------------------
 
 
 def _in_a_process(path: Path, *, modes: bool, timeout: float) -> dict[str, Any]:
@@ -93,7 +112,11 @@ def _in_a_process(path: Path, *, modes: bool, timeout: float) -> dict[str, Any]:
     if failed:
         entry |= {"status": "crashed", "sentence": " / ".join(errors.strip().splitlines()[-1:])}
     elif late:
-        entry |= {"modes": f"not within {timeout:g} s"} if entry.get("checked") else {"status": "timed out"}
+        entry |= (
+            {"modes": f"not within {timeout:g} s"}
+            if entry.get("checked")
+            else {"status": "timed out"}
+        )
     return entry
 
 
@@ -109,7 +132,18 @@ def _account(path: Path, *, modes: bool) -> Iterator[dict[str, Any]]:
         yield {"status": "refused", "sentence": str(error), "seconds": time.perf_counter() - begin}
         return
     account = found.to_dict()
-    kept = ("links", "joint_count", "loops", "rows", "rank", "mobility", "generic", "open_by", "residual", "notes")
+    kept = (
+        "links",
+        "joint_count",
+        "loops",
+        "rows",
+        "rank",
+        "mobility",
+        "generic",
+        "open_by",
+        "residual",
+        "notes",
+    )
     yield {
         "status": "read" if found.closed else "open",
         "seconds": time.perf_counter() - begin,
@@ -117,7 +151,9 @@ def _account(path: Path, *, modes: bool) -> Iterator[dict[str, Any]]:
         "couplings": len(robot.couplings),
         "actuated": len(found.actuated),
     }
-    agreement = {".xml": mujoco_agreement, ".urdf": pinocchio_agreement, ".sdf": sdf_agreement}.get(path.suffix.lower())
+    agreement = {".xml": mujoco_agreement, ".urdf": pinocchio_agreement, ".sdf": sdf_agreement}.get(
+        path.suffix.lower()
+    )
     try:
         yield {"checked": "no other tool" if agreement is None else agreement(path, robot)}
     except DisagreementError as error:
@@ -127,11 +163,17 @@ def _account(path: Path, *, modes: bool) -> Iterator[dict[str, Any]]:
 
 
 def _modes(mechanism: Any) -> str:
-    """The modes of each block, where the actuated joints and as many others as leave nothing free stand at the reference."""
+    """The modes of each block, where the actuated joints and as many others as leave nothing free
+    stand at the reference.
+    """
     import symkin
     from helpers.inside import determination, named_given, problem_of
 
-    values = {c.name: _reference(mechanism, c.name) for c in mechanism.coordinates if c.kind != "quaternion"}
+    values = {
+        c.name: _reference(mechanism, c.name)
+        for c in mechanism.coordinates
+        if c.kind != "quaternion"
+    }
     given: dict[str, float] = {}
     driven = [c.name for c in mechanism.actuated if c.name in values]
     try:
@@ -142,13 +184,20 @@ def _modes(mechanism: Any) -> str:
                 given = trial | {other: values[other] for other in said.binding if not driven}
             if not driven and given:
                 break
-        left = determination(problem_of(mechanism, named_given(mechanism, None, None, given))).binding if given else ()
+        left = (
+            determination(problem_of(mechanism, named_given(mechanism, None, None, given))).binding
+            if given
+            else ()
+        )
         given |= {name: values[name] for name in left}
         found = symkin.modes(mechanism, given=given)
     except SymkinError as error:
         return f"none listed: {error}"
     blocks = " x ".join(str(group.count) for group in found.groups)
-    return f"{found.total}{f' = {blocks}' if blocks else ''} ({found.completeness}; {len(given)} given)"
+    return (
+        f"{found.total}{f' = {blocks}' if blocks else ''} ({found.completeness}; {len(given)} "
+        f"given)"
+    )
 
 
 def _reference(mechanism: Any, name: str) -> float:
@@ -156,7 +205,7 @@ def _reference(mechanism: Any, name: str) -> float:
     return 0.0 if joint is None else float(joint.zero)
 
 
-# --- texts ---------------------------------------------------------------------------------------------------------------
+# --- texts ----------------------------------------------------------------------------------------
 
 
 def line_of(entry: dict[str, Any]) -> str:
@@ -166,9 +215,11 @@ def line_of(entry: dict[str, Any]) -> str:
         return f"{head}: {entry.get('sentence', '')} [{entry['seconds']:.1f} s]"
     generic = entry["generic"]["mobility"]
     parts = [
-        f"{entry['links']} links, {entry['joint_count']} joints, {entry['loops']} loops, {entry['couplings']} couplings, "
+        f"{entry['links']} links, {entry['joint_count']} joints, {entry['loops']} loops, "
+        f"{entry['couplings']} couplings, "
         f"{entry['actuated']} actuated, {len(entry['notes'])} notes",
-        f"rank {entry['rank']} of {entry['rows']}, mobility {entry['mobility']} (generic {'not clear' if generic is None else generic})",
+        f"rank {entry['rank']} of {entry['rows']}, mobility {entry['mobility']} (generic "
+        f"{'not clear' if generic is None else generic})",
         f"open by {entry['open_by']:.1e}, closed to {entry['residual']:.1e} m",
         entry.get("sentence") or entry.get("checked", ""),
         *([f"modes {entry['modes']}"] if "modes" in entry else []),
@@ -183,7 +234,10 @@ def summary_of(found: list[dict[str, Any]]) -> str:
     loops = sum(bool(entry.get("rows")) for entry in found)
     worst = max((entry["seconds"] for entry in found), default=0.0)
     told = ", ".join(f"{count} {state}" for state, count in counts.items())
-    return f"{len(found)} files: {told}; {loops} with loops or couplings; {checked} as another tool reads them; slowest {worst:.1f} s"
+    return (
+        f"{len(found)} files: {told}; {loops} with loops or couplings; {checked} as another tool "
+        f"reads them; slowest {worst:.1f} s"
+    )
 
 
 if __name__ == "__main__":

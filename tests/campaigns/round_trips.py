@@ -1,11 +1,13 @@
-"""Random machines through MJCF, URDF (loops in it and beside it) and SDF and back: the same names mean the same.
+"""Random machines through MJCF, URDF (loops in it and beside it) and SDF and back: the same names
+mean the same.
 
     python tests/campaigns/round_trips.py [--count 500] [--seed 0]
 
-Machines are graphs with joints of every type, told from either link, rods, welds and couplings, and platforms on limbs. What is read
-must be what was written, with the same values of the same names for the same link poses by matrix exponentials (scipy), and written
-again the same once more. Refused are only couplings that a format says it cannot hold. Each finding names the machine. Exit status 1
-where anything was found.
+Machines are graphs with joints of every type, told from either link, rods, welds and couplings, and
+platforms on limbs. What is read must be what was written, with the same values of the same names
+for the same link poses by matrix exponentials (scipy), and written again the same once more.
+Refused are only couplings that a format says it cannot hold. Each finding names the machine. Exit
+status 1 where anything was found.
 """
 
 from __future__ import annotations

@@ -123,7 +123,10 @@ def _singularity(solution: Any, given: Mapping[str, Any]) -> Answer:
 
     named = {"given": list(given["given"])} if given.get("given") else {}
     found = symkin.singularity(solution, **named)
-    return {"kinds": sorted(found.kinds), "everywhere": dict(sorted(found.permanent_freedoms.items()))}
+    return {
+        "kinds": sorted(found.kinds),
+        "everywhere": dict(sorted(found.permanent_freedoms.items())),
+    }
 
 
 def _jacobians(solution: Any, given: Mapping[str, Any]) -> Answer:
@@ -134,7 +137,9 @@ def _jacobians(solution: Any, given: Mapping[str, Any]) -> Answer:
     def entries(found: Any) -> Answer:
         matrix = found.at(solution)
         rows = {
-            str(row): {str(c): _rounded(float(v)) for c, v in sorted(zip(found.columns, line, strict=True))}
+            str(row): {
+                str(c): _rounded(float(v)) for c, v in sorted(zip(found.columns, line, strict=True))
+            }
             for row, line in zip(found.rows, matrix, strict=True)
         }
         return dict(sorted(rows.items()))
@@ -142,8 +147,15 @@ def _jacobians(solution: Any, given: Mapping[str, Any]) -> Answer:
     by = list(given.get("given", {}))
     if by:
         others = [n for n, v in solution.joints.items() if isinstance(v, float) and n not in by]
-        return {"rates": _guarded(lambda: entries(symkin.jacobian(solution.mechanism, of=others, by=by)))}
-    return {kind: _guarded(lambda kind=kind: entries(symkin.jacobian(solution.mechanism, kind))) for kind in JACOBIANS}
+        return {
+            "rates": _guarded(
+                lambda: entries(symkin.jacobian(solution.mechanism, of=others, by=by))
+            )
+        }
+    return {
+        kind: _guarded(lambda kind=kind: entries(symkin.jacobian(solution.mechanism, kind)))
+        for kind in JACOBIANS
+    }
 
 
 def _guarded(question: Callable[[], Answer]) -> Answer:
@@ -165,11 +177,19 @@ def identified(mechanism: Any, postures: Mapping[str, Any]) -> Answer:
         if c.is_angular and mechanism.angle_unit == "deg":
             joints[:, k] = np.radians(joints[:, k])
     data = symkin.Measurements(
-        joints, position=poses[:, :3], orientation=poses[:, 3:], position_sigma=1e-4 * mechanism.characteristic_length,
-        orientation_sigma=1e-4, starts=poses,
-    )  # fmt: skip
+        joints,
+        position=poses[:, :3],
+        orientation=poses[:, 3:],
+        position_sigma=1e-4 * mechanism.characteristic_length,
+        orientation_sigma=1e-4,
+        starts=poses,
+    )
     found = symkin.calibrate(mechanism, data, outliers="ignore")
-    return {"rank": found.rank, "parameters": sorted(found.identifiability.names), "clear": bool(found.identifiability.is_clear)}
+    return {
+        "rank": found.rank,
+        "parameters": sorted(found.identifiability.names),
+        "clear": bool(found.identifiability.is_clear),
+    }
 
 
 def _rounded(value: Any, digits: int = DIGITS) -> Any:

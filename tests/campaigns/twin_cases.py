@@ -47,8 +47,10 @@ MOST_JOINTS = 14
 """Most joint coordinates of a machine whose calibration is asked for: larger ones take minutes."""
 
 Case = dict[str, Any]
-"""name, toml, size, kinds (of coordinates), idle (names), problems = [{key, joints | pose | given}],
-calibration = {joints, poses} or None, left_out: sentences that say what is not asked and why."""
+"""name, toml, size, kinds (of coordinates), idle (names), problems = [{key, joints | pose |
+given}], calibration = {joints, poses} or None, left_out: sentences that say what is not asked and
+why.
+"""
 
 
 def shipped() -> list[str]:
@@ -92,7 +94,9 @@ def make_case(name: str, text: str, seed: int) -> Case:
     if not any(p["key"].startswith(("inverse", "named")) for p in problems):
         left_out.append("inverse: there is no platform whose pose could be given")
     if calibration is None:
-        left_out.append(f"calibration: no platform, no actuated joints, or more than {MOST_JOINTS} coordinates")
+        left_out.append(
+            f"calibration: no platform, no actuated joints, or more than {MOST_JOINTS} coordinates"
+        )
     return {
         "name": name,
         "toml": text,
@@ -115,7 +119,9 @@ def _problems(
         if kind in example:
             yield {"key": f"example {kind}", kind: example[kind]}
     mobility = oracle.mobility()
-    decided = bool(oracle.actuated) and (len(oracle.actuated) == mobility or not hasattr(oracle, "g"))
+    decided = bool(oracle.actuated) and (
+        len(oracle.actuated) == mobility or not hasattr(oracle, "g")
+    )
     for k, x in enumerate(near[:2]):
         joints = [oracle.joints(x)[name] for name in oracle.actuated]
         if decided:
@@ -128,7 +134,10 @@ def _problems(
         units = _units(data, oracle)
         off = rng.uniform(-OFF_FEASIBLE, OFF_FEASIBLE, len(oracle.actuated))
         here = [oracle.joints(near[0])[name] for name in oracle.actuated]
-        yield {"key": "direct off", "joints": [h + o * u for h, o, u in zip(here, off, units, strict=True)]}
+        yield {
+            "key": "direct off",
+            "joints": [h + o * u for h, o, u in zip(here, off, units, strict=True)],
+        }
 
 
 def _units(data: Mapping[str, Any], oracle: Oracle) -> list[float]:

@@ -61,10 +61,15 @@ def differences(name: str, old: Any, new: Any) -> Iterator[Difference]:
         yield from _of_answer(key, case, problems.get(key, {}), *sides)
 
 
-def _of_answer(key: str, case: Mapping[str, Any], problem: Mapping[str, Any], old: Any, new: Any) -> Iterator[Difference]:
+def _of_answer(
+    key: str, case: Mapping[str, Any], problem: Mapping[str, Any], old: Any, new: Any
+) -> Iterator[Difference]:
     states = [_state(old), _state(new)]
     if states[0] != states[1]:
-        texts = [f"{s} ({_why(a)})" if s != "answered" else s for s, a in zip(states, (old, new), strict=True)]
+        texts = [
+            f"{s} ({_why(a)})" if s != "answered" else s
+            for s, a in zip(states, (old, new), strict=True)
+        ]
         yield Difference(f"{key}: {texts[0]} | {texts[1]}", "state", case, old, new, problem)
     elif states[0] == "answered" and "modes" in new:
         yield from _of_modes(key, case, problem, old, new)
@@ -89,10 +94,12 @@ def _short(value: Any) -> str:
     return text if len(text) < 120 else text[:117] + "..."
 
 
-# --- modes -------------------------------------------------------------------------------------------
+# --- modes ----------------------------------------------------------------------------------------
 
 
-def _of_modes(key: str, case: Mapping[str, Any], problem: Mapping[str, Any], old: Any, new: Any) -> Iterator[Difference]:
+def _of_modes(
+    key: str, case: Mapping[str, Any], problem: Mapping[str, Any], old: Any, new: Any
+) -> Iterator[Difference]:
     for part in COUNTS:
         if old[part] != new[part]:
             what = f"{key}: {part}: {old[part]} | {new[part]}"
@@ -101,19 +108,27 @@ def _of_modes(key: str, case: Mapping[str, Any], problem: Mapping[str, Any], old
     whole = all(len(side["modes"]) == side["count"] for side in (old, new))
     if (only_old or only_new) and whole:
         what = f"{key}: {len(only_old)} modes only in old, {len(only_new)} only in new"
-        yield Difference(what, "modes", case, old | {"own": only_old}, new | {"own": only_new}, problem)
+        yield Difference(
+            what, "modes", case, old | {"own": only_old}, new | {"own": only_new}, problem
+        )
     for a, b in pairs:
         yield from _of_mode(key, case, problem, a, b)
 
 
-def _of_mode(key: str, case: Mapping[str, Any], problem: Mapping[str, Any], a: Any, b: Any) -> Iterator[Difference]:
+def _of_mode(
+    key: str, case: Mapping[str, Any], problem: Mapping[str, Any], a: Any, b: Any
+) -> Iterator[Difference]:
     where = f"{key}: mode at {_short(a['pose'] or a['joints'])}"
     for part in CLAIMS:
         if a[part] != b[part]:
-            yield Difference(f"{where}: {part}: {a[part]} | {b[part]}", part, case, a, b, problem, b)
+            yield Difference(
+                f"{where}: {part}: {a[part]} | {b[part]}", part, case, a, b, problem, b
+            )
     if "singularity" in a and "singularity" in b and a["singularity"] != b["singularity"]:
         texts = [_short(m["singularity"]) for m in (a, b)]
-        yield Difference(f"{where}: singularity: {texts[0]} | {texts[1]}", "singularity", case, a, b, problem, b)
+        yield Difference(
+            f"{where}: singularity: {texts[0]} | {texts[1]}", "singularity", case, a, b, problem, b
+        )
     if "jacobians" not in a or "jacobians" not in b:
         return
     for kind in sorted(a["jacobians"]):
@@ -125,7 +140,9 @@ def _of_mode(key: str, case: Mapping[str, Any], problem: Mapping[str, Any], a: A
             yield Difference(what, f"jacobian {kind}", case, *pair, problem, b)
 
 
-def matched(case: Mapping[str, Any], old: list[Any], new: list[Any]) -> tuple[list[tuple[Any, Any]], list[Any], list[Any]]:
+def matched(
+    case: Mapping[str, Any], old: list[Any], new: list[Any]
+) -> tuple[list[tuple[Any, Any]], list[Any], list[Any]]:
     """Pairs of equal modes, nearest first, and those of each side that have no partner."""
     if not old or not new:
         return [], old, new
@@ -140,7 +157,9 @@ def matched(case: Mapping[str, Any], old: list[Any], new: list[Any]) -> tuple[li
             pairs.append((old[i], new[j]))
             used[0].add(i)
             used[1].add(j)
-    left = [[m for k, m in enumerate(s) if k not in u] for s, u in zip((old, new), used, strict=True)]
+    left = [
+        [m for k, m in enumerate(s) if k not in u] for s, u in zip((old, new), used, strict=True)
+    ]
     return pairs, left[0], left[1]
 
 
@@ -176,15 +195,25 @@ def entries_apart(case: Mapping[str, Any], old: Any, new: Any) -> str | None:
     """What differs between two matrices by names; None where nothing does. Entries that relate
     lengths and angles are made plain by the size."""
     if ("refused" in old) != ("refused" in new):
-        texts = [_short(side["refused"]) if "refused" in side else "answered" for side in (old, new)]
+        texts = [
+            _short(side["refused"]) if "refused" in side else "answered" for side in (old, new)
+        ]
         return f"{texts[0]} | {texts[1]}"
     if "refused" in old:
         return None
-    rows, columns = sorted(set(old) & set(new)), sorted({c for side in (old, new) for r in side.values() for c in r})
+    rows, columns = (
+        sorted(set(old) & set(new)),
+        sorted({c for side in (old, new) for r in side.values() for c in r}),
+    )
     if not rows or any(set(side[r]) != set(columns) for side in (old, new) for r in rows):
         return f"other names: {_short(sorted(old))} | {_short(sorted(new))}"
-    units = np.array([_unit(case, r) for r in rows])[:, None] / np.array([_unit(case, c) for c in columns])
-    tables = [np.array([[_number(side[r][c]) for c in columns] for r in rows]) / units for side in (old, new)]
+    units = np.array([_unit(case, r) for r in rows])[:, None] / np.array(
+        [_unit(case, c) for c in columns]
+    )
+    tables = [
+        np.array([[_number(side[r][c]) for c in columns] for r in rows]) / units
+        for side in (old, new)
+    ]
     with np.errstate(invalid="ignore"):
         off = np.abs(tables[0] - tables[1])
         scale = max(1.0, float(np.nanmax(np.abs(tables), initial=0.0)))

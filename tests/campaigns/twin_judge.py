@@ -57,9 +57,14 @@ def judged(difference: Difference) -> Verdict:
 
 
 def _verdict(old: Side, new: Side, otherwise: str) -> Verdict:
-    """Who is right where something speaks against one side or both; of two sides that stand, the one
-    that claims more."""
-    why = "; ".join(f"{name}: {', '.join(side.faults)}" for name, side in (("old", old), ("new", new)) if side.faults)
+    """Who is right where something speaks against one side or both; of two sides that stand, the
+    one that claims more.
+    """
+    why = "; ".join(
+        f"{name}: {', '.join(side.faults)}"
+        for name, side in (("old", old), ("new", new))
+        if side.faults
+    )
     if old.faults and new.faults:
         return Verdict("neither", why)
     if old.faults or new.faults:
@@ -69,20 +74,30 @@ def _verdict(old: Side, new: Side, otherwise: str) -> Verdict:
     return Verdict("undecided", otherwise)
 
 
-# --- modes -------------------------------------------------------------------------------------------
+# --- modes ----------------------------------------------------------------------------------------
 
 
-def _faults_of_list(oracle: Oracle, answer: Mapping[str, Any], found: list[np.ndarray]) -> tuple[tuple[str, ...], str]:
+def _faults_of_list(
+    oracle: Oracle, answer: Mapping[str, Any], found: list[np.ndarray]
+) -> tuple[tuple[str, ...], str]:
     """What is wrong with a list of modes, and the largest closure error of those that close."""
     fits = [(*oracle.fitted(mode), slack(mode)) for mode in answer["modes"]]
     open_ones = [left for left, _, allowed in fits if not left < max(CLOSED, allowed)]
     faults = []
     if open_ones:
-        faults.append(f"{len(open_ones)} modes do not close, by up to {max(open_ones):.1e} of the size")
+        faults.append(
+            f"{len(open_ones)} modes do not close, by up to {max(open_ones):.1e} of the size"
+        )
     listed = [oracle.features(x) for _, x, _ in fits]
-    lacks = [f for f in map(oracle.features, found) if all(np.max(np.abs(f - other)) > SAME for other in listed)]
+    lacks = [
+        f
+        for f in map(oracle.features, found)
+        if all(np.max(np.abs(f - other)) > SAME for other in listed)
+    ]
     if lacks and len(answer["modes"]) == answer["count"]:
-        faults.append(f"{len(lacks)} of {len(found)} configurations that random starts find are missing")
+        faults.append(
+            f"{len(lacks)} of {len(found)} configurations that random starts find are missing"
+        )
     if answer["complex_count"] is not None and answer["count"] > answer["complex_count"]:
         faults.append(f"{answer['count']} modes of {answer['complex_count']} complex solutions")
     return tuple(faults), f"closes to {max((left for left, _, _ in fits), default=0.0):.1e}"
@@ -128,7 +143,9 @@ def _judge_count(difference: Difference, oracle: Oracle) -> Verdict:
 
 def _judge_state(difference: Difference, oracle: Oracle) -> Verdict:
     """An answer stands against a refusal, a crash or a hang where it is right."""
-    answered = [not {"refused", "crashed", "ended"} & set(a) for a in (difference.old, difference.new)]
+    answered = [
+        not {"refused", "crashed", "ended"} & set(a) for a in (difference.old, difference.new)
+    ]
     if not any(answered):
         return Verdict("undecided", "neither side answers")
     answer = difference.old if answered[0] else difference.new
@@ -143,13 +160,19 @@ def _judge_state(difference: Difference, oracle: Oracle) -> Verdict:
     return _verdict(sides[0], sides[1], told)
 
 
-# --- one mode ----------------------------------------------------------------------------------------
+# --- one mode -------------------------------------------------------------------------------------
 
 
 def _held(difference: Difference, oracle: Oracle) -> list[str]:
     """The coordinates that stand while a problem is solved."""
     problem = difference.problem
-    return oracle.actuated if "joints" in problem else ["pose"] if "pose" in problem else list(problem["given"])
+    return (
+        oracle.actuated
+        if "joints" in problem
+        else ["pose"]
+        if "pose" in problem
+        else list(problem["given"])
+    )
 
 
 def _judge_certified(difference: Difference, oracle: Oracle) -> Verdict:
@@ -157,19 +180,29 @@ def _judge_certified(difference: Difference, oracle: Oracle) -> Verdict:
     joints, pose, least = oracle.motions(x, _held(difference, oracle))
     moves = max(np.max(np.abs(joints), initial=0.0), np.max(np.abs(pose), initial=0.0)) > MOVES
     told = f"closes to {left:.1e}, least singular value {least:.1e} of the largest"
-    fault = ("a mode that moves or does not close is said to be proved",) if moves or left > CLOSED else ()
+    fault = (
+        ("a mode that moves or does not close is said to be proved",)
+        if moves or left > CLOSED
+        else ()
+    )
     claims = [bool(side[difference.kind]) for side in (difference.old, difference.new)]
-    sides = [Side(fault) if claim else Side(weaker=not fault and least > REGULAR) for claim in claims]
+    sides = [
+        Side(fault) if claim else Side(weaker=not fault and least > REGULAR) for claim in claims
+    ]
     return _verdict(sides[0], sides[1], told)
 
 
 def _judge_singularity(difference: Difference, oracle: Oracle) -> Verdict:
-    """Type 2 by motions with the actuated (or given) coordinates held, type 1 with the pose held."""
+    """Type 2 by motions with the actuated (or given) coordinates held, type 1 with the pose
+    held.
+    """
     left, x = oracle.fitted(difference.mode or {})
     drive = list(difference.problem.get("given", {})) or oracle.actuated
     joints, pose, least = oracle.motions(x, drive)
     platform = bool(pose.size) and np.max(np.abs(pose), initial=0.0) > MOVES
-    stuck, _, least_of_pose = oracle.motions(x, ["pose"]) if oracle.has_platform else (joints[:0], pose, 1.0)
+    stuck, _, least_of_pose = (
+        oracle.motions(x, ["pose"]) if oracle.has_platform else (joints[:0], pose, 1.0)
+    )
     sides = []
     for side in (difference.old, difference.new):
         told, faults = side["singularity"], []
@@ -181,10 +214,18 @@ def _judge_singularity(difference: Difference, oracle: Oracle) -> Verdict:
             faults.append("the platform moves while the driving joints stand, no type 2 is told")
         if "type 2" in says and not len(pose) and least > STANDS:
             faults.append("type 2 is told where the driving joints determine all")
-        if "type 1" in says and "given" not in difference.problem and not len(stuck) and least_of_pose > STANDS:
+        if (
+            "type 1" in says
+            and "given" not in difference.problem
+            and not len(stuck)
+            and least_of_pose > STANDS
+        ):
             faults.append("type 1 is told where the pose determines all")
         sides.append(Side(tuple(faults)))
-    told = f"closes to {left:.1e}; least singular values {least:.1e} (driving), {least_of_pose:.1e} (pose)"
+    told = (
+        f"closes to {left:.1e}; least singular values {least:.1e} (driving), {least_of_pose:.1e} "
+        f"(pose)"
+    )
     return _verdict(sides[0], sides[1], told)
 
 
@@ -195,7 +236,13 @@ def _pose_rates(twists: np.ndarray, pose: Sequence[float] | None) -> dict[str, n
         return known
     w, u, spin = pose[3], np.array(pose[4:]), twists[3:]
     vector = 0.5 * (w * spin + np.cross(spin.T, u).T)
-    known |= {"x": twists[0], "y": twists[1], "z": twists[2], "gamma": spin[2], "qw": -0.5 * u @ spin}
+    known |= {
+        "x": twists[0],
+        "y": twists[1],
+        "z": twists[2],
+        "gamma": spin[2],
+        "qw": -0.5 * u @ spin,
+    }
     return known | dict(zip(("qx", "qy", "qz"), vector, strict=True))
 
 
@@ -208,7 +255,11 @@ def _judge_jacobian(difference: Difference, oracle: Oracle) -> Verdict:
     size = oracle.size
 
     def unit(name: str) -> float:
-        return size if name in ("vx", "vy", "vz", "x", "y", "z") or kinds.get(name) == "length" else 1.0
+        return (
+            size
+            if name in ("vx", "vy", "vz", "x", "y", "z") or kinds.get(name) == "length"
+            else 1.0
+        )
 
     errors = []
     for side in (difference.old["entries"], difference.new["entries"]):
@@ -223,18 +274,27 @@ def _judge_jacobian(difference: Difference, oracle: Oracle) -> Verdict:
             value = sum(np.nan if v is None else v * known[c] for c, v in side[r].items())
             worst = max(worst, float(np.max(np.abs(value - known[r]), initial=0.0)) / unit(r))
         errors.append(worst)
-    told = ", ".join(f"{n} {'refuses' if e is None else f'{e:.1e}'}" for n, e in zip(("old", "new"), errors, strict=True))
-    sides = [Side(weaker=True) if e is None else Side(() if e < RATES else (f"rates are off by {e:.1e}",)) for e in errors]
+    told = ", ".join(
+        f"{n} {'refuses' if e is None else f'{e:.1e}'}"
+        for n, e in zip(("old", "new"), errors, strict=True)
+    )
+    sides = [
+        Side(weaker=True)
+        if e is None
+        else Side(() if e < RATES else (f"rates are off by {e:.1e}",))
+        for e in errors
+    ]
     return _verdict(sides[0], sides[1], f"errors of rates: {told}")
 
 
-# --- counts ------------------------------------------------------------------------------------------
+# --- counts ---------------------------------------------------------------------------------------
 
 
 def _judge_mobility(difference: Difference, oracle: Oracle) -> Verdict:
     truth = oracle.mobility()
     sides = [
-        Side(() if side["mobility"] == truth else (f"mobility {side['mobility']}",)) for side in (difference.old, difference.new)
+        Side(() if side["mobility"] == truth else (f"mobility {side['mobility']}",))
+        for side in (difference.old, difference.new)
     ]
     if truth is None:
         return Verdict("undecided", "the independent closure finds no closed configuration")
@@ -253,7 +313,11 @@ def _judge_rank(difference: Difference, oracle: Oracle) -> Verdict:
         Side(() if side["rank"] == rank else (f"rank {side['rank']}, by differences {rank}",))
         for side, rank in zip((difference.old, difference.new), ranks, strict=True)
     ]
-    return _verdict(sides[0], sides[1], f"ranks by differences of the independent closure {ranks[0]}, {ranks[1]}")
+    return _verdict(
+        sides[0],
+        sides[1],
+        f"ranks by differences of the independent closure {ranks[0]}, {ranks[1]}",
+    )
 
 
 JUDGES: dict[str, Callable[[Difference, Oracle], Verdict]] = {

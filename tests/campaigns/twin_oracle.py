@@ -239,7 +239,11 @@ class Limbs:
         whole[:, free] = null
         named = [i for i in search.named_places(m) if m.numbers[i].role != "pose"]
         pose = m.places("pose")
-        return whole[:, m.tangent(named)], whole[:, m.tangent(pose)] if pose else whole[:, :0], least
+        return (
+            whole[:, m.tangent(named)],
+            whole[:, m.tangent(pose)] if pose else whole[:, :0],
+            least,
+        )
 
     def rates(self, x: np.ndarray) -> tuple[dict[str, np.ndarray], np.ndarray]:
         m = self.m
@@ -320,7 +324,9 @@ class Links:
             yield from (x[: self.g.reference().size] for x in found.x[regular])
             return
         i, first = g.platform, 6 * len(g.names)
-        fixed = {g.place(n): v * g.coordinates[g.place(n)].unit for n, v in named.items() if n != "pose"}
+        fixed = {
+            g.place(n): v * g.coordinates[g.place(n)].unit for n, v in named.items() if n != "pose"
+        }
         held = [*range(6 * i, 6 * i + 6), *(first + k for k in fixed)]
         columns = np.setdiff1d(np.arange(g.freedom), held)
         pose = given.get("pose", named.get("pose"))

@@ -51,13 +51,17 @@ def rank_of(text: str, postures: Mapping[str, Any], names: Sequence[str]) -> int
 
 
 def explicit(data: dict[str, Any]) -> dict[str, Any]:
-    """The file with what it leaves to the reference written out: lengths of rods, zeros, offsets."""
+    """The file with what it leaves to the reference written out: lengths of rods, zeros,
+    offsets.
+    """
     data = copy.deepcopy(data)
     oracle = oracle_of(data)
     if isinstance(oracle, Limbs):
         chains = {c.name: c for c in oracle.m.chains}
         for limb in data.get("limb", []):
-            for rod, (_, _, length) in zip(limb.get("rod", []), chains[limb["name"]].rods, strict=False):
+            for rod, (_, _, length) in zip(
+                limb.get("rod", []), chains[limb["name"]].rods, strict=False
+            ):
                 rod.setdefault("length", length)
     else:
         plain = [r for r in oracle.g.rods if r.coordinate < 0]
@@ -71,7 +75,10 @@ def explicit(data: dict[str, Any]) -> dict[str, Any]:
     for rod in data.get("rod", []):
         if rod.get("actuated", False):
             rod.setdefault("offset", 0.0)
-    for joint in [*data.get("joint", []), *(j for limb in data.get("limb", []) for j in limb.get("joint", []))]:
+    for joint in [
+        *data.get("joint", []),
+        *(j for limb in data.get("limb", []) for j in limb.get("joint", [])),
+    ]:
         if joint["type"] in "RPH":
             joint.setdefault("zero", 0.0)
     for key in ("platform", "tool"):
@@ -142,7 +149,9 @@ def _slopes(here: Any, configuration: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return j, np.linalg.pinv(j, rcond=1e-9), pose[:, columns]
 
 
-def _change(data: dict[str, Any], here: Any, x: np.ndarray, slopes: Sequence[Any], name: str) -> np.ndarray | None:
+def _change(
+    data: dict[str, Any], here: Any, x: np.ndarray, slopes: Sequence[Any], name: str
+) -> np.ndarray | None:
     """How the poses change with a parameter (positions over the size, rotation vectors)."""
     step = STEP * _unit(data, here, name)
     moved = [_moved(data, name, s) for s in (step, -step)]
@@ -161,7 +170,9 @@ def _change(data: dict[str, Any], here: Any, x: np.ndarray, slopes: Sequence[Any
 def _twist(a: Sequence[float], b: Sequence[float], size: float) -> np.ndarray:
     """The small displacement from pose b to pose a: lengths over the size, a rotation vector."""
     turned = rotation(a[3:]) @ rotation(b[3:]).T
-    vector = 0.5 * np.array([turned[2, 1] - turned[1, 2], turned[0, 2] - turned[2, 0], turned[1, 0] - turned[0, 1]])
+    vector = 0.5 * np.array(
+        [turned[2, 1] - turned[1, 2], turned[0, 2] - turned[2, 0], turned[1, 0] - turned[0, 1]]
+    )
     return np.concatenate([np.subtract(a[:3], b[:3]) / size, vector])
 
 

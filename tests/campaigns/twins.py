@@ -69,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return compare(options.old, options.new, options.only)
 
 
-# --- writing -----------------------------------------------------------------------------------------
+# --- writing --------------------------------------------------------------------------------------
 
 
 def write(options: argparse.Namespace) -> int:
@@ -164,13 +164,18 @@ class Journal:
 
     def finish(self, head: dict[str, Any]) -> None:
         """Write the file, one line a machine."""
-        lines = [f"{json.dumps(name)}: {json.dumps(self.machines[name], sort_keys=True)}" for name in sorted(self.machines)]
+        lines = [
+            f"{json.dumps(name)}: {json.dumps(self.machines[name], sort_keys=True)}"
+            for name in sorted(self.machines)
+        ]
         opening = json.dumps(head)[:-1]
-        self.output.write_text(opening + ', "machines": {\n' + ",\n".join(lines) + "\n}}\n", encoding="utf-8")
+        self.output.write_text(
+            opening + ', "machines": {\n' + ",\n".join(lines) + "\n}}\n", encoding="utf-8"
+        )
         self.path.unlink()
 
 
-# --- comparing ---------------------------------------------------------------------------------------
+# --- comparing ------------------------------------------------------------------------------------
 
 
 def compare(old: Path, new: Path, only: Sequence[str] = ()) -> int:

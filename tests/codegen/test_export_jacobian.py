@@ -1,4 +1,6 @@
-"""Exported Jacobians: each file, run in its own language, gives the same matrix; names, heads, bytes and refusals."""
+"""Exported Jacobians: each file, run in its own language, gives the same matrix; names, heads,
+bytes and refusals.
+"""
 
 from __future__ import annotations
 
@@ -22,11 +24,20 @@ from helpers.shipped import LIMBS
 from symkin import InputError, jacobian
 
 CASES = [
-    *((name, "direct") for name in LIMBS), ("zhang2009", "inverse"), ("zhao2000", "inverse"),
-    ("gluon_6l3", "inverse"), ("yao2020", "analytic"), ("zhao2000", "analytic"), ("zhao2000", "passive"), ("three_rps", "inverse"),
-    ("helical_actuated", "passive"), ("cylindrical", "passive"), ("delta", "direct"), ("planar RUS", "passive"),
+    *((name, "direct") for name in LIMBS),
+    ("zhang2009", "inverse"),
+    ("zhao2000", "inverse"),
+    ("gluon_6l3", "inverse"),
+    ("yao2020", "analytic"),
+    ("zhao2000", "analytic"),
+    ("zhao2000", "passive"),
+    ("three_rps", "inverse"),
+    ("helical_actuated", "passive"),
+    ("cylindrical", "passive"),
+    ("delta", "direct"),
+    ("planar RUS", "passive"),
     ("arm RRP", "inverse"),
-]  # fmt: skip
+]
 
 
 def _inputs(symbolic, values):
@@ -52,7 +63,11 @@ def run_casadi(tmp_path_factory):
     """A process without symkin that loads what it is given the name of and evaluates it."""
     folder = tmp_path_factory.mktemp("casadi")
     process = subprocess.Popen(
-        [sys.executable, "-c", _LOADER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=folder
+        [sys.executable, "-c", _LOADER],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        cwd=folder,
     )
 
     def run(symbolic, inputs):
@@ -70,7 +85,9 @@ def run_casadi(tmp_path_factory):
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "kind"), in_gate(CASES, CASES[1::2]))
 def test_formats_agree_to_twelve_digits(name, kind, tmp_path, run_casadi):
-    """NumPy, SymPy, C, CasADi and LaTeX files give the expression's matrix to 1e-12 of the largest entry."""
+    """NumPy, SymPy, C, CasADi and LaTeX files give the expression's matrix to 1e-12 of the largest
+    entry.
+    """
     case = cases.case(name)
     symbolic = jacobian(case.mechanism, kind)
     inputs, expected = _inputs(symbolic, case.values), symbolic.at(case.values)
@@ -83,7 +100,9 @@ def test_formats_agree_to_twelve_digits(name, kind, tmp_path, run_casadi):
     found["sympy"] = module_of(jacobian_text(symbolic, "sympy"))["lambdified"]()(*inputs)
     for language, matrix in found.items():
         matrix = np.array(matrix, dtype=float).reshape(symbolic.shape)
-        np.testing.assert_allclose(matrix, expected, rtol=0, atol=1e-12 * np.max(np.abs(expected)), err_msg=language)
+        np.testing.assert_allclose(
+            matrix, expected, rtol=0, atol=1e-12 * np.max(np.abs(expected)), err_msg=language
+        )
 
 
 @pytest.mark.parametrize("name", ["zhang2009", "arm RRP"])
@@ -93,8 +112,10 @@ def test_geometry_symbols_are_inputs_after_the_variables(name, tmp_path, run_cas
     symbolic = jacobian(case.mechanism, "inverse", parameters=True)
     inputs, expected = _inputs(symbolic, case.values), symbolic.at(case.values)
     found = [
-        module_of(jacobian_text(symbolic, "numpy"))["jacobian"](*inputs), run_casadi(symbolic, inputs), run_latex(symbolic, inputs)
-    ]  # fmt: skip
+        module_of(jacobian_text(symbolic, "numpy"))["jacobian"](*inputs),
+        run_casadi(symbolic, inputs),
+        run_latex(symbolic, inputs),
+    ]
     if shutil.which("gcc"):
         found.append(run_c(symbolic, inputs, tmp_path))
     for matrix in found:
@@ -102,15 +123,21 @@ def test_geometry_symbols_are_inputs_after_the_variables(name, tmp_path, run_cas
 
 
 def test_sympy_expands_to_the_inputs_alone():
-    """The expanded matrix holds input symbols only, with their names, and evaluates to the same numbers."""
+    """The expanded matrix holds input symbols only, with their names, and evaluates to the same
+    numbers.
+    """
     pytest.importorskip("sympy")
     case = cases.case("delta")
     symbolic = jacobian(case.mechanism, "inverse")
     module = module_of(jacobian_text(symbolic, "sympy"))
     expanded = module["expanded"]()
     assert {str(s) for s in expanded.free_symbols} <= {v.name for v in symbolic.inputs}
-    numbers = expanded.evalf(17, subs=dict(zip(module["inputs"], _inputs(symbolic, case.values), strict=True)))
-    np.testing.assert_allclose(np.array(numbers, dtype=float), symbolic.at(case.values), rtol=0, atol=1e-12)
+    numbers = expanded.evalf(
+        17, subs=dict(zip(module["inputs"], _inputs(symbolic, case.values), strict=True))
+    )
+    np.testing.assert_allclose(
+        np.array(numbers, dtype=float), symbolic.at(case.values), rtol=0, atol=1e-12
+    )
 
 
 def test_numpy_takes_arrays():
@@ -123,13 +150,21 @@ def test_numpy_takes_arrays():
     many = function(inputs[0] + shifts, *inputs[1:])
     assert many.shape == (2, 3, *symbolic.shape)
     for place in np.ndindex(2, 3):
-        np.testing.assert_allclose(many[place], function(inputs[0] + shifts[place], *inputs[1:]), rtol=1e-14)
+        np.testing.assert_allclose(
+            many[place], function(inputs[0] + shifts[place], *inputs[1:]), rtol=1e-14
+        )
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
 @pytest.mark.parametrize(
-    ("name", "kind"), [("zhang2009", "direct"), ("zhao2000", "passive"), ("gluon_6l3", "inverse"), ("cylindrical", "passive")]
+    ("name", "kind"),
+    [
+        ("zhang2009", "direct"),
+        ("zhao2000", "passive"),
+        ("gluon_6l3", "inverse"),
+        ("cylindrical", "passive"),
+    ],
 )
 def test_latex_compiles(name, kind, tmp_path):
     """The document compiles on its own, and no line runs over the margin."""
@@ -145,10 +180,20 @@ def test_heads_say_what_the_file_is(language):
     """Mechanism, kind, units, frame, every input in order, version and the model's digest."""
     mechanism = symkin.load("zhao2000")
     text = jacobian_text(jacobian(mechanism, "inverse"), language)
-    for part in ("zhao2000: inverse Jacobian, 4 x 6", "mm", "rad", "base frame", symkin.__version__, "SHA-256"):
+    for part in (
+        "zhao2000: inverse Jacobian, 4 x 6",
+        "mm",
+        "rad",
+        "base frame",
+        symkin.__version__,
+        "SHA-256",
+    ):
         assert part in text
     flat = " ".join(text.replace("\n * ", " ").replace("\n# ", " ").replace("\n% ", " ").split())
-    assert "Inputs, in this order: theta1 [rad], theta2 [rad], theta3 [rad], op [mm], radial1 [mm]" in flat
+    assert (
+        "Inputs, in this order: theta1 [rad], theta2 [rad], theta3 [rad], op [mm], radial1 [mm]"
+        in flat
+    )
 
 
 _HASHES = f"""
@@ -157,7 +202,8 @@ import symkin
 from {inside.where("jacobian_text")} import FORMATS, jacobian_text
 for name, kind in (("zhao2000", "direct"), ("zhang2009", "inverse")):
     for language in FORMATS:
-        print(hashlib.sha256(jacobian_text(symkin.jacobian(symkin.load(name), kind), language).encode()).hexdigest())
+        print(hashlib.sha256(jacobian_text(symkin.jacobian(symkin.load(name), kind),
+          language).encode()).hexdigest())
 """
 
 
@@ -166,7 +212,10 @@ def test_bytes_do_not_depend_on_the_process():
     """Two processes with different hash seeds write the same bytes."""
     runs = [
         subprocess.run(
-            [sys.executable, "-c", _HASHES], check=True, capture_output=True, env=os.environ | {"PYTHONHASHSEED": seed}
+            [sys.executable, "-c", _HASHES],
+            check=True,
+            capture_output=True,
+            env=os.environ | {"PYTHONHASHSEED": seed},
         ).stdout
         for seed in "12"
     ]
@@ -175,9 +224,14 @@ def test_bytes_do_not_depend_on_the_process():
 
 
 def test_names_that_a_language_reserves_are_changed():
-    """A joint named as a keyword or as the module's own names is an input with another name, and the head says so."""
+    """A joint named as a keyword or as the module's own names is an input with another name, and
+    the head says so.
+    """
     limbs = [
-        symkin.Limb("a", [samples.turning("lambda", 0.0, 0.0, actuated=True), samples.turning("np", 0.0, 60.0)]),
+        symkin.Limb(
+            "a",
+            [samples.turning("lambda", 0.0, 0.0, actuated=True), samples.turning("np", 0.0, 60.0)],
+        ),
         symkin.Limb(
             "b",
             [
@@ -187,27 +241,43 @@ def test_names_that_a_language_reserves_are_changed():
             ],
         ),
     ]
-    mechanism = symkin.Mechanism("odd", limbs, platform_position=(50.0, 120.0, 0.0), motion="planar")
+    mechanism = symkin.Mechanism(
+        "odd", limbs, platform_position=(50.0, 120.0, 0.0), motion="planar"
+    )
     symbolic = jacobian(mechanism, "inverse")
     values = symbolic.closure.reference
-    for language, run in (("numpy", lambda m: m["jacobian"]), ("sympy", lambda m: m["lambdified"]())):
+    for language, run in (
+        ("numpy", lambda m: m["jacobian"]),
+        ("sympy", lambda m: m["lambdified"]()),
+    ):
         text = jacobian_text(symbolic, language)
         matrix = np.array(run(module_of(text))(*_inputs(symbolic, values)), dtype=float)
-        np.testing.assert_allclose(matrix, symbolic.at(values), atol=1e-12 * np.max(np.abs(symbolic.at(values))))
+        np.testing.assert_allclose(
+            matrix, symbolic.at(values), atol=1e-12 * np.max(np.abs(symbolic.at(values)))
+        )
         assert "lambda_ is lambda" in text
     matrix = run_latex(symbolic, _inputs(symbolic, values))
-    np.testing.assert_allclose(matrix, symbolic.at(values), atol=1e-12 * np.max(np.abs(symbolic.at(values))))
+    np.testing.assert_allclose(
+        matrix, symbolic.at(values), atol=1e-12 * np.max(np.abs(symbolic.at(values)))
+    )
 
 
 @pytest.mark.parametrize("serial", [True, False])
 def test_constant_jacobians_and_odd_names_are_legal_everywhere(serial, tmp_path, run_casadi):
-    """A Cartesian robot's Jacobian reads nothing; names and titles that would end comments and strings do not."""
+    """A Cartesian robot's Jacobian reads nothing; names and titles that would end comments and
+    strings do not.
+    """
     x, y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
-    p1, p2 = symkin.Joint('jac*/"""\\', "P", axis=x, actuated=True), symkin.Joint("null", "P", axis=y, actuated=True)
+    p1, p2 = (
+        symkin.Joint('jac*/"""\\', "P", axis=x, actuated=True),
+        symkin.Joint("null", "P", axis=y, actuated=True),
+    )
     limbs = [symkin.Limb("a", [p1, p2] if serial else [p1, symkin.Joint("b", "P", axis=y)])]
     if not serial:
         limbs.append(symkin.Limb("b", [p2, symkin.Joint("c", "P", axis=x)]))
-    mechanism = symkin.Mechanism("_cart__robot", limbs, serial=serial, title='a "quoted" */ /* \\ title\nof two lines')
+    mechanism = symkin.Mechanism(
+        "_cart__robot", limbs, serial=serial, title='a "quoted" */ /* \\ title\nof two lines'
+    )
     symbolic = jacobian(mechanism, "direct")
     inputs, expected = _inputs(symbolic, symbolic.closure.reference), np.eye(6, 2)
     found = [
@@ -230,7 +300,18 @@ def test_command_writes_the_file_or_stdout(tmp_path, capsys):
     assert status.value.code == 0
     assert printed == jacobian_text(jacobian(symkin.load("zhang2009"), "inverse"), "numpy")
     with pytest.raises(SystemExit):
-        main(["jacobian", "zhang2009", "--format", "numpy", "--kind", "inverse", "-o", str(tmp_path / "j.py")])
+        main(
+            [
+                "jacobian",
+                "zhang2009",
+                "--format",
+                "numpy",
+                "--kind",
+                "inverse",
+                "-o",
+                str(tmp_path / "j.py"),
+            ]
+        )
     assert (tmp_path / "j.py").read_text() == printed
 
 

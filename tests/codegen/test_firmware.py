@@ -1,4 +1,6 @@
-"""Generated C: it compiles without a warning, passes its own test, and is the same text every time."""
+"""Generated C: it compiles without a warning, passes its own test, and is the same text every
+time.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +24,16 @@ CODEGEN = tools.CODEGEN
 def test_committed_folders_are_what_the_generator_writes(folder):
     """The same model gives the same bytes."""
     generate = tools.bench_module("folders").generate()
-    name, options = next((name, options) for other, name, options in generate.variants() if other == folder)
+    name, options = next(
+        (name, options) for other, name, options in generate.variants() if other == folder
+    )
     files = folder_files(load(name), options, generate.MEASURED.get(folder))
     committed = CODEGEN / folder
     assert {path.name for path in committed.iterdir() if path.suffix != ".o"} >= set(files)
     for file, text in files.items():
-        assert (committed / file).read_text() == text, f"{folder}/{file} differs: run python codegen/generate.py"
+        assert (committed / file).read_text() == text, (
+            f"{folder}/{file} differs: run python codegen/generate.py"
+        )
 
 
 @pytest.mark.slow
@@ -43,7 +49,11 @@ def test_folders_compile_and_pass(folder, cc, tmp_path):
     source, name = tools.folder(folder), tools.manifest(folder)["mechanism"]
     out = str(tmp_path / "test")
     tools.passed(tools.built(cc, source, [f"{name}.c", f"{name}_test.c"], out, "-O2", "-I."))
-    tools.passed(tools.built(cc, source, [f"{name}.c", "example_main.c"], str(tmp_path / "example"), "-O1", "-I."))
+    tools.passed(
+        tools.built(
+            cc, source, [f"{name}.c", "example_main.c"], str(tmp_path / "example"), "-O1", "-I."
+        )
+    )
 
 
 MACHINES = CODEGEN / "bench" / "machines"
@@ -64,7 +74,11 @@ def test_other_mechanisms_compile_and_pass(sample, real, tmp_path):
     """Overconstrained, planar, translational and serial mechanisms alike."""
     mechanism = SAMPLES[sample]()
     write_folder(mechanism, tmp_path, Options(real))
-    tools.passed(tools.built("gcc", tmp_path, [f"{mechanism.name}.c", f"{mechanism.name}_test.c"], "test", "-O1"))
+    tools.passed(
+        tools.built(
+            "gcc", tmp_path, [f"{mechanism.name}.c", f"{mechanism.name}_test.c"], "test", "-O1"
+        )
+    )
 
 
 @pytest.mark.slow
@@ -72,14 +86,20 @@ def test_other_mechanisms_compile_and_pass(sample, real, tmp_path):
     "file",
     in_gate_but(
         sorted(MACHINES.glob("*.toml")),
-        [p for p in MACHINES.glob("*.toml") if p.stem not in ("six_rss", "tricept", "linear_delta")],
+        [
+            p
+            for p in MACHINES.glob("*.toml")
+            if p.stem not in ("six_rss", "tricept", "linear_delta")
+        ],
     ),
     ids=lambda path: path.stem,
 )
 def test_machines_of_the_bench_compile_and_pass(file, tmp_path):
     """A Tricept too, whose middle limb has rows that say the same and vanish at home in part."""
     write_folder(load(str(file)), tmp_path, Options("double"))
-    tools.passed(tools.built("gcc", tmp_path, [f"{file.stem}.c", f"{file.stem}_test.c"], "test", "-O1"))
+    tools.passed(
+        tools.built("gcc", tmp_path, [f"{file.stem}.c", f"{file.stem}_test.c"], "test", "-O1")
+    )
 
 
 @pytest.mark.slow

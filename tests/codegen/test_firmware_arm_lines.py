@@ -1,4 +1,6 @@
-"""Lines of tool poses that the closed form of generated arms calls OK, followed finely by codegen/bench/arm_lines.c."""
+"""Lines of tool poses that the closed form of generated arms calls OK, followed finely by
+codegen/bench/arm_lines.c.
+"""
 
 from __future__ import annotations
 
@@ -42,44 +44,86 @@ int main(void)
 
 
 def limited(name: str, seed: int = 5) -> symkin.Mechanism:
-    """An arm of this structure whose joints have limits of different widths, half a turn to more than a whole one."""
+    """An arm of this structure whose joints have limits of different widths, half a turn to more
+    than a whole one.
+    """
     rng, arm = np.random.default_rng(seed), structures(np.random.default_rng(3))[name]
     joints = []
     for joint in arm.limbs[0].joints:
         half = rng.uniform(0.5, 3.5) if joint.type == "R" else 0.3 * arm.characteristic_length
         middle = rng.uniform(-0.5, 0.5) * half
         span = middle - half, middle + half
-        joints.append(replace(joint, limits=tuple(arm.angle_out(v) for v in span) if joint.type == "R" else span))
+        joints.append(
+            replace(
+                joint, limits=tuple(arm.angle_out(v) for v in span) if joint.type == "R" else span
+            )
+        )
     return replace(arm, limbs=(replace(arm.limbs[0], joints=tuple(joints)),))
 
 
-def walked(arm: symkin.Mechanism, folder: Path, count: int, points: int, reach: float, real: str = "double") -> dict[str, int]:
+def walked(
+    arm: symkin.Mechanism, folder: Path, count: int, points: int, reach: float, real: str = "double"
+) -> dict[str, int]:
     """Counts that arm_lines.c prints, by the word after each; it fails where an OK is wrong."""
     write_folder(arm, folder, Options(real))
     angular = ",".join(str(int(c.is_angular)) for c in arm.actuated)
     limits = ",".join(str(int(c.limits is not None)) for c in arm.actuated)
-    free = [math.pi if c.is_angular else math.pi * arm.characteristic_length / 3 for c in arm.actuated]
+    free = [
+        math.pi if c.is_angular else math.pi * arm.characteristic_length / 3 for c in arm.actuated
+    ]
     spans = [c.limits or (-half, half) for c, half in zip(arm.actuated, free, strict=True)]
-    ends = [f"-D{end}={{{','.join(repr(float(s[i])) for s in spans)}}}" for i, end in enumerate(("LOW", "HIGH"))]
-    macros = [f"-DNAME={arm.name}", f"-DUPPER={arm.name.upper()}", f'-DSOURCE="{arm.name}.c"', f"-DANGULAR={{{angular}}}"]
+    ends = [
+        f"-D{end}={{{','.join(repr(float(s[i])) for s in spans)}}}"
+        for i, end in enumerate(("LOW", "HIGH"))
+    ]
+    macros = [
+        f"-DNAME={arm.name}",
+        f"-DUPPER={arm.name.upper()}",
+        f'-DSOURCE="{arm.name}.c"',
+        f"-DANGULAR={{{angular}}}",
+    ]
     macros += [f"-DLIMITED={{{limits}}}", *ends]
-    command = [tools.compiler("gcc"), "-O2", *macros, f"-I{folder}", str(CODE), "-lm", "-o", str(folder / "lines")]
+    command = [
+        tools.compiler("gcc"),
+        "-O2",
+        *macros,
+        f"-I{folder}",
+        str(CODE),
+        "-lm",
+        "-o",
+        str(folder / "lines"),
+    ]
     subprocess.run(command, check=True)
     arguments = [str(count), "1", str(points), str(reach)]
-    done = subprocess.run([str(folder / "lines"), *arguments], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [str(folder / "lines"), *arguments], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout
-    counts = re.search(r"(\d+) lines, (\d+) OK.*?(\d+) regular, (\d+) of them OK; (\d+) leave", done.stdout)
-    return dict(zip(("lines", "ok", "regular", "answered", "outside"), map(int, counts.groups()), strict=True))
+    counts = re.search(
+        r"(\d+) lines, (\d+) OK.*?(\d+) regular, (\d+) of them OK; (\d+) leave", done.stdout
+    )
+    return dict(
+        zip(
+            ("lines", "ok", "regular", "answered", "outside"),
+            map(int, counts.groups()),
+            strict=True,
+        )
+    )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", in_gate(["ur5e", "scara", *list(structures(np.random.default_rng(3)))[:3]], ["ur5e", "parallel_inner"])
+    "name",
+    in_gate(
+        ["ur5e", "scara", *list(structures(np.random.default_rng(3)))[:3]],
+        ["ur5e", "parallel_inner"],
+    ),
 )
 @pytest.mark.parametrize("reach", in_gate([0.2, 1.0, 3.1], [1.0]))
 def test_lines_that_are_ok_have_their_branch_everywhere(name, reach, tmp_path):
-    """Each of a thousand points of a line has the guess's branch, and its joints end at the answer, whole turns included; and
-    enough lines are answered for that to say something."""
+    """Each of a thousand points of a line has the guess's branch, and its joints end at the answer,
+    whole turns included; and enough lines are answered for that to say something.
+    """
     made = structures(np.random.default_rng(3))
     found = walked(made.get(name) or symkin.load(name), tmp_path, 1500, 1000, reach)
     assert found["ok"] > 0.05 * found["lines"]
@@ -87,17 +131,22 @@ def test_lines_that_are_ok_have_their_branch_everywhere(name, reach, tmp_path):
 
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
 def test_the_scara_keeps_its_limits_along_lines(real, tmp_path):
-    """No OK where one of 2,000 points is outside, nearly all OK where all are inside by a hundredth of the range."""
+    """No OK where one of 2,000 points is outside, nearly all OK where all are inside by a hundredth
+    of the range.
+    """
     found = walked(symkin.load("scara"), tmp_path, 600, 2000, 1.0, real)
     assert found["outside"] > 0.02 * found["lines"]
     assert found["answered"] >= 0.95 * found["regular"] > 0.3 * found["lines"]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", in_gate(["parallel_inner", "wrist_parallel_two_three", "stanford"], ["stanford"]))
+@pytest.mark.parametrize(
+    "name", in_gate(["parallel_inner", "wrist_parallel_two_three", "stanford"], ["stanford"])
+)
 def test_arms_keep_their_limits_along_lines(name, tmp_path):
-    """The same of arms of six joints, limits more than a whole turn wide and slides among them; lines that are free of limits are
-    as often OK as those of the arm without limits."""
+    """The same of arms of six joints, limits more than a whole turn wide and slides among them;
+    lines that are free of limits are as often OK as those of the arm without limits.
+    """
     free = walked(structures(np.random.default_rng(3))[name], tmp_path / "free", 600, 2000, 0.3)
     found = walked(limited(name), tmp_path / "limited", 600, 2000, 0.3)
     assert found["outside"] > 0.02 * found["lines"]
@@ -105,7 +154,9 @@ def test_arms_keep_their_limits_along_lines(name, tmp_path):
 
 
 def test_a_guess_outside_its_limits_begins_no_line(tmp_path):
-    """The joint is named; the pose itself is within reach, as the formulas that look at no line say."""
+    """The joint is named; the pose itself is within reach, as the formulas that look at no line
+    say.
+    """
     arm = symkin.load("scara")
     write_folder(arm, tmp_path, Options("double"))
     (tmp_path / "main.c").write_text(GUESS)

@@ -1,4 +1,6 @@
-"""The same bits on x86-64, Cortex-M4F and Cortex-M7, and no symbol of a library, no data, no bss."""
+"""The same bits on x86-64, Cortex-M4F and Cortex-M7, and no symbol of a library, no data, no
+bss.
+"""
 
 from __future__ import annotations
 
@@ -43,10 +45,12 @@ static void solve(const NAME_real *joints, NAME_pose guess)
     NAME_real back[6];
     NAME_real jacobian[36];
     int status = (int)NAME_direct(NULL, joints, &guess, &guess, &info);
-    add(&status, sizeof status); add(&info.iterations, 1); add(&info.residual, sizeof info.residual); add(&info.step, sizeof info.step);
+    add(&status, sizeof status); add(&info.iterations, 1);
+      add(&info.residual, sizeof info.residual); add(&info.step, sizeof info.step);
     add(&info.min_pivot, sizeof info.min_pivot); add(&guess, sizeof guess);
     status = (int)NAME_track(joints, &guess, &info);
-    add(&status, sizeof status); add(&guess, sizeof guess); add(&info.residual, sizeof info.residual);
+    add(&status, sizeof status); add(&guess, sizeof guess);
+      add(&info.residual, sizeof info.residual);
     for (int i = 0; i < 6; ++i) { back[i] = (NAME_real)0; }
     for (int i = 0; i < 36; ++i) { jacobian[i] = (NAME_real)0; }
     status = (int)NAME_inverse(&guess, back);
@@ -91,21 +95,53 @@ def _digest_source(name: str, tmp_path: Path) -> Path:
 @pytest.mark.parametrize("real", ["float", "double"])
 @pytest.mark.parametrize("name", ["zhang2009", "ren2008"])
 def test_the_same_bits_everywhere(name, real, tmp_path):
-    """Cold, warm, far and failing calls of solvers without trigonometry: host, M4F and M7 agree in every bit."""
+    """Cold, warm, far and failing calls of solvers without trigonometry: host, M4F and M7 agree in
+    every bit.
+    """
     arm, qemu = tools.compiler("arm-none-eabi-gcc"), tools.compiler("qemu-system-arm")
     folder, main = tools.folder(f"{name}_{real}"), _digest_source(name, tmp_path)
     sources = [str(main), str(folder / f"{name}.c"), f"-I{folder}", f"-I{TARGETS}"]
     digests = {}
     for cc in ("gcc", "clang"):
-        command = [tools.compiler(cc), *FLAGS, *sources, str(tmp_path / "host.c"), "-lm", "-o", str(tmp_path / cc)]
+        command = [
+            tools.compiler(cc),
+            *FLAGS,
+            *sources,
+            str(tmp_path / "host.c"),
+            "-lm",
+            "-o",
+            str(tmp_path / cc),
+        ]
         subprocess.run(command, check=True)
-        digests[cc] = subprocess.run([str(tmp_path / cc)], check=True, capture_output=True, text=True).stderr.strip()
+        digests[cc] = subprocess.run(
+            [str(tmp_path / cc)], check=True, capture_output=True, text=True
+        ).stderr.strip()
     for board, (machine, flags) in BOARDS.items():
         elf = str(tmp_path / f"{board}.elf")
-        link = ["-T", str(TARGETS / "mps2.ld"), str(TARGETS / "board.c"), "-lm", "-lc", "-lgcc", "-o", elf]
+        link = [
+            "-T",
+            str(TARGETS / "mps2.ld"),
+            str(TARGETS / "board.c"),
+            "-lm",
+            "-lc",
+            "-lgcc",
+            "-o",
+            elf,
+        ]
         subprocess.run([arm, *FLAGS, *ARM, *flags, *sources, *link], check=True)
-        run = [qemu, "-M", machine, "-nographic", "-semihosting-config", "enable=on,target=native", "-kernel", elf]
-        digests[board] = subprocess.run(run, check=True, capture_output=True, text=True, timeout=120).stderr.strip()
+        run = [
+            qemu,
+            "-M",
+            machine,
+            "-nographic",
+            "-semihosting-config",
+            "enable=on,target=native",
+            "-kernel",
+            elf,
+        ]
+        digests[board] = subprocess.run(
+            run, check=True, capture_output=True, text=True, timeout=120
+        ).stderr.strip()
     assert len(set(digests.values())) == 1, digests
 
 
@@ -114,8 +150,22 @@ def test_no_library_symbol_no_data_no_bss(real, tmp_path):
     arm = tools.compiler("arm-none-eabi-gcc")
     flags = BOARDS["M4F" if real == "float" else "M7"][1]
     folder = tools.folder(f"zhang2009_{real}")
-    subprocess.run([arm, *FLAGS, *ARM[:2], *flags, "-c", str(folder / "zhang2009.c"), "-o", str(tmp_path / "z.o")], check=True)
-    undefined = subprocess.run(["arm-none-eabi-nm", "-u", "z.o"], cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+    subprocess.run(
+        [
+            arm,
+            *FLAGS,
+            *ARM[:2],
+            *flags,
+            "-c",
+            str(folder / "zhang2009.c"),
+            "-o",
+            str(tmp_path / "z.o"),
+        ],
+        check=True,
+    )
+    undefined = subprocess.run(
+        ["arm-none-eabi-nm", "-u", "z.o"], cwd=tmp_path, check=True, capture_output=True, text=True
+    ).stdout
     assert undefined.strip() == ""
     sizes = subprocess.run(
         ["arm-none-eabi-size", "z.o"], cwd=tmp_path, check=True, capture_output=True, text=True
@@ -124,11 +174,27 @@ def test_no_library_symbol_no_data_no_bss(real, tmp_path):
 
 
 def test_float_code_is_small(tmp_path):
-    """Direct, inverse and track linked alone, without libraries, at -O2: code and constants within 5,610 bytes, of which 40 let a line that is rounding stand still and 20 let parts of a line grow after such steps."""
+    """Direct, inverse and track linked alone, without libraries, at -O2: code and constants within
+    5,610 bytes, of which 40 let a line that is rounding stand still and 20 let parts of a line grow
+    after such steps.
+    """
     arm = tools.compiler("arm-none-eabi-gcc")
-    roots = ["-Wl,--gc-sections", "-Wl,-e,zhang2009_direct", "-Wl,-u,zhang2009_inverse", "-Wl,-u,zhang2009_track"]
-    source = [str(tools.folder("zhang2009_float") / "zhang2009.c"), "-nostdlib", "-ffunction-sections", "-fdata-sections"]
-    subprocess.run([arm, *FLAGS, *ARM[:2], *BOARDS["M4F"][1], *source, *roots, "-o", str(tmp_path / "z.elf")], check=True)
+    roots = [
+        "-Wl,--gc-sections",
+        "-Wl,-e,zhang2009_direct",
+        "-Wl,-u,zhang2009_inverse",
+        "-Wl,-u,zhang2009_track",
+    ]
+    source = [
+        str(tools.folder("zhang2009_float") / "zhang2009.c"),
+        "-nostdlib",
+        "-ffunction-sections",
+        "-fdata-sections",
+    ]
+    subprocess.run(
+        [arm, *FLAGS, *ARM[:2], *BOARDS["M4F"][1], *source, *roots, "-o", str(tmp_path / "z.elf")],
+        check=True,
+    )
     sizes = subprocess.run(
         ["arm-none-eabi-size", "z.elf"], cwd=tmp_path, check=True, capture_output=True, text=True
     ).stdout.splitlines()

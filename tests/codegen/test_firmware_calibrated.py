@@ -1,4 +1,6 @@
-"""Arms as a factory calibrates them: offsets of hundreds of metres along nearly parallel axes that cancel."""
+"""Arms as a factory calibrates them: offsets of hundreds of metres along nearly parallel axes that
+cancel.
+"""
 
 from __future__ import annotations
 
@@ -13,11 +15,17 @@ from symkin import DHRow, DHTable, InputError, serial_arm_from_dh
 
 
 def _calibrated():
-    """Axes 2, 3 and 4 are parallel but for half a milliradian: their common normals lie 300 m along the axes."""
+    """Axes 2, 3 and 4 are parallel but for half a milliradian: their common normals lie 300 m along
+    the axes.
+    """
     rows = [
-        DHRow("q1", d=0.1807, alpha=math.pi / 2 + 1e-4), DHRow("q2", d=297.7, a=-0.6127, alpha=5e-4), DHRow("q3", d=-298.1, a=-0.57155, alpha=-5e-4),
-        DHRow("q4", d=0.57415, alpha=math.pi / 2), DHRow("q5", d=0.11985, alpha=-math.pi / 2), DHRow("q6", d=0.11655),
-    ]  # fmt: skip
+        DHRow("q1", d=0.1807, alpha=math.pi / 2 + 1e-4),
+        DHRow("q2", d=297.7, a=-0.6127, alpha=5e-4),
+        DHRow("q3", d=-298.1, a=-0.57155, alpha=-5e-4),
+        DHRow("q4", d=0.57415, alpha=math.pi / 2),
+        DHRow("q5", d=0.11985, alpha=-math.pi / 2),
+        DHRow("q6", d=0.11655),
+    ]
     return serial_arm_from_dh("calibrated", DHTable("standard", rows), length_unit="m")
 
 

@@ -1,4 +1,6 @@
-"""Generated closed forms of arms: all branches are the modes of Python, named and nearest ones are among them, the rest is refused."""
+"""Generated closed forms of arms: all branches are the modes of Python, named and nearest ones are
+among them, the rest is refused.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,11 @@ from helpers.inside import Options, folder_files, write_folder
 from helpers.samples import pieper
 
 ARMS = structures(np.random.default_rng(3)) | short_structures(np.random.default_rng(3))
-ARMS |= {"gluon_6l3": symkin.load("gluon_6l3"), "yao2020": symkin.load("yao2020"), "pieper": pieper()}
+ARMS |= {
+    "gluon_6l3": symkin.load("gluon_6l3"),
+    "yao2020": symkin.load("yao2020"),
+    "pieper": pieper(),
+}
 IN_GATE = (
     "parallel_inner",
     "wrist_first",
@@ -36,14 +42,16 @@ int main(void)
     @_pose pose; double v[7]; double g[$];
     while (scanf("%lf %lf %lf %lf %lf %lf %lf", v, v+1, v+2, v+3, v+4, v+5, v+6) == 7) {
         @_real all[^_BRANCHES][$]; @_real guess[$]; @_real near[$];
-        for (int i = 0; i < $; ++i) { if (scanf("%lf", g + i) != 1) { return 1; } guess[i] = (@_real)g[i]; near[i] = 0; }
+        for (int i = 0; i < $; ++i) { if (scanf("%lf", g + i) != 1) { return 1;
+          } guess[i] = (@_real)g[i]; near[i] = 0; }
         for (int i = 0; i < 3; ++i) { pose.position[i] = (@_real)v[i]; }
         for (int i = 0; i < 4; ++i) { pose.quaternion[i] = (@_real)v[3 + i]; }
         const int count = @_inverse_all(&pose, all);
         const int status = (int)@_inverse_nearest(&pose, guess, near);
         (void)printf("%d %d", count, status);
         for (int i = 0; i < $; ++i) { (void)printf(" %.17g", (double)near[i]); }
-        for (int k = 0; k < count; ++k) { for (int i = 0; i < $; ++i) { (void)printf(" %.17g", (double)all[k][i]); } }
+        for (int k = 0; k < count; ++k) { for (int i = 0; i < $; ++i) {
+          (void)printf(" %.17g", (double)all[k][i]); } }
         (void)printf("\\n");
     }
     return 0;
@@ -65,19 +73,30 @@ def answers(
     found = []
     for line in done.stdout.splitlines():
         numbers = [float(v) for v in line.split()]
-        found.append((np.array(numbers[2 + n :]).reshape(-1, n), int(numbers[1]), np.array(numbers[2 : 2 + n])))
+        found.append(
+            (
+                np.array(numbers[2 + n :]).reshape(-1, n),
+                int(numbers[1]),
+                np.array(numbers[2 : 2 + n]),
+            )
+        )
     return found
 
 
 def in_radians(arm: symkin.Mechanism, values) -> np.ndarray:
-    return np.array([arm.angle_in(v) if c.is_angular else v for c, v in zip(arm.actuated, values, strict=True)])
+    return np.array(
+        [arm.angle_in(v) if c.is_angular else v for c, v in zip(arm.actuated, values, strict=True)]
+    )
 
 
 def apart(arm: symkin.Mechanism, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Largest differences of joint values, whole turns left aside, lengths over the size."""
     angular = np.array([c.is_angular for c in arm.actuated])
     gap = np.asarray(a) - np.asarray(b)
-    return np.max(np.abs(np.where(angular, np.angle(np.exp(1j * gap)), gap / arm.characteristic_length)), axis=-1)
+    return np.max(
+        np.abs(np.where(angular, np.angle(np.exp(1j * gap)), gap / arm.characteristic_length)),
+        axis=-1,
+    )
 
 
 def cases(arm: symkin.Mechanism, count: int) -> tuple[list[symkin.Pose], list[list[float]]]:
@@ -85,7 +104,9 @@ def cases(arm: symkin.Mechanism, count: int) -> tuple[list[symkin.Pose], list[li
     rng, poses, rows = np.random.default_rng(8), [], []
     for _ in range(count):
         q = np.array(random_values(arm, rng))
-        values = [arm.angle_out(v) if c.is_angular else v for c, v in zip(arm.actuated, q, strict=True)]
+        values = [
+            arm.angle_out(v) if c.is_angular else v for c, v in zip(arm.actuated, q, strict=True)
+        ]
         pose = symkin.solve(arm, joints=values).solution.pose
         poses.append(pose)
         rows.append([*pose.position, *pose.quaternion, *(q + 0.01 * rng.uniform(-1, 1, len(q)))])
@@ -95,12 +116,16 @@ def cases(arm: symkin.Mechanism, count: int) -> tuple[list[symkin.Pose], list[li
 @pytest.mark.slow
 @pytest.mark.parametrize("name", in_gate(ARMS, ["wrist_first", "planar_with_slide", "yao2020"]))
 def test_all_branches_are_the_modes_of_python(name, tmp_path):
-    """As many, and the same joint values; the nearest to the guess is the arm's own; in double and at well conditioned poses."""
+    """As many, and the same joint values; the nearest to the guess is the arm's own; in double and
+    at well conditioned poses.
+    """
     arm = ARMS[name]
     poses, rows = cases(arm, POSES)
     expected = symkin.modes(arm, pose=poses)
     compared = 0
-    for modes, row, (branches, status, near) in zip(expected, rows, answers(arm, tmp_path, "double", rows), strict=True):
+    for modes, row, (branches, status, near) in zip(
+        expected, rows, answers(arm, tmp_path, "double", rows), strict=True
+    ):
         if modes.method != "closed" or max(mode.condition for mode in modes) > 1e3:
             continue
         compared += 1
@@ -109,7 +134,10 @@ def test_all_branches_are_the_modes_of_python(name, tmp_path):
         assert max(apart(arm, branches, one).min() for one in ours) < 1e-9
         assert status == 0
         assert apart(arm, ours, near).min() < 1e-9
-        assert np.max(np.abs(near - row[7:])[[c.is_angular for c in arm.actuated]], initial=0.0) < np.pi + 1e-9
+        assert (
+            np.max(np.abs(near - row[7:])[[c.is_angular for c in arm.actuated]], initial=0.0)
+            < np.pi + 1e-9
+        )
     assert compared > POSES // 2
 
 
@@ -118,14 +146,22 @@ def test_the_nearest_branch_is_that_of_the_guess(tmp_path):
     arm = ARMS["gluon_6l3"]
     _, rows = cases(arm, POSES)
     found = answers(arm, tmp_path, "float", rows)
-    gaps = np.array([apart(arm, near, row[7:]) for row, (_, status, near) in zip(rows, found, strict=True) if status == 0])
+    gaps = np.array(
+        [
+            apart(arm, near, row[7:])
+            for row, (_, status, near) in zip(rows, found, strict=True)
+            if status == 0
+        ]
+    )
     assert len(gaps) > 0.9 * POSES
     assert np.mean(gaps < 0.02) > 0.9
     assert all(len(branches) % 2 == 0 for branches, _, _ in found)
 
 
 def test_poses_out_of_reach_have_no_branch_under_sanitizers(tmp_path):
-    """Far poses, a wrist in line, and quaternions of other lengths: no branch, a status, nothing undefined."""
+    """Far poses, a wrist in line, and quaternions of other lengths: no branch, a status, nothing
+    undefined.
+    """
     arm = replace(pieper(), name="reach")
     straight = symkin.solve(arm, joints=[0.3, 0.4, 0.5, 0.6, 0.0, 0.8]).solution.pose
     guess = [0.1] * 6
@@ -138,7 +174,13 @@ def test_poses_out_of_reach_have_no_branch_under_sanitizers(tmp_path):
         [0, 0, 100, float("inf"), 0, 0, 0, *guess],
         [0, 0, 100, 1, 0, 0, 0, float("nan"), *guess[1:]],
     ]
-    found = answers(arm, tmp_path, "float", rows, "-fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow")
+    found = answers(
+        arm,
+        tmp_path,
+        "float",
+        rows,
+        "-fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow",
+    )
     statuses = [status for _, status, _ in found]
     ok, singular, nonfinite, out_of_range = 0, 2, 3, 4
     assert statuses[0] == statuses[1] == statuses[3] == out_of_range
@@ -157,26 +199,38 @@ def test_only_branches_within_the_limits_are_listed(tmp_path):
     limited = replace(arm, name="limited", limbs=[replace(limb, joints=joints)])
     poses, rows = cases(arm, 20)
     inside = symkin.modes(limited, pose=poses)
-    for modes, (branches, _, _) in zip(inside, answers(limited, tmp_path, "double", rows), strict=True):
+    for modes, (branches, _, _) in zip(
+        inside, answers(limited, tmp_path, "double", rows), strict=True
+    ):
         assert len(branches) == sum(bool(mode.within_limits) for mode in modes)
         for values in branches:
-            assert all(span is None or span[0] <= v <= span[1] for v, span in zip(values, ranges, strict=True))
+            assert all(
+                span is None or span[0] <= v <= span[1]
+                for v, span in zip(values, ranges, strict=True)
+            )
 
 
 def test_a_calibrated_arm_keeps_its_branches(tmp_path):
-    """Axes that are off by a thousandth have no closed form of their own: the ideal arm's begins Newton's method, which ends at
-    this arm's pose."""
+    """Axes that are off by a thousandth have no closed form of their own: the ideal arm's begins
+    Newton's method, which ends at this arm's pose.
+    """
     rng = np.random.default_rng(2)
     (limb,) = pieper().limbs
     joints = [
-        replace(j, point=np.array(j.point) + 0.1 * rng.normal(size=3), axis=np.array(j.axis) + 1e-3 * direction(rng))
+        replace(
+            j,
+            point=np.array(j.point) + 0.1 * rng.normal(size=3),
+            axis=np.array(j.axis) + 1e-3 * direction(rng),
+        )
         for j in limb.joints
     ]
     arm = replace(pieper(), name="calibrated", limbs=[replace(limb, joints=joints)])
     assert symkin.modes(arm).method != "closed"
     poses, rows = cases(arm, 20)
     counts = []
-    for pose, (branches, status, near) in zip(poses, answers(arm, tmp_path, "double", rows), strict=True):
+    for pose, (branches, status, near) in zip(
+        poses, answers(arm, tmp_path, "double", rows), strict=True
+    ):
         counts.append(len(branches))
         for values in [*branches, *([near] if status == 0 else [])]:
             again = symkin.solve(arm, joints=values.tolist()).solution.pose
@@ -186,7 +240,9 @@ def test_a_calibrated_arm_keeps_its_branches(tmp_path):
 
 
 def test_what_a_folder_says_of_its_closed_form():
-    """Steps in README and manifest, names in the header; an arm without one, and a geometry given at run time, say so."""
+    """Steps in README and manifest, names in the header; an arm without one, and a geometry given
+    at run time, say so.
+    """
     files = folder_files(symkin.load("gluon_6l3"), Options("float"))
     steps = json.loads(files["manifest.json"])["closed_form"]
     assert steps["choices"] == ["shoulder", "wrist", "elbow"]
@@ -194,7 +250,10 @@ def test_what_a_folder_says_of_its_closed_form():
     assert "#define GLUON_6L3_ELBOW (1U)" in files["gluon_6l3.h"]
     rng = np.random.default_rng(0)
     general = serial("general", [free(rng) for _ in range(6)], rng)
-    for arm, options in ((general, Options()), (symkin.load("gluon_6l3"), Options(geometry="struct"))):
+    for arm, options in (
+        (general, Options()),
+        (symkin.load("gluon_6l3"), Options(geometry="struct")),
+    ):
         files = folder_files(arm, options)
         assert "None was found" in files["README.md"]
         assert "inverse_all" not in files[f"{arm.name}.h"]

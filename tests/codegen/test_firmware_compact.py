@@ -26,38 +26,58 @@ PLATFORMS = {
 
 def asked(name, options, real, *, compact):
     """The compiled code of one machine."""
-    return tools.bench_module("asked").Asked(symkin.load(name), Options(real, compact=compact, **options))
+    return tools.bench_module("asked").Asked(
+        symkin.load(name), Options(real, compact=compact, **options)
+    )
 
 
 def poses_about(mechanism, home, count, reach, turn, rng):
-    """Poses about home: shifts within `reach` and turns within `turn` (rad) as the platform's motion allows."""
-    centre = np.array([*mechanism.platform_position, *mechanism.platform_quaternion] if home is None else home, dtype=float)
+    """Poses about home: shifts within `reach` and turns within `turn` (rad) as the platform's
+    motion allows.
+    """
+    centre = np.array(
+        [*mechanism.platform_position, *mechanism.platform_quaternion] if home is None else home,
+        dtype=float,
+    )
     poses = np.tile(centre, (count, 1))
     poses[:, : 2 if mechanism.motion == "planar" else 3] += rng.uniform(
         -reach, reach, (count, 2 if mechanism.motion == "planar" else 3)
     )
     if mechanism.motion != "translation":
-        half = 0.5 * rng.uniform(-turn, turn, (count, 3)) * ([0, 0, 1] if mechanism.motion == "planar" else [1, 1, 1])
-        poses[:, 3:] = np.column_stack([np.ones(count), half]) / np.sqrt(1 + np.sum(half**2, axis=1))[:, None]
+        half = (
+            0.5
+            * rng.uniform(-turn, turn, (count, 3))
+            * ([0, 0, 1] if mechanism.motion == "planar" else [1, 1, 1])
+        )
+        poses[:, 3:] = (
+            np.column_stack([np.ones(count), half]) / np.sqrt(1 + np.sum(half**2, axis=1))[:, None]
+        )
     return poses
 
 
 @pytest.mark.parametrize("real", in_gate(["float", "double"], ["float"]))
 @pytest.mark.parametrize("machine", PLATFORMS)
 def test_platforms_answer_as_the_plain_code_does(machine, real):
-    """Near poses and far ones, of which some are refused, and joint values without a pose: statuses and poses are the same."""
+    """Near poses and far ones, of which some are refused, and joint values without a pose: statuses
+    and poses are the same.
+    """
     tools.compiler("gcc")
     name, options, home = PLATFORMS[machine]
     plain, small = (asked(name, options, real, compact=compact) for compact in (False, True))
     mechanism, rng = plain.mechanism, np.random.default_rng(3)
     size = mechanism.characteristic_length
-    near, far = (poses_about(mechanism, home, 300, part * size, turn, rng) for part, turn in ((0.05, 0.2), (0.4, 1.0)))
+    near, far = (
+        poses_about(mechanism, home, 300, part * size, turn, rng)
+        for part, turn in ((0.05, 0.2), (0.4, 1.0))
+    )
     poses = np.vstack([near, far])
     (status, joints), (other, again) = plain.back(poses), small.back(poses)
     np.testing.assert_array_equal(other, status)
     bound = (4e-6 if real == "float" else 1e-13) * size
     np.testing.assert_allclose(again, joints, atol=bound)
-    goals = joints + np.where(np.arange(len(joints)) % 7 == 0, 0.3 * rng.normal(size=len(joints)), 0.0)[:, None] * np.abs(joints)
+    goals = joints + np.where(
+        np.arange(len(joints)) % 7 == 0, 0.3 * rng.normal(size=len(joints)), 0.0
+    )[:, None] * np.abs(joints)
     guesses = poses_about(mechanism, home, len(goals), 0.0, 0.0, rng)
     first, second = plain.answers(goals, guesses), small.answers(goals, guesses)
     good = (first.status == 0) & (second.status == 0)
@@ -88,12 +108,16 @@ def test_arms_answer_as_the_plain_code_does(real):
     assert good.sum() > 100
     # pivots tell which steps are far: other factors judge some far lines otherwise
     assert np.mean(first.status == second.status) > 0.95
-    np.testing.assert_allclose(second.found[good], first.found[good], atol=3e-2 if real == "float" else 1e-8)
+    np.testing.assert_allclose(
+        second.found[good], first.found[good], atol=3e-2 if real == "float" else 1e-8
+    )
 
 
 @pytest.mark.parametrize("name", in_gate(["zhang2009", "ren2008"], ["zhang2009"]))
 def test_the_folder_passes_its_own_test_and_is_smaller(name, tmp_path):
-    """Vectors of the Python solvers, Jacobians, rates and refusals; machine code of the host's compiler."""
+    """Vectors of the Python solvers, Jacobians, rates and refusals; machine code of the host's
+    compiler.
+    """
     sizes = []
     for compact in (False, True):
         folder = tmp_path / str(compact)
@@ -101,9 +125,13 @@ def test_the_folder_passes_its_own_test_and_is_smaller(name, tmp_path):
         write_folder(symkin.load(name), folder, Options("float", compact=compact, **options))
         tools.passed(tools.built("gcc", folder, [f"{name}.c", f"{name}_test.c"], "test", "-O1"))
         subprocess.run(
-            [tools.compiler("gcc"), "-O2", "-fno-math-errno", "-c", f"{name}.c", "-o", "code.o"], cwd=folder, check=True
+            [tools.compiler("gcc"), "-O2", "-fno-math-errno", "-c", f"{name}.c", "-o", "code.o"],
+            cwd=folder,
+            check=True,
         )
-        text = subprocess.run(["size", "code.o"], cwd=folder, check=True, capture_output=True, text=True).stdout
+        text = subprocess.run(
+            ["size", "code.o"], cwd=folder, check=True, capture_output=True, text=True
+        ).stdout
         sizes.append(int(text.split("\n")[1].split()[0]))
     assert sizes[1] < 0.97 * sizes[0]
 
@@ -112,11 +140,15 @@ def test_the_option_is_written_down():
     files = folder_files(symkin.load("ren2008"), Options("float", compact=True))
     assert "options: --real float --compact." in files["ren2008.h"]
     assert '"compact": true' in files["manifest.json"]
-    assert '"compact"' not in folder_files(symkin.load("ren2008"), Options("float"))["manifest.json"]
+    assert (
+        '"compact"' not in folder_files(symkin.load("ren2008"), Options("float"))["manifest.json"]
+    )
 
 
 def test_maps_are_refused(tmp_path):
-    options = Options(given=("upper_motor", "lower_motor"), find=("ankle.1", "ankle.2"), compact=True)
+    options = Options(
+        given=("upper_motor", "lower_motor"), find=("ankle.1", "ankle.2"), compact=True
+    )
     with pytest.raises(InputError, match="leave --compact out"):
         write_folder(symkin.load("ankle"), tmp_path, options)
 

@@ -1,4 +1,6 @@
-"""C of direct problems that formulas solve: lines beside folds, far lines, and what is said of them."""
+"""C of direct problems that formulas solve: lines beside folds, far lines, and what is said of
+them.
+"""
 
 from __future__ import annotations
 
@@ -24,10 +26,21 @@ def linear_delta() -> Mechanism:
     limbs = []
     for k in range(3):
         outward, tangent = delta_directions(k)
-        rods = [Rod(tuple(150 * outward + s * tangent), tuple(40 * outward + s * tangent)) for s in (-25, 25)]
-        limbs.append(Limb(f"limb{k}", [Joint(f"q{k}", "P", tuple(150 * outward), (0.0, 0.0, 1.0), actuated=True)], rods))
+        rods = [
+            Rod(tuple(150 * outward + s * tangent), tuple(40 * outward + s * tangent))
+            for s in (-25, 25)
+        ]
+        limbs.append(
+            Limb(
+                f"limb{k}",
+                [Joint(f"q{k}", "P", tuple(150 * outward), (0.0, 0.0, 1.0), actuated=True)],
+                rods,
+            )
+        )
     depth = -math.sqrt(250.0**2 - 110.0**2)
-    return Mechanism("linear_delta", limbs, platform_position=(0.0, 0.0, depth), motion="translation")
+    return Mechanism(
+        "linear_delta", limbs, platform_position=(0.0, 0.0, depth), motion="translation"
+    )
 
 
 MACHINES = {
@@ -42,7 +55,9 @@ MACHINES = {
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
 @pytest.mark.parametrize("name", in_gate(MACHINES, ["3-TRT + SPS", "delta"]))
 def test_lines_from_all_over_the_workspace(name, real):
-    """A quarter of the guesses beside a fold: what is OK is what a walk in many points reaches, and nearly all regular lines are."""
+    """A quarter of the guesses beside a fold: what is OK is what a walk in many points reaches, and
+    nearly all regular lines are.
+    """
     tools.compiler("gcc")
     lines = tools.bench_module("closed_lines")
     found = lines.study(MACHINES[name](), real, 1500, lines.Reach(0.3, 1.5), 150, 5)

@@ -1,4 +1,6 @@
-"""What the generated C must never do: OK off the machine or across a meeting, refuse to stand still, run what a name says."""
+"""What the generated C must never do: OK off the machine or across a meeting, refuse to stand
+still, run what a name says.
+"""
 
 import ctypes
 import re
@@ -74,14 +76,22 @@ def test_geometry_that_is_not_finite_is_refused_by_every_function(name, library)
     values, six, out = _doubles([0.1] * joints), _doubles([0.1] * 6), _doubles([0.0] * 40)
     calls = {
         "ur5e": {
-            "direct": (values, out), "inverse": (None, pose, values, out, None), "jacobian": (values, out),
-            "rates": (values, six, out, None), "twist": (values, values, out), "track": (pose, values, None),
+            "direct": (values, out),
+            "inverse": (None, pose, values, out, None),
+            "jacobian": (values, out),
+            "rates": (values, six, out, None),
+            "twist": (values, values, out),
+            "track": (pose, values, None),
         },
         "delta": {
-            "direct": (None, values, pose, out, None), "inverse": (pose, out), "jacobian": (pose, out), "rates": (pose, six, out),
-            "twist": (pose, values, out), "track": (values, pose, None),
+            "direct": (None, values, pose, out, None),
+            "inverse": (pose, out),
+            "jacobian": (pose, out),
+            "rates": (pose, six, out),
+            "twist": (pose, values, out),
+            "track": (values, pose, None),
         },
-    }[name]  # fmt: skip
+    }[name]
     for k in range(count):
         changed = list(numbers)
         changed[k] = np.nan if k % 2 else np.inf
@@ -96,25 +106,36 @@ HOSTILE = "q1*/injected/*"
 def _arm(name):
     """SCARA-like: a closed form whose steps, choices and limits name the joint."""
     joints = [
-        Joint(name, "R", (0, 0, 0), Z, limits=(-2.0, 2.0), actuated=True), Joint("q2", "R", (0.4, 0, 0), Z, actuated=True),
-        Joint("q3", "R", (0.7, 0, 0), Z, actuated=True), Joint("q4", "P", (0.7, 0, 0), Z, actuated=True),
-    ]  # fmt: skip
+        Joint(name, "R", (0, 0, 0), Z, limits=(-2.0, 2.0), actuated=True),
+        Joint("q2", "R", (0.4, 0, 0), Z, actuated=True),
+        Joint("q3", "R", (0.7, 0, 0), Z, actuated=True),
+        Joint("q4", "P", (0.7, 0, 0), Z, actuated=True),
+    ]
     return Mechanism(
-        "arm", [Limb("arm", joints)], serial=True, platform_position=(0.7, 0.0, 0.1), length_unit="m", angle_unit="rad"
+        "arm",
+        [Limb("arm", joints)],
+        serial=True,
+        platform_position=(0.7, 0.0, 0.1),
+        length_unit="m",
+        angle_unit="rad",
     )
 
 
 def _four_bar(name):
     joints = [
-        LinkJoint(Joint(name, "R", (0, 0, 0), Z, actuated=True), ("base", "a")), LinkJoint(Joint("b", "R", (0, 1, 0), Z), ("a", "c")),
-        LinkJoint(Joint("d", "R", (2, 1.5, 0), Z), ("c", "e")), LinkJoint(Joint("f", "R", (2.2, 0, 0), Z), ("e", "base")),
-    ]  # fmt: skip
+        LinkJoint(Joint(name, "R", (0, 0, 0), Z, actuated=True), ("base", "a")),
+        LinkJoint(Joint("b", "R", (0, 1, 0), Z), ("a", "c")),
+        LinkJoint(Joint("d", "R", (2, 1.5, 0), Z), ("c", "e")),
+        LinkJoint(Joint("f", "R", (2.2, 0, 0), Z), ("e", "base")),
+    ]
     return Mechanism("bars", link_joints=joints, length_unit="m", angle_unit="rad")
 
 
 @pytest.mark.parametrize("kind", ["arm", "map"])
 def test_a_name_stays_in_its_comment(kind):
-    """What a name says is never code: without comments and strings no file of the folder holds it."""
+    """What a name says is never code: without comments and strings no file of the folder holds
+    it.
+    """
     if kind == "arm":
         files = folder_files(_arm(HOSTILE), Options("double", also=("cpp",)))
     else:
@@ -128,12 +149,24 @@ def test_a_name_stays_in_its_comment(kind):
 @pytest.mark.slow
 @pytest.mark.parametrize("real", in_gate(["float", "double"], ["float"]))
 def test_standing_still_is_ok(real, library):
-    """G1 ankle, whose Newton steps end in rounding of all directions: an answer asked for again from itself is OK."""
+    """G1 ankle, whose Newton steps end in rounding of all directions: an answer asked for again
+    from itself is OK.
+    """
     given, find = ("left_motor_joint", "right_motor_joint"), ("pitch_joint", "roll_joint")
-    code = library(str(MODELS / "mjcf" / "g1_parallel_ankle.xml"), Options(real, given=given, find=find))
-    kind, rng, answered = {"float": ctypes.c_float, "double": ctypes.c_double}[real], np.random.default_rng(5), 0
+    code = library(
+        str(MODELS / "mjcf" / "g1_parallel_ankle.xml"), Options(real, given=given, find=find)
+    )
+    kind, rng, answered = (
+        {"float": ctypes.c_float, "double": ctypes.c_double}[real],
+        np.random.default_rng(5),
+        0,
+    )
     for angles in rng.uniform((-0.5, -0.2), (0.3, 0.2), (3000, 2)):
-        found, motors, again = _array(kind, angles), _array(kind, [0.0, 0.0]), _array(kind, [0.0, 0.0])
+        found, motors, again = (
+            _array(kind, angles),
+            _array(kind, [0.0, 0.0]),
+            _array(kind, [0.0, 0.0]),
+        )
         if code.g1_ankle_inverse(None, found, motors, motors, None) != 0:
             continue
         answered += 1
@@ -143,19 +176,27 @@ def test_standing_still_is_ok(real, library):
 
 
 def _two_spherical_loops():
-    """Two spherical loops of one centre, whose branches meet where j1 is -0.857 rad; redundant rows."""
+    """Two spherical loops of one centre, whose branches meet where j1 is -0.857 rad; redundant
+    rows.
+    """
     axes = {
-        "j0": (("base", "k1"), (-1, 1, -2)), "j1": (("k1", "k2"), (1, 1, 1)), "j2": (("k2", "k3"), (-1, 1, 0)),
-        "j3": (("k3", "base"), (-1, -1, 1)), "p0": (("k1", "p1"), (1, 1, 1)), "p1": (("p1", "p2"), (1, -1, 0)),
+        "j0": (("base", "k1"), (-1, 1, -2)),
+        "j1": (("k1", "k2"), (1, 1, 1)),
+        "j2": (("k2", "k3"), (-1, 1, 0)),
+        "j3": (("k3", "base"), (-1, -1, 1)),
+        "p0": (("k1", "p1"), (1, 1, 1)),
+        "p1": (("p1", "p2"), (1, -1, 0)),
         "p2": (("p2", "base"), (1, 0, 0)),
-    }  # fmt: skip
+    }
     joints = [LinkJoint(Joint(n, "R", a, a), links) for n, (links, a) in axes.items()]
     return Mechanism("meeting", link_joints=joints, length_unit="m", angle_unit="rad")
 
 
 @pytest.mark.slow
 def test_nothing_is_ok_beyond_a_meeting_of_branches(library):
-    """`track` ends at the meeting, and so does the code, although one Newton step would hop over it."""
+    """`track` ends at the meeting, and so does the code, although one Newton step would hop over
+    it.
+    """
     mechanism = _two_spherical_loops()
     track = symkin.track(mechanism, given={"j1": (0.0, -1.5)})
     assert -0.87 < track.end.solution.joints["j1"] < -0.85
@@ -168,22 +209,38 @@ def test_nothing_is_ok_beyond_a_meeting_of_branches(library):
 
 
 class _Info(ctypes.Structure):
-    _fields_ = [("iterations", ctypes.c_uint8), ("residual", ctypes.c_float), ("step", ctypes.c_float), ("min_pivot", ctypes.c_float), ("joint", ctypes.c_uint8)]  # fmt: skip
+    _fields_ = [
+        ("iterations", ctypes.c_uint8),
+        ("residual", ctypes.c_float),
+        ("step", ctypes.c_float),
+        ("min_pivot", ctypes.c_float),
+        ("joint", ctypes.c_uint8),
+    ]
 
 
 @pytest.mark.slow
 def test_the_residual_of_an_arm_is_the_tools(library):
-    """ur5e in float, poses near folds among them: what `info` says is how far direct kinematics in double misses the pose, and no answer,
-    of one branch or of all, is off by more than is allowed."""
-    code, arm = library("ur5e", Options("float")), build_program(symkin.load("ur5e"), Options("double")).kind
+    """ur5e in float, poses near folds among them: what `info` says is how far direct kinematics in
+    double misses the pose, and no answer, of one branch or of all, is off by more than is allowed.
+    """
+    code, arm = (
+        library("ur5e", Options("float")),
+        build_program(symkin.load("ur5e"), Options("double")).kind,
+    )
     size, rng, seen, worst = arm.mechanism.characteristic_length, np.random.default_rng(3), 0, 0.0
     allowed = 72 * 2.0**-24 * size
     floats = lambda values: _array(ctypes.c_float, values)  # noqa: E731 - as short as a call
     for q in rng.uniform(-3, 3, (4000, 6)):
         pose, out, info, every = floats([0.0] * 7), floats([0.0] * 6), _Info(), floats([0.0] * 48)
-        if code.ur5e_direct(floats(q), pose) != 0 or code.ur5e_inverse(None, pose, floats(q), out, ctypes.byref(info)) != 0:
+        if (
+            code.ur5e_direct(floats(q), pose) != 0
+            or code.ur5e_inverse(None, pose, floats(q), out, ctypes.byref(info)) != 0
+        ):
             continue
-        found = [np.array(out[:]), *np.array(every[: 6 * code.ur5e_inverse_all(pose, every)]).reshape(-1, 6)]
+        found = [
+            np.array(out[:]),
+            *np.array(every[: 6 * code.ur5e_inverse_all(pose, every)]).reshape(-1, 6),
+        ]
         errors = [_pose_error(arm.forward_at(joints), np.array(pose[:]), size) for joints in found]
         assert abs(errors[0] - info.residual) < 8 * 2.0**-24 * size
         seen, worst = seen + 1, max(worst, *errors)
@@ -192,7 +249,10 @@ def test_the_residual_of_an_arm_is_the_tools(library):
 
 
 def _pose_error(pose, target, size):
-    away = min((pose[3:] - s * target[3:] / np.linalg.norm(target[3:]) for s in (1, -1)), key=np.linalg.norm)
+    away = min(
+        (pose[3:] - s * target[3:] / np.linalg.norm(target[3:]) for s in (1, -1)),
+        key=np.linalg.norm,
+    )
     return float(np.hypot(np.linalg.norm(pose[:3] - target[:3]), 2 * size * np.linalg.norm(away)))
 
 
@@ -204,7 +264,10 @@ def test_speeds_may_be_written_over_what_is_read(name, library):
     if name == "ur5e":
         function, first = code.ur5e_twist, _doubles([0.3, -1.0, 0.8, 0.2, 0.9, 0.1])
     else:
-        function, first = code.ren2008_rates, _doubles([*symkin.load(name).platform_position, 1.0, 0.0, 0.0, 0.0])
+        function, first = (
+            code.ren2008_rates,
+            _doubles([*symkin.load(name).platform_position, 1.0, 0.0, 0.0, 0.0]),
+        )
     out, both = _doubles([0.0] * 6), _doubles(six)
     assert function(first, _doubles(six), out) == 0
     assert function(first, both, both) == 0
@@ -212,26 +275,45 @@ def test_speeds_may_be_written_over_what_is_read(name, library):
 
 
 def test_a_map_that_is_linear_both_ways_has_code():
-    """Gears alone: a step of Newton's method leaves nothing, so that its limit is no division by zero."""
-    joints = [LinkJoint(Joint(n, "R", (x, 0, 0), Z, actuated=n == "a"), ("base", n)) for n, x in (("a", 0.0), ("b", 1.0))]
-    gears = Mechanism("gears", link_joints=joints, couplings=[Coupling("b", {"a": -2.0})], length_unit="m", angle_unit="rad")
+    """Gears alone: a step of Newton's method leaves nothing, so that its limit is no division by
+    zero.
+    """
+    joints = [
+        LinkJoint(Joint(n, "R", (x, 0, 0), Z, actuated=n == "a"), ("base", n))
+        for n, x in (("a", 0.0), ("b", 1.0))
+    ]
+    gears = Mechanism(
+        "gears",
+        link_joints=joints,
+        couplings=[Coupling("b", {"a": -2.0})],
+        length_unit="m",
+        angle_unit="rad",
+    )
     files = folder_files(gears, Options("double", given=("a",), find=("b",)))
     limit = re.search(r"GEARS_TRACK_LIMIT \(\(gears_real\)([^)]*)\)", files["gears.h"])[1]
     assert 0.0 < float(limit) <= gears.characteristic_length
 
 
 def test_bends_hold_everywhere():
-    """The bound of a condition's second derivative is above that of any line through 4,000 random values."""
-    for name, given, find in (("four_bar", "crank", "follower"), ("ankle", "upper_motor,lower_motor", "ankle.1,ankle.2")):
+    """The bound of a condition's second derivative is above that of any line through 4,000 random
+    values.
+    """
+    for name, given, find in (
+        ("four_bar", "crank", "follower"),
+        ("ankle", "upper_motor,lower_motor", "ankle.1,ankle.2"),
+    ):
         made = build_program(
-            symkin.load(name), Options("double", given=tuple(given.split(",")), find=tuple(find.split(",")))
+            symkin.load(name),
+            Options("double", given=tuple(given.split(",")), find=tuple(find.split(","))),
         ).kind
         for way in (made.direct, made.inverse):
             if not way.is_closed:
                 continue
             direction = ClosedDirection(made, way, {})
             values, rng = ca.SX.sym("v", len(way.known)), np.random.default_rng(9)
-            for one, bend, usual in zip(direction.conditions, direction.bends, direction.usual, strict=True):
+            for one, bend, usual in zip(
+                direction.conditions, direction.bends, direction.usual, strict=True
+            ):
                 expression = direction._put_in(one.value, values) / usual
                 hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
                 points = rng.uniform(-np.pi, np.pi, (4000, len(way.known)))

@@ -1,4 +1,6 @@
-"""OK of generated C means that all loops close, that limits are kept and that no infinity was passed; what fails its own test is not written."""
+"""OK of generated C means that all loops close, that limits are kept and that no infinity was
+passed; what fails its own test is not written.
+"""
 
 from __future__ import annotations
 
@@ -94,7 +96,9 @@ type = "R"
 point = [0.0, "100 + 75*sqrt(3)", 0.0]
 axis = [0.0, 0.0, 1.0]
 """
-"""Two cranks and a platform on the end of the left forearm, hinged to the right one: the left limb decides its turn."""
+"""Two cranks and a platform on the end of the left forearm, hinged to the right one: the left limb
+decides its turn.
+"""
 
 
 def library(mechanism: symkin.Mechanism, folder: Path, **options: object) -> ctypes.CDLL:
@@ -124,7 +128,9 @@ def doubles(values: object) -> ctypes.Array[ctypes.c_double]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", in_gate(["five_bar", "tricept", "three_rps"], ["five_bar"]))
 def test_ok_of_a_platform_that_cannot_take_every_pose_closes_all_rows(name, tmp_path):
-    """Poses on and off what the limbs can take, in both types: an OK closes, poses that can be taken are taken in the type's rounding."""
+    """Poses on and off what the limbs can take, in both types: an OK closes, poses that can be
+    taken are taken in the type's rounding.
+    """
     tools.compiler("gcc")
     closes = tools.bench_module("closes")
     machine = closes.Machine(symkin.load(MACHINES / f"{name}.toml"))
@@ -147,33 +153,55 @@ def test_a_five_bar_takes_the_turn_that_its_first_limb_leaves_and_no_other(tmp_p
     np.testing.assert_allclose(np.degrees(joints), [10.0, -5.0], atol=1e-7)
     size = made.characteristic_length
     for turn in (1e-3, -1e-3, 0.05, -0.3, 0.7):
-        turned = symkin.Pose(position, quaternion) @ symkin.Pose([0, 0, 0], [math.cos(turn / 2), 0, 0, math.sin(turn / 2)])
+        turned = symkin.Pose(position, quaternion) @ symkin.Pose(
+            [0, 0, 0], [math.cos(turn / 2), 0, 0, math.sin(turn / 2)]
+        )
         joints = doubles([9.0, 9.0])
-        assert code.five_bar_inverse(doubles([*turned.position, *turned.quaternion]), joints) == OUT_OF_RANGE
+        assert (
+            code.five_bar_inverse(doubles([*turned.position, *turned.quaternion]), joints)
+            == OUT_OF_RANGE
+        )
         assert list(joints) == [9.0, 9.0]
     for step in ([1e-3 * size, 0.0, 0.0], [0.0, -1e-3 * size, 0.0]):
-        assert code.five_bar_inverse(doubles([*(position + step), *quaternion]), joints) == OUT_OF_RANGE
+        assert (
+            code.five_bar_inverse(doubles([*(position + step), *quaternion]), joints)
+            == OUT_OF_RANGE
+        )
 
 
 def test_no_ok_across_infinity(tmp_path):
-    """The guide of a lever is at infinity where the slot is along it; within a branch the answer is 10 / tan theta."""
+    """The guide of a lever is at infinity where the slot is along it; within a branch the answer is
+    10 / tan theta.
+    """
     code = library(loaded(tmp_path, LEVER), tmp_path / "c", given=["guide"], find=["theta"])
     for degrees in (1.0, 44.0, 45.0, 90.0, 135.0, 170.0):
         guide = doubles([0.0])
-        assert code.lever_inverse(None, doubles([math.radians(degrees)]), doubles([10.0]), guide, None) == OK
-        assert abs(guide[0] - 10.0 / math.tan(math.radians(degrees))) <= 1e-9 * max(10.0, abs(guide[0]))
+        assert (
+            code.lever_inverse(None, doubles([math.radians(degrees)]), doubles([10.0]), guide, None)
+            == OK
+        )
+        assert abs(guide[0] - 10.0 / math.tan(math.radians(degrees))) <= 1e-9 * max(
+            10.0, abs(guide[0])
+        )
     for degrees in (-1.0, -10.0, -45.0, -80.0, -135.0):
         guide = doubles([7.0])
-        assert code.lever_inverse(None, doubles([math.radians(degrees)]), doubles([10.0]), guide, None) == WRONG_BRANCH
+        assert (
+            code.lever_inverse(None, doubles([math.radians(degrees)]), doubles([10.0]), guide, None)
+            == WRONG_BRANCH
+        )
         assert guide[0] == 7.0
 
 
 FOLLOWER = ("follower_pin", -120.0, 3.0)
 
 
-@pytest.mark.parametrize(("joint", "low", "high"), in_gate([("crank_pin", -5.0, 5.0), FOLLOWER], [FOLLOWER]))
+@pytest.mark.parametrize(
+    ("joint", "low", "high"), in_gate([("crank_pin", -5.0, 5.0), FOLLOWER], [FOLLOWER])
+)
 def test_limits_of_passive_joints_are_kept_by_a_map(tmp_path, joint, low, high):
-    """OK where, and only where, Python says that the configuration is within limits; of a joint that the closure cuts too."""
+    """OK where, and only where, Python says that the configuration is within limits; of a joint
+    that the closure cuts too.
+    """
     text = (Path(symkin.__file__).parent / "mechanisms" / "four_bar.toml").read_text()
     made = loaded(tmp_path, limited(text, joint, low, high))
     code = library(made, tmp_path / "c", given=["crank"], find=["follower"])
@@ -182,10 +210,16 @@ def test_limits_of_passive_joints_are_kept_by_a_map(tmp_path, joint, low, high):
     for crank in np.linspace(60.0, 125.0, 27):
         solution = symkin.solve(made, given={"crank": float(crank)}).solution
         found = doubles([0.0])
-        status = code.four_bar_direct(None, doubles([math.radians(crank)]), doubles([math.radians(reference)]), found, None)
+        status = code.four_bar_direct(
+            None, doubles([math.radians(crank)]), doubles([math.radians(reference)]), found, None
+        )
         assert status == (OK if solution.within_limits else OUT_OF_RANGE), crank
         back = code.four_bar_inverse(
-            None, doubles([math.radians(solution.joints["follower"])]), doubles([math.pi / 2]), found, None
+            None,
+            doubles([math.radians(solution.joints["follower"])]),
+            doubles([math.pi / 2]),
+            found,
+            None,
         )
         assert back == (OK if solution.within_limits else OUT_OF_RANGE), crank
         statuses.add(status)
@@ -202,10 +236,15 @@ def test_limits_of_passive_joints_are_kept_by_a_platform(tmp_path, joint):
         solution = symkin.solve(made, joints=[first, second]).solution
         wanted = OK if solution.within_limits else OUT_OF_RANGE
         pose, joints = doubles(np.zeros(7)), doubles([0.0, 0.0])
-        assert code.five_bar_direct(None, doubles(np.radians([first, second])), home, pose, None) == wanted
+        assert (
+            code.five_bar_direct(None, doubles(np.radians([first, second])), home, pose, None)
+            == wanted
+        )
         stated = doubles([*solution.pose.position, *solution.pose.quaternion])
         assert code.five_bar_inverse(stated, joints) == wanted
-        assert (code.five_bar_track(doubles(np.radians([first, second])), stated, None) == OK) == (wanted == OK)
+        assert (code.five_bar_track(doubles(np.radians([first, second])), stated, None) == OK) == (
+            wanted == OK
+        )
         statuses.add(wanted)
     assert statuses == {OK, OUT_OF_RANGE}
 
@@ -232,8 +271,12 @@ def test_without_a_compiler_code_is_written_untested(tmp_path, monkeypatch):
 
 def test_tests_of_folders_hold_what_cannot_be_taken(tmp_path):
     """Of a platform poses and joints beyond limits; of a map values of both sides."""
-    platform = folder_files(loaded(tmp_path, limited(FIVE_BAR, "crank1", -60.0, 60.0)), Options("float"))["five_bar_vectors.h"]
-    four_bar = folder_files(symkin.load("four_bar"), Options("float", given=("crank",), find=("follower",)))
+    platform = folder_files(
+        loaded(tmp_path, limited(FIVE_BAR, "crank1", -60.0, 60.0)), Options("float")
+    )["five_bar_vectors.h"]
+    four_bar = folder_files(
+        symkin.load("four_bar"), Options("float", given=("crank",), find=("follower",))
+    )
     assert "#define FIVE_BAR_VECTOR_PAST 2" in platform
     assert "#define FIVE_BAR_VECTOR_INFEASIBLE 0" not in platform
     # a crank turns all the way round, its follower does not
@@ -241,16 +284,27 @@ def test_tests_of_folders_hold_what_cannot_be_taken(tmp_path):
 
 
 def three_limbs(axis: tuple[float, float], types: str) -> str:
-    """A planar platform on three limbs of revolutes and a slide along an axis of its first limb's frame."""
-    text = 'format = 1\nname = "planar"\nlength_unit = "mm"\nangle_unit = "rad"\n[platform]\nmotion = "planar"\nposition = [0.0, 0.0, 0.0]\n'
+    """A planar platform on three limbs of revolutes and a slide along an axis of its first limb's
+    frame.
+    """
+    text = (
+        'format = 1\nname = "planar"\nlength_unit = "mm"\nangle_unit = "rad"\n[platform]\n'
+        'motion = "planar"\nposition = [0.0, 0.0, 0.0]\n'
+    )
     for i in range(3):
         turn = 2 * math.pi * i / 3
         r = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
-        points, along = (r @ np.array([[-200.0, -200.0, -60.0], [0.0, 80.0, 60.0]])).T, r @ np.array(axis)
+        points, along = (
+            (r @ np.array([[-200.0, -200.0, -60.0], [0.0, 80.0, 60.0]])).T,
+            r @ np.array(axis),
+        )
         text += f'[[limb]]\nname = "limb{i}"\n'
         for k, (kind, point) in enumerate(zip(types, points.tolist(), strict=True)):
             direction = [0.0, 0.0, 1.0] if kind == "R" else [*along.tolist(), 0.0]
-            text += f'[[limb.joint]]\nname = "{kind.lower()}{i}{k}"\ntype = "{kind}"\npoint = [{point[0]}, {point[1]}, 0.0]\naxis = {direction}\n'
+            text += (
+                f'[[limb.joint]]\nname = "{kind.lower()}{i}{k}"\ntype = "{kind}"\n'
+                f"point = [{point[0]}, {point[1]}, 0.0]\naxis = {direction}\n"
+            )
             text += "actuated = true\n" if k == 0 else ""
     return text
 
@@ -260,7 +314,9 @@ AXES = [(1.0, 0.0), (0.0, 1.0), (0.6, 0.8), (1.0, 0.5)]
 
 @pytest.mark.parametrize(("types", "axis"), each_once(["RRP", "RPR", "PRR"], AXES))
 def test_a_regular_home_is_answered_whatever_formulas_divide_by(tmp_path, axis, types):
-    """No divisor that vanishes, or is small, at home makes a regular pose there singular, nor joints inexact."""
+    """No divisor that vanishes, or is small, at home makes a regular pose there singular, nor
+    joints inexact.
+    """
     made = loaded(tmp_path, three_limbs(axis, types))
     try:
         code = library(made, tmp_path / "c")

@@ -20,16 +20,22 @@ def _contents(folder):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["Makefile", "README.md", "ren2008.c", "manifest.json"])
 def test_foreign_files_are_kept(name, tmp_path):
-    """A file of the user's that has one of the names: a sentence with it, and nothing is written."""
+    """A file of the user's that has one of the names: a sentence with it, and nothing is
+    written.
+    """
     (tmp_path / name).write_text("mine")
-    with pytest.raises(InputError, match=rf"would replace {name}, there already and not written by symkin"):
+    with pytest.raises(
+        InputError, match=rf"would replace {name}, there already and not written by symkin"
+    ):
         write_folder(PLATFORM, tmp_path, Options())
     assert _contents(tmp_path) == {name: b"mine"}
 
 
 @pytest.mark.slow
 def test_edited_files_are_kept(tmp_path):
-    """What was written is written again, with other options too; a file edited since is named, and nothing is lost."""
+    """What was written is written again, with other options too; a file edited since is named, and
+    nothing is lost.
+    """
     write_folder(PLATFORM, tmp_path, Options())
     write_folder(PLATFORM, tmp_path, Options("float"))
     assert json.loads((tmp_path / "manifest.json").read_text())["options"]["real"] == "float"
@@ -46,7 +52,9 @@ def test_edited_files_are_kept(tmp_path):
 
 
 def test_another_mechanisms_folder_is_kept(tmp_path):
-    """The command ends with status 2, names the mechanism that the folder holds, and writes nothing."""
+    """The command ends with status 2, names the mechanism that the folder holds, and writes
+    nothing.
+    """
     write_folder(PLATFORM, tmp_path, Options())
     before = _contents(tmp_path)
     found = CliRunner().invoke(app, ["firmware", "zhao2000", "-o", str(tmp_path)])
@@ -57,13 +65,23 @@ def test_another_mechanisms_folder_is_kept(tmp_path):
 
 @pytest.mark.parametrize("motion", ["planar", "spatial"])
 def test_a_reference_at_which_the_joints_hold_nothing_is_told(motion):
-    """Three slides of a plane whose lines meet in the middle leave the platform's turn free there, and nowhere beside it."""
+    """Three slides of a plane whose lines meet in the middle leave the platform's turn free there,
+    and nowhere beside it.
+    """
     limbs = []
     for k, turn in enumerate(np.radians([90.0, 210.0, 330.0])):
         out, z = np.array([np.cos(turn), np.sin(turn), 0.0]), (0.0, 0.0, 1.0)
         slide = Joint(f"slide{k}", "P", 60.0 * out, axis=out, actuated=True)
-        limbs.append(Limb(f"limb{k}", [Joint(f"a{k}", "R", 100.0 * out, z), slide, Joint(f"b{k}", "R", 30.0 * out, z)]))
+        limbs.append(
+            Limb(
+                f"limb{k}",
+                [Joint(f"a{k}", "R", 100.0 * out, z), slide, Joint(f"b{k}", "R", 30.0 * out, z)],
+            )
+        )
     made = Mechanism("meeting", limbs, platform_position=(0.0, 0.0, 0.0), motion=motion)
-    told = "the reference configuration is singular for the joints slide0, slide1, slide2: .* another reference"
+    told = (
+        "the reference configuration is singular for the joints slide0, slide1, slide2: .* another "
+        "reference"
+    )
     with pytest.raises(InputError, match=told):
         folder_files(made, Options("double"))

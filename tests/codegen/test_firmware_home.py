@@ -12,7 +12,15 @@ import pytest
 
 from helpers import firmware_tools as tools
 from helpers.gate import in_gate
-from helpers.inside import Options, build_program, build_vectors, home_pose, main, mechanism_to_toml, write_folder
+from helpers.inside import (
+    Options,
+    build_program,
+    build_vectors,
+    home_pose,
+    main,
+    mechanism_to_toml,
+    write_folder,
+)
 from symkin import Example, InputError, Mechanism, RodLimb, load, solve
 
 ABOVE = (0.0, 0.0, 200.0, 1.0, 0.0, 0.0, 0.0)
@@ -23,8 +31,14 @@ def _circle(radius: float, degrees: float) -> tuple[float, float, float]:
     return radius * math.cos(math.radians(degrees)), radius * math.sin(math.radians(degrees)), 0.0
 
 
-def flat(example: Example | None = None, limits: tuple[float, float] | None = (0.0, 120.0), base: float = 200.0) -> Mechanism:
-    """Six rods whose reference lies in the base's plane; with base 0 all of them start at one point."""
+def flat(
+    example: Example | None = None,
+    limits: tuple[float, float] | None = (0.0, 120.0),
+    base: float = 200.0,
+) -> Mechanism:
+    """Six rods whose reference lies in the base's plane; with base 0 all of them start at one
+    point.
+    """
     angles = [(-10, -50), (10, 50), (110, 70), (130, 170), (230, 190), (250, 290)]
     limbs = [
         RodLimb(f"leg{k}", _circle(base, b), _circle(120.0, a), offset=180.0, limits=limits)
@@ -72,7 +86,9 @@ def test_a_home_outside_limits_is_refused_with_joint_value_and_limits():
     """The value is the rod's length less its offset."""
     rod = flat().limbs[0]
     value = math.dist(np.add(rod.platform, (0, 0, 900)), rod.base) - 180.0
-    with pytest.raises(InputError, match=re.escape(f"leg1 = {value:.6g} mm, outside its limits [0, 120]; give")):
+    with pytest.raises(
+        InputError, match=re.escape(f"leg1 = {value:.6g} mm, outside its limits [0, 120]; give")
+    ):
         home_pose(flat(), (0, 0, 900, 1, 0, 0, 0))
     assert home_pose(flat(limits=None), (0, 0, 900, 1, 0, 0, 0)).position[2] == 900
 
@@ -84,12 +100,21 @@ def test_unreached_example_joints_are_not_taken():
     assert _seven(home_pose(raised, None))[:3] == list(ABOVE[:3])
 
 
-@pytest.mark.parametrize(("base", "home"), [(200.0, None), (200.0, "0,0,0,1,0,0,0"), (0.0, None), (0.0, "0,0,200,1,0,0,0")])
+@pytest.mark.parametrize(
+    ("base", "home"),
+    [(200.0, None), (200.0, "0,0,0,1,0,0,0"), (0.0, None), (0.0, "0,0,200,1,0,0,0")],
+)
 def test_the_command_refuses_in_one_line_and_writes_nothing(base, home, tmp_path, capsys):
     """Singular at home, or everywhere: exit 2, one sentence, no folder."""
     file = tmp_path / "flat.toml"
     file.write_text(mechanism_to_toml(flat(base=base)))
-    arguments = ["firmware", str(file), "-o", str(tmp_path / "out"), *(["--home", home] if home else [])]
+    arguments = [
+        "firmware",
+        str(file),
+        "-o",
+        str(tmp_path / "out"),
+        *(["--home", home] if home else []),
+    ]
     with pytest.raises(SystemExit) as stop:
         main(arguments)
     message = capsys.readouterr().err
@@ -102,7 +127,9 @@ def test_the_command_refuses_in_one_line_and_writes_nothing(base, home, tmp_path
 @pytest.mark.slow
 @pytest.mark.parametrize("limits", [(0.0, 120.0), (71.4, 71.6), None])
 def test_cases_are_distinct_and_within_limits(limits):
-    """Every case has joint values of its own, also where limits are narrower than the reach of the cases."""
+    """Every case has joint values of its own, also where limits are narrower than the reach of the
+    cases.
+    """
     narrow = solve(flat(limits=None), joints=[71.5] * 6, start=ABOVE).solution
     assert narrow is not None
     platform = flat(Example(pose=tuple(_seven(narrow.pose))), limits)
@@ -142,7 +169,11 @@ def test_the_example_holds_where_there_is_no_answer(tmp_path):
     """Joints out of range in every cycle: the machine is held, and the pose stays home."""
     write_folder(flat(Example(pose=ABOVE)), tmp_path, Options())
     program = _example(
-        tmp_path, ("joints[i] = begin[i] + part * (flat_vector_joints[0][i] - begin[i]);", "joints[i] = 500.0 + part;")
+        tmp_path,
+        (
+            "joints[i] = begin[i] + part * (flat_vector_joints[0][i] - begin[i]);",
+            "joints[i] = 500.0 + part;",
+        ),
     )
     said = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout
     assert "0 tracked, 0 recovered, 70 held" in said

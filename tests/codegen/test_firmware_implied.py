@@ -1,4 +1,6 @@
-"""C of a platform whose joints imply a motion: solved as if that were declared, by formulas, and honest about its limbs."""
+"""C of a platform whose joints imply a motion: solved as if that were declared, by formulas, and
+honest about its limbs.
+"""
 
 from __future__ import annotations
 
@@ -84,18 +86,25 @@ def test_direct_of_inverse_is_the_pose_and_closes_every_row(links, asked):
         values[closure.slices["pose.x"].start :][:7] = pose
         values = fit_passive(links, values)
         known = problem.select_values(values, problem.known_coordinates)
-        assert problem.system.residual(problem.select_values(values, problem.system.unknowns), known) < 1e-6
+        assert (
+            problem.system.residual(problem.select_values(values, problem.system.unknowns), known)
+            < 1e-6
+        )
 
 
 def test_a_tilted_guess_is_refused(asked):
     tilted = np.array([[0.0, 0.0, 100.0, np.cos(0.05), np.sin(0.05), 0.0, 0.0]])
     _, joints = asked.back(level_poses(1))
-    assert asked.answers(joints, tilted).status[0] == tools.bench_module("asked").STATUSES.index("OUT_OF_RANGE")
+    assert asked.answers(joints, tilted).status[0] == tools.bench_module("asked").STATUSES.index(
+        "OUT_OF_RANGE"
+    )
 
 
 def test_lines_on_which_a_limb_is_stretched_are_refused(declared, asked):
-    """Where a limb's ends are further apart than its links: by the planes and the rod alone, which know nothing of reach, in many
-    points of the line; also where both ends of the line are within reach."""
+    """Where a limb's ends are further apart than its links: by the planes and the rod alone, which
+    know nothing of reach, in many points of the line; also where both ends of the line are within
+    reach.
+    """
     twin = symkin.load("zhao2000")
     platform = LimbPlatform(twin, Options("double"), Real("double", "x"))
     form = platform.direct_formulas.formulas
@@ -116,7 +125,11 @@ def test_lines_on_which_a_limb_is_stretched_are_refused(declared, asked):
         found = form.solutions(at)
         values = np.where(found.real[:, number, None], found.values[:, number], np.nan)
         reached = np.array(
-            [values[:, names.index(f"radial{k}")] ** 2 + values[:, names.index(f"height{k}")] ** 2 for k in (1, 2, 3)]
+            [
+                values[:, names.index(f"radial{k}")] ** 2
+                + values[:, names.index(f"height{k}")] ** 2
+                for k in (1, 2, 3)
+            ]
         )
         slack = 4 * LINK**2 - np.max(reached, axis=0)
         least = np.minimum(least, np.where(np.isfinite(slack), slack, -np.inf))
@@ -142,15 +155,18 @@ def test_lines_on_which_the_couples_lose_rank_are_refused(asked):
 
 
 def couples_of_upu(position: np.ndarray) -> np.ndarray:
-    """The determinant of the couples of `three_upu` at positions (n, 3), by its geometry: each limb's is across its outer axis, the
-    tangent, in the plane of that and its leg."""
+    """The determinant of the couples of `three_upu` at positions (n, 3), by its geometry: each
+    limb's is across its outer axis, the tangent, in the plane of that and its leg.
+    """
     legs, tangents = [], []
     for k in range(3):
         t = 2 * np.pi * k / 3
         out, tangent = np.array([np.cos(t), np.sin(t), 0.0]), np.array([-np.sin(t), np.cos(t), 0.0])
         legs.append(position + 80 * out - 200 * out)
         tangents.append(tangent)
-    couples = [leg - np.outer(leg @ tangent, tangent) for leg, tangent in zip(legs, tangents, strict=True)]
+    couples = [
+        leg - np.outer(leg @ tangent, tangent) for leg, tangent in zip(legs, tangents, strict=True)
+    ]
     return np.linalg.det(np.stack(couples, axis=1))
 
 
@@ -162,7 +178,9 @@ def legs_of_upu(places: np.ndarray) -> np.ndarray:
 
 
 def test_couples_that_no_divisor_watches_are_watched_themselves():
-    """The couples of a 3-UPU lose rank where its spheres do not: their volume is a guard, here compared with that by geometry."""
+    """The couples of a 3-UPU lose rank where its spheres do not: their volume is a guard, here
+    compared with that by geometry.
+    """
     made = limb_platform(three_upu(), Options("double"), Real("double", "x"))
     assert (made.mechanism.motion, made.direct_formulas is not None) == ("translation", True)
     (reach,) = made.direct_formulas.whole.reaches
@@ -174,12 +192,16 @@ def test_couples_that_no_divisor_watches_are_watched_themselves():
     for place in places:
         value, square = guard(legs_of_upu(place[None]).ravel())
         own.append(float(value) * float(square) ** 0.5)
-    np.testing.assert_allclose(np.array(own) / own[0], couples_of_upu(places) / couples_of_upu(places[:1]), rtol=1e-7)
+    np.testing.assert_allclose(
+        np.array(own) / own[0], couples_of_upu(places) / couples_of_upu(places[:1]), rtol=1e-7
+    )
 
 
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["double"]))
 def test_lines_of_a_3_upu_on_which_couples_lose_rank_are_refused(real):
-    """Goals are the legs' lengths at positions beyond the surface on which the couples depend on one another, and on this side."""
+    """Goals are the legs' lengths at positions beyond the surface on which the couples depend on
+    one another, and on this side.
+    """
     tools.compiler("gcc")
     asked = tools.bench_module("asked").Asked(three_upu(), Options(real))
     rng, home = np.random.default_rng(6), np.array([[0.0, 0.0, 300.0, 1.0, 0.0, 0.0, 0.0]])
@@ -191,7 +213,9 @@ def test_lines_of_a_3_upu_on_which_couples_lose_rank_are_refused(real):
     beyond = couples_of_upu(places) * couples_of_upu(home[:, :3]) < 0.0
     ok = answers.status == 0
     assert beyond.sum() > 100
-    assert not np.any(np.abs(answers.found[ok & beyond, :3] - places[ok & beyond]).max(axis=1, initial=0.0) < 1.0)
+    assert not np.any(
+        np.abs(answers.found[ok & beyond, :3] - places[ok & beyond]).max(axis=1, initial=0.0) < 1.0
+    )
     reached = couples_of_upu(answers.found[ok, :3])
     assert np.all(reached * couples_of_upu(home[:, :3]) > 0.0)
     assert np.mean(ok[~beyond]) > 0.3
@@ -211,7 +235,9 @@ def test_a_struct_of_geometry_keeps_the_described_motion(links):
 
 
 def test_formulas_limb_by_limb_hold_in_every_direction_of_a_limb(declared):
-    """No plane of a limb is special, as one along an axis would be if rows were divided by a cosine."""
+    """No plane of a limb is special, as one along an axis would be if rows were divided by a
+    cosine.
+    """
     samples, limbs = declared.samples, [block.system for block in declared._closure_blocks]
     whole = limbwise_form(declared.direct, limbs, samples)
     assert whole is not None

@@ -1,4 +1,6 @@
-"""Every joint type and motion of the mechanism format: the generated C compiles and passes its own test."""
+"""Every joint type and motion of the mechanism format: the generated C compiles and passes its own
+test.
+"""
 
 from __future__ import annotations
 
@@ -33,5 +35,9 @@ from helpers.inside import Options, write_folder
 def test_joint_types_and_motions_compile_and_pass(made, real, tmp_path):
     mechanism = made()
     write_folder(mechanism, tmp_path, Options(real))
-    tools.passed(tools.built("gcc", tmp_path, [f"{mechanism.name}.c", f"{mechanism.name}_test.c"], "test", "-O1"))
+    tools.passed(
+        tools.built(
+            "gcc", tmp_path, [f"{mechanism.name}.c", f"{mechanism.name}_test.c"], "test", "-O1"
+        )
+    )
     tools.built("gcc", tmp_path, [f"{mechanism.name}.c", "example_main.c"], "example", "-O1")

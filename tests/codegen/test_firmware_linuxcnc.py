@@ -22,15 +22,33 @@ def component(mechanism, folder, **options):
     """The program that loads the component."""
     write_folder(mechanism, folder, Options("double", also=("linuxcnc",), **options))
     name = mechanism.name
-    flags = ["-std=gnu11", "-O1", "-Wall", "-Wextra", "-Werror", f"-I{SHIMS}", f"-DJOINTS={len(mechanism.actuated)}"]
-    command = [tools.compiler("gcc"), *flags, f"{name}_kins.c", str(SHIMS / "runner.c"), "-lm", "-o", "runner"]
+    flags = [
+        "-std=gnu11",
+        "-O1",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        f"-I{SHIMS}",
+        f"-DJOINTS={len(mechanism.actuated)}",
+    ]
+    command = [
+        tools.compiler("gcc"),
+        *flags,
+        f"{name}_kins.c",
+        str(SHIMS / "runner.c"),
+        "-lm",
+        "-o",
+        "runner",
+    ]
     subprocess.run(command, cwd=folder, check=True)
     return folder / "runner"
 
 
 def asked(program, *lines):
     """The answers: a status and numbers a line."""
-    done = subprocess.run([program], input="\n".join(lines), capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [program], input="\n".join(lines), capture_output=True, text=True, check=True
+    )
     return [[float(number) for number in line.split()] for line in done.stdout.splitlines()]
 
 
@@ -46,11 +64,15 @@ def units(mechanism):
 
 @pytest.mark.parametrize("name", in_gate(["zhang2009", "ren2008"], ["ren2008"]))
 def test_a_hexapod_as_python_solves_it(name, tmp_path):
-    """World coordinates in mm and degrees, R = Rz(C) Ry(B) Rx(A), joints in mm; forward undoes inverse, from other poses too."""
+    """World coordinates in mm and degrees, R = Rz(C) Ry(B) Rx(A), joints in mm; forward undoes
+    inverse, from other poses too.
+    """
     mechanism = symkin.load(name)
     program = component(mechanism, tmp_path)
     per_joint, mm = units(mechanism)
-    home = np.array(mechanism.platform_position) if name == "ren2008" else np.array([0.0, 0.0, 420.0])
+    home = (
+        np.array(mechanism.platform_position) if name == "ren2008" else np.array([0.0, 0.0, 420.0])
+    )
     rng = np.random.default_rng(1)
     for _ in range(4):
         world = np.array([*(home * mm + rng.uniform(-20, 20, 3)), *rng.uniform(-8, 8, 3)])
@@ -66,9 +88,13 @@ def test_a_hexapod_as_python_solves_it(name, tmp_path):
         assert np.allclose(forward[1:], world, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", in_gate(["delta", "zhao2000", "scara", "ur5e", "five_bar"], ["scara", "five_bar"]))
+@pytest.mark.parametrize(
+    "name", in_gate(["delta", "zhao2000", "scara", "ur5e", "five_bar"], ["scara", "five_bar"])
+)
 def test_forward_undoes_inverse(name, tmp_path):
-    """At the reference and beside it; world coordinates that a platform does not have are as at home, whatever is asked."""
+    """At the reference and beside it; world coordinates that a platform does not have are as at
+    home, whatever is asked.
+    """
     mechanism = readme_five_bar("planar") if name == "five_bar" else symkin.load(name)
     program = component(mechanism, tmp_path)
     per_joint, _ = units(mechanism)
@@ -77,7 +103,9 @@ def test_forward_undoes_inverse(name, tmp_path):
         joints = np.array([10.0, -80.0, 70.0, -60.0, 50.0, 20.0])
     if name == "scara":
         joints = np.where(
-            [c.is_angular for c in mechanism.actuated], 20.0, np.mean([c.limits or (0, 0) for c in mechanism.actuated], axis=1)
+            [c.is_angular for c in mechanism.actuated],
+            20.0,
+            np.mean([c.limits or (0, 0) for c in mechanism.actuated], axis=1),
         )
     for shift in (0.0, 0.4, 1.1):
         moved = joints + shift * np.resize([1.0, -0.5, 0.7], len(joints))
@@ -92,11 +120,17 @@ def test_forward_undoes_inverse(name, tmp_path):
 
 
 def test_pins_hold_the_geometry(tmp_path):
-    """A base joint moved by 1 mm along a rod that stands upright changes this rod alone; a name that is no pin is refused by HAL."""
+    """A base joint moved by 1 mm along a rod that stands upright changes this rod alone; a name
+    that is no pin is refused by HAL.
+    """
     mechanism = symkin.load("zhang2009")
-    program = component(mechanism, tmp_path, geometry="struct", home=(0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0))
+    program = component(
+        mechanism, tmp_path, geometry="struct", home=(0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)
+    )
     world = text("i", [0, 0, 420, 0, 0, 0], np.zeros(6))
-    before, status, after, wrong = asked(program, world, "p zhang2009_kins.offset.2 5.0", world, "p zhang2009_kins.offset.9 1.0")
+    before, status, after, wrong = asked(
+        program, world, "p zhang2009_kins.offset.2 5.0", world, "p zhang2009_kins.offset.9 1.0"
+    )
     assert (before[0], status[0], after[0], wrong[0]) == (0, 0, 0, -1)
     assert np.allclose(np.array(after[1:]) - before[1:], [0, 0, -5, 0, 0, 0], atol=1e-9)
 

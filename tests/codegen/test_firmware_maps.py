@@ -1,4 +1,6 @@
-"""C of maps between joints of graphs: held against the closure's own solutions, laws of rates, and fine walks along lines."""
+"""C of maps between joints of graphs: held against the closure's own solutions, laws of rates, and
+fine walks along lines.
+"""
 
 import ctypes
 import subprocess
@@ -38,7 +40,11 @@ MAPS = {
     "slider": ("slider_crank", ("crank",), ("piston",)),
     "gripper": ("parallel_gripper", ("left",), ("right_guide",)),
     "five-bar": ("pantograph_five_bar", ("arm1", "arm2"), ("wrist1", "elbow1")),
-    "G1 ankle": (MODELS + "mjcf/g1_parallel_ankle.xml", ("left_motor_joint", "right_motor_joint"), ("pitch_joint", "roll_joint")),
+    "G1 ankle": (
+        MODELS + "mjcf/g1_parallel_ankle.xml",
+        ("left_motor_joint", "right_motor_joint"),
+        ("pitch_joint", "roll_joint"),
+    ),
 }
 """Mechanism, given and found coordinates."""
 CLOSED = {"four-bar", "slider", "gripper", "five-bar"}
@@ -62,7 +68,9 @@ class _Map:
     def solve(self, name, values, guess):
         """Status and answer of a direction."""
         out, info = self.array([7.0] * self.n), self.info()
-        status = self._call(name, None, self.array(values), self.array(guess), out, ctypes.byref(info))
+        status = self._call(
+            name, None, self.array(values), self.array(guess), out, ctypes.byref(info)
+        )
         assert status == 0 or list(out) == [7.0] * self.n
         return status, np.array(out)
 
@@ -90,7 +98,9 @@ def compiled(tmp_path_factory):
         mechanism, folder = symkin.load(name), tmp_path_factory.mktemp("map")
         options = Options(real, given=given, find=find)
         write_folder(mechanism, folder, options)
-        tools.passed(tools.built("gcc", folder, [f"{mechanism.name}_test.c", f"{mechanism.name}.c"], "test"))
+        tools.passed(
+            tools.built("gcc", folder, [f"{mechanism.name}_test.c", f"{mechanism.name}.c"], "test")
+        )
         tools.built("gcc", folder, [f"{mechanism.name}.c"], "code.so", "-O1", "-shared", "-fPIC")
         return _Map(folder, JointMap(mechanism, options, Real(real)))
 
@@ -105,13 +115,17 @@ def _values(made, sample):
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
 @pytest.mark.parametrize("key", in_gate(MAPS, ["ankle", "slider"]))
 def test_maps_lead_where_the_closure_does(compiled, key, real):
-    """From the reference's values either way to configurations that Newton's method of the closure followed in small steps; and
-    what the inverse finds leads back."""
+    """From the reference's values either way to configurations that Newton's method of the closure
+    followed in small steps; and what the inverse finds leads back.
+    """
     code = compiled(key, real)
     made = code.made
     home = [made.reference_of(c) for c in (made.given, made.found)]
     limit = 3e-4 if real == "float" else 1e-9
-    scales = [np.array([1.0 if c.is_angular else made.size for c in part]) for part in (made.given, made.found)]
+    scales = [
+        np.array([1.0 if c.is_angular else made.size for c in part])
+        for part in (made.given, made.found)
+    ]
     for sample in map_configurations(made, 40, 5, 0.1, 0.4):
         given, found = _values(made, sample)
         status, answer = code.solve("direct", given, home[1])
@@ -135,7 +149,9 @@ def test_maps_lead_where_the_closure_does(compiled, key, real):
 @pytest.mark.slow
 @pytest.mark.parametrize("key", in_gate(MAPS, ["ankle", "slider"]))
 def test_jacobians_are_differences_of_the_map(compiled, key):
-    """J is the central difference of NAME_direct; rates are J's product, and torques do the same work on both sides."""
+    """J is the central difference of NAME_direct; rates are J's product, and torques do the same
+    work on both sides.
+    """
     code = compiled(key, "double")
     made, rng, step = code.made, np.random.default_rng(3), 1e-5
     for sample in map_configurations(made, 10, 6, 0.1, 0.4):
@@ -144,22 +160,35 @@ def test_jacobians_are_differences_of_the_map(compiled, key):
         assert status == 0
         jacobian = flat.reshape(code.n, code.n)
         for j in range(code.n):
-            ends = [code.solve("direct", given + s * step * np.eye(code.n)[j], found) for s in (1.0, -1.0)]
+            ends = [
+                code.solve("direct", given + s * step * np.eye(code.n)[j], found)
+                for s in (1.0, -1.0)
+            ]
             assert [status for status, _ in ends] == [0, 0]
             difference = (ends[0][1] - ends[1][1]) / (2 * step)
-            np.testing.assert_allclose(jacobian[:, j], difference, rtol=1e-5, atol=1e-5 * (1 + np.abs(difference).max()))
+            np.testing.assert_allclose(
+                jacobian[:, j], difference, rtol=1e-5, atol=1e-5 * (1 + np.abs(difference).max())
+            )
         rates, torques = rng.normal(size=(2, code.n))
-        moved, held = code.apply("rates", given, found, rates), code.apply("torques", given, found, torques)
+        moved, held = (
+            code.apply("rates", given, found, rates),
+            code.apply("torques", given, found, torques),
+        )
         assert (moved[0], held[0]) == (0, 0)
-        np.testing.assert_allclose(moved[1], jacobian @ rates, atol=1e-9 * (1 + np.abs(jacobian).max()))
+        np.testing.assert_allclose(
+            moved[1], jacobian @ rates, atol=1e-9 * (1 + np.abs(jacobian).max())
+        )
         assert np.isclose(torques @ moved[1], held[1] @ rates, rtol=1e-9)
 
 
 def _walked(problem, z, begin, end, steps):
-    """The unknowns after the straight line of known values, point by point; None where a point has no configuration, is singular or
-    lies far from the one before."""
+    """The unknowns after the straight line of known values, point by point; None where a point has
+    no configuration, is singular or lies far from the one before.
+    """
     system, sign = problem.system, 0.0
-    scales = np.array([1.0 if c.is_angular else problem.closure.characteristic_length for c in system.unknowns])
+    scales = np.array(
+        [1.0 if c.is_angular else problem.closure.characteristic_length for c in system.unknowns]
+    )
     for k in range(steps + 1):
         known = begin + k / steps * (end - begin)
         moved = system.polish(z, known, 8)
@@ -179,8 +208,9 @@ def _walked(problem, z, begin, end, steps):
 @pytest.mark.parametrize("direction", ["direct", "inverse"])
 @pytest.mark.parametrize("key", in_gate(["ankle", "four-bar", "gripper", "five-bar"], ["ankle"]))
 def test_ok_means_that_the_machine_can_move_there(compiled, key, direction, reach):
-    """Lines between random values: an answer that is OK is the end of a fine walk with every point real and regular, and most lines
-    that can be walked are OK."""
+    """Lines between random values: an answer that is OK is the end of a fine walk with every point
+    real and regular, and most lines that can be walked are OK.
+    """
     code = compiled(key, "double")
     made, rng = code.made, np.random.default_rng(8)
     problem = getattr(made, direction).problem
@@ -204,7 +234,12 @@ def test_ok_means_that_the_machine_can_move_there(compiled, key, direction, reac
         there = values.copy()
         there[problem.unknown_places] = walked
         off = answer - problem.select_values(there, wanted)
-        turns = np.array([round(float(v) / (2 * np.pi)) if c.is_angular else 0 for v, c in zip(off, wanted, strict=True)])
+        turns = np.array(
+            [
+                round(float(v) / (2 * np.pi)) if c.is_angular else 0
+                for v, c in zip(off, wanted, strict=True)
+            ]
+        )
         np.testing.assert_allclose(off - 2 * np.pi * turns, 0.0, atol=1e-6 * max(1.0, made.size))
     assert counts["ok"] >= 0.9 * counts["regular"]
     assert counts["ok"] > 5
@@ -219,7 +254,14 @@ def test_anything_may_be_given(compiled, cc, tmp_path):
     write_folder(mechanism, tmp_path, Options("float", given=ANKLE[1], find=ANKLE[2]))
     (tmp_path / "fuzz.c").write_text(_FUZZ)
     program = tools.built(
-        cc, tmp_path, ["fuzz.c", "ankle.c"], "fuzz", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"
+        cc,
+        tmp_path,
+        ["fuzz.c", "ankle.c"],
+        "fuzz",
+        "-O1",
+        "-g",
+        "-fsanitize=address,undefined",
+        "-fno-sanitize-recover=all",
     )
     done = subprocess.run([str(program)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -240,7 +282,8 @@ static float number(void)
     uint32_t bits = state;
     state = state * 1664525U + 1013904223U;
     if ((state >> 30) != 0U) {
-        return ((float)(bits >> 8) / 16777216.0f - 0.5f) * (((state >> 29) & 1U) != 0U ? 2.0f : 8.0f);
+        return ((float)(bits >> 8) / 16777216.0f - 0.5f) * (((state >> 29) & 1U) != 0U ?
+          2.0f : 8.0f);
     }
     memcpy(&value, &bits, sizeof value);
     return value;
@@ -297,32 +340,53 @@ def _refused(name, given, find):
 
 
 def test_what_cannot_be_is_a_sentence():
-    """Names that nothing has, too few or too many, both at once, and coordinates that decide nothing."""
-    assert "has no coordinate 'uper_motor' (do you mean 'upper_motor'?)" in _refused("ankle", ["uper_motor"], ["ankle.1"])
+    """Names that nothing has, too few or too many, both at once, and coordinates that decide
+    nothing.
+    """
+    assert "has no coordinate 'uper_motor' (do you mean 'upper_motor'?)" in _refused(
+        "ankle", ["uper_motor"], ["ankle.1"]
+    )
     assert "--given needs --find beside it" in _refused("ankle", ["upper_motor"], [])
     assert "--find needs --given beside it" in _refused("ankle", [], ["ankle.1"])
     assert "upper_motor: given and to be found at once" in _refused(
         "ankle", ["upper_motor", "lower_motor"], ["upper_motor", "ankle.1"]
     )
-    assert "upper_motor stands there 2 times" in _refused("ankle", ["upper_motor", "upper_motor"], ["ankle.1", "ankle.2"])
+    assert "upper_motor stands there 2 times" in _refused(
+        "ankle", ["upper_motor", "upper_motor"], ["ankle.1", "ankle.2"]
+    )
     assert "have 2 freedom(s); give 1 more" in _refused("ankle", ["upper_motor"], ["ankle.1"])
-    assert "leave 1 out: their values would have to agree" in _refused("four_bar", ["crank", "crank_pin"], ["follower"])
+    assert "leave 1 out: their values would have to agree" in _refused(
+        "four_bar", ["crank", "crank_pin"], ["follower"]
+    )
     assert "as many of both" in _refused("ankle", ["upper_motor", "lower_motor"], ["ankle.1"])
     message = _refused("pantograph_five_bar", ["arm1", "arm2"], ["plate_pivot", "lower_guide_base"])
     assert "--find plate_pivot, lower_guide_base does not determine --given arm1, arm2" in message
-    assert "left-hip-roll is in no loop" in _refused(MODELS + "mjcf/cassie.xml", ["left-hip-roll"], ["left-foot-crank"])
+    assert "left-hip-roll is in no loop" in _refused(
+        MODELS + "mjcf/cassie.xml", ["left-hip-roll"], ["left-foot-crank"]
+    )
 
 
 def test_the_command_writes_a_map(tmp_path):
-    """--given and --find with a file of another format: a folder whose manifest names both; without --find a sentence."""
-    options = ["firmware", MAPS["G1 ankle"][0], "--given", "left_motor_joint,right_motor_joint", "-o", str(tmp_path)]
+    """--given and --find with a file of another format: a folder whose manifest names both; without
+    --find a sentence.
+    """
+    options = [
+        "firmware",
+        MAPS["G1 ankle"][0],
+        "--given",
+        "left_motor_joint,right_motor_joint",
+        "-o",
+        str(tmp_path),
+    ]
     found = CliRunner().invoke(app, options)
     assert isinstance(found.exception, InputError)
     assert "--given needs --find beside it" in str(found.exception)
 
 
 def test_closed_forms_are_found():
-    """Motors from ankle angles by A cos + B sin = C each; linkages of two links both ways by formulas, a mimicked finger too."""
+    """Motors from ankle angles by A cos + B sin = C each; linkages of two links both ways by
+    formulas, a mimicked finger too.
+    """
     for key, (name, given, find) in MAPS.items():
         made = JointMap(symkin.load(name), Options(given=given, find=find), Real("double"))
         assert (made.direct.is_closed and made.inverse.is_closed) == (key in CLOSED)
@@ -331,11 +395,17 @@ def test_closed_forms_are_found():
 
 
 def test_polynomials_about_home_lie_where_the_map_leads():
-    """Within the box of the home sheet, straight lines from the reference end where its polynomials are, to their stated error."""
+    """Within the box of the home sheet, straight lines from the reference end where its polynomials
+    are, to their stated error.
+    """
     made = JointMap(symkin.load("ankle"), Options(given=ANKLE[1], find=ANKLE[2]), Real("double"))
     sheet = home_sheet(made, made.direct, made.found)
     assert sheet is not None
-    values, rng, problem = ca.Function("f", [sheet.known], [sheet.values]), np.random.default_rng(4), made.direct.problem
+    values, rng, problem = (
+        ca.Function("f", [sheet.known], [sheet.values]),
+        np.random.default_rng(4),
+        made.direct.problem,
+    )
     begin, home = made.reference_of(made.given), made.reference_of(made.direct.unknown)
     for share in rng.uniform(-1, 1, (30, len(begin))):
         there = followed(problem, home, begin, begin + share * sheet.reach)
@@ -343,7 +413,9 @@ def test_polynomials_about_home_lie_where_the_map_leads():
         full = made.reference.copy()
         full[problem.unknown_places] = there
         found = problem.select_values(full, made.found)
-        np.testing.assert_allclose(np.asarray(values(share * sheet.reach)).ravel(), found, atol=1.5 * sheet.error)
+        np.testing.assert_allclose(
+            np.asarray(values(share * sheet.reach)).ravel(), found, atol=1.5 * sheet.error
+        )
 
 
 WHEELS = """format = 1
@@ -367,12 +439,18 @@ axis = [0.0, 0.0, 1.0]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("coupling", ['joint = "y"\nof = { x = -1.5 }\n', 'joint = "x"\nof = { y = "-2/3" }\n'])
+@pytest.mark.parametrize(
+    "coupling", ['joint = "y"\nof = { x = -1.5 }\n', 'joint = "x"\nof = { y = "-2/3" }\n']
+)
 def test_wheels_follow_their_drivers_over_whole_turns(tmp_path, coupling):
-    """y = -3/2 x from guess to guess over four turns, both ways: values count with their whole turns, as a wheel's place alone would
-    not tell its driver's."""
+    """y = -3/2 x from guess to guess over four turns, both ways: values count with their whole
+    turns, as a wheel's place alone would not tell its driver's.
+    """
     (tmp_path / "wheels.toml").write_text(WHEELS + coupling)
-    mechanism, options = symkin.load(tmp_path / "wheels.toml"), Options("double", given=("x",), find=("y",))
+    mechanism, options = (
+        symkin.load(tmp_path / "wheels.toml"),
+        Options("double", given=("x",), find=("y",)),
+    )
     write_folder(mechanism, tmp_path / "c", options)
     tools.passed(tools.built("gcc", tmp_path / "c", ["wheels_test.c", "wheels.c"], "test"))
     tools.built("gcc", tmp_path / "c", ["wheels.c"], "code.so", "-O1", "-shared", "-fPIC")
@@ -387,17 +465,26 @@ def test_wheels_follow_their_drivers_over_whole_turns(tmp_path, coupling):
 
 @pytest.mark.skipif(not can_run(), reason="no C compiler")
 @pytest.mark.parametrize(
-    ("given", "find"), [("bucket_cylinder", "bucket"), ("boom", "boom_cylinder"), ("stick_cylinder,boom_cylinder", "boom,stick")]
+    ("given", "find"),
+    [
+        ("bucket_cylinder", "bucket"),
+        ("boom", "boom_cylinder"),
+        ("stick_cylinder,boom_cylinder", "boom,stick"),
+    ],
 )
 def test_a_map_of_some_loops_of_a_machine_is_of_the_rows_of_these(given, find):
-    """The groups of each way hold rows of the loops of their joints, each of the closure's row of that number."""
+    """The groups of each way hold rows of the loops of their joints, each of the closure's row of
+    that number.
+    """
     options = Options("double", given=tuple(given.split(",")), find=tuple(find.split(",")))
     made = build_program(symkin.load("excavator_bucket"), options).kind
     for direction in (made.direct, made.inverse):
         for group in (part.problem for part in direction.parts):
             closure, values = group.closure, made.reference + 0.1
             rows = ca.Function(
-                "rows", [closure.variables], [closure.bound(closure.rows)[list(group.row_places), 0], group.system.rows]
+                "rows",
+                [closure.variables],
+                [closure.bound(closure.rows)[list(group.row_places), 0], group.system.rows],
             )
             ours, its = rows(ca.DM(values))
             np.testing.assert_allclose(its.full(), ours.full(), rtol=1e-9, atol=1e-9 * made.size)

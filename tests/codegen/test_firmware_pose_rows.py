@@ -1,4 +1,6 @@
-"""The direct problem over the pose alone: the rows that are left when limbs' passive joints are taken out."""
+"""The direct problem over the pose alone: the rows that are left when limbs' passive joints are
+taken out.
+"""
 
 from __future__ import annotations
 
@@ -7,17 +9,31 @@ import pytest
 
 from helpers import moved_points as machines
 from helpers.gate import in_gate
-from helpers.inside import LimbPlatform, Options, Real, _null_space, configurations, followed, pose_of
+from helpers.inside import (
+    LimbPlatform,
+    Options,
+    Real,
+    _null_space,
+    configurations,
+    followed,
+    pose_of,
+)
 from helpers.many_answers import answers_of
 from helpers.samples import delta, three_rps, three_rrr
 
 MACHINES = {
-    "3-RRR": lambda: three_rrr("planar"), "3-RPR": machines.three_rpr, "3-RPS": three_rps,
-    "6-RSS": machines.six_rss, "6-RUS": lambda: machines.six_rss(rods=False),
-    "hexaglide": machines.hexaglide, "6-PUS": lambda: machines.hexaglide(rods=False),
-}  # fmt: skip
+    "3-RRR": lambda: three_rrr("planar"),
+    "3-RPR": machines.three_rpr,
+    "3-RPS": three_rps,
+    "6-RSS": machines.six_rss,
+    "6-RUS": lambda: machines.six_rss(rods=False),
+    "hexaglide": machines.hexaglide,
+    "6-PUS": lambda: machines.hexaglide(rods=False),
+}
 KNOWN = {"3-RRR": 6, "3-RPR": 3, "3-RPS": 3, "6-RSS": 18, "6-RUS": 18, "hexaglide": 6, "6-PUS": 6}
-"""Numbers that the joints give to the rows: coordinates of centers and squared radii that they move."""
+"""Numbers that the joints give to the rows: coordinates of centers and squared radii that they
+move.
+"""
 
 
 def _platform(name: str) -> LimbPlatform:
@@ -39,7 +55,8 @@ def test_passive_joints_are_gone(platform):
     assert made.core is not None
     kernel = made.core.direct.kernel
     assert (kernel.m, kernel.n) == (
-        made.closure.role("pose")[-1].freedom + sum(c.freedom for c in made.closure.role("pose")[:-1]),
+        made.closure.role("pose")[-1].freedom
+        + sum(c.freedom for c in made.closure.role("pose")[:-1]),
     ) * 2
     assert int(kernel.known.shape[0]) == KNOWN[name]
     assert all(c.role == "actuated" for block in made.blocks for c in block.system.unknowns)
@@ -50,24 +67,38 @@ def test_rows_vanish_at_closed_configurations(platform):
     kernel = made.core.direct.kernel
     for found in _far(made):
         rows, _ = kernel.row_function()(*made.direct_state(found.values), [])
-        assert np.max(np.abs(np.asarray(rows))) * kernel.row_length < 1e-10 * made.closure.characteristic_length
+        assert (
+            np.max(np.abs(np.asarray(rows))) * kernel.row_length
+            < 1e-10 * made.closure.characteristic_length
+        )
 
 
 def test_the_matrix_is_the_rows_derivative(platform):
     _, made = platform
     kernel = made.core.direct.kernel
     state, known = made.direct_state(made.samples[0].values)
-    matrix, move, rows = kernel.matrix(state, known, np.zeros(0)), kernel.move_function(), kernel.row_function()
+    matrix, move, rows = (
+        kernel.matrix(state, known, np.zeros(0)),
+        kernel.move_function(),
+        kernel.row_function(),
+    )
     for j in range(kernel.n):
         step = np.zeros(kernel.n)
-        step[j] = 1e-5 / max(1.0, float(np.max(np.abs(matrix[:, j])) / np.max(np.abs(matrix[:, 0]))))
-        ends = [np.asarray(rows(move(state, sign * step, [])[0], known, [])[0]).ravel() for sign in (1.0, -1.0)]
+        step[j] = 1e-5 / max(
+            1.0, float(np.max(np.abs(matrix[:, j])) / np.max(np.abs(matrix[:, 0])))
+        )
+        ends = [
+            np.asarray(rows(move(state, sign * step, [])[0], known, [])[0]).ravel()
+            for sign in (1.0, -1.0)
+        ]
         slope = (ends[1] - ends[0]) / (2 * step[j])
         assert np.max(np.abs(slope - matrix[:, j])) < 1e-6 * np.max(np.abs(matrix[:, j]))
 
 
 def test_a_rows_failure_is_the_limbs(platform):
-    """Off the closed configurations rows do not vanish: they say more than the closure's own residual allows."""
+    """Off the closed configurations rows do not vanish: they say more than the closure's own
+    residual allows.
+    """
     _, made = platform
     kernel, size = made.core.direct.kernel, made.closure.characteristic_length
     state, known = made.direct_state(made.samples[0].values)
@@ -76,7 +107,11 @@ def test_a_rows_failure_is_the_limbs(platform):
         step = rng.normal(size=kernel.n)
         unit = np.sqrt(float(kernel.move_function()(state, step, [])[1]))
         moved = np.asarray(kernel.move_function()(state, 0.01 * size / unit * step, [])[0]).ravel()
-        assert np.max(np.abs(np.asarray(kernel.row_function()(moved, known, [])[0]))) * kernel.row_length > 1e-5 * size
+        assert (
+            np.max(np.abs(np.asarray(kernel.row_function()(moved, known, [])[0])))
+            * kernel.row_length
+            > 1e-5 * size
+        )
 
 
 def _determinants(made, found):
@@ -87,10 +122,14 @@ def _determinants(made, found):
 
 @pytest.mark.parametrize("name", ["3-RRR", "3-RPR", "3-RPS", "6-RSS", "hexaglide"])
 def test_singularities_are_those_of_the_closure(name):
-    """A passive joint turns a vector of length l: its column is l across the vector, the sphere's row is l times what is left of the
-    limb's rows along it. So the determinants differ by a factor alone, which is a constant here."""
+    """A passive joint turns a vector of length l: its column is l across the vector, the sphere's
+    row is l times what is left of the limb's rows along it. So the determinants differ by a factor
+    alone, which is a constant here.
+    """
     made = _platform(name)
-    ratios = [whole / reduced for whole, reduced in (_determinants(made, found) for found in _far(made))]
+    ratios = [
+        whole / reduced for whole, reduced in (_determinants(made, found) for found in _far(made))
+    ]
     assert np.ptp(ratios) < 1e-8 * np.max(np.abs(ratios))
 
 
@@ -98,14 +137,20 @@ def test_singularities_are_those_of_the_closure(name):
 @pytest.mark.parametrize("real", in_gate(["float", "double"], ["double"]))
 @pytest.mark.parametrize("name", in_gate(["3-RRR", "3-RPS", "6-RSS", "hexaglide"], ["3-RPS"]))
 def test_answers_are_those_of_a_fine_walk(name, real, tmp_path):
-    """Random goals from home: what is OK is where small steps along the joints' line end; most regular lines are."""
+    """Random goals from home: what is OK is where small steps along the joints' line end; most
+    regular lines are.
+    """
     made, rng, count = _platform(name), np.random.default_rng(11), 60
     ask = answers_of(made.mechanism, Options(real), tmp_path)
     joints, begin = made.direct.known_coordinates, made.closure.reference
-    start, known = (made.direct.select_values(begin, c) for c in (made.direct.system.unknowns, joints))
+    start, known = (
+        made.direct.select_values(begin, c) for c in (made.direct.system.unknowns, joints)
+    )
     home, size = pose_of(made.closure, begin), made.closure.characteristic_length
     reach = np.array([0.5 if c.is_angular else 0.12 * size for c in joints])
-    goals = (known + reach * rng.uniform(-1, 1, (count, len(joints)))).astype(np.float32).astype(float)
+    goals = (
+        (known + reach * rng.uniform(-1, 1, (count, len(joints)))).astype(np.float32).astype(float)
+    )
     statuses, poses = ask(goals, np.tile([*home.position, *home.quaternion], (count, 1)))
     answered = reached = 0
     for goal, status, found in zip(goals, statuses, poses, strict=True):
@@ -132,9 +177,13 @@ def test_geometry_at_run_time_keeps_the_closure():
 
 
 def test_coefficients_are_the_same_on_any_processor():
-    """Null spaces are those of the row space: rows mixed by random turns, which changes all roundings, give the same bytes."""
+    """Null spaces are those of the row space: rows mixed by random turns, which changes all
+    roundings, give the same bytes.
+    """
     rng = np.random.default_rng(4)
-    matrix = np.array([[1.0, -1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 2.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0, 3.0]])
+    matrix = np.array(
+        [[1.0, -1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 2.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0, 3.0]]
+    )
     plain = _null_space(matrix, 5)
     np.testing.assert_allclose(matrix @ plain.T, 0.0, atol=1e-15)
     for _ in range(20):

@@ -1,4 +1,6 @@
-"""Maps of random machines: groups that stand on groups, hard stretches of a line, any size, standing still."""
+"""Maps of random machines: groups that stand on groups, hard stretches of a line, any size,
+standing still.
+"""
 
 import ctypes
 from functools import cache
@@ -10,7 +12,15 @@ import pytest
 
 import symkin
 from helpers import firmware_tools as tools
-from helpers.inside import ClosedDirection, JointMap, Options, Real, free_divisors, share_of, write_folder
+from helpers.inside import (
+    ClosedDirection,
+    JointMap,
+    Options,
+    Real,
+    free_divisors,
+    share_of,
+    write_folder,
+)
 from helpers.moved_mechanisms import scaled
 
 MAPS = Path(__file__).parents[1] / "data" / "maps"
@@ -35,7 +45,9 @@ def library(tmp_path_factory):
     @cache
     def built(name, real):
         folder, (given, find) = tmp_path_factory.mktemp("code"), CASES[name]
-        write_folder(symkin.load(MAPS / f"{name}.toml"), folder, Options(real, given=given, find=find))
+        write_folder(
+            symkin.load(MAPS / f"{name}.toml"), folder, Options(real, given=given, find=find)
+        )
         tools.built("gcc", folder, [f"{name}.c"], "code.so", "-O1", "-shared", "-fPIC")
         return ctypes.CDLL(str(folder / "code.so"))
 
@@ -46,20 +58,28 @@ def library(tmp_path_factory):
 @pytest.mark.parametrize("real", ["float", "double"])
 @pytest.mark.parametrize("name", CASES)
 def test_code_of_random_maps_passes_its_own_test(library, name, real):
-    """Configurations near the reference that are regular to the type's digits are reached, and stood at, both ways."""
+    """Configurations near the reference that are regular to the type's digits are reached, and
+    stood at, both ways.
+    """
     assert library(name, real)
 
 
 @pytest.mark.parametrize("name", ["nested_dyads", "nested_slides"])
 def test_conditions_stay_above_their_bound_along_lines(name):
-    """Of a condition that reads others: on lines on which these keep shares, it is no less than its chord's lesser end less the bound."""
+    """Of a condition that reads others: on lines on which these keep shares, it is no less than its
+    chord's lesser end less the bound.
+    """
     made, rng, tried = _map(name), np.random.default_rng(3), 0
     direction = ClosedDirection(made, made.direct, {})
     values = ca.SX.sym("v", len(made.given))
     plain = [
-        direction._put_in(one.value, values) / usual for one, usual in zip(direction.conditions, direction.usual, strict=True)
+        direction._put_in(one.value, values) / usual
+        for one, usual in zip(direction.conditions, direction.usual, strict=True)
     ]
-    shares = [share_of(v, divides=c.root is None) for v, c in zip(plain, direction.conditions, strict=True)]
+    shares = [
+        share_of(v, divides=c.root is None)
+        for v, c in zip(plain, direction.conditions, strict=True)
+    ]
     function = ca.Function("f", [values], [ca.vertcat(*plain), ca.vertcat(*shares)])
     scales = np.array([1.0 if c.is_angular else made.size for c in made.given])
     for _ in range(1000):
@@ -79,7 +99,9 @@ def test_conditions_stay_above_their_bound_along_lines(name):
 
 
 def test_bends_of_nested_conditions_let_lines_pass():
-    """With shares put in, bends are those of the machine, not of the fold that samples come nearest to."""
+    """With shares put in, bends are those of the machine, not of the fold that samples come nearest
+    to.
+    """
     for name in ("nested_dyads", "nested_slides"):
         made = _map(name)
         assert max(ClosedDirection(made, made.direct, {}).bends) < 1e4
@@ -102,7 +124,9 @@ def test_conditions_are_those_of_any_size(name, factor):
 @pytest.mark.slow
 @pytest.mark.parametrize("way", ["direct", "inverse"])
 def test_who_is_where_a_line_led_may_stand_still(library, way):
-    """What is reached from the reference is taken once more from itself, though the wanted values alone do not lead back there."""
+    """What is reached from the reference is taken once more from itself, though the wanted values
+    alone do not lead back there.
+    """
     code, number = library("seven_bar_loop", "double"), ctypes.c_double * 1
     solve, taken = getattr(code, f"seven_bar_loop_{way}"), 0
     for goal in np.linspace(-1.0, 1.0, 401):
@@ -116,12 +140,19 @@ def test_who_is_where_a_line_led_may_stand_still(library, way):
 
 @pytest.mark.parametrize("factor", [1e-8, 1e-3, 1e6])
 def test_guards_of_divisors_are_those_of_any_size(factor):
-    """Cylinders stand between lengths and angles, whose discriminants have other units than what is divided by."""
-    given, find = ("boom_cylinder", "stick_cylinder", "bucket_cylinder"), ("boom", "stick", "bucket")
+    """Cylinders stand between lengths and angles, whose discriminants have other units than what is
+    divided by.
+    """
+    given, find = (
+        ("boom_cylinder", "stick_cylinder", "bucket_cylinder"),
+        ("boom", "stick", "bucket"),
+    )
     sets = []
     for size in (1.0, factor):
         mechanism = scaled(symkin.load("excavator_bucket"), size)
-        made = JointMap(mechanism, Options("double", given=given, find=find), Real("double", "x_real"))
+        made = JointMap(
+            mechanism, Options("double", given=given, find=find), Real("double", "x_real")
+        )
         parts = [part for way in (made.direct, made.inverse) for part in way.parts]
         sets.append([None if part.form is None else free_divisors(part.form) for part in parts])
     assert sets[0] == sets[1]

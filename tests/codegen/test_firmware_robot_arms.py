@@ -1,4 +1,6 @@
-"""Code of arms and legs as robots' files have them: its own test passes, digits of the file and narrow limits or not."""
+"""Code of arms and legs as robots' files have them: its own test passes, digits of the file and
+narrow limits or not.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +23,15 @@ def robot(name: str, *rows: Row, tool: tuple[float, float, float]) -> Mechanism:
     """A graph of links l1, l2, ... in metres, each row a turn: point, axis, limits."""
     links = ["base", *(f"l{k}" for k in range(1, len(rows) + 1))]
     chain = [
-        LinkJoint(Joint(f"q{k + 1}", "R", point, axis, actuated=True, limits=limits), (links[k], links[k + 1]))
+        LinkJoint(
+            Joint(f"q{k + 1}", "R", point, axis, actuated=True, limits=limits),
+            (links[k], links[k + 1]),
+        )
         for k, (point, axis, limits) in enumerate(rows)
     ]
-    return Mechanism(name, link_joints=chain, platform_link=links[-1], platform_position=tool, length_unit="m")
+    return Mechanism(
+        name, link_joints=chain, platform_link=links[-1], platform_position=tool, length_unit="m"
+    )
 
 
 WIDE = (-3.0, 3.0)
@@ -76,12 +83,15 @@ NAMED = {mechanism.name: mechanism for mechanism in ROBOTS}
 def test_the_generated_test_passes(name: str, real: str, tmp_path: Path) -> None:
     mechanism = NAMED[name]
     symkin.write_firmware(mechanism, tmp_path, real=real)  # type: ignore[arg-type]
-    assert "0 failures" in passed(built("gcc", tmp_path, [f"{name}.c", f"{name}_test.c"], "own_test", "-O1"))
+    assert "0 failures" in passed(
+        built("gcc", tmp_path, [f"{name}.c", f"{name}_test.c"], "own_test", "-O1")
+    )
 
 
 def test_digits_of_a_file_leave_no_error_in_the_closed_form() -> None:
-    """Axes that are parallel or square to eleven digits are so exactly in the arm, whose closed form then meets its pose to rounding;
-    the arm is the graph to these digits."""
+    """Axes that are parallel or square to eleven digits are so exactly in the arm, whose closed
+    form then meets its pose to rounding; the arm is the graph to these digits.
+    """
     graph = ROBOTS[0]
     arm = arm_of(graph)
     assert arm is not None
@@ -90,5 +100,7 @@ def test_digits_of_a_file_leave_no_error_in_the_closed_form() -> None:
     for values in rng.uniform((-1.0, 0.2, -2.0), (0.4, 1.0, -0.5), (5, 3)).tolist():
         ends = [symkin.solve(m, joints=values).solution for m in (graph, arm)]
         np.testing.assert_allclose(ends[0].position, ends[1].position, atol=1e-10)
-        again = symkin.solve(arm, pose=[*ends[1].position, *ends[1].quaternion], solver="closed").solution
+        again = symkin.solve(
+            arm, pose=[*ends[1].position, *ends[1].quaternion], solver="closed"
+        ).solution
         assert again.residual < 1e-15

@@ -24,24 +24,40 @@ def _called(folder: Path, tmp_path: Path, *flags: str) -> str:
     """What helpers/firmware_calls.c prints of a folder; it must end with status 0."""
     manifest = json.loads((folder / "manifest.json").read_text())
     name, options = manifest["mechanism"], manifest["options"]
-    is_arm = re.search(rf"{name}_inverse\([^)]*guess", (folder / f"{name}.h").read_text()) is not None
+    is_arm = (
+        re.search(rf"{name}_inverse\([^)]*guess", (folder / f"{name}.h").read_text()) is not None
+    )
     kind = "SERIAL" if is_arm else "PARALLEL"
-    macros = [f"-D{kind}", f"-DNAME={name}", f"-DUPPER={name.upper()}", f'-DHEADER="{name}.h"', f'-DVECTORS="{name}_vectors.h"']
+    macros = [
+        f"-D{kind}",
+        f"-DNAME={name}",
+        f"-DUPPER={name.upper()}",
+        f'-DHEADER="{name}.h"',
+        f'-DVECTORS="{name}_vectors.h"',
+    ]
     macros += ["-DSTRUCT"] if options["geometry"] == "struct" else []
     macros += [f"-DHUGE_FINITE={'3e38' if options['real'] == 'float' else '1e200'}"]
-    sources = [str(Path(__file__).parents[1] / "helpers" / "firmware_calls.c"), str(folder / f"{name}.c")]
-    return tools.passed(tools.built("gcc", tmp_path, sources, "calls", *macros, *flags, *SANITIZED, f"-I{folder}"))
+    sources = [
+        str(Path(__file__).parents[1] / "helpers" / "firmware_calls.c"),
+        str(folder / f"{name}.c"),
+    ]
+    return tools.passed(
+        tools.built("gcc", tmp_path, sources, "calls", *macros, *flags, *SANITIZED, f"-I{folder}")
+    )
 
 
 FEW = ["ankle_float", "delta_double", "scara_float", "zhang2009_float_home_relative"]
-"""A map, a platform, an arm with a closed form, rods: what the gate feeds with what is not finite."""
+"""A map, a platform, an arm with a closed form, rods: what the gate feeds with what is not
+finite.
+"""
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("folder", in_gate(tools.POSES, FEW))
 def test_one_status_for_what_is_not_finite(folder, tmp_path):
-    """NaN or an infinity in any number of joints, pose or guess is NONFINITE in every function that reads it, whatever else is
-    wrong; a number whose square overflows is never OK."""
+    """NaN or an infinity in any number of joints, pose or guess is NONFINITE in every function that
+    reads it, whatever else is wrong; a number whose square overflows is never OK.
+    """
     _called(tools.folder(folder), tmp_path)
 
 
@@ -56,8 +72,10 @@ def _fuzzed(folder: Path, count: int) -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize("folder", in_gate(tools.FOLDERS, FEW))
 def test_fuzz_under_sanitizers_and_traps(folder):
-    """NaN, infinity, zero, huge, tiny, singular and ordinary inputs: a status, finite results when it is OK, no undefined behaviour, no
-    division by zero, and of finite inputs no invalid operation. SYMKIN_FUZZ sets the count of inputs."""
+    """NaN, infinity, zero, huge, tiny, singular and ordinary inputs: a status, finite results when
+    it is OK, no undefined behaviour, no division by zero, and of finite inputs no invalid
+    operation. SYMKIN_FUZZ sets the count of inputs.
+    """
     said = _fuzzed(tools.folder(folder), int(os.environ.get("SYMKIN_FUZZ", 1000)))
     assert re.search(r"[1-9]\d* answered", said)
 
@@ -70,7 +88,8 @@ def test_a_trap_is_told(tmp_path):
     source.write_text(
         source.read_text().replace(
             "scara_status status = scara_check_limits(joints);",
-            "scara_status status = (1.0 / (joints[0] - joints[0]) > 2.0) ? SCARA_OK : SCARA_SINGULAR;",
+            "scara_status status = (1.0 / (joints[0] - joints[0]) > 2.0) ? SCARA_OK : "
+            "SCARA_SINGULAR;",
             1,
         )
     )
@@ -86,25 +105,41 @@ def test_a_trap_is_told(tmp_path):
 @pytest.mark.parametrize(
     "made",
     in_gate_but(
-        [samples.delta, samples.three_rps, wide_five_bar, joint_types.rods_at_the_end, samples.pieper],
+        [
+            samples.delta,
+            samples.three_rps,
+            wide_five_bar,
+            joint_types.rods_at_the_end,
+            samples.pieper,
+        ],
         [joint_types.rods_at_the_end, samples.three_rps, samples.pieper],
     ),
 )
 def test_fresh_code_is_as_careful(made, real, tmp_path):
-    """The same of kinds that no committed folder has: deltas, planar and redundant closures, cranks, another arm."""
+    """The same of kinds that no committed folder has: deltas, planar and redundant closures,
+    cranks, another arm.
+    """
     write_folder(made(), tmp_path / "folder", Options(real))
     _called(tmp_path / "folder", tmp_path)
     _fuzzed(tmp_path / "folder", 1000)
 
 
-WIDE = [("zhang2009", 300, "double", 93.0), ("ren2008", 300, "float", 93.0), ("zhao2000", 150, "double", 93.0)]
+WIDE = [
+    ("zhang2009", 300, "double", 93.0),
+    ("ren2008", 300, "float", 93.0),
+    ("zhao2000", 150, "double", 93.0),
+]
 """Mechanism, goals, type, and how many of the regular lines must succeed (%)."""
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "count", "real", "least"), in_gate(WIDE, [row for row in WIDE if row[0] == "ren2008"]))
+@pytest.mark.parametrize(
+    ("name", "count", "real", "least"), in_gate(WIDE, [row for row in WIDE if row[0] == "ren2008"])
+)
 def test_not_one_ok_on_another_branch(name, count, real, least):
-    """Goals far from home: what is OK is what fine continuation reaches; most regular lines succeed."""
+    """Goals far from home: what is OK is what fine continuation reaches; most regular lines
+    succeed.
+    """
     tools.compiler("gcc")
     branches = tools.bench_module("branches")
     found = branches.study(load(name), Options(real, home=branches.HOMES.get(name)), count, seed=4)

@@ -1,4 +1,6 @@
-"""Generated control loops of arms: damped steps through singularities, joint rates of twists and back, feed."""
+"""Generated control loops of arms: damped steps through singularities, joint rates of twists and
+back, feed.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +28,13 @@ ARMS = {
     "eight": joint_types.eight_joints,
 }
 TYPES = {"double": ctypes.c_double, "float": ctypes.c_float}
-WRIST_PASSES = (np.array([0.3, -1.2, 1.4, -1.0, 0.5, 0.2]), np.array([0.5, -1.4, 1.2, -0.8, -0.5, 0.6]))
-"""Joint values of a six-joint arm with three parallel axes on both sides of a straight wrist (its fifth joint at zero)."""
+WRIST_PASSES = (
+    np.array([0.3, -1.2, 1.4, -1.0, 0.5, 0.2]),
+    np.array([0.5, -1.4, 1.2, -0.8, -0.5, 0.6]),
+)
+"""Joint values of a six-joint arm with three parallel axes on both sides of a straight wrist (its
+fifth joint at zero).
+"""
 
 
 class Code:
@@ -36,7 +43,11 @@ class Code:
     def __init__(self, arm: symkin.Mechanism, real: str, folder) -> None:
         write_folder(arm, folder, Options(real))
         compiler = tools.compiler("gcc")
-        subprocess.run([compiler, "-O1", "-shared", "-fPIC", f"{arm.name}.c", "-o", "code.so", "-lm"], cwd=folder, check=True)
+        subprocess.run(
+            [compiler, "-O1", "-shared", "-fPIC", f"{arm.name}.c", "-o", "code.so", "-lm"],
+            cwd=folder,
+            check=True,
+        )
         self.name, self.type, self.count = arm.name, TYPES[real], len(arm.actuated)
         self.library = ctypes.CDLL(str(folder / "code.so"))
         kind = build_program(arm, Options(real)).kind
@@ -67,32 +78,47 @@ class Code:
 
     def rates(self, joints, twist) -> tuple[int, np.ndarray]:
         out = self.numbers(np.zeros(self.count))
-        status = self.call("rates", self.numbers(joints), self.numbers(twist), out, ctypes.byref(self.info))
+        status = self.call(
+            "rates", self.numbers(joints), self.numbers(twist), out, ctypes.byref(self.info)
+        )
         return status, np.array(out[:])
 
 
 @pytest.fixture(scope="module")
 def code(tmp_path_factory):
-    return lru_cache(lambda name, real: Code(ARMS[name](), real, tmp_path_factory.mktemp(f"{name}_{real}")))
+    return lru_cache(
+        lambda name, real: Code(ARMS[name](), real, tmp_path_factory.mktemp(f"{name}_{real}"))
+    )
 
 
 def _error(code: Code, joints, pose: np.ndarray) -> float:
     """How far a tool pose is: position, and the turn between times the size."""
     found = code.arm.forward_at(np.array(joints[:]))
-    turn = 2 * np.arccos(min(1.0, abs(float(found[3:] @ pose[3:]) / np.linalg.norm(pose[3:]) / np.linalg.norm(found[3:]))))
+    turn = 2 * np.arccos(
+        min(
+            1.0,
+            abs(float(found[3:] @ pose[3:]) / np.linalg.norm(pose[3:]) / np.linalg.norm(found[3:])),
+        )
+    )
     return float(np.hypot(np.linalg.norm(found[:3] - pose[:3]), code.size * turn))
 
 
 def _turned(pose: np.ndarray, angle: float) -> np.ndarray:
-    return np.concatenate([pose[:3], np.asarray(multiply(np.array([np.cos(angle / 2), np.sin(angle / 2), 0, 0]), pose[3:]))])
+    return np.concatenate(
+        [
+            pose[:3],
+            np.asarray(multiply(np.array([np.cos(angle / 2), np.sin(angle / 2), 0, 0]), pose[3:])),
+        ]
+    )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("real", in_gate(TYPES, ["double"]))
 @pytest.mark.parametrize("beside", [0.0, 1e-3, 1e-2, 0.05])
 def test_a_loop_passes_a_straight_wrist(real, beside, code):
-    """A thousand poses through, or a little beside, the wrist's singularity: every step is OK and short, what it says of its error is
-    so, and beyond the singularity the error has gone."""
+    """A thousand poses through, or a little beside, the wrist's singularity: every step is OK and
+    short, what it says of its error is so, and beyond the singularity the error has gone.
+    """
     arm = code("ur5e", real)
     begin, end = WRIST_PASSES
     joints, least = arm.numbers(begin), np.inf
@@ -102,7 +128,9 @@ def test_a_loop_passes_a_straight_wrist(real, beside, code):
         assert arm.tracked(pose, joints) == OK
         assert np.max(np.abs(np.array(joints[:]) - before)) < 0.1
         measured = _error(arm, joints, pose)
-        assert abs(arm.info.residual - measured) < 0.02 * measured + (0.02 if real == "float" else 1e-4)
+        assert abs(arm.info.residual - measured) < 0.02 * measured + (
+            0.02 if real == "float" else 1e-4
+        )
         assert measured < 0.03 * arm.size
         least = min(least, float(arm.info.min_pivot))
     assert least < 0.02
@@ -139,7 +167,10 @@ def test_far_and_impossible_poses_bring_no_jump(name, code):
         before = np.array(joints[:])
         assert arm.tracked(far, joints) == OK
         steps = np.abs(np.array(joints[:]) - before)
-        assert np.max(np.where([c.is_angular for c in arm.arm.actuated], steps, steps / arm.size)) < 0.2001
+        assert (
+            np.max(np.where([c.is_angular for c in arm.arm.actuated], steps, steps / arm.size))
+            < 0.2001
+        )
         assert arm.info.residual <= last * (1 + 1e-9)
         last = float(arm.info.residual)
     assert last > arm.size
@@ -149,7 +180,9 @@ def test_far_and_impossible_poses_bring_no_jump(name, code):
 @pytest.mark.parametrize("real", in_gate(TYPES, ["float"]))
 @pytest.mark.parametrize("name", in_gate(ARMS, ["ur5e", "scara"]))
 def test_rates_make_their_twist_and_back(name, real, code):
-    """The twist of rates is the tool's, by finite differences; rates of that twist make it again, and are no longer."""
+    """The twist of rates is the tool's, by finite differences; rates of that twist make it again,
+    and are no longer.
+    """
     arm = code(name, real)
     rng, near = np.random.default_rng(2), 1e-3 if real == "float" else 1e-6
     for q, pose in arm.arm.samples[:12]:
@@ -161,15 +194,21 @@ def test_rates_make_their_twist_and_back(name, real, code):
         assert arm.call("twist", arm.numbers(q), arm.numbers(rates), twist) == OK
         missing = np.array(twist[:]) - v
         missing[3:] *= arm.size
-        assert abs(np.linalg.norm(missing) - arm.info.residual) < near * (arm.size + np.abs(v).max())
+        assert abs(np.linalg.norm(missing) - arm.info.residual) < near * (
+            arm.size + np.abs(v).max()
+        )
         moved = arm.arm.forward_at(q + 1e-6 * rates)
-        np.testing.assert_allclose((moved[:3] - pose[:3]) / 1e-6, twist[:3], atol=20 * near * arm.size)
+        np.testing.assert_allclose(
+            (moved[:3] - pose[:3]) / 1e-6, twist[:3], atol=20 * near * arm.size
+        )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("real", TYPES)
 def test_rates_at_a_singularity_are_bounded_and_told(real, code):
-    """At a straight wrist, twists of unit length over the size: no rate above the damping's, and the residual is what is missing."""
+    """At a straight wrist, twists of unit length over the size: no rate above the damping's, and
+    the residual is what is missing.
+    """
     arm = code("ur5e", real)
     q, rng = 0.5 * (WRIST_PASSES[0] + WRIST_PASSES[1]), np.random.default_rng(4)
     told = []
@@ -186,14 +225,21 @@ def test_rates_at_a_singularity_are_bounded_and_told(real, code):
 
 @pytest.mark.slow
 def test_feed_keeps_the_limits(code):
-    """The largest share of a twist whose rates keep to their limits: one of them is at its limit, or the share is 1."""
+    """The largest share of a twist whose rates keep to their limits: one of them is at its limit,
+    or the share is 1.
+    """
     arm = code("ur5e", "double")
     rng, limits = np.random.default_rng(5), np.full(6, 0.5)
     shares = []
     for q, _ in arm.arm.samples[:12]:
         twist = rng.uniform(-1, 1, 6) * np.array([arm.size] * 3 + [1.0] * 3)
         feed = arm.type(0.0)
-        assert arm.call("feed", arm.numbers(q), arm.numbers(twist), arm.numbers(limits), ctypes.byref(feed)) == OK
+        assert (
+            arm.call(
+                "feed", arm.numbers(q), arm.numbers(twist), arm.numbers(limits), ctypes.byref(feed)
+            )
+            == OK
+        )
         _, rates = arm.rates(q, feed.value * twist)
         assert np.max(np.abs(rates)) <= 0.5 + 1e-9
         assert feed.value == 1.0 or abs(np.max(np.abs(rates)) - 0.5) < 1e-9
@@ -203,7 +249,9 @@ def test_feed_keeps_the_limits(code):
 
 @pytest.mark.slow
 def test_refused_input_leaves_the_joints(code):
-    """NaN, joint values out of range, a step beyond a limit: the status says so, and the joint values stay."""
+    """NaN, joint values out of range, a step beyond a limit: the status says so, and the joint
+    values stay.
+    """
     arm = code("ur5e", "double")
     q, pose = arm.arm.samples[0]
     joints = arm.numbers(q)
@@ -220,10 +268,15 @@ def test_refused_input_leaves_the_joints(code):
 
 @pytest.mark.slow
 def test_a_step_out_of_a_limit_is_refused(tmp_path):
-    """A joint at its limit that would have to leave it: OUT_OF_RANGE, its number, joints untouched."""
+    """A joint at its limit that would have to leave it: OUT_OF_RANGE, its number, joints
+    untouched.
+    """
     free = symkin.load("ur5e")
     (limb,) = free.limbs
-    joints = [replace(j, limits=(-np.pi, np.radians(20))) if k == 0 else j for k, j in enumerate(limb.joints)]
+    joints = [
+        replace(j, limits=(-np.pi, np.radians(20))) if k == 0 else j
+        for k, j in enumerate(limb.joints)
+    ]
     arm = Code(replace(free, limbs=(replace(limb, joints=tuple(joints)),)), "double", tmp_path)
     q = np.array([np.radians(19.99), -1.2, 1.4, -1.0, 0.5, 0.2])
     pose = arm.arm.forward_at(q + np.array([0.01, 0, 0, 0, 0, 0]))

@@ -1,4 +1,6 @@
-"""The generated folder of the same machine, tiny or huge, passes its own tests: nothing in it is small or large but beside its size."""
+"""The generated folder of the same machine, tiny or huge, passes its own tests: nothing in it is
+small or large but beside its size.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,13 @@ CASES = {
 }
 """Machine and options of the code, by name."""
 SIZES = [1e-8, 1e-4, 1e3, 1e6]
-KEPT = [("five_bar", 1e-8), ("three_rrr", 1e-8), ("three_rrr", 1e6), ("scara", 1e-8), ("links", 1e-8)]
+KEPT = [
+    ("five_bar", 1e-8),
+    ("three_rrr", 1e-8),
+    ("three_rrr", 1e6),
+    ("scara", 1e-8),
+    ("links", 1e-8),
+]
 """Pairs that the gate runs: those of which each was refused once by a scale that was absolute."""
 
 
@@ -48,7 +56,9 @@ def told(case: str, size: float, real: str) -> dict[str, str]:
 @pytest.mark.parametrize("real", ["double", "float"])
 @pytest.mark.parametrize(("case", "size"), in_gate([(c, s) for c in CASES for s in SIZES], KEPT))
 def test_the_same_machine_of_any_size_passes_its_own_tests(case, size, real):
-    """Its vectors are as many as those at its own size, and statements of its code differ by fewer than one in fifty."""
+    """Its vectors are as many as those at its own size, and statements of its code differ by fewer
+    than one in fifty.
+    """
     here, there = told(case, size, real), told(case, 1.0, real)
     counts = [files["_vectors.h"].count(" },") for files in (here, there)]
     assert counts[0] == counts[1]

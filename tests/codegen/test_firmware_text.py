@@ -14,7 +14,9 @@ from helpers.inside import WIDTH, Emitter, Real, narrowed, rounded_up
 
 @pytest.mark.parametrize("folder", tools.at_hand(tools.FOLDERS))
 def test_lines_and_constants(folder):
-    """No line is longer than a hundred characters; nothing is added to or divided by a negative constant, no constant computed."""
+    """No line is longer than a hundred characters; nothing is added to or divided by a negative
+    constant, no constant computed.
+    """
     number = r"\d[\d.]*(?:e[+-]?\d+)?f?"
     for path in tools.folder(folder).glob("*.[ch]"):
         text = path.read_text()
@@ -34,7 +36,9 @@ def test_rows_are_named_as_in_the_model(folder):
 
 
 def test_narrow_text_is_the_same_program(tmp_path):
-    """Long calls, conditions, strings, macros and comments: the compiler prints the same, the words stay in their order."""
+    """Long calls, conditions, strings, macros and comments: the compiler prints the same, the words
+    stay in their order.
+    """
     text = """#include <stdio.h>
 /* A comment of very many words that goes on and on over more than a \
 hundred characters, so that it must be broken somewhere in it
@@ -66,7 +70,9 @@ sum_of_many_numbers(numbers, 22, 1.0, 0));
     return 0;
 }
 """
-    narrow = narrowed(text.replace("18.0, 19.0, 20.0, 21.0, 22.0 }", "18.0, \\\n    19.0, 20.0, 21.0, 22.0 }"))
+    narrow = narrowed(
+        text.replace("18.0, 19.0, 20.0, 21.0, 22.0 }", "18.0, \\\n    19.0, 20.0, 21.0, 22.0 }")
+    )
     words = [re.sub(r"[\s\\*/]+", "", t) for t in (text, narrow)]
     assert sorted(words[0]) == sorted(words[1])
     outputs = []
@@ -74,12 +80,16 @@ sum_of_many_numbers(numbers, 22, 1.0, 0));
         (tmp_path / "program.c").write_text(version)
         outputs.append(tools.passed(tools.built("gcc", tmp_path, ["program.c"], "program")))
     assert outputs[0] == outputs[1]
-    assert all(len(line) <= WIDTH or "a string" in line or "NUMBERS" in line for line in narrow.split("\n"))
+    assert all(
+        len(line) <= WIDTH or "a string" in line or "NUMBERS" in line for line in narrow.split("\n")
+    )
     assert " * joints[0] begins" in narrow
 
 
 def test_bounds_are_rounded_up_alike_on_every_processor():
-    """Never below the bound but for its own rounding; a bound that three digits state has no further step because its last bits are high."""
+    """Never below the bound but for its own rounding; a bound that three digits state has no
+    further step because its last bits are high.
+    """
     for exact in (5.0, 4.0, 216000.0, 0.125, -7.5e-9):
         for last_bits in (-4e-16, 0.0, 4e-16, 1e-14):
             assert rounded_up(exact * (1.0 + last_bits)) == exact
@@ -91,7 +101,9 @@ def test_bounds_are_rounded_up_alike_on_every_processor():
 
 
 def test_constants_are_folded():
-    """Sums with several constants, negative ones, products with 1 and -1, and what is constant throughout."""
+    """Sums with several constants, negative ones, products with 1 and -1, and what is constant
+    throughout.
+    """
     x = ca.SX.sym("x", 2)
     one = ca.SX(1.0 + 1e-15)
     values = ca.vertcat(
@@ -106,8 +118,14 @@ def test_constants_are_folded():
     function = ca.Function("f", [x], [values])
     emitter = Emitter(function, [["x0", "x1"]], Real("double"))
     texts = [emitter.value(0, i) for i in range(7)]
-    named = {line.split(" = ")[0].split()[-1]: line.split(" = ")[1].rstrip(";") for line in emitter.lines}
+    named = {
+        line.split(" = ")[0].split()[-1]: line.split(" = ")[1].rstrip(";") for line in emitter.lines
+    }
     written = [named.get(text, text) for text in texts]
     assert written == ["x0", "x0 + 275.0", "x1 - 3.0", "x0", "-x1", "x0 - 1.0", "4.0 - x0"]
     at = np.array([0.3, -1.7])
-    assert np.allclose([eval(text, {"x0": at[0], "x1": at[1]}) for text in written], function(at).full().ravel(), atol=1e-12)
+    assert np.allclose(
+        [eval(text, {"x0": at[0], "x1": at[1]}) for text in written],
+        function(at).full().ravel(),
+        atol=1e-12,
+    )

@@ -1,4 +1,6 @@
-"""Lines of joint values that begin where the last one ended, for mechanisms whose matrix reads the joints."""
+"""Lines of joint values that begin where the last one ended, for mechanisms whose matrix reads the
+joints.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ MECHANISMS = {
     "3-RRR": (lambda: samples.three_rrr("planar"), 0.9, 70.0),
     "six cranks": (joint_types.rods_at_the_end, 0.9, 70.0),
 }
-"""Mechanism, how far joints go from home (rad), and how many of the regular lines must succeed (%)."""
+"""Mechanism, how far joints go from home (rad), and how many of the regular lines must succeed
+(%).
+"""
 
 
 @pytest.mark.slow
@@ -46,7 +50,16 @@ def _library(mechanism, folder, *, tested=True):
     else:
         for name, text in folder_files(mechanism, Options("double")).items():
             (folder / name).write_text(text)
-    command = [tools.compiler("gcc"), "-O1", "-shared", "-fPIC", f"{mechanism.name}.c", "-o", "code.so", "-lm"]
+    command = [
+        tools.compiler("gcc"),
+        "-O1",
+        "-shared",
+        "-fPIC",
+        f"{mechanism.name}.c",
+        "-o",
+        "code.so",
+        "-lm",
+    ]
     subprocess.run(command, cwd=folder, check=True)
     return ctypes.CDLL(str(folder / "code.so"))
 
@@ -57,10 +70,22 @@ def _numbers(values):
 
 @pytest.mark.slow
 def test_a_long_line_of_a_five_bar_is_not_answered_from_another_branch(tmp_path):
-    """A line on which det of the matrix at the guess changes its sign between the guess's joint values and the given ones: the
-    tip that the circles of the couplers reach continuously is (0.0338, 238.4711), the other one (2.207, -47.385)."""
+    """A line on which det of the matrix at the guess changes its sign between the guess's joint
+    values and the given ones: the tip that the circles of the couplers reach continuously is
+    (0.0338, 238.4711), the other one (2.207, -47.385).
+    """
     library = _library(samples.readme_five_bar(), tmp_path)
-    guess = _numbers([-23.45668092865065, -92.46047606222544, 0.0, -0.15146385226797096, 0.0, 0.0, 0.9884627972038941])
+    guess = _numbers(
+        [
+            -23.45668092865065,
+            -92.46047606222544,
+            0.0,
+            -0.15146385226797096,
+            0.0,
+            0.0,
+            0.9884627972038941,
+        ]
+    )
     goal, pose = _numbers([-0.3111966769802995, 0.28774171547505556]), _numbers([0.0] * 7)
     status = library.five_bar_direct(None, goal, guess, pose, None)
     assert status != 0 or np.allclose(pose[:2], [0.0338, 238.4711], atol=1e-3)
@@ -68,8 +93,10 @@ def test_a_long_line_of_a_five_bar_is_not_answered_from_another_branch(tmp_path)
 
 @pytest.mark.slow
 def test_the_inverse_of_an_answer_is_what_was_given(tmp_path):
-    """Cranks that pass their dead centre: the direct problem does not answer OK, for its pose would not give the joint values
-    back; every OK answer gives them back, and the next call can begin there."""
+    """Cranks that pass their dead centre: the direct problem does not answer OK, for its pose would
+    not give the joint values back; every OK answer gives them back, and the next call can begin
+    there.
+    """
     mechanism = joint_types.rods_at_the_end()
     library, name = _library(mechanism, tmp_path), mechanism.name
     direct, inverse = getattr(library, f"{name}_direct"), getattr(library, f"{name}_inverse")
@@ -88,13 +115,16 @@ def test_the_inverse_of_an_answer_is_what_was_given(tmp_path):
 
 
 def _short_coupler():
-    """A slider-crank whose crank of 100 is four degrees from where it stands square on its coupler of 10: there it must turn
-    back."""
+    """A slider-crank whose crank of 100 is four degrees from where it stands square on its coupler
+    of 10: there it must turn back.
+    """
     lean = math.radians(4.0)
     pin = (100 * math.cos(lean), -100 * math.sin(lean))
     slider = pin[0] + math.sqrt(100 - pin[1] ** 2)
     crank = Joint("crank", "R", (0, 0, 0), samples.Z, actuated=True)
-    left = Limb("left", [crank, samples.turning("pin", *pin), samples.turning("gudgeon", slider, 0.0)])
+    left = Limb(
+        "left", [crank, samples.turning("pin", *pin), samples.turning("gudgeon", slider, 0.0)]
+    )
     right = Limb("right", [Joint("slide", "P", (0, 0, 0), (1, 0, 0))])
     return Mechanism("short", [left, right], platform_position=(slider, 0.0, 0.0), motion="planar")
 
@@ -102,7 +132,9 @@ def _short_coupler():
 @pytest.mark.slow
 @pytest.mark.parametrize("degrees", in_gate([3.9, 4.0, 4.1, 4.2, 4.3, 6.0], [3.9, 4.1]))
 def test_no_answer_lies_beyond_a_dead_centre_however_near(degrees, tmp_path):
-    """A crank that passes the line of its coupler: the pose of an OK answer gives the crank's own angle back."""
+    """A crank that passes the line of its coupler: the pose of an OK answer gives the crank's own
+    angle back.
+    """
     # rates of a slide by motions across it are not defined, and the folder's own test asks for them
     library = _library(_short_coupler(), tmp_path, tested=False)
     home = _numbers([_short_coupler().platform_position[0], 0, 0, 1, 0, 0, 0])
@@ -118,8 +150,9 @@ def test_no_answer_lies_beyond_a_dead_centre_however_near(degrees, tmp_path):
     in_gate([(0.0, 2 * math.pi), (-7.0, 7.0), (-math.pi, math.pi)], [(-7.0, 7.0)]),
 )
 def test_limited_cranks_that_turn_over_half_a_turn(low, high, tmp_path):
-    """A crank-rocker whose crank has limits: every angle within them is reached in steps of ten degrees, and the inverse gives it
-    back, by whole turns within the limits."""
+    """A crank-rocker whose crank has limits: every angle within them is reached in steps of ten
+    degrees, and the inverse gives it back, by whole turns within the limits.
+    """
     mechanism = bars(100.0, 30.0, 90.0, 60.0, limits=(low, high))
     library = _library(mechanism, tmp_path)
     start = symkin.solve(mechanism, joints=[1.0]).solution
@@ -136,17 +169,39 @@ def test_limited_cranks_that_turn_over_half_a_turn(low, high, tmp_path):
 
 
 FAR = {
-    # the branch ends after 97.5 % of each line; the last steps of two thirds of the size shortened as if it went on
-    "zhang2009": ("double", [
-        [403.6239461417195, 684.4675414510874, 415.66697430028745, 106.20110213510607, 432.1214509853884, 241.28206012271582],
-        [522.764952891999, 368.82453372839814, 288.89240448443104, 591.7628937502355, 380.48152885510535, 184.42180516202373],
-    ]),
-    # a first step of most of the size that happened to be good let the next ones seem better than they were: off by 1.6e-3 mm
-    "three_rrr": ("float", [
-        [-0.883320689201355, 1.1981297731399536, -3.076019287109375],
-        [-0.9707484841346741, 1.246923804283142, -3.0136852264404297],
-    ]),
-}  # fmt: skip
+    # the branch ends after 97.5 % of each line; the last steps of two thirds of the size shortened
+    # as if it went on
+    "zhang2009": (
+        "double",
+        [
+            [
+                403.6239461417195,
+                684.4675414510874,
+                415.66697430028745,
+                106.20110213510607,
+                432.1214509853884,
+                241.28206012271582,
+            ],
+            [
+                522.764952891999,
+                368.82453372839814,
+                288.89240448443104,
+                591.7628937502355,
+                380.48152885510535,
+                184.42180516202373,
+            ],
+        ],
+    ),
+    # a first step of most of the size that happened to be good let the next ones seem better than
+    # they were: off by 1.6e-3 mm
+    "three_rrr": (
+        "float",
+        [
+            [-0.883320689201355, 1.1981297731399536, -3.076019287109375],
+            [-0.9707484841346741, 1.246923804283142, -3.0136852264404297],
+        ],
+    ),
+}
 """Goals from home that were answered wrongly, with the real numbers' type."""
 
 
@@ -158,13 +213,18 @@ def test_far_goals_that_were_answered_wrongly(name):
     lines, bench = tools.bench_module("lines"), tools.bench_module("branches")
     real, goals = FAR[name]
     machine = Path(bench.__file__).parent / "machines" / f"{name}.toml"
-    asked = lines.Lines(symkin.load(machine if machine.exists() else name), Options(real, home=bench.HOMES.get(name)))
+    asked = lines.Lines(
+        symkin.load(machine if machine.exists() else name),
+        Options(real, home=bench.HOMES.get(name)),
+    )
     outcome = asked.run(asked.home(len(goals)), np.array(goals), np.random.default_rng(0))
     assert not np.any(outcome.ok & ~outcome.right)
 
 
 def _slides_on_arms():
-    """Three limbs whose slides stand on turning arms: where a slide's length passes zero its arm's angle goes over by half a turn."""
+    """Three limbs whose slides stand on turning arms: where a slide's length passes zero its arm's
+    angle goes over by half a turn.
+    """
     return symkin.load("zhao2000")
 
 
@@ -179,8 +239,9 @@ GRAZES = {
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
 @pytest.mark.parametrize("name", GRAZES)
 def test_what_is_ok_beside_a_dead_centre_can_be_held(name, real, tmp_path):
-    """Lines that end at folds and dead centres, goals ever nearer to them: an OK answer is read as a guess, and of formulas its own joint values
-    are OK again."""
+    """Lines that end at folds and dead centres, goals ever nearer to them: an OK answer is read as
+    a guess, and of formulas its own joint values are OK again.
+    """
     tools.compiler("gcc")
     closes, grazes, directions = (tools.bench_module(m) for m in ("closes", "grazes", "directions"))
     (direction,) = directions.directions(closes.Machine(GRAZES[name]()), real, tmp_path)
@@ -192,11 +253,15 @@ def test_what_is_ok_beside_a_dead_centre_can_be_held(name, real, tmp_path):
 
 @pytest.mark.slow
 def test_a_slide_beside_zero_is_not_answered_on_the_other_side(tmp_path):
-    """A line whose end has a slide of length zero but for rounding: OK only where the pose gives the joint values back."""
+    """A line whose end has a slide of length zero but for rounding: OK only where the pose gives
+    the joint values back.
+    """
     closes, directions = tools.bench_module("closes"), tools.bench_module("directions")
     (direction,) = directions.directions(closes.Machine(_slides_on_arms()), "float", tmp_path)
     rng, home = np.random.default_rng(5), direction.home
-    goal = np.array([[1.9871028661727905, 3.0342817306518555, 5.613564968109131, 141.12986755371094]])
+    goal = np.array(
+        [[1.9871028661727905, 3.0342817306518555, 5.613564968109131, 141.12986755371094]]
+    )
     guess = home.guesses
     for part in np.linspace(0.0, 1.0, 60)[1:]:
         at = direction.rounded(home.known + part * (goal - home.known))

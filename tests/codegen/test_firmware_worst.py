@@ -1,4 +1,6 @@
-"""The worst case that generated folders state: bounds by the code's text, and figures of processors."""
+"""The worst case that generated folders state: bounds by the code's text, and figures of
+processors.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ CODEGEN = tools.CODEGEN
 MEASURED = json.loads((CODEGEN / "measured.json").read_text())
 OPERATIONS = ("additions", "multiplications", "divisions", "sqrt", "sin", "cos", "atan2")
 ANOTHER_COMPILER = 1.25
-"""Another release of GCC unrolls and spills otherwise: a quarter more instructions, stack or bytes are no other code."""
+"""Another release of GCC unrolls and spills otherwise: a quarter more instructions, stack or bytes
+are no other code.
+"""
 
 
 def _bound(body: str, iterations: int = 100):
@@ -25,35 +29,64 @@ def _bound(body: str, iterations: int = 100):
     return bounds(body, iterations)["f"]
 
 
-# --- bounds by the text ---------------------------------------------------------------------------------------------
+# --- bounds by the text ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("body", "counted"),
     [
         ("double f(double x) { return x * x + 1.0 - -x; }", {"multiplications": 1, "additions": 2}),
-        ("double f(double x) { return (x > 0.0) ? sqrt(x) : sin(x) / x; }", {"sqrt": 1, "sin": 1, "divisions": 1}),
-        ("void f(double *x) { for (int i = 0; i < 4; ++i) { for (int j = i + 1; j < 4; ++j) { x[4 * i + j] *= x[i]; } } }", {"multiplications": 6}),
-        ("void f(double *x) { for (int i = 3; (i >= 0) && (x[i] > 0.0); --i) { x[i] += 1.0; } }", {"additions": 4}),
-        ("void f(double *x) { if (x[0] > 0.0) { x[0] = x[1] * x[2]; } else { x[0] = x[1] + x[2] + x[3]; } }", {"multiplications": 1, "additions": 2}),
-        ("static double g(double x) { return x / 3.0; }\ndouble f(double x) { return g(g(x)) * (double)(int)x; }", {"divisions": 2, "multiplications": 1}),
-        ("static void g(double *x, int count) { for (int i = 0; i < count; ++i) { x[i] -= 1.0; } }\nvoid f(double *x) { g(x, 5); g(x, 2); }", {"additions": 7}),
+        (
+            "double f(double x) { return (x > 0.0) ? sqrt(x) : sin(x) / x; }",
+            {"sqrt": 1, "sin": 1, "divisions": 1},
+        ),
+        (
+            "void f(double *x) { for (int i = 0; i < 4; ++i) { for (int j = i + 1; j < 4; ++j) { "
+            "x[4 * i + j] *= x[i]; } } }",
+            {"multiplications": 6},
+        ),
+        (
+            "void f(double *x) { for (int i = 3; (i >= 0) && (x[i] > 0.0); --i) { x[i] += 1.0; } }",
+            {"additions": 4},
+        ),
+        (
+            "void f(double *x) { if (x[0] > 0.0) { x[0] = x[1] * x[2]; } else { x[0] = x[1] + "
+            "x[2] + x[3]; } }",
+            {"multiplications": 1, "additions": 2},
+        ),
+        (
+            "static double g(double x) { return x / 3.0; }\n"
+            "double f(double x) { return g(g(x)) * (double)(int)x; }",
+            {"divisions": 2, "multiplications": 1},
+        ),
+        (
+            "static void g(double *x, int count) { for (int i = 0; i < count; ++i) { x[i] -= 1.0; "
+            "} }\nvoid f(double *x) { g(x, 5); g(x, 2); }",
+            {"additions": 7},
+        ),
     ],
-)  # fmt: skip
+)
 def test_operations_are_counted_by_hand(body, counted):
     assert _bound(body).operations == counted
 
 
 def test_a_config_bounds_iterations():
-    """A loop that breaks at its config's iterations evaluates its head once more; a config of its own has its own number."""
+    """A loop that breaks at its config's iterations evaluates its head once more; a config of its
+    own has its own number.
+    """
     driver = """static void g(double *x, const a_config *config) { unsigned int count = 0U;
-        for (;;) { x[0] += 1.0; if (count >= (unsigned int)config->max_iterations) { break; } ++count; } }"""
+        for (;;) { x[0] += 1.0; if (count >= (unsigned int)config->max_iterations) { break;
+          } ++count; } }"""
     outer = (
-        "void f(double *x, const a_config *config) { static const a_config once = { 1.0, 1U, 2.0 }; g(x, config); g(x, &once); }"
+        "void f(double *x, const a_config *config) { static const a_config once = { 1.0, 1U, 2.0 "
+        "}; g(x, config); g(x, &once); }"
     )
     for iterations in (100, 255):
         bound = _bound(f"{driver}\n{outer}", iterations)
-        assert (bound.iterations, bound.operations) == (iterations + 1, {"additions": iterations + 3})
+        assert (bound.iterations, bound.operations) == (
+            iterations + 1,
+            {"additions": iterations + 3},
+        )
 
 
 @pytest.mark.parametrize(
@@ -71,13 +104,21 @@ def test_what_the_text_does_not_tell_has_no_bound(body):
 
 
 def _counted(folder: str, place: Path, inputs: int) -> dict[str, dict[str, int]]:
-    """The most operations of a call of each function, counted while a folder's C runs with numbers that count (C++)."""
+    """The most operations of a call of each function, counted while a folder's C runs with numbers
+    that count (C++).
+    """
     manifest = tools.manifest(folder)
     name, real = manifest["mechanism"], manifest["options"]["real"]
     for file in (f"{name}.c", f"{name}.h", f"{name}_vectors.h"):
         text = (tools.folder(folder) / file).read_text().replace('extern "C" {', 'extern "C++" {')
-        (place / file).write_text(text.replace(f"typedef {real} {name}_real;", f"typedef number {name}_real;"))
-    macros = [*tools.bench_module("fuzz").macros(tools.folder(folder)), f"-DNUMBER={real}", f'-DSOURCE="{name}.c"']
+        (place / file).write_text(
+            text.replace(f"typedef {real} {name}_real;", f"typedef number {name}_real;")
+        )
+    macros = [
+        *tools.bench_module("fuzz").macros(tools.folder(folder)),
+        f"-DNUMBER={real}",
+        f'-DSOURCE="{name}.c"',
+    ]
     command = [
         tools.compiler("g++"),
         "-std=gnu++17",
@@ -88,8 +129,12 @@ def _counted(folder: str, place: Path, inputs: int) -> dict[str, dict[str, int]]
         f"-I{CODEGEN / 'bench'}",
         f"-I{place}",
     ]
-    subprocess.run([*command, str(CODEGEN / "bench" / "counts.cpp"), "-o", str(place / "counts")], check=True)
-    said = subprocess.run([str(place / "counts"), str(inputs), "3"], check=True, capture_output=True, text=True).stdout
+    subprocess.run(
+        [*command, str(CODEGEN / "bench" / "counts.cpp"), "-o", str(place / "counts")], check=True
+    )
+    said = subprocess.run(
+        [str(place / "counts"), str(inputs), "3"], check=True, capture_output=True, text=True
+    ).stdout
     rows = [line.split() for line in said.splitlines()]
     return {row[0]: dict(zip(OPERATIONS, map(int, row[1:]), strict=True)) for row in rows}
 
@@ -112,10 +157,13 @@ def test_no_call_does_more_than_its_bound(folder, tmp_path):
     for function, counts in met.items():
         assert counts["multiplications"] > 0
         for operation, count in counts.items():
-            assert count <= bound[function]["usual"]["operations"].get(operation, 0), (function, operation)
+            assert count <= bound[function]["usual"]["operations"].get(operation, 0), (
+                function,
+                operation,
+            )
 
 
-# --- what folders say -----------------------------------------------------------------------------------------------
+# --- what folders say -----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("folder", tools.at_hand(tools.FOLDERS))
@@ -130,13 +178,26 @@ def test_header_and_readme_have_the_numbers_of_the_manifest(folder):
     for function, bound in worst["bound"].items():
         for case in ("usual", "largest"):
             assert bound[case] is not None
-            row = " | ".join(f"{bound[case]['operations'].get(operation, 0):,}" for operation in OPERATIONS)
-            assert re.search(rf"\| `{function}` \| .* \| {bound[case]['iterations']} \| {re.escape(row)} \|", readme)
-        assert re.search(rf" {function}: .*?\b{bound['usual']['operations']['multiplications']} mul\b", words)
+            row = " | ".join(
+                f"{bound[case]['operations'].get(operation, 0):,}" for operation in OPERATIONS
+            )
+            assert re.search(
+                rf"\| `{function}` \| .* \| {bound[case]['iterations']} \| {re.escape(row)} \|",
+                readme,
+            )
+        assert re.search(
+            rf" {function}: .*?\b{bound['usual']['operations']['multiplications']} mul\b", words
+        )
     if worst["measured"]:
         for function, f in worst["measured"]["functions"].items():
-            assert f" {function}: {f['instructions']} instructions, {f['stack']} stack, {f['bytes']} code" in words
-            assert f"| `{function}` | {f['instructions']:,} | {f['stack']:,} | {f['bytes']:,} |" in readme
+            assert (
+                f" {function}: {f['instructions']} instructions, {f['stack']} stack, {f['bytes']} "
+                f"code" in words
+            )
+            assert (
+                f"| `{function}` | {f['instructions']:,} | {f['stack']:,} | {f['bytes']:,} |"
+                in readme
+            )
 
 
 def test_figures_of_another_code_are_left_out():
@@ -153,15 +214,20 @@ def test_figures_of_another_code_are_left_out():
 @pytest.mark.slow
 @pytest.mark.parametrize("folder", tools.at_hand(tools.FOLDERS))
 def test_figures_are_measured_of_this_code(folder):
-    """Else the code has changed: run codegen/bench/worst.py --write, then codegen/generate.py. Committed folders state them."""
+    """Else the code has changed: run codegen/bench/worst.py --write, then codegen/generate.py.
+    Committed folders state them.
+    """
     manifest, measured = tools.manifest(folder), MEASURED[folder]
     code = manifest["files"][f"{manifest['mechanism']}.c"]
-    assert measured["code"] == code, "run python codegen/bench/worst.py --write, then python codegen/generate.py"
+    assert measured["code"] == code, (
+        "run python codegen/bench/worst.py --write, then python codegen/generate.py"
+    )
     assert folder not in tools.COMMITTED or manifest["worst_case"]["measured"] == measured
     assert measured["inputs"] > 500
     for f in measured["functions"].values():
         assert f["bytes"] <= f["bytes_with_library"]
-        # painted memory tells the same of the inputs that were tried; 64 bytes beside the caller's frame are not looked at
+        # painted memory tells the same of the inputs that were tried; 64 bytes beside the caller's
+        # frame are not looked at
         assert f["stack_touched"] <= max(f["stack"], 64) + 64
 
 
@@ -171,22 +237,34 @@ def test_measured_again_nothing_is_exceeded(folder):
     """On M4F and M7, other inputs than the ones that the figures are of."""
     tools.compiler("arm-none-eabi-gcc"), tools.compiler("qemu-system-arm")
     stated = MEASURED[folder]
-    again = tools.bench_module("worst").measured(tools.folder(folder), seed=2, most_inputs=2000, most_ticks=6_000_000)
+    again = tools.bench_module("worst").measured(
+        tools.folder(folder), seed=2, most_inputs=2000, most_ticks=6_000_000
+    )
     assert set(again["functions"]) == set(stated["functions"])
     assert again["library"] == stated["library"]
     for function, f in again["functions"].items():
         for key in ("instructions", "stack", "bytes", "bytes_with_library"):
-            assert 0 < f[key] <= ANOTHER_COMPILER * stated["functions"][function][key], (function, key)
+            assert 0 < f[key] <= ANOTHER_COMPILER * stated["functions"][function][key], (
+                function,
+                key,
+            )
 
 
-# --- sums of stacks -------------------------------------------------------------------------------------------------
+# --- sums of stacks -------------------------------------------------------------------------------
 
 
 def test_stacks_follow_callees():
     """f calls g and h; the deeper way counts, once."""
     footprint = tools.bench_module("footprint")
-    graph = "".join(f'node: {{ title: "{n}" label: "{n}\\nz.c:1:1\\n{s} bytes (static)\\n0 dynamic objects" }}\n' for n, s in (("f", 8), ("g", 24), ("h", 16), ("k", 40)))  # fmt: skip
-    graph += "".join(f'edge: {{ sourcename: "{a}" targetname: "{b}" }}\n' for a, b in (("f", "g"), ("f", "h"), ("h", "k")))
+    graph = "".join(
+        f'node: {{ title: "{n}" label: "{n}\\nz.c:1:1\\n{s} bytes (static)\\n0 dynamic objects" '
+        f"}}\n"
+        for n, s in (("f", 8), ("g", 24), ("h", 16), ("k", 40))
+    )
+    graph += "".join(
+        f'edge: {{ sourcename: "{a}" targetname: "{b}" }}\n'
+        for a, b in (("f", "g"), ("f", "h"), ("h", "k"))
+    )
     frames, calls = footprint.call_graph(graph)
     assert footprint.depth("f", frames, calls) == 8 + 16 + 40
     assert footprint.depth("g", frames, calls) == 24

@@ -9,7 +9,9 @@ from helpers.inside import gathered
 
 
 def _values(expressions, symbols, point):
-    return np.asarray(ca.Function("f", [ca.vertcat(*symbols)], [ca.vertcat(*expressions)])(point)).ravel()
+    return np.asarray(
+        ca.Function("f", [ca.vertcat(*symbols)], [ca.vertcat(*expressions)])(point)
+    ).ravel()
 
 
 def test_constants_that_cancel_are_gone():
@@ -20,7 +22,9 @@ def test_constants_that_cancel_are_gone():
     assert ca.Function("f", [c, s, x], [found]).n_instructions() <= 8
     for angle in (0.3, 2.0, -1.1):
         point = [np.cos(angle), np.sin(angle), 0.7]
-        np.testing.assert_allclose(_values([found], [c, s, x], point), 9 + 6 * 0.7 * np.cos(angle), rtol=1e-14)
+        np.testing.assert_allclose(
+            _values([found], [c, s, x], point), 9 + 6 * 0.7 * np.cos(angle), rtol=1e-14
+        )
 
 
 def test_values_stay():
@@ -36,12 +40,17 @@ def test_values_stay():
         angle = rng.uniform(-3, 3)
         point = [np.cos(angle), np.sin(angle), *rng.normal(size=2)]
         np.testing.assert_allclose(
-            _values(found, [c, s, x, y], point), _values(expressions, [c, s, x, y], point), rtol=1e-11, atol=1e-12
+            _values(found, [c, s, x, y], point),
+            _values(expressions, [c, s, x, y], point),
+            rtol=1e-11,
+            atol=1e-12,
         )
 
 
 def test_polynomials_with_whole_coefficients_keep_their_values():
-    """Products of sums of which much cancels, so that polynomials with coefficients of both signs are left and are written anew."""
+    """Products of sums of which much cancels, so that polynomials with coefficients of both signs
+    are left and are written anew.
+    """
     rng = np.random.default_rng(5)
     x, y, z = symbols = [ca.SX.sym(name) for name in "xyz"]
     for _ in range(40):
@@ -52,5 +61,8 @@ def test_polynomials_with_whole_coefficients_keep_their_values():
         for _ in range(3):
             point = rng.normal(size=3)
             np.testing.assert_allclose(
-                _values(found, symbols, point), _values([expression], symbols, point), rtol=1e-11, atol=1e-11
+                _values(found, symbols, point),
+                _values([expression], symbols, point),
+                rtol=1e-11,
+                atol=1e-11,
             )

@@ -1,4 +1,6 @@
-"""LaTeX of expressions and closures: balanced, complete, and equal in value to what it was written from."""
+"""LaTeX of expressions and closures: balanced, complete, and equal in value to what it was written
+from.
+"""
 
 import re
 import shutil
@@ -33,7 +35,13 @@ from helpers.inside import distinct_in_latex as distinct
 from helpers.latex_reader import evaluated
 from helpers.samples import delta, five_bar, pieper, three_rps, three_rrr
 
-OWN = {"five_bar": five_bar, "3-RRR": three_rrr, "3-RPS": three_rps, "delta": delta, "pieper": pieper}
+OWN = {
+    "five_bar": five_bar,
+    "3-RRR": three_rrr,
+    "3-RPS": three_rps,
+    "delta": delta,
+    "pieper": pieper,
+}
 EVERY = [*symkin.shipped_names(), *OWN]
 
 
@@ -44,7 +52,9 @@ def mechanism_of(name: str) -> symkin.Mechanism:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", symkin.shipped_names())
 def test_equations_are_balanced_and_complete(name: str) -> None:
-    """Braces and \\left, \\right balance; there is one equation for each row and one for each unit quaternion."""
+    """Braces and \\left, \\right balance; there is one equation for each row and one for each unit
+    quaternion.
+    """
     mechanism = symkin.load(name)
     text, closure = equations(mechanism), build_closure(mechanism)
     assert text.count("{") == text.count("}")
@@ -65,7 +75,9 @@ def test_equations_compile(name: str, tmp_path: Path) -> None:
 
 
 def test_text_has_the_value_of_the_expression() -> None:
-    """Read back as arithmetic, the text gives the expression's values (sums, signs, products, powers, quotients)."""
+    """Read back as arithmetic, the text gives the expression's values (sums, signs, products,
+    powers, quotients).
+    """
     x = ca.SX.sym("x", 3)
     a, b, c = x[0], x[1], x[2]
     shared = a * b - 2
@@ -81,12 +93,20 @@ def test_text_has_the_value_of_the_expression() -> None:
     definitions, results = write(ca.vertcat(*entries), x, ["a", "b", "c"])
     values = {"a": 1.3, "b": -0.7, "c": 2.1}
     expected = ca.Function("f", [x], [ca.vertcat(*entries)])([1.3, -0.7, 2.1])
-    np.testing.assert_allclose(evaluated(definitions, results, values), np.asarray(expected).ravel(), rtol=1e-12)
+    np.testing.assert_allclose(
+        evaluated(definitions, results, values), np.asarray(expected).ravel(), rtol=1e-12
+    )
 
 
 @pytest.mark.parametrize(
     ("name", "symbol"),
-    [("theta1", r"\theta_{1}"), ("leg12", r"\mathrm{leg}_{12}"), ("pose.x", "x"), ("pose.gamma", r"\gamma"), ("q_3", "q_{3}")],
+    [
+        ("theta1", r"\theta_{1}"),
+        ("leg12", r"\mathrm{leg}_{12}"),
+        ("pose.x", "x"),
+        ("pose.gamma", r"\gamma"),
+        ("q_3", "q_{3}"),
+    ],
 )
 def test_symbol_names(name: str, symbol: str) -> None:
     """Greek names and trailing numbers become symbols and subscripts."""
@@ -94,9 +114,14 @@ def test_symbol_names(name: str, symbol: str) -> None:
 
 
 def test_names_that_look_alike_have_symbols_of_their_own() -> None:
-    """Symbols are told apart without their braces, and numbered values have a letter that no joint has."""
+    """Symbols are told apart without their braces, and numbered values have a letter that no joint
+    has.
+    """
     names = ["theta1", "theta_1", "v1", "e0"]
-    symbols = distinct([*(symbol_name(n) for n in names), symbol_name("pose.quaternion", 0)], [*names, "quaternion"])
+    symbols = distinct(
+        [*(symbol_name(n) for n in names), symbol_name("pose.quaternion", 0)],
+        [*names, "quaternion"],
+    )
     assert symbols[:4] == [r"\theta_{1}", r"\mathrm{theta\_1}", "v_{1}", "e_{0}"]
     assert len({s.replace("{", "").replace("}", "") for s in symbols}) == 5
     assert letter_of_values(symbols) != "v"
@@ -111,13 +136,17 @@ def _spelled_alike() -> symkin.Mechanism:
     """Names of which signs, capitals, letters or only the place of an index differ."""
     names = ["theta1", "theta_1", "θ1", "a-b", "a_b", "a b", "e0", "v1", "x", "J1"]
     joints = [
-        symkin.Joint(name, "R", (0.1 * k, 0.05 * k * k, 0.02 * k), (1.0, 0.3 * k - 1.0, 0.5), actuated=True)
+        symkin.Joint(
+            name, "R", (0.1 * k, 0.05 * k * k, 0.02 * k), (1.0, 0.3 * k - 1.0, 0.5), actuated=True
+        )
         for k, name in enumerate(names)
     ]
     return symkin.Mechanism("alike", limbs=[symkin.Limb("arm", joints)], serial=True)
 
 
-@pytest.mark.parametrize("mechanism", [symkin.load(NAMES_ALIKE), _spelled_alike()], ids=["file", "arm"])
+@pytest.mark.parametrize(
+    "mechanism", [symkin.load(NAMES_ALIKE), _spelled_alike()], ids=["file", "arm"]
+)
 @pytest.mark.parametrize("kind", ["direct", "inverse", "passive"])
 def test_no_two_coordinates_have_one_symbol(mechanism: symkin.Mechanism, kind: str) -> None:
     """Nor two names of rows, columns and actuated joints in a Jacobian's text; with its symbols
@@ -139,7 +168,9 @@ def test_no_two_coordinates_have_one_symbol(mechanism: symkin.Mechanism, kind: s
     values = closed_configurations(closure, 1)[0]
     inputs = [float(values[v.index]) for v in made.inputs]
     expected = made.at(values)
-    np.testing.assert_allclose(run_latex(made, inputs), expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+    np.testing.assert_allclose(
+        run_latex(made, inputs), expected, rtol=0, atol=1e-9 * np.abs(expected).max()
+    )
 
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
@@ -156,20 +187,30 @@ def test_names_that_look_alike_compile(tmp_path: Path) -> None:
             assert done.returncode == 0, done.stdout.decode(errors="replace")[-2000:]
 
 
-# --- no rounding noise, and short -----------------------------------------------------------------------------------
+# --- no rounding noise, and short -----------------------------------------------------------------
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EVERY)
 def test_equations_have_the_values_of_the_closure(name: str) -> None:
-    """Read back as arithmetic at random values, each printed row is the closure's, in lengths and without its factors."""
+    """Read back as arithmetic at random values, each printed row is the closure's, in lengths and
+    without its factors.
+    """
     mechanism = mechanism_of(name)
     closure = build_closure(mechanism)
-    lines = [line.removesuffix(r" \\").split(" &= ", 1) for line in equations(mechanism).splitlines() if " &= " in line]
+    lines = [
+        line.removesuffix(r" \\").split(" &= ", 1)
+        for line in equations(mechanism).splitlines()
+        if " &= " in line
+    ]
     definitions = [(name, text) for name, text in lines if name != "0"]
     rows = [text.split(" && ")[0] for name, text in lines if name == "0"][: closure.rows.shape[0]]
-    values = random_values(closure.coordinates, closure.characteristic_length, np.random.default_rng(3))
-    parts = [(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
+    values = random_values(
+        closure.coordinates, closure.characteristic_length, np.random.default_rng(3)
+    )
+    parts = [
+        (c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)
+    ]
     full = [name if k is None else f"{name}.{k}" for name, k in parts]
     symbols = distinct([symbol_name(*part) for part in parts], full)
     found = np.array(evaluated(definitions, rows, dict(zip(symbols, values, strict=True))))
@@ -179,13 +220,17 @@ def test_equations_have_the_values_of_the_closure(name: str) -> None:
     for row, one, other in zip(closure.row_sources, found, expected, strict=True):
         factors = scale.get(row.relation, (1.0, 1 / closure.characteristic_length))
         error = min(abs(one - factor * other) for factor in factors)
-        assert error < 1e-9 * closure.characteristic_length ** (2 if row.relation == "distance" else 1), row
+        assert error < 1e-9 * closure.characteristic_length ** (
+            2 if row.relation == "distance" else 1
+        ), row
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EVERY)
 def test_equations_hold_no_rounding_noise(name: str) -> None:
-    """No power of ten, and no number that rounding has made: none below 1e-9, none within 1e-11 of 0, 1 or a half but these."""
+    """No power of ten, and no number that rounding has made: none below 1e-9, none within 1e-11 of
+    0, 1 or a half but these.
+    """
     text = equations(mechanism_of(name))
     assert r"\cdot 10^" not in text
     numbers = [float(n) for n in re.findall(r"(?<![_{\d.])\d+\.\d+", text)]
@@ -195,25 +240,42 @@ def test_equations_hold_no_rounding_noise(name: str) -> None:
 
 
 def test_parallel_axes_of_an_arm_leave_short_equations() -> None:
-    """The Gluon arm, whose DH angles are quarter turns: the position rows are products of sines and cosines with its lengths."""
+    """The Gluon arm, whose DH angles are quarter turns: the position rows are products of sines and
+    cosines with its lengths.
+    """
     text = equations(symkin.load("gluon_6l3"))
     lengths = {"44.36", "75.66", "80.09", "105.03", "174.42"}
-    halves = {"0.5", "0.707106781187"}  # of half angles, and of the quarter turn of the tool at the reference
+    # of half angles, and of the quarter turn of the tool at the reference
+    halves = {
+        "0.5",
+        "0.707106781187",
+    }
     assert set(re.findall(r"\d+\.\d+", text)) == lengths | halves
     assert len(text) < 3500
 
 
 def test_the_text_and_the_firmware_share_their_snapping() -> None:
-    """Rounding noise of quarter turns and square roots folds away beside the size that made it; what is no noise stays, and without a
-    size nothing is zero: the square of a tiny machine's length is as small."""
+    """Rounding noise of quarter turns and square roots folds away beside the size that made it;
+    what is no noise stays, and without a size nothing is zero: the square of a tiny machine's
+    length is as small.
+    """
     x = ca.SX.sym("x")
     assert str(snapped_expression(6e-17 * x + (1 + 2e-16) * x, [x], 1.0)) == "x"
     assert [snap(v) for v in (1e-16, -4e-16, 1 - 1e-16)] == [1e-16, -4e-16, 1]
-    assert [snap(v, 1.0) for v in (1e-48, -3e-16, 1 - 1e-16, 0.49999999999999994, 1e-9, 1 / 3)] == [0, 0, 1, 0.5, 1e-9, 1 / 3]
+    assert [snap(v, 1.0) for v in (1e-48, -3e-16, 1 - 1e-16, 0.49999999999999994, 1e-9, 1 / 3)] == [
+        0,
+        0,
+        1,
+        0.5,
+        1e-9,
+        1 / 3,
+    ]
 
 
 def _expressions(x: ca.SX) -> st.SearchStrategy[ca.SX]:
-    leaves = st.sampled_from([*(x[k] for k in range(3)), ca.SX(2.0), ca.SX(-1.0), ca.SX(0.5), ca.SX(-3.25)])
+    leaves = st.sampled_from(
+        [*(x[k] for k in range(3)), ca.SX(2.0), ca.SX(-1.0), ca.SX(0.5), ca.SX(-3.25)]
+    )
     c = ca.cos(x[0])
     return st.recursive(
         leaves,
@@ -260,7 +322,9 @@ _A, _B, _C = _X[0], _X[1], ca.cos(_X[2])
     ids=str,
 )
 def test_what_a_reader_would_leave_out_is_left_out(untidy: ca.SX, tidy: str) -> None:
-    """What a turn about an axis leaves of what lies along it, constants of nested sums, signs and factors of products."""
+    """What a turn about an axis leaves of what lies along it, constants of nested sums, signs and
+    factors of products.
+    """
     assert str(tidied(untidy, [_X])) == tidy
 
 

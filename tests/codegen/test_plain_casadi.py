@@ -1,4 +1,6 @@
-"""CasADi's own C beside symkin's: the same answers where Newton's method is enough, and what its return value does not tell."""
+"""CasADi's own C beside symkin's: the same answers where Newton's method is enough, and what its
+return value does not tell.
+"""
 
 from __future__ import annotations
 
@@ -18,10 +20,16 @@ SYSTEMS = ("zhang2009", "ren2008", "zhao2000", "gluon_6l3", "yao2020")
 def table_rows() -> list[list[str]]:
     """Cells of the rows between README's marks."""
     text = README.read_text().partition("<!-- casadi -->")[2].partition("<!-- end casadi -->")[0]
-    return [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("| ")]
+    return [
+        [cell.strip() for cell in line.strip("|").split("|")]
+        for line in text.splitlines()
+        if line.startswith("| ")
+    ]
 
 
-@pytest.fixture(scope="module", params=in_gate(["zhang2009", "zhao2000", "gluon_6l3"], ["zhang2009"]))
+@pytest.fixture(
+    scope="module", params=in_gate(["zhang2009", "zhao2000", "gluon_6l3"], ["zhang2009"])
+)
 def both(request):
     tools.compiler("gcc")
     answers, plain = tools.bench_module("plain_answers"), tools.bench_module("plain_casadi")
@@ -33,9 +41,14 @@ def test_both_meet_the_vectors(both):
     """Near the start both give the answer that the vectors have."""
     cases = tools.bench_module("bench_cases").cases_of(both.plain.program.kind)
     serial = both.serial
-    known, starts = (cases["poses"], cases["guesses"]) if serial else (cases["joints"], cases["warm"])
+    known, starts = (
+        (cases["poses"], cases["guesses"]) if serial else (cases["joints"], cases["warm"])
+    )
     for k in range(6):
-        own, plain = both.symkin(starts[k], known[k]), both.casadi(both.unknowns(starts[k]), known[k])
+        own, plain = (
+            both.symkin(starts[k], known[k]),
+            both.casadi(both.unknowns(starts[k]), known[k]),
+        )
         assert own.code == plain.code == 0
         assert plain.closed
         assert both.same(own, plain)
@@ -45,7 +58,9 @@ def test_both_meet_the_vectors(both):
 
 @pytest.mark.slow
 def test_casadi_returns_zero_without_an_answer(both):
-    """Joint values out of reach, NaN, a singular start: symkin refuses each, CasADi's C returns 0 without a solution."""
+    """Joint values out of reach, NaN, a singular start: symkin refuses each, CasADi's C returns 0
+    without a solution.
+    """
     for start, known in both.without_answer().values():
         own, plain = both.symkin(start, known), both.casadi(both.unknowns(start), known)
         assert own.code != 0
@@ -63,7 +78,9 @@ def test_a_tally_accounts_for_every_goal(both):
 
 
 def test_the_jacobians_are_the_same(both):
-    """CasADi's matrix at a configuration is the derivative of symkin's own direct or inverse problem, by differences."""
+    """CasADi's matrix at a configuration is the derivative of symkin's own direct or inverse
+    problem, by differences.
+    """
     plain, cases = both.plain, tools.bench_module("bench_cases").cases_of(both.plain.program.kind)
     place = cases["expected"][0]
     matrix = np.array(plain.matrix(plain.matrix_input(place))).T

@@ -1,4 +1,6 @@
-"""The reference that OK is held against: fine walks in C of its own, judged by formulas; and a quick campaign."""
+"""The reference that OK is held against: fine walks in C of its own, judged by formulas; and a
+quick campaign.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,10 @@ def walker():
     def walks(mechanism, goals):
         problem = build_problem(mechanism, "direct")
         parts = (problem.system.unknowns, problem.known_coordinates)
-        start, begin = (np.tile(problem.select_values(problem.closure.reference, p), (len(goals), 1)) for p in parts)
+        start, begin = (
+            np.tile(problem.select_values(problem.closure.reference, p), (len(goals), 1))
+            for p in parts
+        )
         return problem, made(problem).reached(start, begin, goals)
 
     return walks
@@ -35,8 +40,10 @@ def walker():
 
 @pytest.mark.parametrize("motion", ["planar", "spatial"])
 def test_walks_end_where_couplers_part(walker, motion):
-    """Lines of cranks by up to half a turn: a walk comes to its end where the couplers meet along all of it, and at the circles' tip;
-    else it ends before the first point at which they do not. With more rows than unknowns too."""
+    """Lines of cranks by up to half a turn: a walk comes to its end where the couplers meet along
+    all of it, and at the circles' tip; else it ends before the first point at which they do not.
+    With more rows than unknowns too.
+    """
     home = np.array(HOME)
     goals = home + np.pi * np.random.default_rng(3).uniform(-1, 1, (300, 2))
     problem, ends = walker(wide_five_bar(motion), goals)
@@ -61,11 +68,13 @@ def test_walks_end_where_couplers_part(walker, motion):
 
 @pytest.mark.parametrize("gap", in_gate([1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2], [1e-7, 1e-5, 1e-2]))
 def test_walks_leap_no_gap(walker, gap):
-    """Lines on which the couplers part for a moment only, by less than any step of a walk: the middle of a line of crank angles
-    has the least slack, -gap."""
+    """Lines on which the couplers part for a moment only, by less than any step of a walk: the
+    middle of a line of crank angles has the least slack, -gap.
+    """
     home = np.array(HOME)
     direction = np.array([1.0, -1.0]) / math.sqrt(2.0)
-    # beside each other: the left crank back, the right one forward; the pins are furthest apart where the cranks lie level
+    # beside each other: the left crank back, the right one forward; the pins are furthest apart
+    # where the cranks lie level
     side = np.linspace(-1.2, 1.2, 41)[:, None] * np.array([1.0, 1.0]) / math.sqrt(2.0)
     goals = home + 1.6 * direction + side
     slack = slack_of(home, goals, 20001)
@@ -85,8 +94,10 @@ def test_walks_leap_no_gap(walker, gap):
 
 
 def test_walks_of_redundant_rods_end_at_the_fold(walker):
-    """A delta by pairs of rods, six rows for three unknowns: lines that lead out of the three spheres' common points do not end
-    well, others end where the spheres meet, on the side of the tips' plane that is below at home."""
+    """A delta by pairs of rods, six rows for three unknowns: lines that lead out of the three
+    spheres' common points do not end well, others end where the spheres meet, on the side of the
+    tips' plane that is below at home.
+    """
     d = samples.DELTA
     goals = 3.0 * np.random.default_rng(4).uniform(-1, 1, (200, 3))
     _, ends = walker(samples.delta(), goals)
@@ -95,17 +106,23 @@ def test_walks_of_redundant_rods_end_at_the_fold(walker):
         rows = []
         for k in range(3):
             outward, _ = samples.delta_directions(k)
-            arm = d["arm"] * (np.cos(q[..., k, None]) * outward - np.sin(q[..., k, None]) * np.array([0, 0, 1.0]))
+            arm = d["arm"] * (
+                np.cos(q[..., k, None]) * outward - np.sin(q[..., k, None]) * np.array([0, 0, 1.0])
+            )
             rows.append((d["base"] - d["platform"]) * outward + arm)
         return np.stack(rows, axis=-2)
 
     def height(q):
-        """Square of the distance of the spheres' common point from the centres' plane, and that plane's foot."""
+        """Square of the distance of the spheres' common point from the centres' plane, and that
+        plane's foot.
+        """
         a, b, c = np.moveaxis(centres(q), -2, 0)
         u, v = b - a, c - a
         n = np.cross(u, v)
         nn = np.sum(n * n, axis=-1, keepdims=True)
-        foot = np.cross(np.sum(u * u, -1, keepdims=True) * v - np.sum(v * v, -1, keepdims=True) * u, n) / (2 * nn)
+        foot = np.cross(
+            np.sum(u * u, -1, keepdims=True) * v - np.sum(v * v, -1, keepdims=True) * u, n
+        ) / (2 * nn)
         return d["rod"] ** 2 - np.sum(foot * foot, axis=-1), a + foot, n / np.sqrt(nn)
 
     line = np.linspace(0, 1, 4001)[:, None, None] * goals
@@ -133,7 +150,9 @@ def test_quick_campaign(name, real):
     """Two legs and one from beside folds, goals over the whole workspace: nothing wrong is OK."""
     tools.compiler("gcc")
     branches = tools.bench_module("branches")
-    found = branches.study(load(str(MACHINES / f"{name}.toml")), Options(real), 400, branches.WIDEST, seed=9, legs=2)
+    found = branches.study(
+        load(str(MACHINES / f"{name}.toml")), Options(real), 400, branches.WIDEST, seed=9, legs=2
+    )
     assert found.said == []
     assert found.ok > 100
     assert found.ok_of_regular > 80
@@ -141,7 +160,9 @@ def test_quick_campaign(name, real):
 
 @pytest.mark.slow
 def test_a_wrong_ok_is_found(monkeypatch):
-    """Answers of code that calls everything OK: the campaign says which are not what the line leads to, and how to repeat them."""
+    """Answers of code that calls everything OK: the campaign says which are not what the line leads
+    to, and how to repeat them.
+    """
     tools.compiler("gcc")
     branches, asked = tools.bench_module("branches"), tools.bench_module("asked")
     honest = asked.Asked.answers

@@ -1,5 +1,6 @@
-"""The house stays as docs/architecture.md draws it: imports run down its layers and in no circle, functions take few parameters,
-and every path and function that the page names exists."""
+"""The house stays as docs/architecture.md draws it: imports run down its layers and in no circle,
+functions take few parameters, and every path and function that the page names exists.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +20,13 @@ DOOR = TESTS / "helpers" / "inside.py"
 PAGE = ROOT / "docs" / "architecture.md"
 MOST_PARAMETERS = 8
 COMMANDS = "symkin.cli"
-"""Typer makes an option of each parameter of a command: these functions have as many as the command line has options."""
+"""Typer makes an option of each parameter of a command: these functions have as many as the command
+line has options.
+"""
 PUBLIC = "symkin"
-"""What it exports and takes a mechanism is a verb, and so is what commands call: its keywords are a command's options."""
+"""What it exports and takes a mechanism is a verb, and so is what commands call: its keywords are a
+command's options.
+"""
 
 
 @lru_cache(maxsize=1)
@@ -30,13 +35,17 @@ def modules() -> dict[str, ast.Module]:
     found = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         parts = path.relative_to(ROOT).with_suffix("").parts
-        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = ast.parse(path.read_text(encoding="utf-8"))
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = ast.parse(
+            path.read_text(encoding="utf-8")
+        )
     return found
 
 
 @lru_cache(maxsize=1)
 def imports() -> dict[str, set[str]]:
-    """Modules that each module imports: at its top, within functions and for type checkers alike."""
+    """Modules that each module imports: at its top, within functions and for type checkers
+    alike.
+    """
     return {name: set(_imported(tree)) - {name} for name, tree in modules().items()}
 
 
@@ -49,23 +58,35 @@ def _imported(tree: ast.Module) -> Iterator[str]:
             yield from (name for name in below if name in modules())
             if node.module in modules() and any(name not in modules() for name in below):
                 yield node.module
-        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "import_module" and node.args:
+        elif (
+            isinstance(node, ast.Call)
+            and getattr(node.func, "id", "") == "import_module"
+            and node.args
+        ):
             yield from (v for v in [getattr(node.args[0], "value", None)] if v in modules())
 
 
 def layers() -> list[list[str]]:
-    """Packages of each line of the page's table of layers, the lowest first; the public names and commands are above them."""
+    """Packages of each line of the page's table of layers, the lowest first; the public names and
+    commands are above them.
+    """
     (table,) = re.findall(r"^```layers\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.M | re.S)
     return [line.split(":")[0].split() for line in table.splitlines()]
 
 
 def layer_of(module: str) -> int:
-    """The number of a module's layer: 0 for modules that stand alone in symkin/, the last for symkin itself."""
+    """The number of a module's layer: 0 for modules that stand alone in symkin/, the last for
+    symkin itself.
+    """
     parts = module.split(".")
     if len(parts) == 1 or parts[1] == "__main__":
         return len(layers())
     packages = [name for line in layers()[1:] for name in line]
-    return next((k for k, line in enumerate(layers()) if k and parts[1] in line), 0) if parts[1] in packages else 0
+    return (
+        next((k for k, line in enumerate(layers()) if k and parts[1] in line), 0)
+        if parts[1] in packages
+        else 0
+    )
 
 
 def test_the_page_lists_every_package_once() -> None:
@@ -79,16 +100,27 @@ def test_the_code_is_as_the_house_wants_it() -> None:
 
 
 def upward_imports() -> Iterator[str]:
-    """No module imports one of a layer above its own, deferred imports and those for type checkers included."""
+    """No module imports one of a layer above its own, deferred imports and those for type checkers
+    included.
+    """
     for module, others in imports().items():
-        yield from (f"{module} imports {other}, a layer above" for other in others if layer_of(other) > layer_of(module))
+        yield from (
+            f"{module} imports {other}, a layer above"
+            for other in others
+            if layer_of(other) > layer_of(module)
+        )
 
 
 def deciding_asserts() -> Iterator[str]:
-    """Asserts tell a type checker what has been looked at before: that something is there, or of which class it is. Whatever compares
-    values is an error with a sentence."""
+    """Asserts tell a type checker what has been looked at before: that something is there, or of
+    which class it is. Whatever compares values is an error with a sentence.
+    """
     for name, tree in modules().items():
-        found = (node for node in ast.walk(tree) if isinstance(node, ast.Assert) and not _narrows(node.test))
+        found = (
+            node
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Assert) and not _narrows(node.test)
+        )
         yield from (f"{name}:{node.lineno}: an assert decides on input" for node in found)
 
 
@@ -111,25 +143,49 @@ def rings() -> Iterator[str]:
 
 
 def functions(tree: ast.Module) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
-    return (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef))
+    return (
+        node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    )
 
 
 @lru_cache(maxsize=1)
 def called() -> set[tuple[str, str]]:
-    """Module and name of all that symkin exports or that a module of commands imports from below."""
-    faces = [tree for name, tree in modules().items() if name == PUBLIC or name.startswith(COMMANDS)]
-    found = [node for tree in faces for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module in modules()]
-    return {(node.module, alias.name) for node in found if not node.module.startswith(COMMANDS) for alias in node.names}
+    """Module and name of all that symkin exports or that a module of commands imports from
+    below.
+    """
+    faces = [
+        tree for name, tree in modules().items() if name == PUBLIC or name.startswith(COMMANDS)
+    ]
+    found = [
+        node
+        for tree in faces
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.module in modules()
+    ]
+    return {
+        (node.module, alias.name)
+        for node in found
+        if not node.module.startswith(COMMANDS)
+        for alias in node.names
+    }
 
 
 def is_verb(module: str, function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
     """Whether users or commands call the function, and it takes a mechanism first."""
     first = function.args.args[0].annotation if function.args.args else None
-    return (module, function.name) in called() and first is not None and "Mechanism" in ast.unparse(first)
+    return (
+        (module, function.name) in called()
+        and first is not None
+        and "Mechanism" in ast.unparse(first)
+    )
 
 
-def parameters(function: ast.FunctionDef | ast.AsyncFunctionDef, *, options: bool = True) -> list[str]:
-    """Names of a function's parameters but for `self`, with or without its options, which are only given by name."""
+def parameters(
+    function: ast.FunctionDef | ast.AsyncFunctionDef, *, options: bool = True
+) -> list[str]:
+    """Names of a function's parameters but for `self`, with or without its options, which are only
+    given by name.
+    """
     a = function.args
     named = [*a.kwonlyargs, *(arg for arg in (a.kwarg,) if arg is not None)] if options else []
     given = [*a.posonlyargs, *a.args, *(arg for arg in (a.vararg,) if arg is not None), *named]
@@ -137,24 +193,43 @@ def parameters(function: ast.FunctionDef | ast.AsyncFunctionDef, *, options: boo
 
 
 def many_parameters() -> Iterator[str]:
-    """Functions take at most eight. Commands of Typer are excepted, and the options of verbs, which are those of their commands: a
-    copy of them in a dictionary or a class hides them from the reader, and saves nothing."""
+    """Functions take at most eight. Commands of Typer are excepted, and the options of verbs, which
+    are those of their commands: a copy of them in a dictionary or a class hides them from the
+    reader, and saves nothing.
+    """
     for module, tree in modules().items():
         if module.startswith(COMMANDS):
             continue
-        counted = ((f.name, len(parameters(f, options=not is_verb(module, f)))) for f in functions(tree))
-        yield from (f"{module}: {name} takes {count} parameters" for name, count in counted if count > MOST_PARAMETERS)
+        counted = (
+            (f.name, len(parameters(f, options=not is_verb(module, f)))) for f in functions(tree)
+        )
+        yield from (
+            f"{module}: {name} takes {count} parameters"
+            for name, count in counted
+            if count > MOST_PARAMETERS
+        )
 
 
-# --- the tests' door -----------------------------------------------------------------------------------------------
+# --- the tests' door ------------------------------------------------------------------------------
 
 
 def test_tests_come_in_by_one_door() -> None:
-    """Only `inside.py` names what is below the public names, in imports and in strings; it names nothing that no file uses."""
-    below = re.compile(rf"(?:from|import) symkin\.\w|\bsymkin\.(?:{'|'.join(sorted(inner_names()))})\.\w")
-    texts = {path: path.read_text(encoding="utf-8") for path in sorted(TESTS.rglob("*.py")) if path != DOOR}
+    """Only `inside.py` names what is below the public names, in imports and in strings; it names
+    nothing that no file uses.
+    """
+    below = re.compile(
+        rf"(?:from|import) symkin\.\w|\bsymkin\.(?:{'|'.join(sorted(inner_names()))})\.\w"
+    )
+    texts = {
+        path: path.read_text(encoding="utf-8")
+        for path in sorted(TESTS.rglob("*.py"))
+        if path != DOOR
+    }
     assert [
-        f"{path.relative_to(TESTS)}: {line}" for path, text in texts.items() for line in text.splitlines() if below.search(line)
+        f"{path.relative_to(TESTS)}: {line}"
+        for path, text in texts.items()
+        for line in text.splitlines()
+        if below.search(line)
     ] == []
     words = {word for text in texts.values() for word in re.findall(r"\w+", text)}
     assert [name for name in [*inside.NAMES, *inside.MODULES] if name not in words] == []
@@ -162,10 +237,14 @@ def test_tests_come_in_by_one_door() -> None:
 
 def inner_names() -> set[str]:
     """Packages, and modules that stand alone."""
-    return {path.stem for path in PACKAGE.iterdir() if path.suffix in ("", ".py") and path.stem.isidentifier()} - {"__init__"}
+    return {
+        path.stem
+        for path in PACKAGE.iterdir()
+        if path.suffix in ("", ".py") and path.stem.isidentifier()
+    } - {"__init__"}
 
 
-# --- the page ------------------------------------------------------------------------------------------------------
+# --- the page -------------------------------------------------------------------------------------
 
 
 def named_paths() -> list[str]:
@@ -175,14 +254,26 @@ def named_paths() -> list[str]:
 
 
 def _paths(text: str) -> Iterator[str]:
-    return (name for name in re.findall(r"`([\w./-]+)`", text) if "/" in name or re.search(r"\.(py|md|toml|yaml|npz)$", name))
+    return (
+        name
+        for name in re.findall(r"`([\w./-]+)`", text)
+        if "/" in name or re.search(r"\.(py|md|toml|yaml|npz)$", name)
+    )
 
 
 def test_paths_and_functions_on_the_page_exist() -> None:
     assert named_paths()
-    assert [path for path in named_paths() if not any((folder / path).exists() for folder in (ROOT, PACKAGE))] == []
+    assert [
+        path
+        for path in named_paths()
+        if not any((folder / path).exists() for folder in (ROOT, PACKAGE))
+    ] == []
     assert named_functions()
-    assert [(path, name) for path, name in named_functions() if not set(name.split(".")) <= names_in(path)] == []
+    assert [
+        (path, name)
+        for path, name in named_functions()
+        if not set(name.split(".")) <= names_in(path)
+    ] == []
 
 
 def named_functions() -> list[tuple[str, str]]:
@@ -195,7 +286,12 @@ def names_in(path: str) -> set[str]:
     """Functions, classes and variables that a file of the package defines."""
     tree = ast.parse((PACKAGE / path).read_text(encoding="utf-8"))
     defined = {n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.ClassDef)}
-    assigned = {t.id for n in ast.walk(tree) if isinstance(n, ast.Assign | ast.AnnAssign) for t in _targets(n)}
+    assigned = {
+        t.id
+        for n in ast.walk(tree)
+        if isinstance(n, ast.Assign | ast.AnnAssign)
+        for t in _targets(n)
+    }
     return defined | assigned
 
 
@@ -206,8 +302,15 @@ def _targets(node: ast.Assign | ast.AnnAssign) -> list[ast.Name]:
 
 def test_the_way_of_the_data_has_at_most_eight_steps() -> None:
     """Numbered from 1, each with a file and a function."""
-    text = PAGE.read_text(encoding="utf-8").split("## From a file to the printed table")[1].split("\n## ")[0]
+    text = (
+        PAGE.read_text(encoding="utf-8")
+        .split("## From a file to the printed table")[1]
+        .split("\n## ")[0]
+    )
     steps = re.findall(r"^(\d)\. .*$", text, re.M)
     assert 1 <= len(steps) <= 8
     assert all(int(b) - int(a) == 1 for a, b in pairwise(steps))
-    assert all(re.search(r"`[\w/]+\.py`: `\w+`", line) for line in re.findall(r"^\d\. .*(?:\n   .*)*", text, re.M))
+    assert all(
+        re.search(r"`[\w/]+\.py`: `\w+`", line)
+        for line in re.findall(r"^\d\. .*(?:\n   .*)*", text, re.M)
+    )

@@ -1,4 +1,6 @@
-"""The cache folder: only whole files of the user's own that say something true are used, and it stays within its size."""
+"""The cache folder: only whole files of the user's own that say something true are used, and it
+stays within its size.
+"""
 
 import io
 import os
@@ -12,7 +14,15 @@ import pytest
 
 import symkin
 from helpers import inside
-from helpers.inside import algebraic_systems, build_problem, cache_folder, keep, read_kept, start_files, start_store
+from helpers.inside import (
+    algebraic_systems,
+    build_problem,
+    cache_folder,
+    keep,
+    read_kept,
+    start_files,
+    start_store,
+)
 from helpers.samples import five_bar
 from symkin import InputError
 
@@ -25,8 +35,12 @@ def folder(monkeypatch, tmp_path):
 
 
 def _positions(title="five-bar"):
-    """Of a five-bar's modes; another title makes it another mechanism, whose start a process reads anew."""
-    return sorted(tuple(np.round(mode.position, 6)) for mode in symkin.modes(replace(five_bar(), title=title)))
+    """Of a five-bar's modes; another title makes it another mechanism, whose start a process reads
+    anew.
+    """
+    return sorted(
+        tuple(np.round(mode.position, 6)) for mode in symkin.modes(replace(five_bar(), title=title))
+    )
 
 
 def _rewritten(content, change):
@@ -57,12 +71,16 @@ def shipped():
     """A system and the file of its start, whose roots have mirrors."""
     problem = build_problem(symkin.load("zhao2000"), "direct")
     (system,) = algebraic_systems(problem)
-    return system, (start_files.SHIPPED / f"{start_store.start_key(problem, system)}.npz").read_bytes()
+    return system, (
+        start_files.SHIPPED / f"{start_store.start_key(problem, system)}.npz"
+    ).read_bytes()
 
 
 @pytest.mark.parametrize("wrong", WRONG)
 def test_a_start_is_checked_against_the_closure(shipped, wrong):
-    """A file of the right form whose content is wrong is no start; the right one is, also when it is written anew."""
+    """A file of the right form whose content is wrong is no start; the right one is, also when it
+    is written anew.
+    """
     system, content = shipped
     assert start_files._start_in(_rewritten(content, lambda d: d), system)[0] is not None
     assert start_files._start_in(_rewritten(content, WRONG[wrong]), system) is None
@@ -70,7 +88,9 @@ def test_a_start_is_checked_against_the_closure(shipped, wrong):
 
 @pytest.mark.slow
 def test_a_wrong_start_of_the_right_name_is_made_anew(folder):
-    """A file whose digest is right and whose content is not: the modes are those of an empty cache, the file goes."""
+    """A file whose digest is right and whose content is not: the modes are those of an empty cache,
+    the file goes.
+    """
     right = _positions()
     (place,) = folder.glob("*.npz")
     key, content = place.name.split("-")[0], place.read_bytes()
@@ -82,7 +102,9 @@ def test_a_wrong_start_of_the_right_name_is_made_anew(folder):
 
 
 def test_what_was_changed_or_cut_short_is_not_read(tmp_path):
-    """The name tells the content; an empty file, a shorter one and one with another byte are no files."""
+    """The name tells the content; an empty file, a shorter one and one with another byte are no
+    files.
+    """
     place = keep(tmp_path, "key", ".npz", b"content")
     assert [content for _, content in read_kept(tmp_path, "key", ".npz")] == [b"content"]
     for content in (b"", b"conten", b"Content"):
@@ -94,14 +116,21 @@ def test_what_was_changed_or_cut_short_is_not_read(tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no FIFOs here")
 def test_a_fifo_or_a_device_does_not_block(folder):
-    """In place of a file: it is taken for missing, and replaced, in a process that would otherwise never end."""
+    """In place of a file: it is taken for missing, and replaced, in a process that would otherwise
+    never end.
+    """
     place = keep(folder, "key", ".npz", b"content")
     place.unlink()
     os.mkfifo(place)
     (folder / "key-0123456789abcdef.npz").symlink_to("/dev/zero")
-    code = f"import sys, pathlib; from {inside.where('keep')} import *; f = pathlib.Path(sys.argv[1]); print(read_kept(f, 'key', '.npz'))"
+    code = (
+        f"import sys, pathlib; from {inside.where('keep')} import *; f = "
+        f"pathlib.Path(sys.argv[1]); print(read_kept(f, 'key', '.npz'))"
+    )
     code += "; print(keep(f, 'key', '.npz', b'content').read_bytes())"
-    done = subprocess.run([sys.executable, "-c", code, folder], capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code, folder], capture_output=True, text=True, timeout=60, check=True
+    )
     assert done.stdout.split() == ["[]", "b'content'"]
 
 
@@ -128,13 +157,19 @@ def test_a_full_disk_leaves_nothing_behind(monkeypatch, tmp_path):
         patch.setattr(cache_folder.os, "fdopen", full)
         assert keep(tmp_path, "key", ".npz", b"content") is None
     with monkeypatch.context() as patch:
-        patch.setattr(cache_folder.os, "replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+        patch.setattr(
+            cache_folder.os,
+            "replace",
+            lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")),
+        )
         assert keep(tmp_path, "key", ".npz", b"content") is None
     assert list(tmp_path.iterdir()) == []
 
 
 def test_abandoned_files_go_at_the_next_writing(tmp_path):
-    """Unfinished files of processes that were killed long ago; those of a process that may still write stay."""
+    """Unfinished files of processes that were killed long ago; those of a process that may still
+    write stay.
+    """
     old, new = tmp_path / "tmpa.part", tmp_path / "tmpb.part"
     old.write_bytes(b"half")
     new.write_bytes(b"half")
@@ -145,7 +180,9 @@ def test_abandoned_files_go_at_the_next_writing(tmp_path):
 
 
 def test_the_folder_stays_within_its_size_and_keeps_what_was_used_last(monkeypatch, tmp_path):
-    """Files of 100 kB in a folder of 1 MB: never more, the one that is read between stays, files of others too."""
+    """Files of 100 kB in a folder of 1 MB: never more, the one that is read between stays, files of
+    others too.
+    """
     monkeypatch.setenv("SYMKIN_CACHE_SIZE", "1")
     (tmp_path / "notes.txt").write_bytes(bytes(2_000_000))
     for k in range(30):
@@ -184,8 +221,13 @@ for k in range(200):
 
 @pytest.mark.slow
 def test_processes_share_a_folder(tmp_path):
-    """Three write, read and remove in a folder that is too small for all: none reads what is wrong, none fails."""
+    """Three write, read and remove in a folder that is too small for all: none reads what is wrong,
+    none fails.
+    """
     environment = os.environ | {"SYMKIN_CACHE_SIZE": "0.4"}
-    runs = [subprocess.Popen([sys.executable, "-c", WRITE, str(tmp_path)], env=environment) for _ in range(3)]
+    runs = [
+        subprocess.Popen([sys.executable, "-c", WRITE, str(tmp_path)], env=environment)
+        for _ in range(3)
+    ]
     assert [run.wait(120) for run in runs] == [0, 0, 0]
     assert list(tmp_path.glob("*.part")) == []

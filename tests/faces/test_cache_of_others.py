@@ -1,6 +1,8 @@
-"""A cache folder in which others may write: none of their code runs, whenever they exchange what is there, and work goes on without it.
+"""A cache folder in which others may write: none of their code runs, whenever they exchange what is
+there, and work goes on without it.
 
-Each hostile library leaves a mark as it is loaded. The tests hold for root, who can give files to other users, and for anybody else.
+Each hostile library leaves a mark as it is loaded. The tests hold for root, who can give files to
+other users, and for anybody else.
 """
 
 from __future__ import annotations
@@ -35,15 +37,20 @@ from helpers.samples import five_bar
 from symkin import InputError, view
 
 pytestmark = pytest.mark.skipif(
-    not hasattr(os, "getuid") or shutil.which("cc") is None, reason="owners and a C compiler are needed"
+    not hasattr(os, "getuid") or shutil.which("cc") is None,
+    reason="owners and a C compiler are needed",
 )
 GOOD = {"number.c": "int number(void) { return 1; }"}
 ANOTHER_USER = 65534
 OPEN = [0o777, 0o1777, 0o775, 0o757]
 
 
-def load(folder: Path, *, build: bool = True, symbols: tuple[str, ...] = ("number",)) -> ctypes.CDLL:
-    return load_library(find_compilers("", os.environ["PATH"]), GOOD, "number.c", symbols, folder, build=build)
+def load(
+    folder: Path, *, build: bool = True, symbols: tuple[str, ...] = ("number",)
+) -> ctypes.CDLL:
+    return load_library(
+        find_compilers("", os.environ["PATH"]), GOOD, "number.c", symbols, folder, build=build
+    )
 
 
 @pytest.fixture(scope="module")
@@ -52,9 +59,12 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     folder = tmp_path_factory.mktemp("hostile")
     mark, source = folder / "mark", folder / "evil.c"
     source.write_text(
-        f'#include <stdio.h>\nint number(void) {{ return 666; }}\n__attribute__((constructor)) void run(void) {{ fclose(fopen("{mark}", "w")); }}'
+        f"#include <stdio.h>\nint number(void) {{ return 666; }}\n"
+        f'__attribute__((constructor)) void run(void) {{ fclose(fopen("{mark}", "w")); }}'
     )
-    subprocess.run(["cc", "-shared", "-fPIC", str(source), "-o", str(folder / "evil.so")], check=True)
+    subprocess.run(
+        ["cc", "-shared", "-fPIC", str(source), "-o", str(folder / "evil.so")], check=True
+    )
     return folder / "evil.so", mark
 
 
@@ -68,9 +78,14 @@ def kept(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize("mode", OPEN)
 def test_a_folder_in_which_others_may_write_is_not_used(kept: Path, mode: int) -> None:
-    """The sticky bit of a folder for all changes nothing: others may put files there. A folder within it, of the user's own, is good."""
+    """The sticky bit of a folder for all changes nothing: others may put files there. A folder
+    within it, of the user's own, is good.
+    """
     kept.chmod(mode)
-    with pytest.raises(CompilerError, match=r"others may write in .*cache, and exchange what is in it; SYMKIN_CACHE may name"):
+    with pytest.raises(
+        CompilerError,
+        match=r"others may write in .*cache, and exchange what is in it; SYMKIN_CACHE may name",
+    ):
         load(kept)
     (key,) = {place.name.split("-")[0] for place in kept.glob("*.so")}
     assert read_kept(kept, key, ".so") == []
@@ -89,13 +104,17 @@ def test_a_folder_of_another_user_is_not_used(kept: Path) -> None:
         load(kept)
 
 
-def test_modes_are_found_without_compiled_code_and_say_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_modes_are_found_without_compiled_code_and_say_why(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The sentence stands where the engine is named."""
     monkeypatch.delenv("SYMKIN_ENGINE", raising=False)
     tmp_path.chmod(0o777)
     monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path))
     z, k = ca.SX.sym("z"), ca.SX.sym("k")
-    system = AlgebraicSystem(1.0, (Coordinate("x", "length", "passive"),), z, k, ca.vertcat(z**2 - k), ())
+    system = AlgebraicSystem(
+        1.0, (Coordinate("x", "length", "passive"),), z, k, ca.vertcat(z**2 - k), ()
+    )
     found, reason = compiled.load(system)
     assert found is None
     assert f"others may write in {tmp_path}" in reason
@@ -105,7 +124,9 @@ def test_modes_are_found_without_compiled_code_and_say_why(tmp_path: Path, monke
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_page_is_not_written_where_others_may_exchange_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_page_is_not_written_where_others_may_exchange_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     tmp_path.chmod(0o777)
     monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path))
     with pytest.raises(InputError, match=r"others may write in .*; or write the page with --html"):
@@ -113,7 +134,9 @@ def test_a_page_is_not_written_where_others_may_exchange_it(tmp_path: Path, monk
 
 
 @pytest.mark.parametrize("what", ["other file", "link", "link to another user's", "writable"])
-def test_what_stands_in_a_librarys_place_is_not_run(kept: Path, hostile: tuple[Path, Path], what: str) -> None:
+def test_what_stands_in_a_librarys_place_is_not_run(
+    kept: Path, hostile: tuple[Path, Path], what: str
+) -> None:
     evil, mark = hostile
     (place,) = kept.glob("*.so")
     if what == "writable":
@@ -161,7 +184,9 @@ def test_a_file_that_is_exchanged_after_the_check_is_not_run(
 
 @contextmanager
 def attacker(place: Path, files: list[Path]) -> Iterator[None]:
-    """A thread that puts other files, and links to them, in a file's place for as long as the block lasts."""
+    """A thread that puts other files, and links to them, in a file's place for as long as the block
+    lasts.
+    """
     over, aside = threading.Event(), place.with_name("aside")
 
     def work() -> None:
@@ -187,7 +212,9 @@ def attacker(place: Path, files: list[Path]) -> Iterator[None]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mode", [0o700, 0o777])
-def test_an_attacker_who_exchanges_files_all_the_time(kept: Path, hostile: tuple[Path, Path], mode: int, tmp_path: Path) -> None:
+def test_an_attacker_who_exchanges_files_all_the_time(
+    kept: Path, hostile: tuple[Path, Path], mode: int, tmp_path: Path
+) -> None:
     """Three hundred loads: the good library, or none."""
     evil, mark = hostile
     (place,) = kept.glob("*.so")
@@ -204,7 +231,9 @@ def test_an_attacker_who_exchanges_files_all_the_time(kept: Path, hostile: tuple
 
 
 def test_a_library_without_a_function_is_made_anew(kept: Path) -> None:
-    """The user's own file under the name of another library; and one that is compiled without the function."""
+    """The user's own file under the name of another library; and one that is compiled without the
+    function.
+    """
     (place,) = kept.glob("*.so")
     source = kept / "other.c"
     source.write_text("int other(void) { return 2; }")
@@ -234,12 +263,19 @@ def test_where_files_in_memory_are_not_there_a_private_file_is_loaded(
 
 
 def test_many_libraries_are_told_apart(kept: Path, tmp_path: Path) -> None:
-    """The loader knows libraries by their paths: each copy has its own, and none keeps a file open."""
+    """The loader knows libraries by their paths: each copy has its own, and none keeps a file
+    open.
+    """
     before = len(os.listdir("/proc/self/fd")) if Path("/proc/self/fd").is_dir() else None
     for number in range(5):
         sources = {"number.c": f"int number(void) {{ return {number}; }}"}
         compilers = find_compilers("", os.environ["PATH"])
-        assert load_library(compilers, sources, "number.c", ("number",), tmp_path / "many", build=True).number() == number
+        assert (
+            load_library(
+                compilers, sources, "number.c", ("number",), tmp_path / "many", build=True
+            ).number()
+            == number
+        )
     assert load(kept).number() == 1
     if before is not None:
         assert len(os.listdir("/proc/self/fd")) == before

@@ -1,4 +1,6 @@
-"""The command line: what it prints, its JSON, its exit status, and that every mistake is one line."""
+"""The command line: what it prints, its JSON, its exit status, and that every mistake is one
+line.
+"""
 
 import json
 import math
@@ -15,10 +17,33 @@ from helpers.gate import each_once, in_gate
 from helpers.shipped import TWELVE, UNDRIVEN
 
 MODES_KEYS = {
-    "mechanism", "problem", "given", "length_unit", "angle_unit", "modes", "poses", "complex_count", "completeness",
-    "unresolved_paths", "smallest_residual", "method", "seed", "elapsed_s",
-}  # fmt: skip
-MODE_KEYS = {"pose", "joints", "points", "residual", "condition", "certified", "radius", "ground", "within_limits", "notes"}
+    "mechanism",
+    "problem",
+    "given",
+    "length_unit",
+    "angle_unit",
+    "modes",
+    "poses",
+    "complex_count",
+    "completeness",
+    "unresolved_paths",
+    "smallest_residual",
+    "method",
+    "seed",
+    "elapsed_s",
+}
+MODE_KEYS = {
+    "pose",
+    "joints",
+    "points",
+    "residual",
+    "condition",
+    "certified",
+    "radius",
+    "ground",
+    "within_limits",
+    "notes",
+}
 
 
 def test_list_names_all(capsys: pytest.CaptureFixture[str]) -> None:
@@ -28,9 +53,13 @@ def test_list_names_all(capsys: pytest.CaptureFixture[str]) -> None:
     assert [line.split()[0] for line in out.splitlines()] == symkin.shipped_names()
 
 
-@pytest.mark.parametrize("name", in_gate([name for name in symkin.shipped_names() if name not in UNDRIVEN], TWELVE))
+@pytest.mark.parametrize(
+    "name", in_gate([name for name in symkin.shipped_names() if name not in UNDRIVEN], TWELVE)
+)
 def test_modes_json_has_the_contract(capsys: pytest.CaptureFixture[str], name: str) -> None:
-    """Contract 3: keys, quaternion w >= 0, rotation matrix of the quaternion, residual small, JSON without NaN."""
+    """Contract 3: keys, quaternion w >= 0, rotation matrix of the quaternion, residual small, JSON
+    without NaN.
+    """
     status, data = run_json(capsys, "modes", name)
     assert status == 0
     assert set(data) >= MODES_KEYS
@@ -44,8 +73,12 @@ def test_modes_json_has_the_contract(capsys: pytest.CaptureFixture[str], name: s
 
 
 @pytest.mark.parametrize(("name", "solver"), each_once(symkin.shipped_names(), ["newton", "ipopt"]))
-def test_solve_json_has_the_contract(capsys: pytest.CaptureFixture[str], name: str, solver: str) -> None:
-    """The worked example of each mechanism is solved by both solvers; `solve` has solution, status, iterations."""
+def test_solve_json_has_the_contract(
+    capsys: pytest.CaptureFixture[str], name: str, solver: str
+) -> None:
+    """The worked example of each mechanism is solved by both solvers; `solve` has solution, status,
+    iterations.
+    """
     status, data = run_json(capsys, "solve", name, "--solver", solver)
     assert (status, data["status"]) == (0, "ok")
     assert set(data["solution"]) == MODE_KEYS
@@ -54,7 +87,9 @@ def test_solve_json_has_the_contract(capsys: pytest.CaptureFixture[str], name: s
 
 def test_table_says_what_is_known(capsys: pytest.CaptureFixture[str]) -> None:
     """The table counts modes and states completeness, starts and seed."""
-    _, out, _ = run(capsys, "modes", "zhao2000", "--method", "multistart", "--seed", "7", "--starts", "300")
+    _, out, _ = run(
+        capsys, "modes", "zhao2000", "--method", "multistart", "--seed", "7", "--starts", "300"
+    )
     assert "4 modes" in out
     assert "sampled" in out
     assert "seed 7" in out
@@ -63,7 +98,10 @@ def test_table_says_what_is_known(capsys: pytest.CaptureFixture[str]) -> None:
 def test_same_seed_same_answer(capsys: pytest.CaptureFixture[str]) -> None:
     """Same input, same output, but for the time."""
     answers = [
-        run_json(capsys, "modes", "zhang2009", "--method", "multistart", "--starts", "300", "--seed", "5")[1] for _ in range(2)
+        run_json(
+            capsys, "modes", "zhang2009", "--method", "multistart", "--starts", "300", "--seed", "5"
+        )[1]
+        for _ in range(2)
     ]
     for answer in answers:
         del answer["elapsed_s"]
@@ -71,7 +109,9 @@ def test_same_seed_same_answer(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_infeasible_joints_exit_3_with_the_least_error(capsys: pytest.CaptureFixture[str]) -> None:
-    """Joint values that no pose satisfies: status 3, no mode, the smallest closure error that was reached."""
+    """Joint values that no pose satisfies: status 3, no mode, the smallest closure error that was
+    reached.
+    """
     joints = "100,2000,100,100,100,100"
     status, data = run_json(capsys, "modes", "zhang2009", "--joints", joints)
     assert (status, data["modes"]) == (3, [])
@@ -107,7 +147,10 @@ def test_pose_off_the_motion(capsys: pytest.CaptureFixture[str]) -> None:
         (["modes", "zhao2000", "--joints", "1,2,3,x"], ["value 4", "'x'", "not a number"]),
         (["modes", "zhao2000", "--joints", "1,2,3,1/0"], ["value 4", "'1/0' has no value"]),
         (["solve", "zhao2000", "--joints", "1,2,3,sin(2"], ["value 4", "'sin(2'"]),
-        (["track", "zhao2000", "--from", "1,2,3,4", "--to", "1,2,3,5", "-o", "x.toml"], ["x.toml", "mechanism file"]),
+        (
+            ["track", "zhao2000", "--from", "1,2,3,4", "--to", "1,2,3,5", "-o", "x.toml"],
+            ["x.toml", "mechanism file"],
+        ),
         (["jacobian", "zhao2000", "--format", "c", "-o", "no/such/j.c"], ["no/such/j.c", "folder"]),
         (["modes", "zhao2000", "--joints", "1,2,3,-4"], ["op = -4", "length"]),
         (["modes", "zhao2000", "--joints", "1,2,3,4", "--pose", "0,0,0,1,0,0,0"], ["both"]),
@@ -124,8 +167,12 @@ def test_pose_off_the_motion(capsys: pytest.CaptureFixture[str]) -> None:
     ],
     ids=" ".join,
 )
-def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], words: list[str]) -> None:
-    """Exit status 2, nothing on stdout, one line on stderr that names the offender and what is allowed."""
+def test_mistakes_are_one_line(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], words: list[str]
+) -> None:
+    """Exit status 2, nothing on stdout, one line on stderr that names the offender and what is
+    allowed.
+    """
     status, out, err = run(capsys, *arguments)
     assert (status, out) == (2, "")
     assert len(err.strip().splitlines()) == 1
@@ -137,14 +184,27 @@ def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str], arguments: li
     [
         ["modes", "gluon_6l3", "--joints", "1e150,1e150,1e150,1e150,1e150,1e150"],
         ["modes", "gluon_6l3", "--joints", "1e15,0,0,0,0,0"],
-        ["modes", "zhang2009", "--joints", "1e7,1e7,1e7,1e7,1e7,1e7", "--method", "multistart", "--starts", "200"],
+        [
+            "modes",
+            "zhang2009",
+            "--joints",
+            "1e7,1e7,1e7,1e7,1e7,1e7",
+            "--method",
+            "multistart",
+            "--starts",
+            "200",
+        ],
         ["modes", "zhang2009", "--pose", "1e150,0,100,1,0,0,0"],
         ["solve", "zhang2009", "--start", "1e150,0,100,1,0,0,0"],
     ],
     ids=" ".join,
 )
-def test_numbers_beyond_reason_end_in_a_verdict(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> None:
-    """Status 0 or 3 and valid JSON; what is listed satisfies the closure, and nothing else is called a solution."""
+def test_numbers_beyond_reason_end_in_a_verdict(
+    capsys: pytest.CaptureFixture[str], arguments: list[str]
+) -> None:
+    """Status 0 or 3 and valid JSON; what is listed satisfies the closure, and nothing else is
+    called a solution.
+    """
     status, data = run_json(capsys, *arguments)
     assert status in (0, 3)
     found = data["modes"] if "modes" in data else [data["solution"]] if data["solution"] else []
@@ -153,14 +213,22 @@ def test_numbers_beyond_reason_end_in_a_verdict(capsys: pytest.CaptureFixture[st
     assert data.get("smallest_residual") is None or math.isfinite(data["smallest_residual"])
 
 
-@pytest.mark.parametrize(("command", "option", "text"), [
-    ("solve", "--pose", "1e200,0,0,1,0,0,0"), ("modes", "--pose", "0,0,-1e151,1,0,0,0"), ("modes", "--joints", "1,1,1,1,1,1e300"),
-    ("solve", "--start", "1e155,0,0,1,0,0,0"), ("singularities", "--joints", "1e200,1,1,1,1,1"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("command", "option", "text"),
+    [
+        ("solve", "--pose", "1e200,0,0,1,0,0,0"),
+        ("modes", "--pose", "0,0,-1e151,1,0,0,0"),
+        ("modes", "--joints", "1,1,1,1,1,1e300"),
+        ("solve", "--start", "1e155,0,0,1,0,0,0"),
+        ("singularities", "--joints", "1e200,1,1,1,1,1"),
+    ],
+)
 def test_numbers_whose_squares_overflow_are_refused(
     capsys: pytest.CaptureFixture[str], command: str, option: str, text: str
 ) -> None:
-    """Beyond 1e150 nothing can be computed: one sentence with the value and what is allowed, never "inf"."""
+    """Beyond 1e150 nothing can be computed: one sentence with the value and what is allowed, never
+    "inf".
+    """
     status, out, err = run(capsys, command, "zhang2009", option, text)
     assert (status, out) == (2, "")
     assert "too large to compute with; allowed: magnitudes up to 1e+150" in err
@@ -170,13 +238,20 @@ def test_numbers_whose_squares_overflow_are_refused(
 def test_numbers_may_be_arithmetic(capsys: pytest.CaptureFixture[str]) -> None:
     """The same joints, written as arithmetic, have the same solution."""
     plain, written = "81,202,330,105", "9^2,2*101,330*sin(90),100+sqrt(25)"
-    answers = [run_json(capsys, "solve", "zhao2000", "--joints", joints)[1]["solution"] for joints in (plain, written)]
+    answers = [
+        run_json(capsys, "solve", "zhao2000", "--joints", joints)[1]["solution"]
+        for joints in (plain, written)
+    ]
     assert answers[0] == answers[1] is not None
 
 
 @pytest.mark.parametrize("name", ["load", "app"])
-def test_ctrl_c_is_one_line(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    """Ctrl-C within a command or outside ends with status 130, nothing on stdout and one line on stderr."""
+def test_ctrl_c_is_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """Ctrl-C within a command or outside ends with status 130, nothing on stdout and one line on
+    stderr.
+    """
 
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
@@ -218,23 +293,41 @@ def test_show_latex(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.slow
 def test_module_runs_and_imports_stay_light() -> None:
     """`python -m symkin` is the command; `import symkin` loads neither matplotlib nor typer."""
-    done = subprocess.run([sys.executable, "-m", "symkin", "list"], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-m", "symkin", "list"], capture_output=True, text=True, check=True
+    )
     assert "zhao2000" in done.stdout
-    code = "import symkin, sys; print(sorted({'matplotlib', 'typer', 'rich', 'pydantic'} & set(sys.modules)))"
-    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    code = (
+        "import symkin, sys; print(sorted({'matplotlib', 'typer', 'rich', 'pydantic'} & "
+        "set(sys.modules)))"
+    )
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout
     assert loaded.strip() == "[]"
 
 
 def test_outputs_do_not_replace_inputs(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    """`-o` with the name of the mechanism or of the trajectory that the command reads: a sentence, and both files stay."""
+    """`-o` with the name of the mechanism or of the trajectory that the command reads: a sentence,
+    and both files stay.
+    """
     mechanism, trajectory = tmp_path / "m.toml", tmp_path / "in.csv"
     mechanism.write_text(symkin.load("zhao2000").to_toml())
-    trajectory.write_text("theta1[deg],theta2[deg],theta3[deg],op[mm]\n81.6,202.8,330.6,105.2\n82,202.8,330.6,105.2\n")
+    trajectory.write_text(
+        "theta1[deg],theta2[deg],theta3[deg],op[mm]\n81.6,202.8,330.6,105.2\n82,202.8,330.6,105.2\n"
+    )
     before = mechanism.read_text(), trajectory.read_text()
     for arguments in (
         ["track", str(mechanism), "--csv", str(trajectory), "-o", str(trajectory)],
         ["track", str(mechanism), "--csv", str(trajectory), "-o", str(mechanism)],
-        ["jacobian", str(mechanism), "--format", "c", "-o", str(tmp_path / ".." / tmp_path.name / "m.toml")],
+        [
+            "jacobian",
+            str(mechanism),
+            "--format",
+            "c",
+            "-o",
+            str(tmp_path / ".." / tmp_path.name / "m.toml"),
+        ],
     ):
         status, out, err = run(capsys, *arguments)
         assert (status, out) == (2, "")

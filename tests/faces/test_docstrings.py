@@ -1,4 +1,6 @@
-"""What `import symkin` offers is listed, documented and short, and the examples of its docstrings run."""
+"""What `import symkin` offers is listed, documented and short, and the examples of its docstrings
+run.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ def test_few_names_are_public_and_dir_shows_these_alone() -> None:
 
 @pytest.mark.parametrize("name", symkin.__all__)
 def test_a_public_name_is_one_thing(name: str) -> None:
-    """What is imported at first use is what type checkers see: the name, from the module that defines it."""
+    """What is imported at first use is what type checkers see: the name, from the module that
+    defines it.
+    """
     value = getattr(symkin, name)
     assert value is getattr(symkin, name)
     declared = {

@@ -16,7 +16,9 @@ def with_example(mechanism: symkin.Mechanism, values: str) -> str:
 
 
 def test_the_example_is_used_where_nothing_is_given(capsys):
-    """A suspension whose one motor leaves it a freedom: rack and height of the wheel are its example."""
+    """A suspension whose one motor leaves it a freedom: rack and height of the wheel are its
+    example.
+    """
     found = symkin.modes(symkin.load("five_link_suspension"))
     assert found.given == {"rack": 5.0, "z": 330.0}
     status, told = run_json(capsys, "modes", "five_link_suspension")

@@ -1,4 +1,6 @@
-"""Pictures of graphs: links keep their shapes in every mode, every joint has its symbol, names do not cover each other."""
+"""Pictures of graphs: links keep their shapes in every mode, every joint has its symbol, names do
+not cover each other.
+"""
 
 import json
 from dataclasses import replace
@@ -27,9 +29,20 @@ from symkin import Joint, LinkJoint
 
 GALLERY = json.loads((Path(__file__).parents[1] / "data" / "gallery.json").read_text())
 PLANAR = {
-    "excavator_bucket", "four_bar", "four_leg_group", "jansen_leg", "klann_leg", "pantograph_five_bar", "pantograph_leg",
-    "parallel_gripper", "planetary_gear", "slider_crank", "stephenson_six_bar", "triad", "watt_six_bar",
-}  # fmt: skip
+    "excavator_bucket",
+    "four_bar",
+    "four_leg_group",
+    "jansen_leg",
+    "klann_leg",
+    "pantograph_five_bar",
+    "pantograph_leg",
+    "parallel_gripper",
+    "planetary_gear",
+    "slider_crank",
+    "stephenson_six_bar",
+    "triad",
+    "watt_six_bar",
+}
 ALL_TYPES = """format = 1
 name = "m"
 title = "$x$ all types"
@@ -100,9 +113,13 @@ def first_modes(name: str) -> symkin.Modes:
     return symkin.modes(symkin.load(name), given=GALLERY[name]["cases"][0]["given"])
 
 
-@pytest.mark.parametrize("name", sorted(set(GALLERY) - {"excavator_bucket", "slider_crank", "pantograph_leg"}))
+@pytest.mark.parametrize(
+    "name", sorted(set(GALLERY) - {"excavator_bucket", "slider_crank", "pantograph_leg"})
+)
 def test_links_keep_their_shapes_in_every_mode(name):
-    """Distances between the points of a link are those at the reference, whatever the configuration; slides have no place on links."""
+    """Distances between the points of a link are those at the reference, whatever the
+    configuration; slides have no place on links.
+    """
     mechanism = symkin.load(name)
     slides = {joint.name for joint in mechanism.all_joints if joint.type == "P"}
     reference = reference_graph_lines(mechanism)
@@ -139,7 +156,11 @@ def test_planar_graphs_are_seen_along_their_axes(name):
     assert planar == (name in PLANAR)
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
     if planar:
-        assert all(abs(abs(joint.axes[0] @ axes[2]) - 1.0) < 1e-9 for joint in lines.joints if joint.type == "R")
+        assert all(
+            abs(abs(joint.axes[0] @ axes[2]) - 1.0) < 1e-9
+            for joint in lines.joints
+            if joint.type == "R"
+        )
 
 
 @cache
@@ -164,7 +185,10 @@ def test_every_joint_rod_and_point_is_drawn_and_named(name):
         assert f"point {point.name}" in groups
         assert point.name in texts
     assert "base" in groups
-    if mechanism.platform_link is not None and len(reference_graph_lines(mechanism).links[mechanism.platform_link]) > 1:
+    if (
+        mechanism.platform_link is not None
+        and len(reference_graph_lines(mechanism).links[mechanism.platform_link]) > 1
+    ):
         assert f"link {mechanism.platform_link}" in groups
 
 
@@ -173,7 +197,11 @@ def test_names_lie_in_the_picture_and_apart(name):
     figure = sketch(name)
     (ax,) = figure.axes
     with drawing():
-        boxes = [text.get_window_extent(figure.canvas.get_renderer()) for text in ax.texts if text.get_gid() == "label"]
+        boxes = [
+            text.get_window_extent(figure.canvas.get_renderer())
+            for text in ax.texts
+            if text.get_gid() == "label"
+        ]
     width, height = figure.bbox.width, figure.bbox.height
     for box in boxes:
         assert box.x0 >= 0.0
@@ -197,9 +225,14 @@ def test_every_mode_has_a_panel(name):
 def test_panels_write_no_rounding_noise():
     """A coordinate that is zero but for rounding is written as 0."""
     found = symkin.solve(symkin.load("four_bar"), joints=[90.0], start={"follower": 1.0}).solution
-    noisy = replace(found, values={name: v + 1e-15 if name != "crank" else v for name, v in found.values.items()})
+    noisy = replace(
+        found,
+        values={name: v + 1e-15 if name != "crank" else v for name, v in found.values.items()},
+    )
     assert any(0.0 < abs(v) < 1e-9 for v in noisy.joints.values())
-    (text,) = [t.get_text() for t in figure_of_solution(noisy).axes[0].texts if "crank_pin" in t.get_text()]
+    (text,) = [
+        t.get_text() for t in figure_of_solution(noisy).axes[0].texts if "crank_pin" in t.get_text()
+    ]
     assert "e-" not in text
 
 
@@ -211,7 +244,9 @@ def test_a_graph_without_modes_is_drawn_at_its_reference():
 
 
 def test_the_commands_write_pictures(tmp_path, capsys):
-    for number, arguments in enumerate((["show", "klann_leg"], ["modes", "klann_leg", "--given", "crank=100"])):
+    for number, arguments in enumerate(
+        (["show", "klann_leg"], ["modes", "klann_leg", "--given", "crank=100"])
+    ):
         path = tmp_path / f"{number}.png"
         status, text, _ = run(capsys, *arguments, "--plot", path)
         assert status == 0
@@ -219,10 +254,14 @@ def test_the_commands_write_pictures(tmp_path, capsys):
         assert path.stat().st_size > 10_000
 
 
-# --- robots of other formats -----------------------------------------------------------------------------------------
+# --- robots of other formats ----------------------------------------------------------------------
 
 ROBOTS = Path(__file__).parents[1] / "data" / "models"
-CROWDED = ("urdf_gepetto_yaml/digit_like_2legs.urdf", "urdf_onshape_closing/reachy_mini.urdf", "urdf_loop_joint/strandbeest.urdf")
+CROWDED = (
+    "urdf_gepetto_yaml/digit_like_2legs.urdf",
+    "urdf_onshape_closing/reachy_mini.urdf",
+    "urdf_loop_joint/strandbeest.urdf",
+)
 
 
 @cache
@@ -233,11 +272,17 @@ def robot(name: str):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", in_gate(CROWDED, CROWDED[:2]))
 def test_a_robot_is_legible(name):
-    """Its closures are ringed and no other joint; names lie apart, those that find no room are counted."""
+    """Its closures are ringed and no other joint; names lie apart, those that find no room are
+    counted.
+    """
     figure = sketch_of_graph(robot(name))
     (ax,) = figure.axes
     closures = {closure.name for closure in read_robot(ROBOTS / name).closures}
-    rings = {artist.get_gid() for artist in ax.patches if str(artist.get_gid()).startswith("closes a loop")}
+    rings = {
+        artist.get_gid()
+        for artist in ax.patches
+        if str(artist.get_gid()).startswith("closes a loop")
+    }
     assert rings == {f"closes a loop: {name}" for name in closures}
     with drawing():
         labels = [text for text in ax.texts if text.get_gid() == "label"]
@@ -271,7 +316,11 @@ def test_names_of_loops_alone_or_none(tmp_path, capsys):
     closing = reference_graph_lines(mechanism).closing
     assert len(closing) == 6
     texts = {
-        names: {t.get_text() for t in sketch_of_graph(mechanism, names).axes[0].texts if t.get_gid() == "label"}
+        names: {
+            t.get_text()
+            for t in sketch_of_graph(mechanism, names).axes[0].texts
+            if t.get_gid() == "label"
+        }
         for names in ("loops", "none")
     }
     assert texts == {"loops": set(closing), "none": set()}
@@ -283,7 +332,10 @@ def test_names_of_loops_alone_or_none(tmp_path, capsys):
             "--names: 'few' is unknown; allowed: all, joints, links, loops, none",
         ),
         (("show", where, "--names", "loops"), "--names is given without --plot"),
-        (("show", "zhao2000", "--plot", tmp_path / "b.png", "--names", "loops"), "zhao2000 has limbs"),
+        (
+            ("show", "zhao2000", "--plot", tmp_path / "b.png", "--names", "loops"),
+            "zhao2000 has limbs",
+        ),
     ):
         status, _, err = run(capsys, *wrong)
         assert status == 2

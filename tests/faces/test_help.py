@@ -20,7 +20,9 @@ from helpers.inside import app
 COMMANDS = typer.main.get_command(app)
 
 
-def _commands(group: Any = COMMANDS, before: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+def _commands(
+    group: Any = COMMANDS, before: tuple[str, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], Any]]:
     for name, command in group.commands.items():
         yield (*before, name), command
         if hasattr(command, "commands"):
@@ -29,7 +31,8 @@ def _commands(group: Any = COMMANDS, before: tuple[str, ...] = ()) -> Iterator[t
 
 ALL = list(_commands())
 EXAMPLES = {
-    name: [line for words, c in ALL if words[0] == name for line in (c.epilog or "").splitlines()] for name in COMMANDS.commands
+    name: [line for words, c in ALL if words[0] == name for line in (c.epilog or "").splitlines()]
+    for name in COMMANDS.commands
 }
 """By command, those of `calibrate` in one list: they read what others have written."""
 
@@ -43,14 +46,26 @@ def test_symkin_alone_prints_its_help(capsys: pytest.CaptureFixture[str]) -> Non
     assert run(capsys, "calibrate") == run(capsys, "calibrate", "-h")
 
 
-@pytest.mark.parametrize(("words", "command"), [((), COMMANDS), *ALL], ids=lambda w: " ".join(w) if isinstance(w, tuple) else "")
-def test_help_fits_a_terminal_and_has_examples(capsys: pytest.CaptureFixture[str], words: tuple[str, ...], command: Any) -> None:
-    """`-h` of every command: within 80 columns, no escape of a markup, every option in it, an example for each command."""
+@pytest.mark.parametrize(
+    ("words", "command"),
+    [((), COMMANDS), *ALL],
+    ids=lambda w: " ".join(w) if isinstance(w, tuple) else "",
+)
+def test_help_fits_a_terminal_and_has_examples(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, ...], command: Any
+) -> None:
+    """`-h` of every command: within 80 columns, no escape of a markup, every option in it, an
+    example for each command.
+    """
     status, out, err = run(capsys, *words, "-h")
     assert (status, err) == (0, "")
     assert [line for line in out.splitlines() if len(line) > 80] == []
     assert "\\[" not in out
-    assert all(parameter.opts[0] in out for parameter in command.params if parameter.param_type_name == "option")
+    assert all(
+        parameter.opts[0] in out
+        for parameter in command.params
+        if parameter.param_type_name == "option"
+    )
     if not hasattr(command, "commands"):
         assert f"  symkin {' '.join(words)}" in out.split("Examples:")[1]
         assert f"Usage: symkin {' '.join(words)}" in out
@@ -58,8 +73,12 @@ def test_help_fits_a_terminal_and_has_examples(capsys: pytest.CaptureFixture[str
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", in_gate_but(EXAMPLES, ["calibrate", "singularities", "sweep"]))
-def test_examples_run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str) -> None:
-    """Every example in the order of the help, in a folder with the files that are the user's own."""
+def test_examples_run(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str
+) -> None:
+    """Every example in the order of the help, in a folder with the files that are the user's
+    own.
+    """
     monkeypatch.chdir(tmp_path)
     symkin.convert("ankle", "robot.urdf")
     for example in EXAMPLES[name]:
@@ -78,16 +97,25 @@ def test_examples_run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mo
         ("symkin jacobian ankle --format n", ["numpy"]),
     ],
 )
-def test_bash_completes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: str, expected: list[str]) -> None:
-    """What bash is offered: commands, mechanisms by name, files of mechanisms beside them, values of options. Where nothing fits, it
-    goes on with files by itself."""
+def test_bash_completes(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: str, expected: list[str]
+) -> None:
+    """What bash is offered: commands, mechanisms by name, files of mechanisms beside them, values
+    of options. Where nothing fits, it goes on with files by itself.
+    """
     for name in ("zhao_mine.toml", "zhao.txt", "other.toml"):
         (tmp_path / name).write_text("")
-    environment = {"_SYMKIN_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(len(words.split()) - 1)}
+    environment = {
+        "_SYMKIN_COMPLETE": "complete_bash",
+        "COMP_WORDS": words,
+        "COMP_CWORD": str(len(words.split()) - 1),
+    }
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
     code = f"from {inside.where('main')} import main; main([])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, check=True
+    )
     assert done.stdout.split() == expected
 
 
@@ -96,7 +124,9 @@ def test_completion_is_a_script(monkeypatch: pytest.MonkeyPatch) -> None:
     """`--show-completion bash` prints a script that bash reads."""
     monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")
     code = f"from {inside.where('main')} import main; main(['--show-completion', 'bash'])"
-    script = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    script = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout
     assert "_SYMKIN_COMPLETE" in script
     subprocess.run(["bash", "-n"], input=script, text=True, check=True)
 
@@ -116,7 +146,9 @@ def test_extras_are_named(
     words: list[str],
     extra: str,
 ) -> None:
-    """The help of a command that needs an extra names it, and so does the error without it, before anything else is looked at."""
+    """The help of a command that needs an extra names it, and so does the error without it, before
+    anything else is looked at.
+    """
     monkeypatch.chdir(tmp_path)
     (tmp_path / "robot.xml").write_text("<mujoco/>")
     monkeypatch.setitem(sys.modules, missing, None)

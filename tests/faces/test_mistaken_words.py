@@ -31,11 +31,16 @@ from helpers.command_line import run
         ("zhao2000", ["'zhao2000' is a mechanism", "symkin modes zhao2000"]),
         ("calibrate zhang2009 data.csv", ["symkin calibrate fit zhang2009"]),
         ("help", ["symkin --help"]),
-        ("modes zhao2000 --method multstart", ["--method 'multstart' is unknown", "'multistart'", "continuation"]),
+        (
+            "modes zhao2000 --method multstart",
+            ["--method 'multstart' is unknown", "'multistart'", "continuation"],
+        ),
         ("list zhao2000", ["options only"]),
     ],
 )
-def test_words_are_told_what_they_lack(capsys: pytest.CaptureFixture[str], words: str, expected: list[str]) -> None:
+def test_words_are_told_what_they_lack(
+    capsys: pytest.CaptureFixture[str], words: str, expected: list[str]
+) -> None:
     """Status 2, nothing on stdout, one line with the offender and how it is written."""
     status, out, err = run(capsys, *shlex.split(words))
     assert (status, out) == (2, "")
@@ -63,9 +68,15 @@ def test_words_are_told_what_they_lack(capsys: pytest.CaptureFixture[str], words
     ],
 )
 def test_what_is_no_mechanism_is_told_apart(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, mech: str, expected: str
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    mech: str,
+    expected: str,
 ) -> None:
-    """A file that is something else, a folder, a name without its suffix, a misspelt name: each has its own sentence."""
+    """A file that is something else, a folder, a name without its suffix, a misspelt name: each has
+    its own sentence.
+    """
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder").mkdir()
     for name in ("loops.yaml", "plain", "notes.txt", "mine.toml", "mine.urdf"):
@@ -78,23 +89,36 @@ def test_what_is_no_mechanism_is_told_apart(
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        ("modes zhao2000 --joints theta1=80,theta2=200,theta3=330,opp=105", "'opp' is unknown (do you mean 'op'?)"),
+        (
+            "modes zhao2000 --joints theta1=80,theta2=200,theta3=330,opp=105",
+            "'opp' is unknown (do you mean 'op'?)",
+        ),
         ("solve ankle --given uper_motor=8,lower_motor=12", "do you mean 'upper_motor'?"),
         ("sweep zhao2000 --grid theta_1=1:2:3 -o x", "do you mean 'theta1'?"),
         ("singularities zhang2009 --plane leg1,lge2", "do you mean 'leg2'?"),
-        ("jacobian ankle --of ankle.3 --by upper_motor,lower_motor --format c", "do you mean 'ankle.2'?"),
-        ("calibrate plan zhang2009 -o x.csv --parameters leg1.bsae.x", "do you mean 'leg1.base.x'?"),
+        (
+            "jacobian ankle --of ankle.3 --by upper_motor,lower_motor --format c",
+            "do you mean 'ankle.2'?",
+        ),
+        (
+            "calibrate plan zhang2009 -o x.csv --parameters leg1.bsae.x",
+            "do you mean 'leg1.base.x'?",
+        ),
         ("calibrate plan zhang2009 -o x.csv --criterion d", "do you mean 'D'?"),
     ],
 )
-def test_names_are_told_the_nearest_one(capsys: pytest.CaptureFixture[str], words: str, expected: str) -> None:
+def test_names_are_told_the_nearest_one(
+    capsys: pytest.CaptureFixture[str], words: str, expected: str
+) -> None:
     """Joints, coordinates, axes of a plane, parameters, values of options."""
     status, out, err = run(capsys, *words.split())
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert expected in err
 
 
-def test_a_key_of_a_file_is_told_the_nearest_one(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_key_of_a_file_is_told_the_nearest_one(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     """Keys, and values that are words, as they are meant: `bsae` is `base`."""
     text = symkin.load("zhang2009").to_toml()
     for old, new, expected in (
@@ -120,11 +144,18 @@ def test_a_key_of_a_file_is_told_the_nearest_one(capsys: pytest.CaptureFixture[s
         ("modes zhao2000 --pose x=0,y=0,z=100", "these values have no names"),
         ("solve zhao2000 --start 1", "start: 1 value given"),
         ("track zhao2000 81,202,330,105 85,200,330,110", "a path is --from 81,202,330,105 --to"),
-        ("view zhao2000 --joints 1,2 --html x.html", "2 values given, zhao2000 has 4 actuated joints"),
+        (
+            "view zhao2000 --joints 1,2 --html x.html",
+            "2 values given, zhao2000 has 4 actuated joints",
+        ),
     ],
 )
-def test_values_are_told_how_they_are_written(capsys: pytest.CaptureFixture[str], words: str, expected: str) -> None:
-    """Units, colons, names where none are taken, too few values: one line that says what is written instead."""
+def test_values_are_told_how_they_are_written(
+    capsys: pytest.CaptureFixture[str], words: str, expected: str
+) -> None:
+    """Units, colons, names where none are taken, too few values: one line that says what is written
+    instead.
+    """
     status, out, err = run(capsys, *words.split())
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert expected in err

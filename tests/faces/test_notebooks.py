@@ -24,7 +24,9 @@ def test_there_are_three():
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_only_sources_are_stored(path):
-    """No outputs, no counts, no marks of the editor or the machine; as nbformat itself writes them."""
+    """No outputs, no counts, no marks of the editor or the machine; as nbformat itself writes
+    them.
+    """
     book = read(path)
     nbformat.validate(book)
     assert set(book.metadata) == {"kernelspec", "language_info"}
@@ -41,10 +43,16 @@ def test_only_sources_are_stored(path):
 @pytest.mark.filterwarnings("ignore::DeprecationWarning:(jupyter_client|nbclient|zmq|tornado).*")
 @pytest.mark.parametrize("path", in_gate(NOTEBOOKS, NOTEBOOKS[:1]), ids=lambda path: path.stem)
 def test_runs_and_draws(path, tmp_path):
-    """Every cell runs, its assertions hold, nothing is said on stderr, and at least one picture is drawn."""
+    """Every cell runs, its assertions hold, nothing is said on stderr, and at least one picture is
+    drawn.
+    """
     book = read(path)
-    settings = Config({"KernelManager": {"transport": "ipc", "connection_file": str(tmp_path / "kernel.json")}})
-    NotebookClient(book, config=settings, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    settings = Config(
+        {"KernelManager": {"transport": "ipc", "connection_file": str(tmp_path / "kernel.json")}}
+    )
+    NotebookClient(
+        book, config=settings, timeout=120, resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
     outputs = [output for cell in book.cells for output in cell.get("outputs", [])]
     assert not [output for output in outputs if output.get("name") == "stderr"]
     assert any("image/png" in output.get("data", {}) for output in outputs)

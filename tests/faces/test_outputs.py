@@ -1,4 +1,6 @@
-"""Outputs of commands: regular files are replaced whole, links followed, devices and pipes written into."""
+"""Outputs of commands: regular files are replaced whole, links followed, devices and pipes written
+into.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,28 @@ from helpers.inside import write_output
 
 ARGUMENTS = {
     "jacobian": ["jacobian", "gluon_6l3", "--format", "numpy", "-o"],
-    "track": ["track", "gluon_6l3", "--from", "0,0,0,0,0,0", "--to", "1,1,1,1,1,1", "--samples", "2", "-o"],
-    "simulate": ["calibrate", "simulate", "gluon_6l3", "--postures", "3", "--readings", "pose", "--force", "-o"],
+    "track": [
+        "track",
+        "gluon_6l3",
+        "--from",
+        "0,0,0,0,0,0",
+        "--to",
+        "1,1,1,1,1,1",
+        "--samples",
+        "2",
+        "-o",
+    ],
+    "simulate": [
+        "calibrate",
+        "simulate",
+        "gluon_6l3",
+        "--postures",
+        "3",
+        "--readings",
+        "pose",
+        "--force",
+        "-o",
+    ],
     "plot": ["modes", "gluon_6l3", "--plot"],
 }
 """Commands that write one file, quick ones."""
@@ -25,7 +47,11 @@ ARGUMENTS = {
 
 def command(*arguments: object, **options):
     return subprocess.run(
-        [sys.executable, "-m", "symkin", *map(str, arguments)], capture_output=True, check=False, timeout=120, **options
+        [sys.executable, "-m", "symkin", *map(str, arguments)],
+        capture_output=True,
+        check=False,
+        timeout=120,
+        **options,
     )
 
 
@@ -41,8 +67,9 @@ def read_pipe(path: Path) -> tuple[threading.Thread, list[bytes]]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARGUMENTS)
 def test_links_stay_links_and_pipes_stay_pipes(name, tmp_path):
-    """Through a link to a file of another folder, through a link to nothing yet, and into a pipe the same bytes go as into a
-    file."""
+    """Through a link to a file of another folder, through a link to nothing yet, and into a pipe
+    the same bytes go as into a file.
+    """
     suffix = ".png" if name == "plot" else ".csv"
     (tmp_path / "away").mkdir()
     plain, old, new, pipe = (tmp_path / f"{n}{suffix}" for n in ("plain", "old", "new", "pipe"))
@@ -63,12 +90,16 @@ def test_links_stay_links_and_pipes_stay_pipes(name, tmp_path):
     assert stat.S_IMODE(kept.stat().st_mode) == 0o640
     assert plain.read_bytes() == kept.read_bytes() == made.read_bytes() == piped[0]
     beside = {f"{p.name}.sha256" for p in (plain, old, new)} if name == "simulate" else set()
-    assert {p.name for p in tmp_path.iterdir()} == {p.name for p in (plain, old, new, pipe, kept.parent)} | beside
+    assert {p.name for p in tmp_path.iterdir()} == {
+        p.name for p in (plain, old, new, pipe, kept.parent)
+    } | beside
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
 def test_devices_stay_devices():
-    """A full device is an error in one line, the null device takes everything, and both are there afterwards."""
+    """A full device is an error in one line, the null device takes everything, and both are there
+    afterwards.
+    """
     with pytest.raises(symkin.InputError, match="/dev/full: the file cannot be written"):
         write_output("/dev/full", "text")
     write_output("/dev/null", "text")
@@ -85,7 +116,10 @@ def test_the_standard_output_can_be_named(how, tmp_path):
     arguments = [sys.executable, "-m", "symkin", *ARGUMENTS["jacobian"], "/dev/stdout"]
     text = command(*ARGUMENTS["jacobian"][:-1]).stdout
     if how == "pipe":
-        assert subprocess.run(arguments, capture_output=True, check=True).stdout == text + b"/dev/stdout\n"
+        assert (
+            subprocess.run(arguments, capture_output=True, check=True).stdout
+            == text + b"/dev/stdout\n"
+        )
         return
     path = tmp_path / "out"
     path.write_bytes(b"before\n")
@@ -95,7 +129,9 @@ def test_the_standard_output_can_be_named(how, tmp_path):
 
 
 def test_a_reader_that_goes_away_is_one_line(tmp_path):
-    """A pipe whose reader has gone, a folder, a missing folder, a loop of links: InputError that names the path."""
+    """A pipe whose reader has gone, a folder, a missing folder, a loop of links: InputError that
+    names the path.
+    """
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     ready = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
@@ -125,8 +161,14 @@ def test_firmware_goes_through_links(tmp_path):
     (tmp_path / "folder").symlink_to(tmp_path / "real")
     (tmp_path / "real" / "manifest.json").symlink_to(tmp_path / "kept.json")
     arm = tmp_path / "arm.toml"
-    joints = [symkin.Joint(f"q{k}", "R", (0.1 * k, 0, 0), (0, 0, 1), actuated=True) for k in range(2)]
-    arm.write_text(symkin.Mechanism("arm", [symkin.Limb("arm", joints)], (0.2, 0, 0), serial=True, length_unit="m").to_toml())
+    joints = [
+        symkin.Joint(f"q{k}", "R", (0.1 * k, 0, 0), (0, 0, 1), actuated=True) for k in range(2)
+    ]
+    arm.write_text(
+        symkin.Mechanism(
+            "arm", [symkin.Limb("arm", joints)], (0.2, 0, 0), serial=True, length_unit="m"
+        ).to_toml()
+    )
     done = command("firmware", arm, "-o", tmp_path / "folder")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "folder").is_symlink()

@@ -1,4 +1,6 @@
-"""The page that moves, in a real browser: its poses are those of `modes`, it stops where `track` stops, and it loads nothing."""
+"""The page that moves, in a real browser: its poses are those of `modes`, it stops where `track`
+stops, and it loads nothing.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,14 @@ from helpers.samples import readme_five_bar, rus, three_rrr
 from symkin import InputError, Joint, Limb, RodLimb
 
 sync_api = pytest.importorskip("playwright.sync_api")
-CHROMIUM = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
+CHROMIUM = next(
+    (
+        found
+        for name in ("chromium", "chromium-browser", "google-chrome")
+        if (found := shutil.which(name))
+    ),
+    None,
+)
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium")
 ARTEFACTS = Path(__file__).parents[2] / "artefacts"
 """Screenshots, to be looked at; not committed."""
@@ -45,14 +54,19 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture
 def open_page(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Any]]:
-    """Open a page's text at a width; at the end no page has told an error or asked for anything beyond its own file."""
+    """Open a page's text at a width; at the end no page has told an error or asked for anything
+    beyond its own file.
+    """
     told, asked, pages = [], [], []
 
     def opened(html: str, width: int = 1280, height: int = 800) -> Any:
         place = tmp_path / f"page{len(pages)}.html"
         place.write_text(html, encoding="utf-8")
         page = browser.new_page(viewport={"width": width, "height": height})
-        page.on("console", lambda message: told.append(message.text) if message.type == "error" else None)
+        page.on(
+            "console",
+            lambda message: told.append(message.text) if message.type == "error" else None,
+        )
         page.on("pageerror", lambda error: told.append(str(error)))
         page.on("request", lambda request: asked.append(request.url))
         page.goto(place.as_uri())
@@ -72,38 +86,61 @@ def page_of(name: str, **options: Any) -> str:
 
 
 def apart(mechanism: symkin.Mechanism, solution: symkin.Solution, told: dict[str, Any]) -> float:
-    """How far the page's solution is from one of symkin's: pose and joints, lengths over the size, angles without whole turns."""
+    """How far the page's solution is from one of symkin's: pose and joints, lengths over the size,
+    angles without whole turns.
+    """
     size, gaps = mechanism.characteristic_length, []
     if mechanism.platform_link is not None:
         gaps += list(np.abs(solution.position - told["position"]) / size)
         q = np.array(told["quaternion"])
-        gaps.append(2.0 * min(np.linalg.norm(solution.quaternion - q), np.linalg.norm(solution.quaternion + q)))
+        gaps.append(
+            2.0
+            * min(np.linalg.norm(solution.quaternion - q), np.linalg.norm(solution.quaternion + q))
+        )
     angular = {c.name for c in mechanism.coordinates if c.is_angular}
     for name, value in solution.joints.items():
         if not isinstance(value, float):
             continue
         gap = value - told["joints"][name]
-        gaps.append(abs(np.angle(np.exp(1j * mechanism.angle_in(gap)))) if name in angular else abs(gap) / size)
+        gaps.append(
+            abs(np.angle(np.exp(1j * mechanism.angle_in(gap))))
+            if name in angular
+            else abs(gap) / size
+        )
     return float(max(gaps))
 
 
-def random_rows(mechanism: symkin.Mechanism, count: int, seed: int, share: float = 0.04) -> list[list[float]]:
+def random_rows(
+    mechanism: symkin.Mechanism, count: int, seed: int, share: float = 0.04
+) -> list[list[float]]:
     rng, start = np.random.default_rng(seed), symkin.solve(mechanism).solution
     rows = []
     for _ in range(count):
         row = []
         for c, value in zip(mechanism.actuated, start.actuated_values, strict=True):
-            half = mechanism.angle_out(0.5) if c.is_angular else share * mechanism.characteristic_length
+            half = (
+                mechanism.angle_out(0.5)
+                if c.is_angular
+                else share * mechanism.characteristic_length
+            )
             low, high = c.limits or (-np.inf, np.inf)
-            ends = (mechanism.angle_out(low), mechanism.angle_out(high)) if c.is_angular else (low, high)
+            ends = (
+                (mechanism.angle_out(low), mechanism.angle_out(high))
+                if c.is_angular
+                else (low, high)
+            )
             row.append(float(np.clip(value + half * rng.uniform(-1.0, 1.0), *ends)))
         rows.append(row)
     return rows
 
 
 @pytest.mark.parametrize("name", INPUTS)
-def test_poses_at_random_inputs_are_those_of_modes(name: str, open_page: Callable[..., Any]) -> None:
-    """What the page shows is one of symkin's modes, and it counts as many, wherever the movement reached the values."""
+def test_poses_at_random_inputs_are_those_of_modes(
+    name: str, open_page: Callable[..., Any]
+) -> None:
+    """What the page shows is one of symkin's modes, and it counts as many, wherever the movement
+    reached the values.
+    """
     mechanism = symkin.load(name)
     rows = random_rows(mechanism, INPUTS[name], seed=11)
     told = open_page(page_of(name)).evaluate(SET_ALL, rows)
@@ -117,18 +154,25 @@ def test_poses_at_random_inputs_are_those_of_modes(name: str, open_page: Callabl
 
 
 def test_modes_appear_and_vanish_as_those_of_symkin_do(open_page: Callable[..., Any]) -> None:
-    """Pairs of modes meet and vanish within these ranges: the page counts as many as symkin wherever it says that none may be missing."""
+    """Pairs of modes meet and vanish within these ranges: the page counts as many as symkin
+    wherever it says that none may be missing.
+    """
     mechanism = symkin.load("ren2008")
     rows = random_rows(mechanism, 40, seed=5, share=0.25)
     page = open_page(page_of("ren2008"))
-    told = [one for one in zip(rows, page.evaluate(SET_ALL, rows), strict=True) if one[1]["reached"]]
+    told = [
+        one for one in zip(rows, page.evaluate(SET_ALL, rows), strict=True) if one[1]["reached"]
+    ]
     found = symkin.modes(mechanism, joints=[row for row, _ in told])
     assert [one["count"] for _, one in told] == [len(every) for every in found]
     assert len({len(every) for every in found}) > 1
 
 
 STOPS = {
-    "zhang2009": ([144.6, 347.0, 110.3, 178.6, 277.6, 269.4], [144.6, 500.0, 110.3, 178.6, 277.6, 269.4]),
+    "zhang2009": (
+        [144.6, 347.0, 110.3, 178.6, 277.6, 269.4],
+        [144.6, 500.0, 110.3, 178.6, 277.6, 269.4],
+    ),
     "zhao2000": ([81.6, -157.2, -29.4, 105.2], [81.6, -157.2, 150.0, 105.2]),
 }
 
@@ -154,7 +198,9 @@ def test_it_stops_where_track_stops(name: str, open_page: Callable[..., Any]) ->
 
 
 @pytest.mark.parametrize("name", ["crank_pin", "follower_pin", "follower"])
-def test_limits_of_passive_joints_stop_it_where_they_stop_track(name: str, open_page: Callable[..., Any], tmp_path: Path) -> None:
+def test_limits_of_passive_joints_stop_it_where_they_stop_track(
+    name: str, open_page: Callable[..., Any], tmp_path: Path
+) -> None:
     """Of joints at which the loop is cut too, whose angles the closure leaves out."""
     text = (Path(symkin.__file__).parent / "mechanisms" / "four_bar.toml").read_text()
     before, joint, after = text.partition(f'name = "{name}"\n')
@@ -173,8 +219,12 @@ def test_limits_of_passive_joints_stop_it_where_they_stop_track(name: str, open_
         assert page.evaluate("crank => symkin.set({crank})", 90.0)["reached"]
 
 
-@pytest.mark.parametrize(("name", "joint", "end"), [("parallel_gripper", "left", -30.0), ("sarrus", "foot_x", 160.0)])
-def test_it_stops_where_branches_meet(name: str, joint: str, end: float, open_page: Callable[..., Any]) -> None:
+@pytest.mark.parametrize(
+    ("name", "joint", "end"), [("parallel_gripper", "left", -30.0), ("sarrus", "foot_x", 160.0)]
+)
+def test_it_stops_where_branches_meet(
+    name: str, joint: str, end: float, open_page: Callable[..., Any]
+) -> None:
     """At bifurcations, through which a mode would go on straight; from there it comes back."""
     mechanism = symkin.load(name)
     start = symkin.solve(mechanism).solution.joints[joint]
@@ -186,7 +236,9 @@ def test_it_stops_where_branches_meet(name: str, joint: str, end: float, open_pa
         told = page.evaluate("values => symkin.set(values)", {joint: target})
         assert not told["reached"]
         assert told["stop"]["kind"] == "singularity"
-        assert told["share"] * (target - start) == pytest.approx(tracked.stop.u * (end - start), abs=1e-6 * abs(end - start))
+        assert told["share"] * (target - start) == pytest.approx(
+            tracked.stop.u * (end - start), abs=1e-6 * abs(end - start)
+        )
         assert page.evaluate("values => symkin.set(values).reached", {joint: start})
     singular = start + tracked.stop.u * (end - start)
     assert page.evaluate("values => symkin.set(values).share", {joint: singular}) > 1.0 - 1e-5
@@ -204,31 +256,43 @@ def test_a_limit_is_met_from_any_distance(open_page: Callable[..., Any]) -> None
         assert page.evaluate("symkin.set({leg1: 0.5}).reached")
 
 
-def test_angles_beyond_half_a_turn_are_as_given(open_page: Callable[..., Any], tmp_path: Path) -> None:
+def test_angles_beyond_half_a_turn_are_as_given(
+    open_page: Callable[..., Any], tmp_path: Path
+) -> None:
     """Paths and sliders begin at 200 and 330 degrees, not a turn away from them."""
-    (tmp_path / "path.csv").write_text("theta1[deg],theta2[deg],theta3[deg],op[mm]\n80,200,330,105\n82,203,328,106\n")
+    (tmp_path / "path.csv").write_text(
+        "theta1[deg],theta2[deg],theta3[deg],op[mm]\n80,200,330,105\n82,203,328,106\n"
+    )
     mechanism = symkin.load("zhao2000")
     page = open_page(symkin.view(mechanism, path=tmp_path / "path.csv").html)
     assert page.locator("#given-theta3-number").input_value() == "330"
     page.select_option("#player select", "4")
     page.get_by_role("button", name="Play").click()
-    page.wait_for_function("Number(document.querySelector('#player .place').value) === 8", timeout=20_000)
+    page.wait_for_function(
+        "Number(document.querySelector('#player .place').value) === 8", timeout=20_000
+    )
     assert page.locator("#status").inner_text() == ""
-    told, (mode, *_) = page.evaluate("symkin.solution()"), symkin.modes(mechanism, joints=[82, 203, 328, 106])
+    told, (mode, *_) = (
+        page.evaluate("symkin.solution()"),
+        symkin.modes(mechanism, joints=[82, 203, 328, 106]),
+    )
     assert apart(mechanism, mode, told) < 1e-9
     page.get_by_role("button", name="Back to the start").click()
     assert page.locator("#given-theta2-number").input_value() == "200"
     assert page.evaluate("symkin.set({theta2: 205}).reached")
 
 
-def test_poses_of_a_path_lie_on_straight_lines(open_page: Callable[..., Any], tmp_path: Path) -> None:
+def test_poses_of_a_path_lie_on_straight_lines(
+    open_page: Callable[..., Any], tmp_path: Path
+) -> None:
     """Rows of poses at one height: the platform stays there between them."""
     (tmp_path / "path.csv").write_text("x[mm],y[mm],z[mm]\n-60,0,-148\n60,40,-148\n")
     delta = symkin.load("delta")
     page = open_page(symkin.view(delta, path=str(tmp_path / "path.csv")).html)
     for share in (0.11, 0.377, 0.5, 0.82):
         page.evaluate(
-            "t => { const place = document.querySelector('.place'); place.value = t; place.dispatchEvent(new Event('input')) }",
+            "t => { const place = document.querySelector('.place'); place.value = t; "
+            "place.dispatchEvent(new Event('input')) }",
             8 * share,
         )
         position = page.evaluate("symkin.solution().position")
@@ -250,9 +314,20 @@ def test_wrong_numbers_are_kept_until_they_are_mended(open_page: Callable[..., A
 
 
 def test_a_singular_start_is_told(open_page: Callable[..., Any]) -> None:
-    """Six rods with base and platform in one plane: the platform moves out of it at first order, and no slider is followed from there."""
-    rods = [RodLimb(f"leg{k}", (300 * np.cos(a), 300 * np.sin(a), 0.0), (150 * np.cos(b), 150 * np.sin(b), 0.0))
-            for k, (a, b) in enumerate(np.radians([(10, 50), (110, 70), (130, 170), (230, 190), (250, 290), (350, 310)]), start=1)]  # fmt: skip
+    """Six rods with base and platform in one plane: the platform moves out of it at first order,
+    and no slider is followed from there.
+    """
+    rods = [
+        RodLimb(
+            f"leg{k}",
+            (300 * np.cos(a), 300 * np.sin(a), 0.0),
+            (150 * np.cos(b), 150 * np.sin(b), 0.0),
+        )
+        for k, (a, b) in enumerate(
+            np.radians([(10, 50), (110, 70), (130, 170), (230, 190), (250, 290), (350, 310)]),
+            start=1,
+        )
+    ]
     page = open_page(symkin.view(symkin.Mechanism("flat", rods)).html)
     told = page.locator("#status").inner_text()
     assert "This configuration is singular" in told
@@ -260,7 +335,9 @@ def test_a_singular_start_is_told(open_page: Callable[..., Any]) -> None:
 
 
 def test_inputs_that_must_agree_leave_the_page_alive(open_page: Callable[..., Any]) -> None:
-    """A structure without mobility, one joint of which is called actuated: paths to other values have no end, and are given up."""
+    """A structure without mobility, one joint of which is called actuated: paths to other values
+    have no end, and are given up.
+    """
     turns = [
         Joint("r1", "R", (50, 0, 100), (0.10636, 0.750981, -0.651702)),
         Joint("r2", "R", (50, 0, -100), (-0.108946, 0.987947, -0.109961), actuated=True),
@@ -270,20 +347,33 @@ def test_inputs_that_must_agree_leave_the_page_alive(open_page: Callable[..., An
         Joint("c4", "C", (-50, 100, 50), (0.971493, 0.215036, -0.0998007)),
     ]
     page = open_page(
-        symkin.view(symkin.Mechanism("rigid", [Limb("a", turns), Limb("b", slides)], platform_position=(-100, 0, 0))).html
+        symkin.view(
+            symkin.Mechanism(
+                "rigid", [Limb("a", turns), Limb("b", slides)], platform_position=(-100, 0, 0)
+            )
+        ).html
     )
     assert page.evaluate("symkin.modes().length") == 1
-    page.wait_for_function("document.querySelector('#modes').innerText.includes('must perhaps agree')")
+    page.wait_for_function(
+        "document.querySelector('#modes').innerText.includes('must perhaps agree')"
+    )
     assert not page.evaluate("symkin.set({r2: 0.1}).reached")
 
 
 def test_joints_that_move_at_a_stop_are_named(open_page: Callable[..., Any]) -> None:
-    """A delta's platform too low: each motor turns a little while the platform stands, with its arm and rods in one line."""
-    page = open_page(symkin.view(symkin.load("delta"), given={"x": 0.0, "y": 0.0, "z": -200.0}).html)
+    """A delta's platform too low: each motor turns a little while the platform stands, with its arm
+    and rods in one line.
+    """
+    page = open_page(
+        symkin.view(symkin.load("delta"), given={"x": 0.0, "y": 0.0, "z": -200.0}).html
+    )
     stop = page.evaluate("symkin.set({x: 0, y: 0, z: -700}).stop")
     assert stop["kind"] == "singularity"
     assert stop["motion"] is None
-    assert "motor1, motor2, motor3 can move a little while the given values are held" in stop["sentence"]
+    assert (
+        "motor1, motor2, motor3 can move a little while the given values are held"
+        in stop["sentence"]
+    )
 
 
 def test_sliders_and_fields_move_it(open_page: Callable[..., Any]) -> None:
@@ -318,7 +408,8 @@ def test_a_click_takes_a_mode(open_page: Callable[..., Any]) -> None:
 
 ON_PLATFORM = """() => {
   for (let y = 20; y < 600; y += 8)
-    for (let x = 20; x < 900; x += 8) if (symkinPage.itemAt(x, y)?.role === "platform") return [x, y];
+    for (let x = 20; x < 900;
+      x += 8) if (symkinPage.itemAt(x, y)?.role === "platform") return [x, y];
 }"""
 
 
@@ -349,8 +440,13 @@ def test_it_is_one_small_file_that_fits(width: int, open_page: Callable[..., Any
     page.locator("#names").click()
     page.locator("#measures").click()
     page.wait_for_timeout(500)
-    named = "e => Boolean(e.textContent.trim() || e.getAttribute('aria-label') || document.querySelector(`label[for='${e.id}']`))"
-    assert page.evaluate(f"Array.from(document.querySelectorAll('button, input, select')).every({named})")
+    named = (
+        "e => Boolean(e.textContent.trim() || e.getAttribute('aria-label') || "
+        "document.querySelector(`label[for='${e.id}']`))"
+    )
+    assert page.evaluate(
+        f"Array.from(document.querySelectorAll('button, input, select')).every({named})"
+    )
     ARTEFACTS.mkdir(exist_ok=True)
     page.screenshot(path=str(ARTEFACTS / f"zhao2000_{width}.png"))
 
@@ -372,23 +468,38 @@ def symkin_view(*arguments: object) -> int:
 
 
 TETRAHEDRON = "v 0 0 0\nv 300 0 0\nv 0 200 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
-ROBOT = """<robot name='r'><link name='a'/><link name='b'><visual><geometry><mesh filename='b.obj' scale='0.01 0.01 0.01'/></geometry></visual>
+ROBOT = """<robot name='r'><link name='a'/><link name='b'><visual><geometry>
+<mesh filename='b.obj' scale='0.01 0.01 0.01'/></geometry></visual>
 </link><link name='tip'><visual><geometry><mesh filename='tip.dae'/></geometry></visual></link>
 <joint name='j' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 1 0'/></joint>
-<joint name='k' type='continuous'><parent link='b'/><child link='tip'/><origin xyz='0 0 1'/><axis xyz='0 1 0'/></joint></robot>"""
+<joint name='k' type='continuous'><parent link='b'/><child link='tip'/><origin xyz='0 0 1'/>
+<axis xyz='0 1 0'/></joint></robot>"""
 
 
-def test_meshes_that_are_there_are_shown_and_others_are_told(open_page: Callable[..., Any], tmp_path: Path) -> None:
+def test_meshes_that_are_there_are_shown_and_others_are_told(
+    open_page: Callable[..., Any], tmp_path: Path
+) -> None:
     (tmp_path / "b.obj").write_text(TETRAHEDRON, encoding="utf-8")
     (tmp_path / "r.urdf").write_text(ROBOT, encoding="utf-8")
     page = open_page(symkin.view(symkin.load(tmp_path / "r.urdf")).html)
     shown = page.evaluate(
-        "symkinPage.items.meshes.map(mesh => [mesh.userData.item.name, mesh.geometry.attributes.position.count])"
+        "symkinPage.items.meshes.map(mesh => [mesh.userData.item.name, "
+        "mesh.geometry.attributes.position.count])"
     )
     assert shown == [["b", 12]]
-    assert "1 file of meshes (tip.dae); there is no such file" in page.locator("#notes").inner_text()
-    corner = "symkinPage.items.at({link: 1, point: [3, 0, 0]}).divideScalar(symkinPage.scene.size).project(symkinPage.camera)"
-    assert page.evaluate(f"(() => {{ const c = {corner}; return Math.max(Math.abs(c.x), Math.abs(c.y)) }})()") < 1
+    assert (
+        "1 file of meshes (tip.dae); there is no such file" in page.locator("#notes").inner_text()
+    )
+    corner = (
+        "symkinPage.items.at({link: 1, point: [3, 0, "
+        "0]}).divideScalar(symkinPage.scene.size).project(symkinPage.camera)"
+    )
+    assert (
+        page.evaluate(
+            f"(() => {{ const c = {corner}; return Math.max(Math.abs(c.x), Math.abs(c.y)) }})()"
+        )
+        < 1
+    )
     page.locator("#meshes").click()
     assert page.evaluate("symkinPage.items.meshes[0].visible") is False
 
@@ -397,12 +508,17 @@ def test_traces_are_drawn(open_page: Callable[..., Any]) -> None:
     page = open_page(page_of("klann_leg"))
     page.keyboard.press("t")
     page.evaluate("for (let k = 0; k < 9; k++) symkin.set({crank: 180 + 5 * k})")
-    count = "symkinPage.extras.children.find(line => line.userData.kind === 'trace').geometry.attributes.position.count"
+    count = (
+        "symkinPage.extras.children.find(line => line.userData.kind === "
+        "'trace').geometry.attributes.position.count"
+    )
     assert page.evaluate(count) == 9
 
 
 def test_results_have_pages(open_page: Callable[..., Any]) -> None:
-    """The page of a solution begins there; a track is played; a notebook shows the page in place."""
+    """The page of a solution begins there; a track is played; a notebook shows the page in
+    place.
+    """
     mechanism = symkin.load("zhang2009")
     third = symkin.modes(mechanism)[2]
     view = symkin.view(third)
@@ -410,18 +526,23 @@ def test_results_have_pages(open_page: Callable[..., Any]) -> None:
     page = open_page(view.html)
     assert apart(mechanism, third, page.evaluate("symkin.solution()")) < SAME
     track = symkin.track(symkin.load("four_bar"), given={"crank": [60.0, 90.0]})
-    assert json.loads(track.view().html.split('id="data">')[1].split("</script>")[0])["options"]["path"]["names"] == ["crank"]
+    assert json.loads(track.view().html.split('id="data">')[1].split("</script>")[0])["options"][
+        "path"
+    ]["names"] == ["crank"]
 
 
 def test_a_plane_with_singular_curves_is_pointed_at(open_page: Callable[..., Any]) -> None:
     """The mechanism goes where the plane is pointed at, and no further than the first curve."""
     here = symkin.solve(symkin.load("zhao2000")).solution
-    loci = symkin.singular_loci(here, ("theta1", "op"), ranges=[(20.0, 150.0), (60.0, 160.0)], starts=3)
+    loci = symkin.singular_loci(
+        here, ("theta1", "op"), ranges=[(20.0, 150.0), (60.0, 160.0)], starts=3
+    )
     page = open_page(loci.view().html)
     box = page.locator("#plane canvas").bounding_box()
     page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
     page.wait_for_function(
-        "Math.abs(symkin.solution().joints.op - 110) < 1 && Math.abs(symkin.solution().joints.theta1 - 85) < 1"
+        "Math.abs(symkin.solution().joints.op - 110) < 1 && "
+        "Math.abs(symkin.solution().joints.theta1 - 85) < 1"
     )
     ARTEFACTS.mkdir(exist_ok=True)
     page.wait_for_timeout(400)
@@ -429,33 +550,55 @@ def test_a_plane_with_singular_curves_is_pointed_at(open_page: Callable[..., Any
 
 
 def test_a_sweeps_map_is_pointed_at(open_page: Callable[..., Any], tmp_path: Path) -> None:
-    """The five-bar's tip over its workspace: it goes where the map is pointed at, and a sweep's counts are those of the page."""
+    """The five-bar's tip over its workspace: it goes where the map is pointed at, and a sweep's
+    counts are those of the page.
+    """
     pytest.importorskip("zarr")
-    swept = symkin.sweep(readme_five_bar("planar"), given={"x": np.linspace(-250, 250, 20), "y": np.linspace(-260, 260, 20)},
-                         directory=tmp_path / "map", workers=0)  # fmt: skip
+    swept = symkin.sweep(
+        readme_five_bar("planar"),
+        given={"x": np.linspace(-250, 250, 20), "y": np.linspace(-260, 260, 20)},
+        directory=tmp_path / "map",
+        workers=0,
+    )
     page = open_page(swept.view(loci=True).html)
-    assert page.locator("#plane p").inner_text().startswith("Number of real modes, singular curves type 2")
+    assert (
+        page.locator("#plane p")
+        .inner_text()
+        .startswith("Number of real modes, singular curves type 2")
+    )
     assert page.locator("#plane .legend").last.inner_text().split() == ["4", "none"]
     assert page.evaluate("symkin.modes().length") == 4
     box = page.locator("#plane canvas").bounding_box()
     page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.25 * box["height"])
-    page.wait_for_function("symkin.solution().position[1] > 100 && Math.abs(symkin.solution().position[0]) < 5")
+    page.wait_for_function(
+        "symkin.solution().position[1] > 100 && Math.abs(symkin.solution().position[0]) < 5"
+    )
     ARTEFACTS.mkdir(exist_ok=True)
     page.screenshot(path=str(ARTEFACTS / "map.png"))
 
 
 def test_the_map_of_poses_drags_the_platform(open_page: Callable[..., Any], tmp_path: Path) -> None:
-    """A slice of a workspace: sliders are those of the motors, and the platform goes where the map is pointed at."""
+    """A slice of a workspace: sliders are those of the motors, and the platform goes where the map
+    is pointed at.
+    """
     pytest.importorskip("zarr")
     delta, reach = symkin.load("delta"), np.linspace(-120.0, 120.0, 9)
-    swept = symkin.sweep(delta, {"x": reach, "y": reach, "z": [-300.0, -250.0]}, tmp_path / "map", poses=True, quantity="conditioning",
-                         workers=0)  # fmt: skip
+    swept = symkin.sweep(
+        delta,
+        {"x": reach, "y": reach, "z": [-300.0, -250.0]},
+        tmp_path / "map",
+        poses=True,
+        quantity="conditioning",
+        workers=0,
+    )
     page = open_page(swept.view(slices={"z": -250.0}).html)
     assert page.evaluate("symkin.names") == [c.name for c in delta.actuated]
     assert "z = -250 mm" in page.locator("#plane p").inner_text()
     box = page.locator("#plane canvas").bounding_box()
     page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
-    page.wait_for_function("symkin.solution().position[0] > 15 && symkin.solution().position[1] > 15")
+    page.wait_for_function(
+        "symkin.solution().position[0] > 15 && symkin.solution().position[1] > 15"
+    )
     assert abs(page.evaluate("symkin.solution().position[2]") + 250.0) < 1e-3
 
 
@@ -463,8 +606,12 @@ def test_maps_without_a_page_are_told(tmp_path: Path, capsys: pytest.CaptureFixt
     pytest.importorskip("zarr")
     bars = symkin.load("four_bar")
     symkin.sweep(bars, given={"crank": [10.0, 20.0]}, directory=tmp_path / "line", workers=0)
-    symkin.sweep(symkin.load("ankle"), given={"upper_motor": [0.0, 5.0], "lower_motor": [0.0, 5.0]}, directory=tmp_path / "ankle",
-                 workers=0)  # fmt: skip
+    symkin.sweep(
+        symkin.load("ankle"),
+        given={"upper_motor": [0.0, 5.0], "lower_motor": [0.0, 5.0]},
+        directory=tmp_path / "ankle",
+        workers=0,
+    )
     for arguments, part in (
         (("four_bar", "--map", tmp_path / "line"), "is no plane"),
         (("four_bar", "--map", tmp_path / "ankle"), "the sweep is of ankle"),
@@ -478,16 +625,35 @@ def test_maps_without_a_page_are_told(tmp_path: Path, capsys: pytest.CaptureFixt
         assert err.count("\n") == 1
 
 
-def test_wrong_input_is_told_in_a_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_wrong_input_is_told_in_a_sentence(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     for arguments, part in (
         (("four_bar", "--html", tmp_path / "page.txt"), ".html"),
         (("four_bar", "--given", "krank=3", "--html", tmp_path / "a.html"), "crank"),
         (("zhang2009", "--joints", "1,900", "--html", tmp_path / "a.html"), "6"),
-        (("zhang2009", "--joints", "1,900,1,900,1,900", "--html", tmp_path / "a.html"), "no configuration"),
+        (
+            ("zhang2009", "--joints", "1,900,1,900,1,900", "--html", tmp_path / "a.html"),
+            "no configuration",
+        ),
         (("four_bar", "--path", tmp_path / "none.csv", "--html", tmp_path / "a.html"), "none.csv"),
         (("ren2008", "--given", "pose=1,2,3,1,0,0,0", "--html", tmp_path / "a.html"), "--pose"),
-        (("ren2008", "--pose", "1,2,3,1,0,0,0", "--joints", "1,2", "--html", tmp_path / "a.html"), "--joints"),
-        (("zhao2000", "--pose", "20,0,700", "--rpy", "0,10,0", "--html", tmp_path / "a.html"), "off the platform's"),
+        (
+            (
+                "ren2008",
+                "--pose",
+                "1,2,3,1,0,0,0",
+                "--joints",
+                "1,2",
+                "--html",
+                tmp_path / "a.html",
+            ),
+            "--joints",
+        ),
+        (
+            ("zhao2000", "--pose", "20,0,700", "--rpy", "0,10,0", "--html", tmp_path / "a.html"),
+            "off the platform's",
+        ),
         (("ren2008", "--rpy", "0,10,0", "--html", tmp_path / "a.html"), "--pose X,Y,Z"),
     ):
         status, _, err = run(capsys, "view", *arguments)
@@ -499,28 +665,49 @@ def test_wrong_input_is_told_in_a_sentence(capsys: pytest.CaptureFixture[str], t
 
 
 @pytest.mark.parametrize(("name", "count"), [("ren2008", 28), ("klann_leg", 4)])
-def test_every_complex_solution_is_followed(open_page: Callable[..., Any], name: str, count: int) -> None:
-    """As many as `modes` counts: of a body on rods from symkin's own, of others by loops wide enough to go around branch points."""
+def test_every_complex_solution_is_followed(
+    open_page: Callable[..., Any], name: str, count: int
+) -> None:
+    """As many as `modes` counts: of a body on rods from symkin's own, of others by loops wide
+    enough to go around branch points.
+    """
     assert symkin.modes(symkin.load(name)).complex_count == count
     page = open_page(page_of(name))
     page.wait_for_function("symkin.modes().length > 0")
-    page.wait_for_function(f"document.body.innerText.includes('{count} complex solutions are followed')")
+    page.wait_for_function(
+        f"document.body.innerText.includes('{count} complex solutions are followed')"
+    )
 
 
 def test_a_search_that_finds_too_many_solutions_ends(open_page: Callable[..., Any]) -> None:
-    """Where symkin counts none, the page stops at as many as it can follow, and keeps to the mode shown and those of the start."""
+    """Where symkin counts none, the page stops at as many as it can follow, and keeps to the mode
+    shown and those of the start.
+    """
     html = page_of("klann_leg")
     assert '"complexCount":4' in html
-    page = open_page(html.replace('"complexCount":4', '"complexCount":null').replace('"mostFollowed":200', '"mostFollowed":3'))
-    page.wait_for_function("document.querySelector('#modes').innerText.includes('More than 3 complex solutions are too many')")
+    page = open_page(
+        html.replace('"complexCount":4', '"complexCount":null').replace(
+            '"mostFollowed":200', '"mostFollowed":3'
+        )
+    )
+    page.wait_for_function(
+        "document.querySelector('#modes').innerText.includes('More than 3 complex solutions are "
+        "too many')"
+    )
     assert page.evaluate("symkin.modes().length") == len(symkin.modes(symkin.load("klann_leg")))
     name, value = page.evaluate("[symkin.names[0], symkin.solution().joints[symkin.names[0]]]")
-    assert page.evaluate("([name, value]) => symkin.set({[name]: value}).reached", [name, value + 0.01])
+    assert page.evaluate(
+        "([name, value]) => symkin.set({[name]: value}).reached", [name, value + 0.01]
+    )
     assert page.evaluate("symkin.modes().length") == 1
 
 
-def test_a_page_begins_at_a_pose(open_page: Callable[..., Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """At the first of the working modes there, with sliders for the motors; roll, pitch and yaw as Euler's angles about fixed axes."""
+def test_a_page_begins_at_a_pose(
+    open_page: Callable[..., Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """At the first of the working modes there, with sliders for the motors; roll, pitch and yaw as
+    Euler's angles about fixed axes.
+    """
     page_file, pose = tmp_path / "page.html", ["--pose", "0.02,0.01,0.7", "--rpy", "5,-3,20"]
     assert run(capsys, "view", "ren2008", *pose, "--html", page_file)[0] == 0
     page = open_page(page_file.read_text())
@@ -536,36 +723,54 @@ PARTS = """async () => {
   const [{createSolver}, generated, {leastSquares, relativeChange, singularPair}] =
     await Promise.all(['solver', 'generated', 'solver-algebra'].map(name => import(name)));
   const {model} = JSON.parse(document.getElementById('data').textContent);
-  const solver = createSolver(model, generated), {parts, unknown} = solver, n = unknown.length, m = model.rows;
+  const solver = createSolver(model, generated), {parts, unknown} = solver, n = unknown.length,
+    m = model.rows;
   const whole = x => { generated.system(x, solver.rows, solver.gradients);
-    return Float64Array.from({length: m * n}, (_, k) => solver.gradients[Math.floor(k / n) * model.width + unknown[k % n]]) };
+    return Float64Array.from({length: m * n}, (_,
+      k) => solver.gradients[Math.floor(k / n) * model.width + unknown[k % n]]) };
   const x = Float64Array.from(model.start), other = x.map((v, k) => v + 0.01 * Math.sin(k));
-  const right = Float64Array.from({length: m}, (_, k) => Math.cos(k)), pair = singularPair(whole(x), m, n);
+  const right = Float64Array.from({length: m}, (_, k) => Math.cos(k)), pair = singularPair(whole(x),
+    m, n);
   const apart = parts.solve(parts.matrices((whole(x), solver.gradients)), right);
-  const changed = parts.change(parts.matrices((whole(x), solver.gradients)), parts.matrices((whole(other), solver.gradients)));
+  const changed = parts.change(parts.matrices((whole(x), solver.gradients)),
+    parts.matrices((whole(other), solver.gradients)));
   return {sizes: parts.parts.map(part => part.columns.length),
     solutions: [Array.from(apart), Array.from(leastSquares(whole(x), right.slice(), n))],
     changes: [changed, relativeChange(whole(x), whole(other), n)],
-    ratios: [parts.singularPair(parts.matrices((whole(x), solver.gradients))).ratio, pair.least / pair.most]};
+    ratios: [parts.singularPair(parts.matrices((whole(x), solver.gradients))).ratio,
+      pair.least / pair.most]};
 }"""
 
 
 @pytest.mark.parametrize(
-    ("name", "sizes"), [("urdf_loop_joint/strandbeest.urdf", 12 * [6]), ("zhang2009", [7]), ("zhao2000_links", [16])]
+    ("name", "sizes"),
+    [("urdf_loop_joint/strandbeest.urdf", 12 * [6]), ("zhang2009", [7]), ("zhao2000_links", [16])],
 )
-def test_parts_that_share_nothing_are_solved_as_the_whole(name: str, sizes: list[int], open_page: Callable[..., Any]) -> None:
-    """Twelve legs on one crank; platforms are one part each. Least squares, change of the Jacobian and singular values are the same."""
+def test_parts_that_share_nothing_are_solved_as_the_whole(
+    name: str, sizes: list[int], open_page: Callable[..., Any]
+) -> None:
+    """Twelve legs on one crank; platforms are one part each. Least squares, change of the Jacobian
+    and singular values are the same.
+    """
     file = Path(__file__).parents[1] / "data" / "models" / name
     found = open_page(symkin.view(symkin.load(file if file.suffix else name)).html).evaluate(PARTS)
     assert found["sizes"] == sizes
-    np.testing.assert_allclose(*found["solutions"], rtol=1e-7, atol=1e-9 * np.abs(found["solutions"][1]).max())
+    np.testing.assert_allclose(
+        *found["solutions"], rtol=1e-7, atol=1e-9 * np.abs(found["solutions"][1]).max()
+    )
     np.testing.assert_allclose(*found["changes"], rtol=1e-7)
     np.testing.assert_allclose(*found["ratios"], rtol=1e-7)
 
 
-def test_joints_that_begin_beyond_limits_do_not_hold_what_leaves_them_there(open_page: Callable[..., Any]) -> None:
-    """The Kangaroo's file begins with both lengths and femurs beyond their limits: other joints move, these inwards only."""
-    mechanism = symkin.load(Path(__file__).parents[1] / "data" / "models" / "mjcf" / "kangaroo_lower_body.xml")
+def test_joints_that_begin_beyond_limits_do_not_hold_what_leaves_them_there(
+    open_page: Callable[..., Any],
+) -> None:
+    """The Kangaroo's file begins with both lengths and femurs beyond their limits: other joints
+    move, these inwards only.
+    """
+    mechanism = symkin.load(
+        Path(__file__).parents[1] / "data" / "models" / "mjcf" / "kangaroo_lower_body.xml"
+    )
     page = open_page(symkin.view(mechanism).html)
     assert page.evaluate("symkin.solution().within_limits") is False
     names = page.evaluate("symkin.names")
@@ -573,7 +778,9 @@ def test_joints_that_begin_beyond_limits_do_not_hold_what_leaves_them_there(open
     for name in names:
         for step in (0.02, -0.02):
             found = page.evaluate(
-                "([name, v]) => { const r = symkin.set({[name]: v}); symkin.set({[name]: 0}); return r }", [name, step]
+                "([name, v]) => { const r = symkin.set({[name]: v}); symkin.set({[name]: 0}); "
+                "return r }",
+                [name, step],
             )
             if not found["reached"]:
                 stops[name, step] = found["stop"]
@@ -587,7 +794,9 @@ def test_joints_that_begin_beyond_limits_do_not_hold_what_leaves_them_there(open
     assert found["reached"], found["stop"]
 
 
-def test_a_page_without_a_configuration_is_not_found(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_page_without_a_configuration_is_not_found(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     """As `modes` has it: status 3, one line, and no file."""
     file = tmp_path / "page.html"
     status, out, err = run(capsys, "view", "slider_crank", "--given", "piston=1e4", "--html", file)
@@ -598,7 +807,9 @@ def test_a_page_without_a_configuration_is_not_found(capsys: pytest.CaptureFixtu
 
 
 def test_a_stop_at_a_limit_is_the_last(open_page: Callable[..., Any]) -> None:
-    """Asked again and again, a slide stays where it stopped, within its limits, and the value of the stop is told."""
+    """Asked again and again, a slide stays where it stopped, within its limits, and the value of
+    the stop is told.
+    """
     page = open_page(symkin.view(symkin.load("scara")).html)
     first = page.evaluate("symkin.set({slide: 1e3}).stop")
     stopped = page.evaluate("symkin.solution().joints.slide")
@@ -611,15 +822,21 @@ def test_a_stop_at_a_limit_is_the_last(open_page: Callable[..., Any]) -> None:
 
 
 def test_where_branches_meet_it_is_said(open_page: Callable[..., Any]) -> None:
-    """A parallelogram passes its flat configuration as one or as a crossed one; a six-rod platform's modes end in each other."""
+    """A parallelogram passes its flat configuration as one or as a crossed one; a six-rod
+    platform's modes end in each other.
+    """
     page = open_page(symkin.view(symkin.load("parallel_gripper")).html)
     assert "branches meet here" in page.evaluate("symkin.set({left: -20}).stop.sentence")
     page = open_page(symkin.view(symkin.load("zhang2009")).html)
-    assert "beyond it this mode does not go on" in page.evaluate("symkin.set({leg1: 700}).stop.sentence")
+    assert "beyond it this mode does not go on" in page.evaluate(
+        "symkin.set({leg1: 700}).stop.sentence"
+    )
 
 
 def test_a_symmetric_start_loses_no_modes(open_page: Callable[..., Any]) -> None:
-    """A 3-RRR with equal limbs: at zero all but two of six complex solutions are at infinity, elsewhere they are modes."""
+    """A 3-RRR with equal limbs: at zero all but two of six complex solutions are at infinity,
+    elsewhere they are modes.
+    """
     start = three_rrr("planar")
     page = open_page(symkin.view(start).html)
     page.wait_for_function("!document.querySelector('#modes-text').textContent.includes('Finding')")
@@ -627,17 +844,26 @@ def test_a_symmetric_start_loses_no_modes(open_page: Callable[..., Any]) -> None
     home = page.evaluate("symkin.names.map((name) => symkin.solution().joints[name])")
     for _ in range(6):
         values = (np.array(home) + rng.uniform(-0.6, 0.6, 3)).tolist()
-        if not page.evaluate("v => symkin.set(Object.fromEntries(symkin.names.map((n, k) => [n, v[k]]))).reached", values):
+        if not page.evaluate(
+            "v => symkin.set(Object.fromEntries(symkin.names.map((n, k) => [n, v[k]]))).reached",
+            values,
+        ):
             continue
         assert len(page.evaluate("symkin.modes()")) == len(symkin.modes(start, joints=values))
 
 
-def test_a_path_of_poses_is_played_in_its_mode(open_page: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_path_of_poses_is_played_in_its_mode(
+    open_page: Callable[..., Any], tmp_path: Path
+) -> None:
     """The delta below its base and not above it, where the same motor angles also close."""
     file = tmp_path / "poses.csv"
-    file.write_text("x[mm],y[mm],z[mm],qw,qx,qy,qz\n0,0,-300,1,0,0,0\n20,10,-320,1,0,0,0\n", encoding="utf-8")
+    file.write_text(
+        "x[mm],y[mm],z[mm],qw,qx,qy,qz\n0,0,-300,1,0,0,0\n20,10,-320,1,0,0,0\n", encoding="utf-8"
+    )
     page = open_page(symkin.view(symkin.load("delta"), path=file).html)
-    np.testing.assert_allclose(page.evaluate("symkin.solution().position"), [0.0, 0.0, -300.0], atol=1e-9)
+    np.testing.assert_allclose(
+        page.evaluate("symkin.solution().position"), [0.0, 0.0, -300.0], atol=1e-9
+    )
 
 
 def test_keys_that_come_fast_all_count(open_page: Callable[..., Any]) -> None:
@@ -646,17 +872,23 @@ def test_keys_that_come_fast_all_count(open_page: Callable[..., Any]) -> None:
     before = page.evaluate("symkin.solution().joints.crank")
     page.evaluate(
         "() => { const slider = document.querySelector('#given-crank');"
-        " for (let k = 0; k < 8; k++) slider.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight', bubbles: true })); }"
+        " for (let k = 0; k < 8; k++) slider.dispatchEvent(new KeyboardEvent('keydown', { key: "
+        "'ArrowRight', bubbles: true })); }"
     )
     low, high = (float(page.locator("#given-crank").get_attribute(end)) for end in ("min", "max"))
-    page.wait_for_function("at => Math.abs(symkin.solution().joints.crank - at) < 1e-9", arg=before + 8 * (high - low) / 200)
+    page.wait_for_function(
+        "at => Math.abs(symkin.solution().joints.crank - at) < 1e-9",
+        arg=before + 8 * (high - low) / 200,
+    )
     page.locator("#given-crank-number").fill("1,000")
     page.locator("#given-crank-number").press("Enter")
     assert "may be two numbers" in page.locator("body").inner_text()
 
 
 def test_a_value_out_of_reach_is_not_called_singular(open_page: Callable[..., Any]) -> None:
-    """UR5e: a serial arm has no singularity of the direct problem, whatever is typed; with limits it stops there."""
+    """UR5e: a serial arm has no singularity of the direct problem, whatever is typed; with limits
+    it stops there.
+    """
     page = open_page(symkin.view(symkin.load("ur5e")).html)
     name = page.evaluate("symkin.names[0]")
     assert page.evaluate(f"symkin.set({{{name}: 0.3}}).reached")
@@ -677,7 +909,9 @@ def test_a_planar_map_of_poses_tells_its_angle(tmp_path: Path) -> None:
 
 
 def test_different_machines_stand_before_half_turns(open_page: Callable[..., Any]) -> None:
-    """Of 128 modes at two poses, which differ in U joints otherwise, the first two are at the two poses."""
+    """Of 128 modes at two poses, which differ in U joints otherwise, the first two are at the two
+    poses.
+    """
     page = open_page(symkin.view(rus(6)).html)
     heights = [mode["position"][2] for mode in page.evaluate("symkin.modes()")]
     poses = len({round(height, 3) for height in heights})

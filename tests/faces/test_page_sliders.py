@@ -12,25 +12,42 @@ import symkin
 from helpers.inside import completed_sliders, determination, page_html, page_model, problem_of_names
 from symkin import Mechanism
 
-GRAPHS = ["jansen_leg", "klann_leg", "watt_six_bar", "stephenson_six_bar", "slider_crank", "double_wishbone", "planetary_gear"]
+GRAPHS = [
+    "jansen_leg",
+    "klann_leg",
+    "watt_six_bar",
+    "stephenson_six_bar",
+    "slider_crank",
+    "double_wishbone",
+    "planetary_gear",
+]
 GRIPPER = """<robot name='r'><link name='a'/>{links}<link name='left'/><link name='right'/>{chain}
-<joint name='j_left' type='prismatic'><parent link='b6'/><child link='left'/><axis xyz='0 1 0'/><limit lower='0' upper='.1' effort='1' velocity='1'/></joint>
-<joint name='j_right' type='prismatic'><parent link='b6'/><child link='right'/><axis xyz='0 1 0'/><limit lower='-.1' upper='0' effort='1' velocity='1'/>
+<joint name='j_left' type='prismatic'><parent link='b6'/><child link='left'/><axis xyz='0 1 0'/>
+<limit lower='0' upper='.1' effort='1' velocity='1'/></joint>
+<joint name='j_right' type='prismatic'><parent link='b6'/><child link='right'/><axis xyz='0 1 0'/>
+<limit lower='-.1' upper='0' effort='1' velocity='1'/>
 <mimic joint='j_left' multiplier='-1'/></joint>{motors}</robot>"""
-MOTOR = "<transmission name='t_{0}'><type>SimpleTransmission</type><joint name='{0}'/><actuator name='m_{0}'/></transmission>"
+MOTOR = (
+    "<transmission name='t_{0}'><type>SimpleTransmission</type><joint name='{0}'/><actuator "
+    "name='m_{0}'/></transmission>"
+)
 
 
 def with_actuated(mechanism: Mechanism, names: list[str]) -> Mechanism:
     """The mechanism of links with other motors, and nothing told of where it begins."""
-    joints = [replace(link, joint=replace(link.joint, actuated=link.joint.name in names)) for link in mechanism.link_joints]
+    joints = [
+        replace(link, joint=replace(link.joint, actuated=link.joint.name in names))
+        for link in mechanism.link_joints
+    ]
     return replace(mechanism, link_joints=tuple(joints), example=None)
 
 
 @pytest.mark.parametrize("name", GRAPHS)
 @pytest.mark.parametrize("seed", range(3))
 def test_any_motors_are_completed_to_what_decides(name: str, seed: int) -> None:
-    """Motors on no, some or all joints: the sliders are as many as the mobility, none is decided by others, and the motors that stay keep
-    their order."""
+    """Motors on no, some or all joints: the sliders are as many as the mobility, none is decided by
+    others, and the motors that stay keep their order.
+    """
     mechanism, rng = symkin.load(name), np.random.default_rng([seed, GRAPHS.index(name)])
     simple = [c.name for c in mechanism.coordinates if c.kind != "quaternion"]
     share = seed / 2
@@ -52,10 +69,13 @@ def robot(tmp_path: Path, motors: list[str]) -> Mechanism:
     parents = ["a", *(f"b{k}" for k in range(1, 6))]
     axes = ["0 0 1", "0 1 0", "0 1 0", "1 0 0", "0 1 0", "1 0 0"]
     chain = "".join(
-        f"<joint name='j{k}' type='continuous'><parent link='{parent}'/><child link='b{k}'/><origin xyz='.1 .02 .2'/><axis xyz='{axis}'/></joint>"
+        f"<joint name='j{k}' type='continuous'><parent link='{parent}'/><child "
+        f"link='b{k}'/><origin xyz='.1 .02 .2'/><axis xyz='{axis}'/></joint>"
         for k, (parent, axis) in enumerate(zip(parents, axes, strict=True), start=1)
     )
-    text = GRIPPER.format(links=links, chain=chain, motors="".join(MOTOR.format(name) for name in motors))
+    text = GRIPPER.format(
+        links=links, chain=chain, motors="".join(MOTOR.format(name) for name in motors)
+    )
     (tmp_path / "r.urdf").write_text(text, encoding="utf-8")
     return symkin.load(tmp_path / "r.urdf")
 
@@ -71,7 +91,10 @@ def test_joints_at_which_loops_are_cut_have_sliders_too(tmp_path: Path) -> None:
 
 def test_a_page_says_which_sliders_are_not_those_of_motors() -> None:
     html = page_html(with_actuated(symkin.load("four_bar"), []))
-    assert "has a slider: no joint of the mechanism is actuated. --given gives sliders to others." in html
+    assert (
+        "has a slider: no joint of the mechanism is actuated. --given gives sliders to others."
+        in html
+    )
 
 
 def test_motors_that_decide_are_left_as_they_are() -> None:
@@ -79,7 +102,9 @@ def test_motors_that_decide_are_left_as_they_are() -> None:
         assert completed_sliders(symkin.load(name)) is None
 
 
-@pytest.mark.parametrize("name", ["urdf_loop_joint/strandbeest.urdf", "urdf_gepetto_yaml/digit_like_2legs.urdf"])
+@pytest.mark.parametrize(
+    "name", ["urdf_loop_joint/strandbeest.urdf", "urdf_gepetto_yaml/digit_like_2legs.urdf"]
+)
 def test_pages_of_large_robots_stay_small(name: str) -> None:
     """Below 1.5 MB without meshes, where more solutions are complex than are followed."""
     html = page_html(symkin.load(Path(__file__).parents[1] / "data" / "models" / name))
@@ -88,7 +113,9 @@ def test_pages_of_large_robots_stay_small(name: str) -> None:
 
 
 def test_sliders_are_the_motors_where_the_loops_close_only_to_digits() -> None:
-    """The Minitaur's reference is singular, and beside it its loops close to the file's digits alone: the mobility is that of `show`."""
+    """The Minitaur's reference is singular, and beside it its loops close to the file's digits
+    alone: the mobility is that of `show`.
+    """
     mechanism = symkin.load(Path(__file__).parents[1] / "data" / "models" / "sdf" / "minitaur.sdf")
     assert completed_sliders(mechanism) is None
     told = determination(problem_of_names(mechanism, tuple(c.name for c in mechanism.actuated)))
@@ -97,16 +124,25 @@ def test_sliders_are_the_motors_where_the_loops_close_only_to_digits() -> None:
 
 
 def test_a_page_begins_within_limits_where_a_mode_is() -> None:
-    """Limits of the rocker that leave out the branch of the reference: the page begins on the other one."""
+    """Limits of the rocker that leave out the branch of the reference: the page begins on the other
+    one.
+    """
     mechanism = symkin.load("four_bar")
     crank = mechanism.actuated[0].name
     first, second = symkin.modes(mechanism, given={crank: 60.0})
     near = symkin.solve(mechanism, given={crank: 60.0}).solution
-    other = max((first, second), key=lambda mode: float(np.abs(mode.variables - near.variables).max()))
-    name = next(n for n in near.joints if n != crank and abs(near.joints[n] - other.joints[n]) > 30.0)
+    other = max(
+        (first, second), key=lambda mode: float(np.abs(mode.variables - near.variables).max())
+    )
+    name = next(
+        n for n in near.joints if n != crank and abs(near.joints[n] - other.joints[n]) > 30.0
+    )
     half = np.deg2rad(10.0)
     limits = (np.deg2rad(other.joints[name]) - half, np.deg2rad(other.joints[name]) + half)
-    joints = [replace(e, joint=replace(e.joint, limits=limits)) if e.joint.name == name else e for e in mechanism.link_joints]
+    joints = [
+        replace(e, joint=replace(e.joint, limits=limits)) if e.joint.name == name else e
+        for e in mechanism.link_joints
+    ]
     limited = replace(mechanism, link_joints=tuple(joints))
     assert symkin.solve(limited, given={crank: 60.0}).solution.within_limits is False
     start = page_model(limited, {crank: 60.0}).model["start"]

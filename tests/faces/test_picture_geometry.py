@@ -15,7 +15,14 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 import symkin
-from helpers.inside import GraphPainter, graph_lines, links_of, pieces, reference_graph_lines, view_axes
+from helpers.inside import (
+    GraphPainter,
+    graph_lines,
+    links_of,
+    pieces,
+    reference_graph_lines,
+    view_axes,
+)
 from helpers.random_graphs import random_graph
 from helpers.samples import unit
 
@@ -45,7 +52,9 @@ def painted(lines, axes, *, origin=True):
     FigureCanvasAgg(figure)
     ax = figure.add_axes((0, 0, 1, 1))
     size = lines.mechanism.characteristic_length
-    painter = GraphPainter(ax, lines, axes, False, 100.0 / size, np.array([7.0, -3.0]), 5.0, origin=origin)
+    painter = GraphPainter(
+        ax, lines, axes, False, 100.0 / size, np.array([7.0, -3.0]), 5.0, origin=origin
+    )
     painter.draw()
     return painter
 
@@ -92,7 +101,9 @@ def test_drawn_points_are_moved_by_their_links(seed):
                 atol=1e-12 * size,
             )
     for rod, line in zip(mechanism.link_rods, lines.rods, strict=True):
-        np.testing.assert_allclose(line.start, moved(moves, rod.links[0], rod.start), atol=1e-12 * size)
+        np.testing.assert_allclose(
+            line.start, moved(moves, rod.links[0], rod.start), atol=1e-12 * size
+        )
         np.testing.assert_allclose(line.end, moved(moves, rod.links[1], rod.end), atol=1e-12 * size)
 
 
@@ -111,7 +122,9 @@ def test_the_picture_is_a_view_of_the_points(seed):
     for rod in lines.rods:
         (line,) = [a for a in named(painter, f"rod {rod.name}") if len(a.get_xdata()) == 2]
         np.testing.assert_allclose(line.get_xydata(), [seen(rod.start), seen(rod.end)], atol=1e-9)
-        ordered.setdefault("rod", []).append((axes[2] @ (0.5 * (rod.start + rod.end)), line.get_zorder()))
+        ordered.setdefault("rod", []).append(
+            (axes[2] @ (0.5 * (rod.start + rod.end)), line.get_zorder())
+        )
     for mark in lines.joints:
         first, *_ = named(painter, f"joint {mark.type} {mark.name}")
         ordered.setdefault(mark.actuated, []).append((axes[2] @ mark.centre, first.get_zorder()))
@@ -133,8 +146,12 @@ def crossing(upper):
     for link, way in (("first", (100.0, 0.0)), ("second", (0.0, 100.0))):
         x, y = way
         joints += [
-            symkin.LinkJoint(symkin.Joint(f"{link} start", "R", (-x, -y, heights[link]), z), ("base", link)),
-            symkin.LinkJoint(symkin.Joint(f"{link} end", "R", (x, y, heights[link]), z), (link, f"{link} tail")),
+            symkin.LinkJoint(
+                symkin.Joint(f"{link} start", "R", (-x, -y, heights[link]), z), ("base", link)
+            ),
+            symkin.LinkJoint(
+                symkin.Joint(f"{link} end", "R", (x, y, heights[link]), z), (link, f"{link} tail")
+            ),
         ]
     return symkin.Mechanism("crossing", link_joints=joints)
 
@@ -155,7 +172,9 @@ def test_the_nearer_link_has_the_pixel_of_the_crossing(upper, below):
     canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba())
     middle = pixels[pixels.shape[0] // 2, pixels.shape[1] // 2, :3] / 255
-    colours = {link: to_rgb(named(painter, f"link {link}")[0].get_color()) for link in ("first", "second")}
+    colours = {
+        link: to_rgb(named(painter, f"link {link}")[0].get_color()) for link in ("first", "second")
+    }
     assert min(colours, key=lambda link: np.linalg.norm(middle - colours[link])) == nearer
 
 
@@ -198,7 +217,9 @@ def test_pieces_of_crossing_lines_lie_over_each_other_by_depth(seed):
     for share, depth in zip(shares, depths, strict=True):
         along = np.array([*unit(rng, 2), 3.0 * rng.normal()])
         crossing = np.array([0.3, -0.2, depth])
-        lines.append((axes.T @ (crossing - share * along), axes.T @ (crossing + (1.0 - share) * along)))
+        lines.append(
+            (axes.T @ (crossing - share * along), axes.T @ (crossing + (1.0 - share) * along))
+        )
     lines += [(axes.T @ [9.0, 9.0, k], axes.T @ [9.0 + k, 11.0, k]) for k in (0.0, 1.0)]
     found = pieces(lines, axes)
     for number, (start, end) in enumerate(lines):

@@ -1,4 +1,6 @@
-"""What may be chosen of pictures: names, views and modes are drawn as chosen, and what is left out is said."""
+"""What may be chosen of pictures: names, views and modes are drawn as chosen, and what is left out
+is said.
+"""
 
 from functools import cache
 from itertools import combinations, pairwise
@@ -8,7 +10,14 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from helpers.inside import chosen_numbers, figure_of_modes, left_out, pieces, ranges_text, shown_numbers
+from helpers.inside import (
+    chosen_numbers,
+    figure_of_modes,
+    left_out,
+    pieces,
+    ranges_text,
+    shown_numbers,
+)
 from symkin import InputError
 
 
@@ -24,7 +33,13 @@ def labels_of(figure):
 
 @pytest.mark.parametrize(
     ("choice", "numbers"),
-    [("1-3,7", [1, 2, 3, 7]), ("all", list(range(1, 13))), ("10-40", [10, 11, 12]), ([5, 2, 2], [2, 5]), ("4", [4])],
+    [
+        ("1-3,7", [1, 2, 3, 7]),
+        ("all", list(range(1, 13))),
+        ("10-40", [10, 11, 12]),
+        ([5, 2, 2], [2, 5]),
+        ("4", [4]),
+    ],
 )
 def test_chosen_modes_are_rising_numbers(choice, numbers):
     """A range takes those of it that are there."""
@@ -33,9 +48,17 @@ def test_chosen_modes_are_rising_numbers(choice, numbers):
 
 @pytest.mark.parametrize(
     ("choice", "sentence"),
-    [("13", "there is no mode 13; there are 12 modes"), ("0", "numbers from 1"), ("3-1", "numbers from 1"), ("a", "'a' is no choice"),
-     ("", "no choice"), ("13-20", "none of these is there"), ("1,,2", "no choice"), ([-1], "no choice")],
-)  # fmt: skip
+    [
+        ("13", "there is no mode 13; there are 12 modes"),
+        ("0", "numbers from 1"),
+        ("3-1", "numbers from 1"),
+        ("a", "'a' is no choice"),
+        ("", "no choice"),
+        ("13-20", "none of these is there"),
+        ("1,,2", "no choice"),
+        ([-1], "no choice"),
+    ],
+)
 def test_a_choice_that_cannot_be_is_one_sentence(choice, sentence):
     with pytest.raises(InputError, match="--modes") as caught:
         chosen_numbers(choice, 12)
@@ -47,7 +70,9 @@ def test_too_many_panels_are_refused():
         chosen_numbers("all", 201)
 
 
-@pytest.mark.parametrize(("numbers", "text"), [([], ""), ([1], "1"), ([1, 2, 3, 7, 9, 10], "1-3, 7, 9-10")])
+@pytest.mark.parametrize(
+    ("numbers", "text"), [([], ""), ([1], "1"), ([1, 2, 3, 7, 9, 10], "1-3, 7, 9-10")]
+)
 def test_numbers_in_short(numbers, text):
     assert ranges_text(numbers) == text
 
@@ -60,19 +85,29 @@ def test_what_is_left_out_is_said():
     assert "shows 4 of 16 modes, leaves out 12: 1, 5-8, 10-16" in left_out(found, shown)
     assert left_out(found, range(1, 17)) == ""
     figure = figure_of_modes(found, modes="2-4,9")
-    assert {t.get_text() for t in figure.texts if t.get_text().startswith("mode ")} == {"mode 2", "mode 3", "mode 4", "mode 9"}
+    assert {t.get_text() for t in figure.texts if t.get_text().startswith("mode ")} == {
+        "mode 2",
+        "mode 3",
+        "mode 4",
+        "mode 9",
+    }
     assert "4 of 16 modes shown" in figure.get_suptitle()
 
 
 @pytest.mark.parametrize("name", ["zhao2000", "gluon_6l3", "ankle", "delta", "jansen_leg"])
 def test_names_are_written_apart_and_within(name):
-    """Every joint is named in each panel, no name over another or beyond the edge; without names there is none."""
+    """Every joint is named in each panel, no name over another or beyond the edge; without names
+    there is none.
+    """
     found = modes_of(name)
     figure = figure_of_modes(found, modes="1-2", names="all")
     renderer = figure.canvas.get_renderer()
     labels = labels_of(figure)
     boxes = [label.get_window_extent(renderer) for label in labels]
-    assert all(box.x0 >= 0 and box.y0 >= 0 and box.x1 <= figure.bbox.width and box.y1 <= figure.bbox.height for box in boxes)
+    assert all(
+        box.x0 >= 0 and box.y0 >= 0 and box.x1 <= figure.bbox.width and box.y1 <= figure.bbox.height
+        for box in boxes
+    )
     assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
     text = " ".join(label.get_text().replace("\n", " ") for label in labels)
     panels = min(2, len(found))
@@ -84,7 +119,8 @@ def test_names_are_written_apart_and_within(name):
 def test_links_and_joints_are_named_alone():
     found = modes_of("zhao2000")
     links, joints = (
-        {label.get_text() for label in labels_of(figure_of_modes(found, modes=[1], names=n))} for n in ("links", "joints")
+        {label.get_text() for label in labels_of(figure_of_modes(found, modes=[1], names=n))}
+        for n in ("links", "joints")
     )
     assert links == {"O", "P", "base", "platform", "trt1", "trt2", "trt3"}
     assert {"O", "P", "theta1", "radial1", "height1", "top1", "op"} <= joints
@@ -124,7 +160,9 @@ def test_titles_say_the_orientation():
     """Law: roll, pitch and yaw of a title are the mode's orientation."""
     mechanism = symkin.load("zhang2009")
     found = symkin.modes(mechanism)
-    texts = [t.get_text() for t in figure_of_modes(found).texts if "roll, pitch, yaw" in t.get_text()]
+    texts = [
+        t.get_text() for t in figure_of_modes(found).texts if "roll, pitch, yaw" in t.get_text()
+    ]
     assert len(texts) == len(found)
     for text, mode in zip(texts, found, strict=True):
         angles = [float(v) for v in text.split("yaw (")[1].split(")")[0].split(",")]
@@ -141,7 +179,9 @@ def test_the_legend_explains_frames(name):
 
 
 def test_of_crossing_lines_the_nearer_is_over():
-    """Law: the pieces of a line make it up; at each crossing one of the two is over, the one nearer to the eye."""
+    """Law: the pieces of a line make it up; at each crossing one of the two is over, the one nearer
+    to the eye.
+    """
     rng = np.random.default_rng(3)
     lines = [(rng.normal(size=3), rng.normal(size=3)) for _ in range(12)]
     axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
@@ -151,7 +191,9 @@ def test_of_crossing_lines_the_nearer_is_over():
         ends = [mine[0].start, *(piece.end for piece in mine)]
         np.testing.assert_allclose(ends[0], start)
         np.testing.assert_allclose(ends[-1], end)
-        assert sum(np.linalg.norm(b - a) for a, b in pairwise(ends)) == pytest.approx(np.linalg.norm(end - start))
+        assert sum(np.linalg.norm(b - a) for a, b in pairwise(ends)) == pytest.approx(
+            np.linalg.norm(end - start)
+        )
     over = [piece for piece in found if piece.over is not None]
     assert len(over) > 3
     for piece in over:
@@ -160,8 +202,14 @@ def test_of_crossing_lines_the_nearer_is_over():
         for other in found:
             gap, along = seen - axes[:2] @ other.start, axes[:2] @ (other.end - other.start)
             share = gap @ along / (along @ along)
-            if other.number != piece.number and 0 <= share <= 1 and np.linalg.norm(gap - share * along) < 1e-9:
-                others.append((other.nearness, axes[2] @ (other.start + share * (other.end - other.start))))
+            if (
+                other.number != piece.number
+                and 0 <= share <= 1
+                and np.linalg.norm(gap - share * along) < 1e-9
+            ):
+                others.append(
+                    (other.nearness, axes[2] @ (other.start + share * (other.end - other.start)))
+                )
         assert len(others) == 1
         assert others[0][1] < axes[2] @ piece.over
         assert others[0][0] < piece.nearness
@@ -170,7 +218,17 @@ def test_of_crossing_lines_the_nearer_is_over():
 def test_commands_take_the_options(tmp_path, capsys):
     path = tmp_path / "a.png"
     status, text, _ = run(
-        capsys, "modes", "zhao2000_links", "--plot", path, "--modes", "1-3", "--names", "joints", "--views", "top"
+        capsys,
+        "modes",
+        "zhao2000_links",
+        "--plot",
+        path,
+        "--modes",
+        "1-3",
+        "--names",
+        "joints",
+        "--views",
+        "top",
     )
     assert status == 0
     assert "leaves out 13: 4-16" in text
@@ -179,10 +237,22 @@ def test_commands_take_the_options(tmp_path, capsys):
     assert f"picture: {path}" in text
     for wrong, sentence in (
         (("modes", "zhao2000", "--names", "all"), "--names is given without --plot"),
-        (("modes", "zhao2000", "--plot", tmp_path / "b.png", "--modes", "x"), "'x' is no choice of modes"),
+        (
+            ("modes", "zhao2000", "--plot", tmp_path / "b.png", "--modes", "x"),
+            "'x' is no choice of modes",
+        ),
         (("modes", "zhao2000", "--plot", tmp_path / "b.png", "--modes", "9"), "there is no mode 9"),
         (
-            ("singularities", "zhao2000", "--plane", "theta1,op", "--plot", tmp_path / "b.png", "--names", "all"),
+            (
+                "singularities",
+                "zhao2000",
+                "--plane",
+                "theta1,op",
+                "--plot",
+                tmp_path / "b.png",
+                "--names",
+                "all",
+            ),
             "one configuration",
         ),
     ):

@@ -59,8 +59,12 @@ main(["modes", "zhang2009", "--json"])
 
 
 def test_json_stays_alone_on_stdout():
-    """A command that takes longer than the first line's time: the line is on stderr, stdout is one object."""
-    done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, timeout=120, check=False)
+    """A command that takes longer than the first line's time: the line is on stderr, stdout is one
+    object.
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", CODE], capture_output=True, text=True, timeout=120, check=False
+    )
     assert json.loads(done.stdout)["mechanism"] == "zhang2009"
     assert done.stderr.startswith("symkin: ")
     assert done.returncode == 0

@@ -1,4 +1,6 @@
-"""Quantities of the command line: numbers with units, and standard deviations that cannot be meant."""
+"""Quantities of the command line: numbers with units, and standard deviations that cannot be
+meant.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,10 @@ METRES = {"um": 1e-6, "mm": 1e-3, "m": 1.0, "in": 0.0254}
 def machine(length_unit: str, angle_unit: str) -> symkin.Mechanism:
     """An arm of two hinges 0.8 m apart."""
     far = 0.8 / METRES[length_unit]
-    joints = [symkin.Joint(f"q{k}", "R", [x, 0, 0], [0, 0, 1], actuated=True) for k, x in enumerate((0.0, far))]
+    joints = [
+        symkin.Joint(f"q{k}", "R", [x, 0, 0], [0, 0, 1], actuated=True)
+        for k, x in enumerate((0.0, far))
+    ]
     return symkin.Mechanism(
         "arm",
         [symkin.Limb("arm", joints)],

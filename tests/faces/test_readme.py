@@ -1,4 +1,6 @@
-"""The examples of documents run as they stand: Python, TOML, and commands with the output that is printed below them."""
+"""The examples of documents run as they stand: Python, TOML, and commands with the output that is
+printed below them.
+"""
 
 import os
 import shutil
@@ -9,17 +11,29 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from helpers.documents import ROOT, Command, blocks, is_as_printed, machines, sessions, shown_outputs
+from helpers.documents import (
+    ROOT,
+    Command,
+    blocks,
+    is_as_printed,
+    machines,
+    sessions,
+    shown_outputs,
+)
 from helpers.inside import parse
 from symkin import shipped_names
 
-TUTORIALS = tuple(str(path.relative_to(ROOT)) for path in sorted((ROOT / "docs" / "tutorials").glob("*.md")))
+TUTORIALS = tuple(
+    str(path.relative_to(ROOT)) for path in sorted((ROOT / "docs" / "tutorials").glob("*.md"))
+)
 DOCUMENTS = ("README.md", "docs/index.md", "docs/bring-your-robot.md", *TUTORIALS)
 ROBOTS = ROOT / "docs" / "robots"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("code", [code for document in DOCUMENTS for code in blocks(document, "python")])
+@pytest.mark.parametrize(
+    "code", [code for document in DOCUMENTS for code in blocks(document, "python")]
+)
 def test_python_blocks_run(
     code: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -33,7 +47,9 @@ def test_python_blocks_run(
 
 @pytest.mark.slow
 def test_toml_block_has_two_modes() -> None:
-    """The five-bar of the tutorial has the two modes of a dyad (Hunt 1978: two circles meet in two points)."""
+    """The five-bar of the tutorial has the two modes of a dyad (Hunt 1978: two circles meet in two
+    points).
+    """
     text = machines("docs/tutorials/describe.md")["five_bar.toml"]
     assert len(symkin.modes(parse(text, "five_bar.toml"), joints=[10, -10])) == 2
 
@@ -51,10 +67,15 @@ def test_shipped_mechanisms_are_listed() -> None:
     ids=lambda value: value if isinstance(value, str) else str(value[0]),
 )
 def test_commands_print_what_stands_below_them(
-    document: str, session: list[Command], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    document: str,
+    session: list[Command],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """In a copy of the folder of example robots, with the document's machines and, for tutorials, those of the first one; `...`
-    stands for any text."""
+    """In a copy of the folder of example robots, with the document's machines and, for tutorials,
+    those of the first one; `...` stands for any text.
+    """
     pytest.importorskip("mujoco")
     folder = Path(shutil.copytree(ROBOTS, tmp_path / "robots"))
     monkeypatch.chdir(folder)
@@ -78,13 +99,23 @@ def test_the_readmes_own_commands_are_among_them() -> None:
 
 
 def test_what_stands_below_a_command_may_be_wrong() -> None:
-    """The comparison tells other numbers, missing lines and lines too many; figures of the size of rounding are all one."""
+    """The comparison tells other numbers, missing lines and lines too many; figures of the size of
+    rounding are all one.
+    """
     told = "closed to ... m\n...\nnote: held\n"
     assert is_as_printed(told, "closed to 1e-17 m\n  \na\nb\nnote: held\n\n")
     assert is_as_printed(told, "closed to 2 m\nnote: held")
     assert is_as_printed("to 7.5e-12 mm", "to 1e-15 mm")
-    assert not any(is_as_printed("to 7.5e-12 mm", wrong) for wrong in ("to 7.5e-05 mm", "to 7.5 mm", "to 7.5e-12 m"))
-    for wrong in ("closed to 1e-17\na\nnote: held", "closed to 1 m\na", "closed to 1 m\nnote: held\nnote: lost", "note: held"):
+    assert not any(
+        is_as_printed("to 7.5e-12 mm", wrong)
+        for wrong in ("to 7.5e-05 mm", "to 7.5 mm", "to 7.5e-12 m")
+    )
+    for wrong in (
+        "closed to 1e-17\na\nnote: held",
+        "closed to 1 m\na",
+        "closed to 1 m\nnote: held\nnote: lost",
+        "note: held",
+    ):
         assert not is_as_printed(told, wrong)
 
 
@@ -98,8 +129,12 @@ def test_parts_of_files_are_those_of_the_files(language: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("code", "told"), [pair for document in DOCUMENTS for pair in shown_outputs(document)])
-def test_python_prints_what_stands_below_it(code: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("code", "told"), [pair for document in DOCUMENTS for pair in shown_outputs(document)]
+)
+def test_python_prints_what_stands_below_it(
+    code: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     """An `output` block below a Python block is what it prints."""
     exec(compile(code, "document", "exec"), {})
     assert is_as_printed(told, capsys.readouterr().out)
@@ -113,5 +148,13 @@ def test_c_of_the_firmware_tutorial_compiles(tmp_path: Path) -> None:
     symkin.write_firmware(symkin.load("zhang2009"), tmp_path, real="float")
     for number, code in enumerate(blocks("docs/tutorials/firmware.md", "c")):
         (tmp_path / f"block{number}.c").write_text(code, encoding="utf-8")
-        strict = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Wconversion", "-Werror", "-fsyntax-only"]
+        strict = [
+            "-std=c99",
+            "-Wall",
+            "-Wextra",
+            "-pedantic",
+            "-Wconversion",
+            "-Werror",
+            "-fsyntax-only",
+        ]
         subprocess.run(["gcc", *strict, f"block{number}.c"], cwd=tmp_path, check=True)

@@ -1,4 +1,6 @@
-"""A release can be made: versions and dependencies agree in every file that says them, the citation and the workflow are valid."""
+"""A release can be made: versions and dependencies agree in every file that says them, the citation
+and the workflow are valid.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +42,10 @@ def requirement(text):
 
 def pythons():
     """The versions of Python that the classifiers name."""
-    found = (re.fullmatch(r"Programming Language :: Python :: (3\.\d+)", text) for text in PROJECT["classifiers"])
+    found = (
+        re.fullmatch(r"Programming Language :: Python :: (3\.\d+)", text)
+        for text in PROJECT["classifiers"]
+    )
     return [match[1] for match in found if match]
 
 
@@ -70,7 +75,9 @@ def test_every_file_says_the_same_version():
 def test_another_tag_is_refused(monkeypatch, tmp_path):
     """One sentence, before anything is built; a tag needs its heading in the changelog."""
     monkeypatch.setattr("sys.argv", ["release.py", "--tag", "v9.9.9", "-o", str(tmp_path)])
-    with pytest.raises(SystemExit, match=r"^release: symkin/_version.py says .*the tag says 9\.9\.9"):
+    with pytest.raises(
+        SystemExit, match=r"^release: symkin/_version.py says .*the tag says 9\.9\.9"
+    ):
         script("release").main()
     assert not list(tmp_path.iterdir())
 
@@ -78,7 +85,9 @@ def test_another_tag_is_refused(monkeypatch, tmp_path):
 def test_what_is_unreleased_gets_a_heading_first():
     """A tag is refused while the newest heading of the changelog is another, "Unreleased" too."""
     said = script("release").said_elsewhere(f"v{symkin.__version__}")
-    newest = next(line for line in (ROOT / "CHANGELOG.md").read_text().splitlines() if line.startswith("## "))
+    newest = next(
+        line for line in (ROOT / "CHANGELOG.md").read_text().splitlines() if line.startswith("## ")
+    )
     assert said["the newest heading of CHANGELOG.md"] == newest.removeprefix("## ")
     assert said["the tag"] == symkin.__version__
 
@@ -88,7 +97,10 @@ def test_citation_is_valid():
     assert CITATION["cff-version"] == "1.2.0"
     assert {"message", "title", "authors"} <= set(CITATION)
     assert CITATION["type"] in ("software", "dataset")
-    assert all("name" in author or {"family-names", "given-names"} <= set(author) for author in CITATION["authors"])
+    assert all(
+        "name" in author or {"family-names", "given-names"} <= set(author)
+        for author in CITATION["authors"]
+    )
     assert isinstance(CITATION["date-released"], datetime.date)
     assert CITATION["license"] == PROJECT["license"]
     told = PROJECT.get("urls", {})
@@ -103,7 +115,9 @@ def test_the_workflow_runs_the_gate_on_each_python():
 
 
 def test_actions_are_pinned_by_commit():
-    used = [step["uses"] for job in WORKFLOW["jobs"].values() for step in job["steps"] if "uses" in step]
+    used = [
+        step["uses"] for job in WORKFLOW["jobs"].values() for step in job["steps"] if "uses" in step
+    ]
     assert used
     assert all(re.fullmatch(r"[\w-]+/[\w-]+@[0-9a-f]{40}", name) for name in used)
     assert WORKFLOW["permissions"] == {"contents": "read"}

@@ -1,4 +1,6 @@
-"""What every result offers: a short repr, HTML for notebooks, the JSON of the command line, a picture; and joints by name."""
+"""What every result offers: a short repr, HTML for notebooks, the JSON of the command line, a
+picture; and joints by name.
+"""
 
 from __future__ import annotations
 
@@ -42,25 +44,52 @@ def results() -> dict[str, Result]:
         "no modes": symkin.modes(symkin.load("zhang2009"), joints=[1, 900, 1, 900, 1, 900]),
         "solve": here,
         "solution": here.solution,
-        "failed": symkin.solve(symkin.load("zhang2009"), joints=[1, 900, 1, 900, 1, 900], check=False),
+        "failed": symkin.solve(
+            symkin.load("zhang2009"), joints=[1, 900, 1, 900, 1, 900], check=False
+        ),
         "track": symkin.track(PLATFORM, joints=[GIVEN, [85.0, *GIVEN[1:]]], samples=1000),
-        "singularity": symkin.singularity(symkin.load("zhang2009"), pose=[0, 0, 300, math.sqrt(0.5), 0, 0, math.sqrt(0.5)]),
+        "singularity": symkin.singularity(
+            symkin.load("zhang2009"), pose=[0, 0, 300, math.sqrt(0.5), 0, 0, math.sqrt(0.5)]
+        ),
         "loci": symkin.singular_loci(bar, ("q1", "q2"), starts=10),
-        "mode graph": symkin.mode_graph(BARS, [("q1", 80, 90), ("q2", 90, 100)], 3, joints=[85.0, 95.0]),
+        "mode graph": symkin.mode_graph(
+            BARS, [("q1", 80, 90), ("q2", 90, 100)], 3, joints=[85.0, 95.0]
+        ),
         "mobility": symkin.mobility(symkin.load("zhao2000_links")),
         "jacobian": symkin.jacobian(arm),
         "calibration": symkin.calibrate(arm, readings),
         "rates": symkin.jacobian(symkin.load("four_bar"), of=["follower"], by=["crank"]),
         "closed": symkin.close("four_bar"),
-        "sweep": symkin.sweep(symkin.load("four_bar"), given={"crank": [0.0, 60.0, 90.0]}, directory=mkdtemp() + "/s", workers=0),
-        "plan": symkin.plan_measurements(arm, 8, {"angles": 1e-4, "position": 0.05}, groups=0, readings=["position"]),
+        "sweep": symkin.sweep(
+            symkin.load("four_bar"),
+            given={"crank": [0.0, 60.0, 90.0]},
+            directory=mkdtemp() + "/s",
+            workers=0,
+        ),
+        "plan": symkin.plan_measurements(
+            arm, 8, {"angles": 1e-4, "position": 0.05}, groups=0, readings=["position"]
+        ),
     }
 
 
 NAMES = (
-    "modes", "no modes", "solve", "solution", "failed", "track", "singularity", "loci", "mode graph", "mobility", "jacobian",
-    "calibration", "plan", "rates", "closed", "sweep",
-)  # fmt: skip
+    "modes",
+    "no modes",
+    "solve",
+    "solution",
+    "failed",
+    "track",
+    "singularity",
+    "loci",
+    "mode graph",
+    "mobility",
+    "jacobian",
+    "calibration",
+    "plan",
+    "rates",
+    "closed",
+    "sweep",
+)
 
 
 class Checker(HTMLParser):
@@ -96,8 +125,9 @@ def checked(html: str) -> Checker:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_repr_is_a_short_table(name: str) -> None:
-    """Law: below 3,000 characters whatever the result holds, beginning as what print writes, and not Python's own of a
-    dataclass."""
+    """Law: below 3,000 characters whatever the result holds, beginning as what print writes, and
+    not Python's own of a dataclass.
+    """
     result = results()[name]
     assert len(repr(result)) < MOST_CHARACTERS
     assert repr(result).splitlines()[0][:40] == str(result).splitlines()[0][:40]
@@ -118,13 +148,17 @@ def test_the_dictionary_is_json(name: str) -> None:
 
 
 def test_every_type_of_result_is_tried_here() -> None:
-    """Each class that is a Result has one above, so that the laws of this module hold for all of them."""
+    """Each class that is a Result has one above, so that the laws of this module hold for all of
+    them.
+    """
 
     def below(kind: type) -> set[type]:
         return {kind, *(each for sub in kind.__subclasses__() for each in below(sub))}
 
     kinds = {kind for kind in below(Result) - {Result} if kind.__module__.startswith("symkin.")}
-    assert {kind.__name__ for kind in kinds} == {type(result).__name__ for result in results().values()}
+    assert {kind.__name__ for kind in kinds} == {
+        type(result).__name__ for result in results().values()
+    }
 
 
 @pytest.mark.parametrize("name", [n for n in NAMES if n != "failed"])
@@ -139,7 +173,13 @@ def test_the_picture_is_drawn_and_written(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "options"), [("failed", {}), ("plan", {"names": "all"}), ("modes", {"size": 3}), ("calibration", {"what": "x"})]
+    ("name", "options"),
+    [
+        ("failed", {}),
+        ("plan", {"names": "all"}),
+        ("modes", {"size": 3}),
+        ("calibration", {"what": "x"}),
+    ],
 )
 def test_a_picture_that_cannot_be_is_one_sentence(name: str, options: dict[str, Any]) -> None:
     with pytest.raises(InputError, match="plot: "):
@@ -156,7 +196,10 @@ def test_long_tables_are_cut_and_say_so() -> None:
 def test_text_of_others_is_escaped_in_html() -> None:
     """Law: no markup of a title, a name or a value reaches the page."""
     hostile = "<script>alert(1)</script>&\x1b[2J"
-    for summary in (Summary([hostile], [hostile], [[hostile]], [hostile]), Summary([f"{hostile}: {hostile}"])):
+    for summary in (
+        Summary([hostile], [hostile], [[hostile]], [hostile]),
+        Summary([f"{hostile}: {hostile}"]),
+    ):
         checker = checked(summary.html())
         assert "<script>alert(1)</script>&" in checker.text
         assert "\x1b" not in checker.text
@@ -167,12 +210,17 @@ def test_no_repr_is_longer_than_a_screen() -> None:
 
     class Long(Result):
         def summary(self, most_rows: int | None = None) -> Summary:
-            return Summary([200 * "word "], ["#"], [["1"]] * (1000 if most_rows is None else most_rows), 100 * ["more words"] * 3)
+            return Summary(
+                [200 * "word "],
+                ["#"],
+                [["1"]] * (1000 if most_rows is None else most_rows),
+                100 * ["more words"] * 3,
+            )
 
     assert len(repr(Long())) <= LONGEST_REPR + 3
 
 
-# --- the command line ----------------------------------------------------------------------------------------------
+# --- the command line -----------------------------------------------------------------------------
 
 
 def _less_time(value: dict[str, Any]) -> dict[str, Any]:
@@ -190,20 +238,38 @@ def test_dictionaries_are_the_json_of_commands(capsys) -> None:
         (["solve", "zhao2000", *joints], here),
         (["singularities", "zhao2000", *joints], symkin.singularity(PLATFORM, joints=GIVEN)),
         (
-            ["singularities", "zhao2000", *joints, "--plane", "theta1,op", "--range", "20:150,1:200", "--starts", "5"],
-            symkin.singular_loci(here.solution, ("theta1", "op"), ranges=[(20.0, 150.0), (1.0, 200.0)], starts=5),
+            [
+                "singularities",
+                "zhao2000",
+                *joints,
+                "--plane",
+                "theta1,op",
+                "--range",
+                "20:150,1:200",
+                "--starts",
+                "5",
+            ],
+            symkin.singular_loci(
+                here.solution, ("theta1", "op"), ranges=[(20.0, 150.0), (1.0, 200.0)], starts=5
+            ),
         ),
-        (["track", "zhao2000", *ends, "--samples", "3"], symkin.track(PLATFORM, joints=[GIVEN, [85.0, *GIVEN[1:]]], samples=3)),
+        (
+            ["track", "zhao2000", *ends, "--samples", "3"],
+            symkin.track(PLATFORM, joints=[GIVEN, [85.0, *GIVEN[1:]]], samples=3),
+        ),
         (["show", "zhao2000"], symkin.mobility(PLATFORM)),
     ]
     for arguments, result in pairs:
         _, printed = run_json(capsys, *arguments)
-        assert _less_time(printed) == json.loads(json.dumps(_less_time(result.to_dict()))), arguments[0]
+        assert _less_time(printed) == json.loads(json.dumps(_less_time(result.to_dict()))), (
+            arguments[0]
+        )
 
 
 def test_show_as_json_counts_links_and_loops(capsys) -> None:
-    """Closed forms: a planar four-bar has 4 links, 4 joints, 1 loop; 3-TRT+SPS, by links, 16, 18 and 3. Loops = joints - links +
-    1."""
+    """Closed forms: a planar four-bar has 4 links, 4 joints, 1 loop; 3-TRT+SPS, by links, 16, 18
+    and 3. Loops = joints - links + 1.
+    """
     _, shown = run_json(capsys, "show", "zhao2000_links")
     assert (shown["links"], shown["joints"], shown["loops"]) == (16, 18, 3)
     assert shown["mobility"] == shown["generic"]["mobility"] == 4
@@ -213,12 +279,14 @@ def test_show_as_json_counts_links_and_loops(capsys) -> None:
     assert "both --latex and --json" in err
 
 
-# --- joints by name ------------------------------------------------------------------------------------------------
+# --- joints by name -------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 def test_joints_by_name_are_joints_in_order() -> None:
-    """Law: in every verb that takes joints, values by name, in any order, give what values in file order give."""
+    """Law: in every verb that takes joints, values by name, in any order, give what values in file
+    order give.
+    """
     pose = symkin.solve(PLATFORM, joints=GIVEN).solution.pose
     further = [v + 1.0 for v in GIVEN]
     columns = {name: [value, value + 1.0] for name, value in NAMED.items()}
@@ -229,13 +297,19 @@ def test_joints_by_name_are_joints_in_order() -> None:
         (symkin.singularity, {"joints": NAMED}, {"joints": GIVEN}),
         (symkin.track, {"joints": columns}, {"joints": [GIVEN, further]}),
         (symkin.track, {"joints": [NAMED, further]}, {"joints": [GIVEN, further]}),
-        (symkin.track, {"poses": [pose, pose], "start": NAMED}, {"poses": [pose, pose], "start": GIVEN}),
+        (
+            symkin.track,
+            {"poses": [pose, pose], "start": NAMED},
+            {"poses": [pose, pose], "start": GIVEN},
+        ),
     ]
     for verb, named, ordered in verbs:
         one, other = (_less_time(verb(PLATFORM, **given).to_dict()) for given in (named, ordered))
         assert one == other, verb.__name__
     axes = [("theta1", 80.0, 82.0), ("op", 105.0, 106.0)]
-    graphs = [symkin.mode_graph(PLATFORM, axes, 2, joints=given).to_dict() for given in (NAMED, GIVEN)]
+    graphs = [
+        symkin.mode_graph(PLATFORM, axes, 2, joints=given).to_dict() for given in (NAMED, GIVEN)
+    ]
     assert graphs[0] == graphs[1]
     many = symkin.modes(PLATFORM, joints=columns)
     assert [m.given for m in many] == [{"joints": GIVEN}, {"joints": further}]
@@ -246,15 +320,26 @@ def test_sweeps_hold_joints_by_name(tmp_path) -> None:
     arrays = []
     for k, at in enumerate((NAMED, GIVEN)):
         symkin.sweep(PLATFORM, {"theta1": [80.0, 81.0]}, tmp_path / str(k), at=at, workers=0)
-        arrays.append(symkin.sweep(PLATFORM, {"theta1": [80.0, 81.0]}, tmp_path / str(k), at=at, workers=0).open())
+        arrays.append(
+            symkin.sweep(
+                PLATFORM, {"theta1": [80.0, 81.0]}, tmp_path / str(k), at=at, workers=0
+            ).open()
+        )
     assert arrays[0].equals(arrays[1])
 
 
 @pytest.mark.parametrize(
     ("joints", "said"),
     [
-        ({"theta1": 80.0}, "joints: no value is given for theta2, theta3, op; the actuated joints of zhao2000 are"),
-        ({**NAMED, "leg1": 1.0}, "joints: 'leg1' is unknown; the actuated joints of zhao2000 are theta1, theta2, theta3, op"),
+        (
+            {"theta1": 80.0},
+            "joints: no value is given for theta2, theta3, op; the actuated joints of zhao2000 are",
+        ),
+        (
+            {**NAMED, "leg1": 1.0},
+            "joints: 'leg1' is unknown; the actuated joints of zhao2000 are theta1, theta2, "
+            "theta3, op",
+        ),
         ({**NAMED, "op": "long"}, "joints: value 4 = 'long' is not a number"),
         ({}, "no value is given for theta1, theta2, theta3, op"),
     ],
@@ -268,14 +353,17 @@ def test_joint_names_are_no_pose() -> None:
     with pytest.raises(InputError, match="start: values by name are given"):
         symkin.solve(PLATFORM, joints=GIVEN, start=NAMED)
     with pytest.raises(InputError, match="columns have different counts of values"):
-        symkin.track(PLATFORM, joints={name: [value] * (1 + (name == "op")) for name, value in NAMED.items()})
+        symkin.track(
+            PLATFORM, joints={name: [value] * (1 + (name == "op")) for name, value in NAMED.items()}
+        )
 
 
 def test_commands_take_joints_by_name(capsys) -> None:
     named = ",".join(f"{name} = {value}" for name, value in NAMED.items())
     for command in (["solve"], ["modes"], ["singularities"]):
         (_, one), (_, other) = (
-            run_json(capsys, *command, "zhao2000", "--joints", text) for text in (named, "81.6,202.8,330.6,105.2")
+            run_json(capsys, *command, "zhao2000", "--joints", text)
+            for text in (named, "81.6,202.8,330.6,105.2")
         )
         assert _less_time(one) == _less_time(other)
     for text, said in (

@@ -1,4 +1,6 @@
-"""Results travel: what the verbs return comes back from a process pool, and from copy and deepcopy, as it was."""
+"""Results travel: what the verbs return comes back from a process pool, and from copy and deepcopy,
+as it was.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,16 @@ from helpers.inside import (
     velocity_equations,
 )
 from helpers.samples import five_bar, three_rrr
-from symkin import InputError, Measurements, Mechanism, Pose, SolveError, mode_graph, plan_measurements, singular_loci
+from symkin import (
+    InputError,
+    Measurements,
+    Mechanism,
+    Pose,
+    SolveError,
+    mode_graph,
+    plan_measurements,
+    singular_loci,
+)
 
 BARS = five_bar()
 
@@ -39,7 +50,10 @@ def measured() -> Measurements:
     angles = np.radians([[80, 100], [90, 90], [100, 70], [70, 120], [85, 95], [110, 80], [75, 105]])
     tips = []
     for one, two in angles:
-        a, b = 60.1 * np.array([math.cos(one), math.sin(one)]), 60.1 * np.array([math.cos(two), math.sin(two)]) + [100, 0]
+        a, b = (
+            60.1 * np.array([math.cos(one), math.sin(one)]),
+            60.1 * np.array([math.cos(two), math.sin(two)]) + [100, 0],
+        )
         half, normal = (b - a) / 2, np.array([-(b - a)[1], (b - a)[0]]) / np.linalg.norm(b - a)
         tips.append([*(a + half + math.sqrt(6400 - half @ half) * normal), 0.0])
     return Measurements(angles, position=np.array(tips), position_sigma=0.01)
@@ -47,7 +61,14 @@ def measured() -> Measurements:
 
 def planned(workspace: Workspace) -> Plan:
     readings, names = ("position", "orientation"), ["limb1.q1.point.x"]
-    return plan_measurements(workspace, 4, Noise(position=0.01, orientation=0.01), groups=0, readings=readings, parameters=names)
+    return plan_measurements(
+        workspace,
+        4,
+        Noise(position=0.01, orientation=0.01),
+        groups=0,
+        readings=readings,
+        parameters=names,
+    )
 
 
 def failing() -> SolveError:
@@ -61,7 +82,10 @@ def results() -> dict[str, Any]:
     """One of each public result."""
     tip = symkin.solve(BARS, joints=[80.0, 100.0])
     stopped = symkin.track(BARS, joints=[[90.0, 90.0], [170.0, 10.0]], samples=3, name_modes=False)
-    jacobians = {f"jacobian {kind}": symkin.jacobian(BARS, kind) for kind in ("direct", "inverse", "analytic", "passive")}
+    jacobians = {
+        f"jacobian {kind}": symkin.jacobian(BARS, kind)
+        for kind in ("direct", "inverse", "analytic", "passive")
+    }
     workspace = Workspace.about(three_rrr("planar"))
     plan = planned(workspace)
     matrices = velocity_equations(BARS).at(tip.solution)
@@ -81,7 +105,9 @@ def results() -> dict[str, Any]:
         "loci": singular_loci(tip.solution, ("q1", "q2"), starts=2),
         "mode graph": mode_graph(BARS, [("q1", 80, 90), ("q2", 90, 100)], 2, joints=[85.0, 95.0]),
         "mobility": symkin.mobility(BARS),
-        "calibration": symkin.calibrate(BARS, measured(), parameters=["left.q1.point.x", "left.b1.point.y"]),
+        "calibration": symkin.calibrate(
+            BARS, measured(), parameters=["left.q1.point.x", "left.b1.point.y"]
+        ),
         "measurements": measured(),
         "workspace": workspace,
         "plan": plan,
@@ -93,14 +119,39 @@ def results() -> dict[str, Any]:
 
 
 NAMES = (
-    "mechanism", "pose", "solve", "solution", "modes", "jacobian direct", "jacobian inverse", "jacobian analytic",
-    "jacobian passive", "jacobian of the geometry", "velocity equations", "velocity matrices", "track", "stopped track",
-    "singularity", "loci", "mode graph", "mobility", "calibration", "measurements", "workspace", "plan", "error", "not fitted", "closure", "problem",
-)  # fmt: skip
+    "mechanism",
+    "pose",
+    "solve",
+    "solution",
+    "modes",
+    "jacobian direct",
+    "jacobian inverse",
+    "jacobian analytic",
+    "jacobian passive",
+    "jacobian of the geometry",
+    "velocity equations",
+    "velocity matrices",
+    "track",
+    "stopped track",
+    "singularity",
+    "loci",
+    "mode graph",
+    "mobility",
+    "calibration",
+    "measurements",
+    "workspace",
+    "plan",
+    "error",
+    "not fitted",
+    "closure",
+    "problem",
+)
 
 
 def numbers(value: Any, seen: tuple[int, ...] = ()) -> Iterator[tuple[str, bytes]]:
-    """All numbers and texts that a result holds, exactly; expressions by their size and their own text."""
+    """All numbers and texts that a result holds, exactly; expressions by their size and their own
+    text.
+    """
     if id(value) in seen:
         return
     if isinstance(value, ca.SX | ca.DM):
@@ -109,7 +160,9 @@ def numbers(value: Any, seen: tuple[int, ...] = ()) -> Iterator[tuple[str, bytes
         yield "array", repr(value.shape).encode() + value.tobytes()
     elif isinstance(value, Mapping):
         for key, item in value.items():
-            yield from ((f"{key}: {name}", data) for name, data in numbers(item, (*seen, id(value))))
+            yield from (
+                (f"{key}: {name}", data) for name, data in numbers(item, (*seen, id(value)))
+            )
     elif isinstance(value, tuple | list | frozenset):
         for item in sorted(value) if isinstance(value, frozenset) else value:
             yield from numbers(item, (*seen, id(value)))
@@ -118,7 +171,9 @@ def numbers(value: Any, seen: tuple[int, ...] = ()) -> Iterator[tuple[str, bytes
     elif is_dataclass(value):
         for field in fields(value):
             item = getattr(value, field.name)
-            yield from ((f"{field.name}.{name}", data) for name, data in numbers(item, (*seen, id(value))))
+            yield from (
+                (f"{field.name}.{name}", data) for name, data in numbers(item, (*seen, id(value)))
+            )
     else:
         yield type(value).__name__, repr(value).encode()
 
@@ -165,7 +220,9 @@ def test_a_result_comes_back_from_a_process_pool(name: str, pool: ProcessPoolExe
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(
-    "way", [copy.copy, copy.deepcopy, lambda v: pickle.loads(pickle.dumps(v))], ids=["copy", "deep", "pickle"]
+    "way",
+    [copy.copy, copy.deepcopy, lambda v: pickle.loads(pickle.dumps(v))],
+    ids=["copy", "deep", "pickle"],
 )
 def test_a_result_is_copied(name: str, way: Any) -> None:
     value = results()[name]
@@ -199,11 +256,17 @@ def test_a_jacobian_that_came_back_has_the_same_values(pool: ProcessPoolExecutor
 def test_a_calibration_report_comes_back(pool: ProcessPoolExecutor, tmp_path) -> None:
     """What `calibrate fit` writes is made from a report that has travelled."""
     m = measured()
-    rows = [f"{math.degrees(a)},{math.degrees(b)},{x},{y},{z}" for (a, b), (x, y, z) in zip(m.joints, m.position, strict=True)]
+    rows = [
+        f"{math.degrees(a)},{math.degrees(b)},{x},{y},{z}"
+        for (a, b), (x, y, z) in zip(m.joints, m.position, strict=True)
+    ]
     path = tmp_path / "data.csv"
     path.write_text("\n".join(["q1[deg],q2[deg],x[mm],y[mm],z[mm]", *rows]), encoding="utf-8")
     report = fit_file(
-        BARS, read_measurements(path, BARS), parameters="left.q1.point.x,left.b1.point.y", sigmas={"position": 0.01}
+        BARS,
+        read_measurements(path, BARS),
+        parameters="left.q1.point.x,left.b1.point.y",
+        sigmas={"position": 0.01},
     )
     back, text = pool.submit(texts, report).result()
     assert text == str(report) == str(back)

@@ -1,4 +1,6 @@
-"""`show` of graphs: loops, rank, mobility and redundant constraints, and what is said of loops that close to a file's digits or not."""
+"""`show` of graphs: loops, rank, mobility and redundant constraints, and what is said of loops that
+close to a file's digits or not.
+"""
 
 import json
 from dataclasses import replace
@@ -26,7 +28,9 @@ def rounded(mechanism: symkin.Mechanism, digits: int) -> symkin.Mechanism:
 
 @pytest.mark.parametrize("name", sorted(GALLERY))
 def test_counts_are_those_of_the_gallery(name):
-    """Links, loops, mobility and redundant constraints, at the reference and at generic configurations."""
+    """Links, loops, mobility and redundant constraints, at the reference and at generic
+    configurations.
+    """
     known = GALLERY[name]
     shown = symkin.mobility(symkin.load(name)).to_dict()
     assert (shown["links"], shown["joints"]) == (known["links"], known["joints"] + known["rods"])
@@ -66,9 +70,14 @@ def rank_modulo_two(rows: np.ndarray) -> int:
     return rank
 
 
-@pytest.mark.parametrize(("name", "redundant"), [("four_bar", 3), ("bennett", 3), ("goldberg", 2), ("bricard", 1), ("sarrus", 1)])
+@pytest.mark.parametrize(
+    ("name", "redundant"),
+    [("four_bar", 3), ("bennett", 3), ("goldberg", 2), ("bricard", 1), ("sarrus", 1)],
+)
 def test_a_single_loop_has_all_of_the_redundant_rows(name, redundant):
-    """A planar loop, and Bennett's, holds three freedoms of six, Goldberg's four, Bricard's and Sarrus's five."""
+    """A planar loop, and Bennett's, holds three freedoms of six, Goldberg's four, Bricard's and
+    Sarrus's five.
+    """
     found = symkin.mobility(symkin.load(name))
     (loop,) = found.loops
     assert (loop.redundant, loop.rows, loop.rank) == (redundant, found.rows, found.rank.value)
@@ -79,7 +88,9 @@ def test_planar_loops_of_a_leg_have_three_redundant_rows_each():
     assert [loop.redundant for loop in found.loops] == [3, 3, 3]
 
 
-@pytest.mark.parametrize("name", ["ankle", "double_wishbone", "jansen_leg", "spherical_wrist", "delta_parallelograms"])
+@pytest.mark.parametrize(
+    "name", ["ankle", "double_wishbone", "jansen_leg", "spherical_wrist", "delta_parallelograms"]
+)
 def test_constraints_do_no_work_on_the_twists_that_are_left(name):
     found = symkin.mobility(symkin.load(name))
     size = found.closure.characteristic_length
@@ -90,19 +101,24 @@ def test_constraints_do_no_work_on_the_twists_that_are_left(name):
 
 
 def test_a_wrist_turns_about_its_centre_alone():
-    """The joints' axes of the spherical wrist meet in the base origin: its twists have no velocity there."""
+    """The joints' axes of the spherical wrist meet in the base origin: its twists have no velocity
+    there.
+    """
     twists = symkin.mobility(symkin.load("spherical_wrist")).platform_twists
     assert twists.shape == (3, 6)
     np.testing.assert_allclose(twists[:, 3:], 0.0, atol=1e-9)
 
 
-# --- loops that close to digits, or not ----------------------------------------------------------------------------
+# --- loops that close to digits, or not -----------------------------------------------------------
 
 
 @pytest.mark.parametrize(("name", "digits"), [("bennett", 5), ("bennett", 6), ("goldberg", 6)])
 def test_an_overconstrained_loop_in_few_digits_is_said_to_close_to_these(name, digits):
     """Rounded, such a loop is rigid; to its digits it moves as the exact one does."""
-    exact, found = symkin.mobility(symkin.load(name)), symkin.mobility(rounded(symkin.load(name), digits))
+    exact, found = (
+        symkin.mobility(symkin.load(name)),
+        symkin.mobility(rounded(symkin.load(name), digits)),
+    )
     assert found.digits is not None
     assert found.mobility == 0
     assert found.freedoms - found.digits.rank == exact.mobility == 1
@@ -114,7 +130,9 @@ def test_an_overconstrained_loop_in_few_digits_is_said_to_close_to_these(name, d
 
 
 def test_a_loop_that_cannot_close_is_named_with_its_misfit():
-    """A rod of 700 between a crank of 45 and a foot that hangs 250 below: it is too long in the loop that holds it."""
+    """A rod of 700 between a crank of 45 and a foot that hangs 250 below: it is too long in the
+    loop that holds it.
+    """
     ankle = symkin.load("ankle")
     first, second = ankle.link_rods
     found = symkin.mobility(replace(ankle, link_rods=(replace(first, length=700.0), second)))
@@ -127,18 +145,26 @@ def test_a_loop_that_cannot_close_is_named_with_its_misfit():
 
 
 def test_modes_and_solve_name_the_loop_that_cannot_close():
-    """Whatever is given, a rod that is too long leaves its loop open; a reach that ends is no such fault."""
+    """Whatever is given, a rod that is too long leaves its loop open; a reach that ends is no such
+    fault.
+    """
     ankle = symkin.load("ankle")
     first, second = ankle.link_rods
     long = replace(ankle, link_rods=(replace(first, length=700.0), second))
     given = {"upper_motor": 10.0, "lower_motor": 5.0}
-    for notes in (symkin.modes(long, given=given).notes, symkin.solve(long, given=given, check=False).notes):
-        assert any("ankle, upper_motor, upper_rod" in note and "whatever is given" in note for note in notes)
+    for notes in (
+        symkin.modes(long, given=given).notes,
+        symkin.solve(long, given=given, check=False).notes,
+    ):
+        assert any(
+            "ankle, upper_motor, upper_rod" in note and "whatever is given" in note
+            for note in notes
+        )
     far = symkin.modes(symkin.load("slider_crank"), given={"piston": 5000.0})
     assert not any("whatever is given" in note for note in far.notes)
 
 
-# --- the command ---------------------------------------------------------------------------------------------------
+# --- the command ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", sorted(GALLERY))
@@ -164,21 +190,31 @@ def test_the_equations_of_every_graph_are_written(name, capsys):
     assert text.count("&&") >= rows
 
 
-# --- links between balls -------------------------------------------------------------------------------------------
+# --- links between balls --------------------------------------------------------------------------
 
 
 def ball_chain(*, rod: bool, platform: str | None) -> symkin.Mechanism:
-    """Two arms on the base; between their tips a ball, a link, and a second ball or a rod with balls at both ends."""
+    """Two arms on the base; between their tips a ball, a link, and a second ball or a rod with
+    balls at both ends.
+    """
     z = (0.0, 0.0, 1.0)
     joints = [
-        symkin.LinkJoint(symkin.Joint("left", "R", (0, 0, 0), z, actuated=True), ("base", "left_arm")),
-        symkin.LinkJoint(symkin.Joint("right", "R", (200, 0, 0), (0, 1, 0), actuated=True), ("base", "right_arm")),
+        symkin.LinkJoint(
+            symkin.Joint("left", "R", (0, 0, 0), z, actuated=True), ("base", "left_arm")
+        ),
+        symkin.LinkJoint(
+            symkin.Joint("right", "R", (200, 0, 0), (0, 1, 0), actuated=True), ("base", "right_arm")
+        ),
         symkin.LinkJoint(symkin.Joint("ball", "S", (0, 80, 10)), ("left_arm", "strut")),
     ]
     ends = symkin.LinkRod("bar", ("strut", "right_arm"), (90, 60, 30), (200, 20, 70))
     if not rod:
-        joints.append(symkin.LinkJoint(symkin.Joint("ball2", "S", (200, 20, 70)), ("strut", "right_arm")))
-    return symkin.Mechanism("balls", link_joints=joints, link_rods=[ends] if rod else [], platform_link=platform)
+        joints.append(
+            symkin.LinkJoint(symkin.Joint("ball2", "S", (200, 20, 70)), ("strut", "right_arm"))
+        )
+    return symkin.Mechanism(
+        "balls", link_joints=joints, link_rods=[ends] if rod else [], platform_link=platform
+    )
 
 
 @pytest.mark.parametrize("platform", [None, "left_arm", "strut"])
@@ -190,7 +226,9 @@ def test_a_link_between_a_ball_and_a_rod_keeps_its_freedoms(platform):
 
 @pytest.mark.parametrize(("platform", "mobility"), [(None, 1), ("left_arm", 1), ("strut", 2)])
 def test_the_spin_of_a_strut_counts_where_its_pose_is_told(platform, mobility):
-    """Two balls on a strut: one distance between two arms; how the strut is turned about their line matters to its own pose alone."""
+    """Two balls on a strut: one distance between two arms; how the strut is turned about their line
+    matters to its own pose alone.
+    """
     found = symkin.mobility(ball_chain(rod=False, platform=platform))
     assert (found.mobility, found.redundant) == (mobility, 0)
     if platform == "strut":

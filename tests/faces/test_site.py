@@ -18,8 +18,11 @@ ROOT = Path(__file__).resolve().parents[2]
 def build(folder: Path, *options: str) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", *options, "docs", str(folder)],
-        cwd=ROOT, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr[-4000:]
 
 
@@ -46,15 +49,24 @@ def test_whole_gallery_is_built(tmp_path: Path) -> None:
     import symkin
 
     build(tmp_path)
-    assert {path.stem for path in (tmp_path / "moving").glob("*.html")} == set(symkin.shipped_names())
+    assert {path.stem for path in (tmp_path / "moving").glob("*.html")} == set(
+        symkin.shipped_names()
+    )
 
 
-def test_a_command_that_draws_nothing_is_named_with_its_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_command_that_draws_nothing_is_named_with_its_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """In place of the picture that is missing."""
     monkeypatch.syspath_prepend(str(ROOT / "docs"))
     from _site.pictures import draw_pictures
 
     page = tmp_path / "page.md"
-    page.write_text("```console\n$ symkin modes no_such_machine --plot seen.png\n```\n", encoding="utf-8")
-    with pytest.raises(RuntimeError, match=r"page: symkin modes no_such_machine .* drew nothing .*'no_such_machine' is unknown"):
+    page.write_text(
+        "```console\n$ symkin modes no_such_machine --plot seen.png\n```\n", encoding="utf-8"
+    )
+    with pytest.raises(
+        RuntimeError,
+        match=r"page: symkin modes no_such_machine .* drew nothing .*'no_such_machine' is unknown",
+    ):
         draw_pictures([page], tmp_path / "pictures")

@@ -1,5 +1,6 @@
-"""Kinematic sketches: every joint with the symbol of its type, texts apart, planar mechanisms in their plane, the same bytes
-again."""
+"""Kinematic sketches: every joint with the symbol of its type, texts apart, planar mechanisms in
+their plane, the same bytes again.
+"""
 
 from functools import cache
 from itertools import combinations
@@ -12,7 +13,16 @@ from matplotlib.colors import to_rgb
 
 import symkin
 from helpers.command_line import run
-from helpers.inside import COLOURS, Label, Page, apart, draw_sketch, figure_of_sketch, make_layout, write_picture
+from helpers.inside import (
+    COLOURS,
+    Label,
+    Page,
+    apart,
+    draw_sketch,
+    figure_of_sketch,
+    make_layout,
+    write_picture,
+)
 from helpers.inside import LabelBox as Box
 from helpers.samples import Z, delta, readme_five_bar, three_rrr
 from symkin import InputError, Joint, Limb, Mechanism, RodLimb
@@ -22,36 +32,68 @@ SYMBOLS = {"R", "P", "H", "C", "U", "S"}
 
 def one_of_each() -> Mechanism:
     """Limbs with all six types of joints; two of them share points."""
-    first = Limb("a", [
-        Joint("r", "R", (0, 0, 0), Z, actuated=True), Joint("u", "U", (60, 0, 40), (1, 0, 0), axis2=(0, 1, 0)),
-        Joint("c", "C", (60, 0, 120), (0, 0.6, 0.8)), Joint("s", "S", (20, 0, 170)),
-    ])  # fmt: skip
-    second = Limb("b", [
-        Joint("h", "H", (200, 0, 0), Z, pitch=5, actuated=True), Joint("h-2", "R", (200, 0, 0), (1, 0, 0)), Joint("p", "P", axis=Z),
-        Joint("r2", "R", (180, 20, 110), (1, 0, 0)), Joint("s2", "S", (120, 20, 170)),
-    ])  # fmt: skip
-    third = Limb("third limb", [
-        Joint("u3", "U", (100, 180, 0), (1, 0, 0), axis2=(0, 1, 0)), Joint("p3", "P", axis=(-0.2, -0.4, 0.9), actuated=True),
-        Joint("s3", "S", (80, 100, 170)),
-    ])  # fmt: skip
+    first = Limb(
+        "a",
+        [
+            Joint("r", "R", (0, 0, 0), Z, actuated=True),
+            Joint("u", "U", (60, 0, 40), (1, 0, 0), axis2=(0, 1, 0)),
+            Joint("c", "C", (60, 0, 120), (0, 0.6, 0.8)),
+            Joint("s", "S", (20, 0, 170)),
+        ],
+    )
+    second = Limb(
+        "b",
+        [
+            Joint("h", "H", (200, 0, 0), Z, pitch=5, actuated=True),
+            Joint("h-2", "R", (200, 0, 0), (1, 0, 0)),
+            Joint("p", "P", axis=Z),
+            Joint("r2", "R", (180, 20, 110), (1, 0, 0)),
+            Joint("s2", "S", (120, 20, 170)),
+        ],
+    )
+    third = Limb(
+        "third limb",
+        [
+            Joint("u3", "U", (100, 180, 0), (1, 0, 0), axis2=(0, 1, 0)),
+            Joint("p3", "P", axis=(-0.2, -0.4, 0.9), actuated=True),
+            Joint("s3", "S", (80, 100, 170)),
+        ],
+    )
     limbs = [first, second, third]
-    return Mechanism("one_of_each", limbs, platform_position=(80, 50, 170), length_unit="mm", title="$x$ one of _each^")
+    return Mechanism(
+        "one_of_each",
+        limbs,
+        platform_position=(80, 50, 170),
+        length_unit="mm",
+        title="$x$ one of _each^",
+    )
 
 
 def upright_five_bar() -> Mechanism:
     """A planar mechanism in the plane of x and z."""
     y = (0, 1, 0)
-    left = Limb("left", [Joint("q1", "R", (-75, 0, 0), y, actuated=True), Joint("e1", "R", (-75, 0, 100), y)])
+    left = Limb(
+        "left",
+        [Joint("q1", "R", (-75, 0, 0), y, actuated=True), Joint("e1", "R", (-75, 0, 100), y)],
+    )
     right = Limb(
-        "right", [Joint("q2", "R", (75, 0, 0), y, actuated=True), Joint("slide", "P", axis=Z), Joint("tip", "R", (20, 0, 200), y)]
+        "right",
+        [
+            Joint("q2", "R", (75, 0, 0), y, actuated=True),
+            Joint("slide", "P", axis=Z),
+            Joint("tip", "R", (20, 0, 200), y),
+        ],
     )
     return Mechanism("upright", [left, right], platform_position=(20, 0, 200), length_unit="mm")
 
 
 OWN = {
-    "one_of_each": one_of_each, "five_bar": lambda: readme_five_bar("planar"), "3-RRR": lambda: three_rrr("planar"), "delta": delta,
+    "one_of_each": one_of_each,
+    "five_bar": lambda: readme_five_bar("planar"),
+    "3-RRR": lambda: three_rrr("planar"),
+    "delta": delta,
     "upright": upright_five_bar,
-}  # fmt: skip
+}
 EVERY = [*(name for name in symkin.shipped_names() if not symkin.load(name).is_graph), *OWN]
 
 
@@ -72,18 +114,26 @@ def artists(name: str, gid: str) -> list[Any]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EVERY)
 def test_every_joint_is_drawn_with_its_symbol(name: str) -> None:
-    """Each joint of the mechanism, and the three of each rod limb, has artists that say type and name; actuated ones alone have
-    the accent colour."""
+    """Each joint of the mechanism, and the three of each rod limb, has artists that say type and
+    name; actuated ones alone have the accent colour.
+    """
     mechanism = mechanism_of(name)
     wanted = {(joint.type, joint.name): joint.actuated for _, joint in mechanism.joints}
     for limb in mechanism.limbs:
         if isinstance(limb, RodLimb):
-            wanted |= {(kind, limb.name if kind == "P" else f"{limb.name}.{kind}"): kind == "P" for kind in limb.type}
+            wanted |= {
+                (kind, limb.name if kind == "P" else f"{limb.name}.{kind}"): kind == "P"
+                for kind in limb.type
+            }
     assert {kind for kind, _ in wanted} <= SYMBOLS
     for (kind, joint), actuated in wanted.items():
         drawn = artists(name, f"joint {kind} {joint}")
         assert drawn, (kind, joint)
-        fills = [to_rgb(a.get_facecolor()[:3]) for a in drawn if hasattr(a, "get_facecolor") and a.get_fill()]
+        fills = [
+            to_rgb(a.get_facecolor()[:3])
+            for a in drawn
+            if hasattr(a, "get_facecolor") and a.get_fill()
+        ]
         assert (to_rgb(COLOURS["accent"]) in fills) == actuated, joint
 
 
@@ -96,21 +146,31 @@ def test_texts_lie_in_the_picture_and_apart(name: str) -> None:
     texts = [text for text in ax.texts if text.get_text()]
     boxes = [text.get_window_extent(renderer) for text in texts]
     for box, text in zip(boxes, texts, strict=True):
-        assert min(box.x0, box.y0, figure.bbox.width - box.x1, figure.bbox.height - box.y1) >= 0, text.get_text()
+        assert min(box.x0, box.y0, figure.bbox.width - box.x1, figure.bbox.height - box.y1) >= 0, (
+            text.get_text()
+        )
     for (a, one), (b, other) in combinations(zip(texts, boxes, strict=True), 2):
         away = one.x1 <= other.x0 or other.x1 <= one.x0 or one.y1 <= other.y0 or other.y1 <= one.y0
         assert away, (a.get_text(), b.get_text())
     said = {text.get_text() for text in texts}
     mechanism = mechanism_of(name)
-    names = {joint.name for _, joint in mechanism.joints} | {limb.name for limb in mechanism.limbs if not mechanism.serial}
+    names = {joint.name for _, joint in mechanism.joints} | {
+        limb.name for limb in mechanism.limbs if not mechanism.serial
+    }
     assert names <= said
     assert "O" in said or "O = P" in said
 
 
-@pytest.mark.parametrize(("name", "lengths"), [
-    ("zhao2000_links", {"70"}), ("gluon_6l3", {"105.03", "174.42", "75.66", "80.09", "44.36"}), ("delta", {"100", "220"}),
-    ("five_bar", {"100", "150"}), ("yao2020", {"300", "85", "105"}),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "lengths"),
+    [
+        ("zhao2000_links", {"70"}),
+        ("gluon_6l3", {"105.03", "174.42", "75.66", "80.09", "44.36"}),
+        ("delta", {"100", "220"}),
+        ("five_bar", {"100", "150"}),
+        ("yao2020", {"300", "85", "105"}),
+    ],
+)
 def test_main_dimensions_are_those_of_the_papers(name: str, lengths: set[str]) -> None:
     """Links and rods carry their lengths, equal ones once."""
     said = [text.get_text() for text in artists(name, "label")]
@@ -120,14 +180,18 @@ def test_main_dimensions_are_those_of_the_papers(name: str, lengths: set[str]) -
 
 @pytest.mark.parametrize(("name", "normal"), [("five_bar", 2), ("3-RRR", 2), ("upright", 1)])
 def test_a_planar_mechanism_is_drawn_in_its_plane(name: str, normal: int) -> None:
-    """Seen along its axes: distances in the picture are true, x to the right, what is up stays up."""
+    """Seen along its axes: distances in the picture are true, x to the right, what is up stays
+    up.
+    """
     layout = make_layout(mechanism_of(name))
     assert layout.planar
     assert abs(layout.axes[2][normal]) == pytest.approx(1.0)
     points = np.array([joint.centre for joint in layout.joints])
     flat = layout.seen(points)
     for i, j in combinations(range(len(points)), 2):
-        assert np.linalg.norm(flat[i] - flat[j]) == pytest.approx(np.linalg.norm(points[i] - points[j]))
+        assert np.linalg.norm(flat[i] - flat[j]) == pytest.approx(
+            np.linalg.norm(points[i] - points[j])
+        )
     assert layout.axes[0] @ np.eye(3)[0] == pytest.approx(1.0)
     assert layout.axes[1] @ np.eye(3)[3 - normal] == pytest.approx(1.0)
 
@@ -140,16 +204,22 @@ def test_a_spatial_mechanism_is_seen_at_an_angle(name: str) -> None:
 
 
 def test_a_platform_in_the_plane_of_its_base_is_raised_and_says_so() -> None:
-    """The 6-SPS platform of the file lies in its base's plane; raised, its circles keep their radii."""
+    """The 6-SPS platform of the file lies in its base's plane; raised, its circles keep their
+    radii.
+    """
     layout = make_layout(symkin.load("zhang2009"))
     assert layout.body.platform[:, 2].min() > 100
     assert layout.notes == (
-        "platform raised by 318.8 mm from its reference", "base joints on a circle of 275 mm", "platform joints on a circle of 250 mm",
-    )  # fmt: skip
+        "platform raised by 318.8 mm from its reference",
+        "base joints on a circle of 275 mm",
+        "platform joints on a circle of 250 mm",
+    )
 
 
 def test_joints_that_share_a_point_stand_apart_on_their_axes() -> None:
-    """Three axes through one point: the symbols lie a step and more from each other, each on its own axis."""
+    """Three axes through one point: the symbols lie a step and more from each other, each on its
+    own axis.
+    """
     layout = make_layout(symkin.load("yao2020"))
     drawn = apart(layout.joints, 555.0, 40.0)
     shoulder = drawn[:3]
@@ -167,7 +237,9 @@ def test_labels_find_a_place_even_where_all_is_full() -> None:
     assert all(15 <= box.x <= 585 and 6 <= box.y <= 394 for box in placed)
 
 
-@pytest.mark.parametrize(("suffix", "begins"), [("pdf", b"%PDF"), ("svg", b"<?xml"), ("jpg", b"\xff\xd8")])
+@pytest.mark.parametrize(
+    ("suffix", "begins"), [("pdf", b"%PDF"), ("svg", b"<?xml"), ("jpg", b"\xff\xd8")]
+)
 def test_pictures_of_any_kind_are_written(tmp_path: Path, suffix: str, begins: bytes) -> None:
     target = tmp_path / f"sketch.{suffix}"
     write_picture(figure_of("zhang2009"), target)
@@ -175,7 +247,9 @@ def test_pictures_of_any_kind_are_written(tmp_path: Path, suffix: str, begins: b
 
 
 def test_show_writes_the_picture(capsys, tmp_path: Path) -> None:
-    """Status 0, the account of the mechanism and the picture's name on stdout; twice the same bytes."""
+    """Status 0, the account of the mechanism and the picture's name on stdout; twice the same
+    bytes.
+    """
     target = tmp_path / "sketch.png"
     pictures = []
     for _ in range(2):
@@ -197,9 +271,12 @@ def test_the_equations_and_the_sketch_go_together(capsys, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("name", "words"), [("sketch.xyz", ".xyz"), ("sketch", "png"), ("none/sketch.png", "folder"), (".", "folder")]
+    ("name", "words"),
+    [("sketch.xyz", ".xyz"), ("sketch", "png"), ("none/sketch.png", "folder"), (".", "folder")],
 )
-def test_bad_names_are_refused_before_anything_is_printed(capsys, tmp_path, monkeypatch, name: str, words: str) -> None:
+def test_bad_names_are_refused_before_anything_is_printed(
+    capsys, tmp_path, monkeypatch, name: str, words: str
+) -> None:
     monkeypatch.chdir(tmp_path)
     status, out, err = run(capsys, "show", "zhang2009", "--plot", name)
     assert (status, out) == (2, "")

@@ -1,4 +1,6 @@
-"""Every command with its streams closed, broken or in another encoding: no traceback, and the status that the contract says."""
+"""Every command with its streams closed, broken or in another encoding: no traceback, and the
+status that the contract says.
+"""
 
 from __future__ import annotations
 
@@ -14,22 +16,48 @@ import symkin
 from helpers.gate import in_gate
 
 TITLE = "Ärm θ 中"
-ENVIRONMENT = {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0", "LC_ALL": "C", "MPLBACKEND": "module://nowhere"}
+ENVIRONMENT = {
+    "PYTHONIOENCODING": "ascii",
+    "PYTHONUTF8": "0",
+    "LC_ALL": "C",
+    "MPLBACKEND": "module://nowhere",
+}
 """Streams that hold ASCII only, and a wrong backend of matplotlib."""
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Three revolute joints in space with a title that ASCII cannot hold, and measurements of it."""
+    """Three revolute joints in space with a title that ASCII cannot hold, and measurements of
+    it.
+    """
     folder = tmp_path_factory.mktemp("streams")
     places = ((0.0, 0.0, 0.0), (0.3, 0.0, 0.1), (0.5, 0.2, 0.0))
     axes = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.2), (1.0, 0.3, 0.0))
-    joints = [symkin.Joint(f"q{k}", "R", p, a, actuated=True) for k, (p, a) in enumerate(zip(places, axes, strict=True))]
+    joints = [
+        symkin.Joint(f"q{k}", "R", p, a, actuated=True)
+        for k, (p, a) in enumerate(zip(places, axes, strict=True))
+    ]
     arm = symkin.Mechanism(
-        "arm", [symkin.Limb("arm", joints)], (0.7, 0.1, 0.3), serial=True, length_unit="m", angle_unit="deg", title=TITLE
+        "arm",
+        [symkin.Limb("arm", joints)],
+        (0.7, 0.1, 0.3),
+        serial=True,
+        length_unit="m",
+        angle_unit="deg",
+        title=TITLE,
     )
     (folder / "arm.toml").write_text(arm.to_toml(), encoding="utf-8")
-    simulated = ["calibrate", "simulate", "arm.toml", "--postures", "8", "--readings", "pose", "-o", "data.csv"]
+    simulated = [
+        "calibrate",
+        "simulate",
+        "arm.toml",
+        "--postures",
+        "8",
+        "--readings",
+        "pose",
+        "-o",
+        "data.csv",
+    ]
     assert run(simulated, folder).returncode == 0
     return folder
 
@@ -44,11 +72,55 @@ COMMANDS = {
     "singularities": ["singularities", "arm.toml"],
     "firmware": ["firmware", "arm.toml", "-o", "c"],
     "jacobian": ["jacobian", "arm.toml", "--format", "numpy"],
-    "track": ["track", "arm.toml", "--from", "0,0,0", "--to", "1,1,1", "--samples", "2", "--plot", "track.png"],
-    "sweep": ["sweep", "arm.toml", "--grid", "q0=0:1:2", "-o", "map", "--workers", "0", "--plot", "map.png"],
+    "track": [
+        "track",
+        "arm.toml",
+        "--from",
+        "0,0,0",
+        "--to",
+        "1,1,1",
+        "--samples",
+        "2",
+        "--plot",
+        "track.png",
+    ],
+    "sweep": [
+        "sweep",
+        "arm.toml",
+        "--grid",
+        "q0=0:1:2",
+        "-o",
+        "map",
+        "--workers",
+        "0",
+        "--plot",
+        "map.png",
+    ],
     "fit": ["calibrate", "fit", "arm.toml", "data.csv", "-o", "fit", "--parameters", "q2.point.*"],
-    "plan": ["calibrate", "plan", "arm.toml", "--postures", "12", "--groups", "0", "--readings", "position", "-o", "plan.csv"],
-    "simulate": ["calibrate", "simulate", "arm.toml", "--postures", "3", "--readings", "pose", "-o", "simulated.csv"],
+    "plan": [
+        "calibrate",
+        "plan",
+        "arm.toml",
+        "--postures",
+        "12",
+        "--groups",
+        "0",
+        "--readings",
+        "position",
+        "-o",
+        "plan.csv",
+    ],
+    "simulate": [
+        "calibrate",
+        "simulate",
+        "arm.toml",
+        "--postures",
+        "3",
+        "--readings",
+        "pose",
+        "-o",
+        "simulated.csv",
+    ],
 }
 
 
@@ -58,14 +130,22 @@ def run(arguments, folder, *, shell="", environment=None, **options):
     if shell:
         command = ["sh", "-c", f'exec "$@" {shell}', "sh", *command]
     options = {"capture_output": True} | options
-    return subprocess.run(command, cwd=folder, env=os.environ | (environment or {}), check=False, timeout=300, **options)
+    return subprocess.run(
+        command,
+        cwd=folder,
+        env=os.environ | (environment or {}),
+        check=False,
+        timeout=300,
+        **options,
+    )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", in_gate(COMMANDS, ["list", "modes", "firmware", "sweep"]))
 def test_closed_streams_are_as_the_null_device(name, folder):
-    """With all three closed, and a wrong MPLBACKEND, the command does its work and ends with 0; what it opens is not taken for
-    its streams."""
+    """With all three closed, and a wrong MPLBACKEND, the command does its work and ends with 0;
+    what it opens is not taken for its streams.
+    """
     done = run(COMMANDS[name], folder, shell="<&- >&- 2>&-", environment={"MPLBACKEND": "nonsense"})
     assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
     for path in Path(folder).rglob("*.png"):
@@ -74,7 +154,11 @@ def test_closed_streams_are_as_the_null_device(name, folder):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", in_gate(["list", "help", "show", "modes", "solve", "jacobian", "track", "simulate"], ["list", "show", "modes"])
+    "name",
+    in_gate(
+        ["list", "help", "show", "modes", "solve", "jacobian", "track", "simulate"],
+        ["list", "show", "modes"],
+    ),
 )
 def test_a_reader_that_has_enough_is_no_fault(name, folder):
     """A closed pipe at the other end: quiet, status 0."""
@@ -87,10 +171,15 @@ def test_a_reader_that_has_enough_is_no_fault(name, folder):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", in_gate(["list", "show", "latex", "modes", "jacobian", "sweep", "fit"], ["list", "show", "modes"])
+    "name",
+    in_gate(
+        ["list", "show", "latex", "modes", "jacobian", "sweep", "fit"], ["list", "show", "modes"]
+    ),
 )
 def test_other_encodings_get_escapes(name, folder):
-    """With streams in ASCII and a wrong MPLBACKEND the command ends with 0, and what ASCII cannot hold is escaped."""
+    """With streams in ASCII and a wrong MPLBACKEND the command ends with 0, and what ASCII cannot
+    hold is escaped.
+    """
     done = run(COMMANDS[name], folder, environment=ENVIRONMENT)
     assert (done.returncode, done.stderr) == (0, b"")
     assert done.stdout.isascii()
@@ -111,12 +200,19 @@ def test_closed_stderr_keeps_stdout_clean(folder):
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
 @pytest.mark.parametrize("name", ["list", "help", "solve"])
 def test_a_full_device_is_one_line(name, folder):
-    """What cannot be written is said, with status 2; where the messages go there too, the status is left."""
+    """What cannot be written is said, with status 2; where the messages go there too, the status is
+    left.
+    """
     with open("/dev/full", "wb") as full:
-        done = run(COMMANDS[name], folder, capture_output=False, stdout=full, stderr=subprocess.PIPE)
+        done = run(
+            COMMANDS[name], folder, capture_output=False, stdout=full, stderr=subprocess.PIPE
+        )
         assert done.returncode == 2
         assert done.stderr == b"symkin: the output cannot be written (No space left on device)\n"
-        assert run(COMMANDS[name], folder, capture_output=False, stdout=full, stderr=full).returncode == 2
+        assert (
+            run(COMMANDS[name], folder, capture_output=False, stdout=full, stderr=full).returncode
+            == 2
+        )
 
 
 @pytest.mark.slow
@@ -128,4 +224,10 @@ def test_file_names_of_other_encodings_are_escaped(folder):
     assert b"\\udcff.toml: there is no such file" in done.stderr
     with open(path, "wb") as file:
         file.write((folder / "arm.toml").read_bytes())
-    assert run(["calibrate", "fit", path, "data.csv", "-o", b"\xfe", "--parameters", "q2.point.*"], folder).returncode == 0
+    assert (
+        run(
+            ["calibrate", "fit", path, "data.csv", "-o", b"\xfe", "--parameters", "q2.point.*"],
+            folder,
+        ).returncode
+        == 0
+    )

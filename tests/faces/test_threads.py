@@ -1,7 +1,7 @@
 """Threads: every verb may be called from several at once, on one mechanism or many.
 
-What eight threads find is what one finds, bit for bit. The threads run in a process of their own, since a fault of native
-code ends the process.
+What eight threads find is what one finds, bit for bit. The threads run in a process of their own,
+since a fault of native code ends the process.
 """
 
 import json
@@ -22,13 +22,20 @@ WORK = Path(__file__).parents[1] / "helpers" / "thread_work.py"
 
 def _run(folder, *arguments, code=None):
     folder.mkdir(parents=True)
-    command = [sys.executable, "-X", "faulthandler", *(["-c", code] if code else [str(WORK), *arguments, str(folder)])]
+    command = [
+        sys.executable,
+        "-X",
+        "faulthandler",
+        *(["-c", code] if code else [str(WORK), *arguments, str(folder)]),
+    ]
     environment = os.environ | {
         "SYMKIN_CACHE": str(folder.parent / "cache"),
         "SYMKIN_ENGINE": "numpy",
         "PYTHONPATH": str(WORK.parents[1]),
     }
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, env=environment, check=False)
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=600, env=environment, check=False
+    )
     assert done.returncode == 0, f"status {done.returncode}: {done.stderr[-2000:]}"
     return folder / "found.json"
 
@@ -36,7 +43,9 @@ def _run(folder, *arguments, code=None):
 @pytest.mark.long
 @pytest.mark.slow
 def test_eight_threads_find_what_one_finds(tmp_path):
-    """All verbs on a shared mechanism and on others, from a first call that all threads make together."""
+    """All verbs on a shared mechanism and on others, from a first call that all threads make
+    together.
+    """
     many = json.loads(_run(tmp_path / "many", "8").read_text())
     one = json.loads(_run(tmp_path / "one", "1").read_text())
     assert many.keys() == one.keys()
@@ -51,7 +60,8 @@ platform = symkin.load("zhang2009")
 problems = [[144.6 + 0.01 * k, 347.0, 110.3, 178.6, 277.6, 269.4] for k in range(20)]
 found = {}
 def solve(number):
-    found[number] = [symkin.solve(platform, joints=q, solver=SOLVER).solution.position.tolist() for q in problems]
+    found[number] = [symkin.solve(platform, joints=q,
+      solver=SOLVER).solution.position.tolist() for q in problems]
 threads = [threading.Thread(target=solve, args=(number,)) for number in range(8)]
 [t.start() for t in threads]
 [t.join() for t in threads]
@@ -67,7 +77,7 @@ def test_solvers_are_not_called_by_two_threads_at_once(tmp_path, solver):
     _run(tmp_path / solver, code=f"SOLVER = {solver!r}\n{SOLVING}")
 
 
-# --- caches --------------------------------------------------------------------------------------------------------
+# --- caches ---------------------------------------------------------------------------------------
 
 
 def _in_threads(call, count=8):
@@ -86,7 +96,9 @@ def _in_threads(call, count=8):
 
 
 def test_a_cached_value_is_computed_once_for_all_threads():
-    """Threads that miss together get one object, of one computation; other keys are other values."""
+    """Threads that miss together get one object, of one computation; other keys are other
+    values.
+    """
     calls = []
 
     @lru_cache(maxsize=4)
@@ -134,7 +146,9 @@ def test_a_failed_computation_is_tried_again():
 
 
 def test_a_thread_that_holds_a_lock_does_not_wait_for_one_that_wants_it():
-    """A value that needs a lock is asked for by a thread that holds it: both get the value that was kept first."""
+    """A value that needs a lock is asked for by a thread that holds it: both get the value that was
+    kept first.
+    """
     lock, begun = threading.RLock(), threading.Event()
 
     @lru_cache(maxsize=4)
@@ -158,7 +172,9 @@ def test_a_thread_that_holds_a_lock_does_not_wait_for_one_that_wants_it():
 
 
 def test_no_cache_of_functools_is_used():
-    """They may compute a value twice, and give two threads two sets of symbols; `symkin.computed_once` has what stands for them."""
+    """They may compute a value twice, and give two threads two sets of symbols;
+    `symkin.computed_once` has what stands for them.
+    """
     package = Path(__file__).parents[2] / "symkin"
     pattern = re.compile(r"^from functools import .*(cache|cached_property)|functools\.cache", re.M)
     assert [p.name for p in package.rglob("*.py") if pattern.search(p.read_text())] == []

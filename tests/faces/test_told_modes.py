@@ -1,4 +1,6 @@
-"""Lists of many modes are told by what was found, and what meets at a singular point in sentences that make sense."""
+"""Lists of many modes are told by what was found, and what meets at a singular point in sentences
+that make sense.
+"""
 
 import dataclasses
 from pathlib import Path
@@ -14,12 +16,18 @@ from helpers.samples import rus
 
 @pytest.mark.parametrize("limbs", in_gate([2, 4], [2]))
 def test_modes_are_listed_by_sets_of_motors(limbs):
-    """4^n modes of 2^n sets of motors: each set is printed before another mode of it, by its number in the list, and the U joints in
-    which others differ are named."""
+    """4^n modes of 2^n sets of motors: each set is printed before another mode of it, by its number
+    in the list, and the U joints in which others differ are named.
+    """
     found = symkin.modes(rus(limbs), pose=[5.0, 0.0, 250.0, 1.0, 0.0, 0.0, 0.0])
     motors = np.array([[mode.joints[f"m{k}"] for k in range(limbs)] for mode in found])
     sets = {tuple(np.round(row, 6)) for row in motors.tolist()}
-    assert (len(found), found.poses, len(sets), len(found.representatives)) == (4**limbs, 1, 2**limbs, 2**limbs)
+    assert (len(found), found.poses, len(sets), len(found.representatives)) == (
+        4**limbs,
+        1,
+        2**limbs,
+        2**limbs,
+    )
     assert f"{2**limbs} sets of actuated joints" in str(found)
     assert all(f"u{k}" in str(found) for k in range(limbs))
     shown = shown_numbers(found, most=2**limbs)
@@ -27,11 +35,18 @@ def test_modes_are_listed_by_sets_of_motors(limbs):
     if len(found) > 64:
         assert [int(row[0]) for row in found.summary().rows] == shown
     told = found.to_dict()
-    assert (told["count"], told["listed"], len(told["modes"]), told["poses"]) == (4**limbs, 4**limbs, 4**limbs, 1)
+    assert (told["count"], told["listed"], len(told["modes"]), told["poses"]) == (
+        4**limbs,
+        4**limbs,
+        4**limbs,
+        1,
+    )
 
 
 def test_arms_and_elbows_are_no_universal_joints():
-    """Modes of an arm are sets of motors each, and those of a five-bar's loops differ in more than U joints."""
+    """Modes of an arm are sets of motors each, and those of a five-bar's loops differ in more than
+    U joints.
+    """
     for found in (symkin.modes(symkin.load("ur5e")), symkin.modes(symkin.load("jansen_leg"))):
         assert len(found.representatives) == len(found)
         assert "U joint" not in str(found)
@@ -45,9 +60,17 @@ def test_a_picture_of_many_modes_shows_different_machines(tmp_path: Path):
 
 
 def test_no_modes_are_no_poses():
-    for machine, pose in ((rus(2), [0, 0, 2000.0, 1, 0, 0, 0]), (symkin.load("delta"), [0, 0, -900.0, 1, 0, 0, 0])):
+    for machine, pose in (
+        (rus(2), [0, 0, 2000.0, 1, 0, 0, 0]),
+        (symkin.load("delta"), [0, 0, -900.0, 1, 0, 0, 0]),
+    ):
         found = symkin.modes(machine, pose=pose)
-        assert (len(found), found.poses, found.representatives, found.to_dict()["poses"]) == (0, 0, [], 0)
+        assert (len(found), found.poses, found.representatives, found.to_dict()["poses"]) == (
+            0,
+            0,
+            [],
+            0,
+        )
         assert "no real solution" in str(found)
 
 
@@ -66,7 +89,13 @@ def test_equal_rows_have_one_label():
         (None, (), 0, "lists no mode at 0.25", "the 0"),
         (None, (), 4, "the mode followed is none of the 4", "near"),
         (None, (2,), 4, "mode 2 is near it", "meets"),
-        (1, (), 4, "mode 1 of the 4 that `modes` lists at 0.25 of the path (sampled) was followed", "meets"),
+        (
+            1,
+            (),
+            4,
+            "mode 1 of the 4 that `modes` lists at 0.25 of the path (sampled) was followed",
+            "meets",
+        ),
         (1, (2, 3), 4, "meets modes 2 and 3", "followed"),
     ],
 )

@@ -55,12 +55,18 @@ def test_trigonometry_is_in_the_angle_unit(name, angle):
     """f(x deg) = f(x pi / 180 rad)."""
     expected = getattr(math, name)(math.radians(angle))
     assert evaluate(f"{name}({angle!r})", "deg") == pytest.approx(expected, rel=1e-12, abs=1e-15)
-    assert evaluate(f"{name}({angle!r})", "rad") == pytest.approx(getattr(math, name)(angle), rel=1e-12)
+    assert evaluate(f"{name}({angle!r})", "rad") == pytest.approx(
+        getattr(math, name)(angle), rel=1e-12
+    )
 
 
 numbers = st.floats(-1e6, 1e6, allow_subnormal=False).map(lambda v: f"({v!r})")
 expressions = st.recursive(
-    numbers, lambda inner: st.tuples(inner, st.sampled_from("+-*"), inner).map(lambda t: f"({t[0]}{t[1]}{t[2]})"), max_leaves=5
+    numbers,
+    lambda inner: st.tuples(inner, st.sampled_from("+-*"), inner).map(
+        lambda t: f"({t[0]}{t[1]}{t[2]})"
+    ),
+    max_leaves=5,
 )
 
 
@@ -86,7 +92,9 @@ OTHER_SCRIPTS = ["\u0661", "\uff11", "1e\u0661", "\uff50\uff49", "\U0001d429\U00
 
 @pytest.mark.parametrize("text", [*REFUSED, *OTHER_SCRIPTS])
 def test_anything_else_is_refused(text):
-    """Names, calls, attributes, '**', booleans, empty text: one line that quotes the text and says what is allowed."""
+    """Names, calls, attributes, '**', booleans, empty text: one line that quotes the text and says
+    what is allowed.
+    """
     with pytest.raises(MechanismError) as error:
         evaluate(text, "deg")
     assert repr(text) in str(error.value)
@@ -113,23 +121,39 @@ def test_anything_else_is_refused(text):
     ],
 )
 def test_what_has_no_finite_value_is_refused(text):
-    """Division by zero, roots of negative numbers, overflow, huge powers: refused at once, no wait."""
+    """Division by zero, roots of negative numbers, overflow, huge powers: refused at once, no
+    wait.
+    """
     with pytest.raises(MechanismError) as error:
         evaluate(text, "deg")
     assert repr(text) in str(error.value)
 
 
 @pytest.mark.parametrize(
-    "text", ["(" * 90 + "1" + ")" * 90, "-" * 199 + "1", "1" * 5000, "(" * 5000, "9" * 200, "\x00", "1\n+1", "1#2"]
+    "text",
+    [
+        "(" * 90 + "1" + ")" * 90,
+        "-" * 199 + "1",
+        "1" * 5000,
+        "(" * 5000,
+        "9" * 200,
+        "\x00",
+        "1\n+1",
+        "1#2",
+    ],
 )
 def test_odd_texts_have_a_value_or_a_message(text):
     """Deep nesting, long numbers, control characters: a number or MechanismError, nothing else."""
     assert has_value_or_message(text, "deg")
 
 
-@pytest.mark.parametrize("text", ["1_000", "1e1_0", "0x10", "infinit", "", " ", "1,5", *OTHER_SCRIPTS])
+@pytest.mark.parametrize(
+    "text", ["1_000", "1e1_0", "0x10", "infinit", "", " ", "1,5", *OTHER_SCRIPTS]
+)
 def test_numbers_of_the_command_line_are_those_of_files(text):
-    """Python's own spellings of numbers (digits of other scripts, _) are refused as they are in files."""
+    """Python's own spellings of numbers (digits of other scripts, _) are refused as they are in
+    files.
+    """
     with pytest.raises(InputError, match="is not a number"):
         written_number(text, "deg")
     with pytest.raises(InputError):

@@ -1,4 +1,6 @@
-"""The verb `close`: closed configurations of files in every format, how far they were open, and counts against those of other tools."""
+"""The verb `close`: closed configurations of files in every format, how far they were open, and
+counts against those of other tools.
+"""
 
 from __future__ import annotations
 
@@ -20,12 +22,14 @@ def open_four_bar(folder: Path, reach: float, name: str = "open.xml") -> Path:
     leg = body(
         "thigh",
         "0 0 0",
-        joint("hip", 'axis="0 0 1" range="-1 1"') + body("shin", "0.3 0 0", joint("knee") + '<site name="toe" pos="0.4 0 0"/>'),
+        joint("hip", 'axis="0 0 1" range="-1 1"')
+        + body("shin", "0.3 0 0", joint("knee") + '<site name="toe" pos="0.4 0 0"/>'),
     )
     crank = body("crank", f"{reach} 0 0", joint("motor") + '<site name="pin" pos="0 0.2 0"/>')
     text = file_text(
         leg + crank,
-        '<equality><connect name="loop" site1="toe" site2="pin"/></equality><actuator><motor joint="motor"/></actuator>',
+        '<equality><connect name="loop" site1="toe" site2="pin"/></equality><actuator><motor '
+        'joint="motor"/></actuator>',
     )
     path = folder / name
     path.write_text(text, encoding="utf-8")
@@ -41,11 +45,16 @@ def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, 
 
 @pytest.mark.parametrize("name", REAL)
 def test_counts_of_real_robots(name: str) -> None:
-    """Rank, mobility, also beside, actuated joints and poses of bodies as the JSON beside each file says, of the held root."""
+    """Rank, mobility, also beside, actuated joints and poses of bodies as the JSON beside each file
+    says, of the held root.
+    """
     told = json.loads((MODELS / f"{name}.json").read_text(encoding="utf-8"))
     found = symkin.close(MODELS / f"{name}.xml").to_dict()
     free = 6 * told["joints"].get("free", 0)
-    assert (found["rank"], found["mobility"]) == (told["rank_at_configuration"], told["mobility_at_configuration"] - free)
+    assert (found["rank"], found["mobility"]) == (
+        told["rank_at_configuration"],
+        told["mobility_at_configuration"] - free,
+    )
     assert found["generic"]["mobility"] == told["mobility_generic"] - free
     assert found["rows"] == told["constraint_rows"]
     assert found["residual"] <= 1e-12
@@ -53,11 +62,15 @@ def test_counts_of_real_robots(name: str) -> None:
     if name in ("g1_parallel_ankle", "robotiq_2f85"):
         for link, position in told["bodies_xpos"].items():
             if link != "world":
-                np.testing.assert_allclose(found["link_poses"][link]["position"], position, atol=1e-12)
+                np.testing.assert_allclose(
+                    found["link_poses"][link]["position"], position, atol=1e-12
+                )
 
 
 def test_an_open_file(tmp_path: Path) -> None:
-    """How far it is open is the distance of its two sites; closed, the frames meet, and the two bars have their lengths."""
+    """How far it is open is the distance of its two sites; closed, the frames meet, and the two
+    bars have their lengths.
+    """
     found = symkin.close(open_four_bar(tmp_path, 0.6))
     assert found.open_by == pytest.approx(np.hypot(0.1, 0.2))
     assert found.residual <= 1e-10
@@ -69,7 +82,9 @@ def test_an_open_file(tmp_path: Path) -> None:
 
 
 def test_the_mechanism_that_is_loaded_stands_there(tmp_path: Path) -> None:
-    """Its joints have the closed values at the reference, and given one of them `solve` finds the others."""
+    """Its joints have the closed values at the reference, and given one of them `solve` finds the
+    others.
+    """
     path = open_four_bar(tmp_path, 0.6)
     found, mechanism = symkin.close(path), symkin.load(path)
     solution = symkin.solve(mechanism, joints=[found.joints["motor"]]).solution
@@ -80,10 +95,15 @@ def test_the_mechanism_that_is_loaded_stands_there(tmp_path: Path) -> None:
 
 def test_a_singular_configuration(tmp_path: Path) -> None:
     """A parallelogram lying in one line: rank 1 there, 2 beside it, as its two branches cross."""
-    bars = body("a", "0 0 0", joint("a") + body("c", "1 0 0", joint("c") + '<site name="s" pos="1 0 0"/>'))
+    bars = body(
+        "a", "0 0 0", joint("a") + body("c", "1 0 0", joint("c") + '<site name="s" pos="1 0 0"/>')
+    )
     path = tmp_path / "flat.xml"
     last = body("b", "1 0 0", joint("b") + '<site name="t" pos="1 0 0"/>')
-    path.write_text(file_text(bars + last, '<equality><connect site1="s" site2="t"/></equality>'), encoding="utf-8")
+    path.write_text(
+        file_text(bars + last, '<equality><connect site1="s" site2="t"/></equality>'),
+        encoding="utf-8",
+    )
     found = symkin.close(path)
     assert (found.rank, found.generic_rank, found.mobility) == (1, 2, 2)
     assert any("singular" in note for note in found.notes)
@@ -92,12 +112,16 @@ def test_a_singular_configuration(tmp_path: Path) -> None:
 
 def test_limits_that_the_closed_configuration_breaks(tmp_path: Path) -> None:
     path = open_four_bar(tmp_path, 0.6)
-    path.write_text(path.read_text(encoding="utf-8").replace('range="-1 1"', 'range="2 3"'), encoding="utf-8")
+    path.write_text(
+        path.read_text(encoding="utf-8").replace('range="-1 1"', 'range="2 3"'), encoding="utf-8"
+    )
     assert any("beyond the limits of the file: hip" in note for note in symkin.close(path).notes)
 
 
 def test_what_no_configuration_closes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The bars are 0.9 long together and 1 is asked of them: the JSON is written, and the exit status is 3."""
+    """The bars are 0.9 long together and 1 is asked of them: the JSON is written, and the exit
+    status is 3.
+    """
     path = open_four_bar(tmp_path, 1.0)
     status, out, _ = run(capsys, "close", str(path), "--json")
     found = json.loads(out)
@@ -110,8 +134,12 @@ def test_what_no_configuration_closes(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "no configuration was found that closes the loops" in err
 
 
-def test_the_picture_of_the_closed_configuration(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Written where the loops close; none where they do not, and a wrong name is refused before the work."""
+def test_the_picture_of_the_closed_configuration(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Written where the loops close; none where they do not, and a wrong name is refused before the
+    work.
+    """
     picture = tmp_path / "closed.png"
     status, out, _ = run(capsys, "close", str(open_four_bar(tmp_path, 0.6)), "--plot", str(picture))
     assert status == 0
@@ -120,16 +148,23 @@ def test_the_picture_of_the_closed_configuration(tmp_path: Path, capsys: pytest.
     nothing = tmp_path / "nothing.png"
     assert run(capsys, "close", str(open_four_bar(tmp_path, 1.0)), "--plot", str(nothing))[0] == 3
     assert not nothing.exists()
-    status, _, err = run(capsys, "close", str(open_four_bar(tmp_path, 0.6)), "--plot", str(tmp_path / "a.txt"))
+    status, _, err = run(
+        capsys, "close", str(open_four_bar(tmp_path, 0.6)), "--plot", str(tmp_path / "a.txt")
+    )
     assert status == 2
     assert "has no picture format" in err
 
 
-def test_a_robot_of_welds_alone_moves_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_robot_of_welds_alone_moves_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """A free body that a weld joins to the world: it is closed, and no mechanism."""
     path = tmp_path / "welded.xml"
     path.write_text(
-        file_text(body("beam", "0 1 0", "<freejoint/>"), '<equality><weld body1="beam"/></equality>'), encoding="utf-8"
+        file_text(
+            body("beam", "0 1 0", "<freejoint/>"), '<equality><weld body1="beam"/></equality>'
+        ),
+        encoding="utf-8",
     )
     found = symkin.close(path)
     assert found.closed
@@ -141,9 +176,13 @@ def test_a_robot_of_welds_alone_moves_nothing(tmp_path: Path, capsys: pytest.Cap
         assert "no joint moves" in err
 
 
-def test_balls_alone_leave_no_joint_to_be_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_balls_alone_leave_no_joint_to_be_given(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "ball.xml"
-    path.write_text(file_text(body("beam", "0 1 0", joint("ball", 'type="ball"'))), encoding="utf-8")
+    path.write_text(
+        file_text(body("beam", "0 1 0", joint("ball", 'type="ball"'))), encoding="utf-8"
+    )
     status, _, err = run(capsys, "modes", str(path))
     assert status == 2
     assert "3 freedoms" in err
@@ -151,7 +190,9 @@ def test_balls_alone_leave_no_joint_to_be_given(tmp_path: Path, capsys: pytest.C
 
 
 def test_what_is_written_reads_back(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The mechanism file has the closed configuration as its reference: it is closed, with the same joint values and mobility."""
+    """The mechanism file has the closed configuration as its reference: it is closed, with the same
+    joint values and mobility.
+    """
     path, output = open_four_bar(tmp_path, 0.6), tmp_path / "closed.toml"
     status, out, _ = run(capsys, "close", str(path), "-o", str(output))
     assert status == 0
@@ -163,8 +204,12 @@ def test_what_is_written_reads_back(tmp_path: Path, capsys: pytest.CaptureFixtur
         assert after.joints[name] == pytest.approx(value, abs=1e-9)
 
 
-@pytest.mark.parametrize("name", ["open", "hinge_pair_ref_and_turned_frames", "platform_on_six_legs", "couplings"])
-def test_the_keyframe_that_is_written(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    "name", ["open", "hinge_pair_ref_and_turned_frames", "platform_on_six_legs", "couplings"]
+)
+def test_the_keyframe_that_is_written(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """MuJoCo's bodies stand there where `close` has the links, and its constraints are closed."""
     import mujoco
 
@@ -184,7 +229,9 @@ def test_the_keyframe_that_is_written(name: str, tmp_path: Path, capsys: pytest.
             np.testing.assert_allclose(pose.position, data.body(link).xpos, atol=1e-10)
 
 
-@pytest.mark.parametrize("name", ["four_bar", "ankle", "zhang2009", "zhao2000", "gluon_6l3", "delta_parallelograms"])
+@pytest.mark.parametrize(
+    "name", ["four_bar", "ankle", "zhang2009", "zhao2000", "gluon_6l3", "delta_parallelograms"]
+)
 def test_mechanism_files(name: str) -> None:
     """Their reference is closed, and the counts are those of `mobility`."""
     found, account = symkin.close(name).to_dict(), symkin.mobility(symkin.load(name))
@@ -198,11 +245,16 @@ def test_mechanism_files(name: str) -> None:
     [
         (["close", "none.xml"], "none.xml: there is no such file"),
         (["close", "none.stl"], "or a path to a file (.toml"),
-        (["close", "four_bar", "-o", "out.xml"], "a keyframe is written into a copy of an MJCF file"),
+        (
+            ["close", "four_bar", "-o", "out.xml"],
+            "a keyframe is written into a copy of an MJCF file",
+        ),
         (["close", "four_bar", "-o", "out.png"], "another suffix than .toml, .json, .xml"),
     ],
 )
-def test_wrong_input(arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_input(
+    arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     status, out, err = run(capsys, *arguments)
     assert (status, out) == (2, "")
     assert sentence in err

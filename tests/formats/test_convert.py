@@ -1,4 +1,6 @@
-"""The verb and the command `convert`: what is written, read again, has the same solutions; what cannot be written replaces nothing."""
+"""The verb and the command `convert`: what is written, read again, has the same solutions; what
+cannot be written replaces nothing.
+"""
 
 from __future__ import annotations
 
@@ -30,14 +32,21 @@ FEW = ["four_bar", "ankle", "slider_crank", "excavator_bucket", "parallel_grippe
 
 @pytest.mark.parametrize(("name", "suffix"), each_once(FEW, FORMATS))
 def test_as_many_modes(name: str, suffix: str, tmp_path: Path) -> None:
-    """At values of the actuated joints near the reference; angles are in radians and lengths in metres in the file."""
+    """At values of the actuated joints near the reference; angles are in radians and lengths in
+    metres in the file.
+    """
     mechanism = symkin.load(name)
     written = symkin.load(symkin.convert(mechanism, tmp_path / f"m{suffix}"))
     assert [c.name for c in written.actuated] == [c.name for c in mechanism.actuated]
     values = {c.name: c.reference[0] + (0.05 if c.is_angular else 2.0) for c in mechanism.actuated}
     kinds = {c.name: c.is_angular for c in mechanism.actuated}
-    own = {n: math.degrees(v) if kinds[n] and mechanism.angle_unit == "deg" else v for n, v in values.items()}
-    metres = {n: v if kinds[n] or mechanism.length_unit == "m" else 1e-3 * v for n, v in values.items()}
+    own = {
+        n: math.degrees(v) if kinds[n] and mechanism.angle_unit == "deg" else v
+        for n, v in values.items()
+    }
+    metres = {
+        n: v if kinds[n] or mechanism.length_unit == "m" else 1e-3 * v for n, v in values.items()
+    }
     before, after = symkin.modes(mechanism, given=own), symkin.modes(written, given=metres)
     assert len(after) == len(before) > 0
 
@@ -48,19 +57,25 @@ def test_as_many_modes(name: str, suffix: str, tmp_path: Path) -> None:
     in_gate(["spherical_wrist", "zhang2009", "zhao2000", "delta_parallelograms"], ["zhao2000"]),
 )
 def test_as_many_modes_of_limbs(name: str, tmp_path: Path, kept_starts: None) -> None:
-    """Limbs are joints and rods between links in the file, a restricted platform hangs on joints of its own."""
+    """Limbs are joints and rods between links in the file, a restricted platform hangs on joints of
+    its own.
+    """
     test_as_many_modes(name, ".xml", tmp_path)
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_the_same_bytes_every_time(suffix: str, tmp_path: Path) -> None:
-    first, second = (symkin.convert("ankle", tmp_path / f"{name}{suffix}").read_bytes() for name in ("a", "b"))
+    first, second = (
+        symkin.convert("ankle", tmp_path / f"{name}{suffix}").read_bytes() for name in ("a", "b")
+    )
     assert first == second
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_written_twice_is_written_once(suffix: str, tmp_path: Path) -> None:
-    """A file that is read and written again in its own format is the same text, but for where it came from."""
+    """A file that is read and written again in its own format is the same text, but for where it
+    came from.
+    """
     first = symkin.convert("double_wishbone", tmp_path / f"a{suffix}")
     second = symkin.convert(first, tmp_path / f"b{suffix}")
     assert_same(symkin.load(first), symkin.load(second))
@@ -99,14 +114,21 @@ def test_wrong_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
 
 
 def test_what_no_format_holds(tmp_path: Path) -> None:
-    """Loops that nothing closes, a weld that joins two links alone, a link with the name of the base of MJCF."""
-    joint = symkin.LinkJoint(symkin.Joint("q", "R", [0, 0, 0], [0, 0, 1], actuated=True), ["base", "arm"])
+    """Loops that nothing closes, a weld that joins two links alone, a link with the name of the
+    base of MJCF.
+    """
+    joint = symkin.LinkJoint(
+        symkin.Joint("q", "R", [0, 0, 0], [0, 0, 1], actuated=True), ["base", "arm"]
+    )
     other = symkin.LinkJoint(symkin.Joint("p", "R", [9, 0, 0], [0, 0, 1]), ["base", "lever"])
     rod = symkin.LinkRod("rod", ["arm", "lever"], [1, 0, 0], [9, 1, 0], length=12.0)
     weld = symkin.LinkJoint(symkin.Joint("w", "weld", [1, 0, 0]), ["arm", "world"])
     turned = symkin.LinkJoint(symkin.Joint("r", "R", [1, 0, 0], [0, 1, 0]), ["arm", "world"])
     for parts, sentence in [
-        ({"link_joints": [joint, other], "link_rods": [rod]}, "no closed configuration was found, .* leaves 1"),
+        (
+            {"link_joints": [joint, other], "link_rods": [rod]},
+            "no closed configuration was found, .* leaves 1",
+        ),
         ({"link_joints": [joint, weld]}, "the weld 'w' alone joins the links 'arm' and 'world'"),
         ({"link_joints": [joint, turned]}, "a link is named 'world'"),
     ]:
@@ -119,7 +141,11 @@ def test_what_no_format_holds(tmp_path: Path) -> None:
     ("old", "new", "sentence"),
     [
         ("ankle = U: ", "ankle is U ", "is no statement on joints in parts"),
-        ("ankle = U: ankle.1", "ankle = U: shank", "names the joint 'shank', which the file has not"),
+        (
+            "ankle = U: ankle.1",
+            "ankle = U: shank",
+            "names the joint 'shank', which the file has not",
+        ),
         ("ankle = U: ankle.1, ankle.2", "ankle = U: ankle.2, lower_motor", "no chain of joints"),
         ("ankle = U", "ankle = C", "make no C"),
         ("ankle = U", "ankle = H x", "holds no finite number"),
@@ -127,7 +153,11 @@ def test_what_no_format_holds(tmp_path: Path) -> None:
         ("platform: foot | ", "platform: foot | x | ", "is no LINK | X | Y"),
         ("platform: foot | ", "platform: shank | ", "platform.link = 'shank' is unknown"),
         ("points: toe | foot | ", "points: toe | ", "is no NAME | LINK | X"),
-        ("upper_rod = rod: upper_rod.from, upper_rod.to", "upper_rod = rod: upper_rod.from", "make no rod"),
+        (
+            "upper_rod = rod: upper_rod.from, upper_rod.to",
+            "upper_rod = rod: upper_rod.from",
+            "make no rod",
+        ),
     ],
 )
 def test_parts_that_no_longer_fit(old: str, new: str, sentence: str, tmp_path: Path) -> None:
@@ -142,21 +172,32 @@ def test_parts_that_no_longer_fit(old: str, new: str, sentence: str, tmp_path: P
 
 
 def test_without_the_text_parts_are_joints_of_their_own(tmp_path: Path) -> None:
-    """The text is what makes rods and universal joints whole: other readers see hinges and balls."""
+    """The text is what makes rods and universal joints whole: other readers see hinges and
+    balls.
+    """
     path = symkin.convert("ankle", tmp_path / "ankle.xml")
     lines = path.read_text(encoding="utf-8").splitlines()
     path.write_text("\n".join(line for line in lines if "<text " not in line), encoding="utf-8")
     plain = symkin.load(path)
-    assert {e.joint.name for e in plain.link_joints} >= {"ankle.1", "ankle.2", "upper_rod.from", "upper_rod.to"}
+    assert {e.joint.name for e in plain.link_joints} >= {
+        "ankle.1",
+        "ankle.2",
+        "upper_rod.from",
+        "upper_rod.to",
+    }
     assert not plain.link_rods
 
 
 @pytest.mark.parametrize(("name", "suffix"), each_once(["bricard", "zhang2009", "ankle"], FORMATS))
 def test_motors_are_those_of_the_mechanism(name: str, suffix: str, tmp_path: Path) -> None:
-    """What moves and no motor drives is not taken for driven, though nothing else tells motors; and motors may be told beside it."""
+    """What moves and no motor drives is not taken for driven, though nothing else tells motors; and
+    motors may be told beside it.
+    """
     mechanism = symkin.load(name)
     joints = [replace(e, joint=replace(e.joint, actuated=False)) for e in mechanism.link_joints]
-    idle = replace(mechanism, link_joints=joints, link_rods=[r for r in mechanism.link_rods if not r.actuated])
+    idle = replace(
+        mechanism, link_joints=joints, link_rods=[r for r in mechanism.link_rods if not r.actuated]
+    )
     path = symkin.convert(idle, tmp_path / f"m{suffix}")
     expected = [c.name for c in idle.actuated]
     assert [c.name for c in symkin.load(path).actuated] == expected
@@ -164,14 +205,22 @@ def test_motors_are_those_of_the_mechanism(name: str, suffix: str, tmp_path: Pat
     assert not any("no motors are told" in note for note in symkin.close(path).notes)
     first = next((e.joint.name for e in idle.link_joints if e.joint.type == "R"), None)
     if first is not None:
-        assert [c.name for c in symkin.load(path, symkin.ReadOptions(actuated=[first])).actuated] == [first]
+        assert [
+            c.name for c in symkin.load(path, symkin.ReadOptions(actuated=[first])).actuated
+        ] == [first]
 
 
 @pytest.mark.parametrize("suffix", [".toml", *FORMATS])
 def test_an_open_reference_is_closed(suffix: str, tmp_path: Path) -> None:
-    """A rod of 9 mm whose ends are 8.06 mm apart at the reference: in the file it has its length, and the joints the values of `close`."""
-    joint = symkin.LinkJoint(symkin.Joint("q", "R", [0, 0, 0], [0, 0, 1], actuated=True), ["base", "arm"])
-    other = symkin.LinkJoint(symkin.Joint("p", "R", [9, 0, 0], [0, 0, 1], zero=0.3), ["base", "lever"])
+    """A rod of 9 mm whose ends are 8.06 mm apart at the reference: in the file it has its length,
+    and the joints the values of `close`.
+    """
+    joint = symkin.LinkJoint(
+        symkin.Joint("q", "R", [0, 0, 0], [0, 0, 1], actuated=True), ["base", "arm"]
+    )
+    other = symkin.LinkJoint(
+        symkin.Joint("p", "R", [9, 0, 0], [0, 0, 1], zero=0.3), ["base", "lever"]
+    )
     rod = symkin.LinkRod("rod", ["arm", "lever"], [1, 0, 0], [9, 1, 0], length=9.0)
     mechanism = symkin.Mechanism("open", link_joints=[joint, other], link_rods=[rod])
     metres = 1.0 if suffix == ".toml" else 1e-3
@@ -193,13 +242,21 @@ def test_the_tool_stands_where_it_stood(suffix: str, tmp_path: Path) -> None:
     before = symkin.solve(mechanism, joints=values).solution
     after = symkin.solve(written, joints=[math.radians(v) for v in values]).solution
     np.testing.assert_allclose(after.position, 1e-3 * np.asarray(before.position), atol=1e-10)
-    assert min(np.abs(after.quaternion - sign * np.asarray(before.quaternion)).max() for sign in (1, -1)) <= 1e-10
+    assert (
+        min(
+            np.abs(after.quaternion - sign * np.asarray(before.quaternion)).max()
+            for sign in (1, -1)
+        )
+        <= 1e-10
+    )
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
 @pytest.mark.parametrize("unit", ["mm", "m"])
 def test_rods_keep_the_lengths_that_they_are_told(suffix: str, unit: str, tmp_path: Path) -> None:
-    """A rod whose length the file states has it stated again; one that takes its length from the reference goes on to do so."""
+    """A rod whose length the file states has it stated again; one that takes its length from the
+    reference goes on to do so.
+    """
     links = ["base", "coupler"]
     turning = symkin.LinkJoint(symkin.Joint("ball", "S", (0, 0, 0)), links)
     rods = [

@@ -1,5 +1,6 @@
-"""MJCF that is written: read again it is the same mechanism, and MuJoCo has its links where symkin has them, its loops closed there and
-its freedoms."""
+"""MJCF that is written: read again it is the same mechanism, and MuJoCo has its links where symkin
+has them, its loops closed there and its freedoms.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +48,9 @@ def test_random_graphs_come_back(first: int, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", in_gate(symkin.shipped_names(), TWELVE))
 def test_mujoco_moves_as_symkin(name: str, tmp_path: Path) -> None:
-    """Poses of all links, closed equalities, and freedoms: the mobility, and the spin of each rod."""
+    """Poses of all links, closed equalities, and freedoms: the mobility, and the spin of each
+    rod.
+    """
     mechanism = symkin.load(name)
     freedoms = MujocoAccount(mechanism, in_file(tmp_path, mechanism)).check()
     assert freedoms[-1] == symkin.mobility(mechanism).mobility + len(mechanism.bars)
@@ -56,8 +59,9 @@ def test_mujoco_moves_as_symkin(name: str, tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("path", in_gate_but(ROBOTS, LARGEST), ids=lambda path: path.stem)
 def test_mujoco_moves_as_real_robots(path: Path, tmp_path: Path) -> None:
-    """With the freedoms that the closures of the robot's own file leave there, and at generic configurations; where they close to digits
-    only, their rank is blurred."""
+    """With the freedoms that the closures of the robot's own file leave there, and at generic
+    configurations; where they close to digits only, their rank is blurred.
+    """
     mechanism, account = symkin.load(path), symkin.close(path)
     freedoms = MujocoAccount(mechanism, in_file(tmp_path, mechanism)).check()
     if account.generic_rank is not None and account.residual <= 1e-12:

@@ -1,4 +1,6 @@
-"""URDF that is written: read again it is the same mechanism, and Pinocchio has its links where symkin has them, its loops closed there."""
+"""URDF that is written: read again it is the same mechanism, and Pinocchio has its links where
+symkin has them, its loops closed there.
+"""
 
 from __future__ import annotations
 
@@ -36,12 +38,16 @@ def test_real_robots_come_back(path: Path, tmp_path: Path) -> None:
     if path.suffix == ".xml":
         pytest.importorskip("mujoco")
     mechanism = symkin.load(path)
-    assert_same(as_graph(mechanism), symkin.load(symkin.convert(mechanism, tmp_path / "written.urdf")))
+    assert_same(
+        as_graph(mechanism), symkin.load(symkin.convert(mechanism, tmp_path / "written.urdf"))
+    )
 
 
 @settings(max_examples=40)
 @given(seed=st.integers(0, 10_000), loops=st.sampled_from(["loop", "yaml"]))
-def test_random_graphs_come_back(seed: int, loops: str, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_random_graphs_come_back(
+    seed: int, loops: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     mechanism = random_graph(seed, lines_only=True)
     path = tmp_path_factory.getbasetemp() / f"random_{loops}.urdf"
     assert_same(as_graph(mechanism), symkin.load(symkin.convert(mechanism, path, loops=loops)))
@@ -63,19 +69,27 @@ def test_pinocchio_moves_as_random_graphs(seed: int, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", COUPLED)
 def test_joints_that_follow_two_others(name: str, tmp_path: Path) -> None:
-    with pytest.raises(symkin.MechanismError, match=r"is no line of one other joint, .*MJCF \(\.xml\) holds it"):
+    with pytest.raises(
+        symkin.MechanismError, match=r"is no line of one other joint, .*MJCF \(\.xml\) holds it"
+    ):
         symkin.convert(name, tmp_path / "written.urdf")
     assert not list(tmp_path.iterdir())
 
 
 def test_loops_beside_the_file(tmp_path: Path) -> None:
-    """Loops are never told twice: neither by a file that stands beside the output, nor in a format without this form."""
+    """Loops are never told twice: neither by a file that stands beside the output, nor in a format
+    without this form.
+    """
     path = symkin.convert("four_bar", tmp_path / "four_bar.urdf", loops="yaml")
     before = path.read_bytes(), path.with_suffix(".yaml").read_bytes()
     for arguments, options, sentence in [
         (("ankle", path), {}, "would tell loops of a URDF of this name"),
         (("ankle", tmp_path / "ankle.xml"), {"loops": "yaml"}, "is a form of URDF"),
-        (("ankle", tmp_path / "ankle.urdf"), {"loops": "srdf"}, "'srdf' is unknown; allowed: loop, yaml"),
+        (
+            ("ankle", tmp_path / "ankle.urdf"),
+            {"loops": "srdf"},
+            "'srdf' is unknown; allowed: loop, yaml",
+        ),
     ]:
         with pytest.raises(symkin.InputError, match=sentence):
             symkin.convert(*arguments, **options)

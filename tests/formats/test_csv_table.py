@@ -1,4 +1,6 @@
-"""CSV tables: what is written is read, units are converted, and every mistake names file, row and column."""
+"""CSV tables: what is written is read, units are converted, and every mistake names file, row and
+column.
+"""
 
 import math
 import os
@@ -45,12 +47,16 @@ def test_a_space_may_stand_before_the_unit(tmp_path, header):
 
 
 def test_copies_are_rows_with_the_same_values(tmp_path):
-    """A row that repeats an earlier one in every cell, however its numbers are written, is told with that one; others are not."""
+    """A row that repeats an earlier one in every cell, however its numbers are written, is told
+    with that one; others are not.
+    """
     read = table(tmp_path, "group,leg1[m]\na,1\nb,1\na,1.0\na,1e0\na,1.01\n")
     assert read.copies() == ((2, 0), (3, 0))
 
 
-@given(st.lists(st.tuples(st.floats(allow_nan=False, allow_infinity=False), st.integers()), max_size=5))
+@given(
+    st.lists(st.tuples(st.floats(allow_nan=False, allow_infinity=False), st.integers()), max_size=5)
+)
 def test_written_numbers_are_read(tmp_path_factory, rows):
     """Reading what was written gives the same doubles."""
     path = tmp_path_factory.mktemp("csv") / "t.csv"
@@ -122,13 +128,26 @@ def people(separator=",", point=".", header="{name}[{unit}]", end="\n", before="
         (people(header="{name} ({unit})"), ["'leg1 (mm)' as leg1[mm]"]),
         (people(header="{name} / {unit}"), ["'theta / deg' as theta[deg]"]),
         (people(";", ",", before="sep=;\n", end=";\n"), ["separated by semicolons"]),
-        (people().replace("leg1[mm]", "Leg1(MM)").replace("theta[deg]", "THETA[\u00b0]"), ["'Leg1(MM)' as leg1[mm]", "'THETA[\u00b0]' as theta[deg]"]),
-        (people().replace("leg1[mm]", '"Leg 1, (mm)"').replace("Leg 1,", "Leg-1"), ["'Leg-1 (mm)' as leg1[mm]"]),
-        (people(end=",note, 3 of 4\n").replace("]\n", "]\n").replace("x[mm],note, 3 of 4", "x[mm],Remark,Temp (C)"), ["'Remark', 'Temp (C)'"]),
+        (
+            people().replace("leg1[mm]", "Leg1(MM)").replace("theta[deg]", "THETA[\u00b0]"),
+            ["'Leg1(MM)' as leg1[mm]", "'THETA[\u00b0]' as theta[deg]"],
+        ),
+        (
+            people().replace("leg1[mm]", '"Leg 1, (mm)"').replace("Leg 1,", "Leg-1"),
+            ["'Leg-1 (mm)' as leg1[mm]"],
+        ),
+        (
+            people(end=",note, 3 of 4\n")
+            .replace("]\n", "]\n")
+            .replace("x[mm],note, 3 of 4", "x[mm],Remark,Temp (C)"),
+            ["'Remark', 'Temp (C)'"],
+        ),
     ],
-)  # fmt: skip
+)
 def test_files_as_people_have_them(tmp_path, text, notes):
-    """However separators, points, units and names are written, the numbers are the same, and what was unusual is said."""
+    """However separators, points, units and names are written, the numbers are the same, and what
+    was unusual is said.
+    """
     path = tmp_path / "data.csv"
     path.write_bytes(text.encode())
     read = read_table(path).matched(NAMES)
@@ -152,7 +171,10 @@ def test_what_programs_write_for_nothing_is_blank(tmp_path, blank):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("a[mm];b[mm]\n1,5;2.5\n", ["'a[mm]' has '1,5'", "'b[mm]' has '2.5'", "decimal or separate thousands"]),
+        (
+            "a[mm];b[mm]\n1,5;2.5\n",
+            ["'a[mm]' has '1,5'", "'b[mm]' has '2.5'", "decimal or separate thousands"],
+        ),
         ("a[mm]\tb[mm]\n1,500\t22,125\n", ["'1,500'", "every comma"]),
         ('a[mm],b[mm]\n"1,500",2\n', ["'1,500'", "every comma"]),
         ("A[mm],a [mm],b\n1,2,3\n", ["'a'", "'A'", "leave one out"]),
@@ -166,8 +188,12 @@ def test_what_can_be_read_in_two_ways_is_refused(tmp_path, text, words):
 
 
 def test_text_stays_as_it_is(tmp_path):
-    """Labels with points and commas are no numbers: they neither change nor decide what a comma means."""
-    read = table(tmp_path, "group;a[mm]\n1.2;3,5\n1,2;4,5\n").matched(["group", "a"], text=["group"])
+    """Labels with points and commas are no numbers: they neither change nor decide what a comma
+    means.
+    """
+    read = table(tmp_path, "group;a[mm]\n1.2;3,5\n1,2;4,5\n").matched(
+        ["group", "a"], text=["group"]
+    )
     assert read.text("group") == ("1.2", "1,2")
     assert read.numbers("a", "length", "mm") == [3.5, 4.5]
 
@@ -196,10 +222,14 @@ def test_empty_cells_may_be_allowed(tmp_path):
 
 
 def test_a_failed_write_keeps_the_old_file(tmp_path, monkeypatch):
-    """Where a file cannot be written whole, what stood there stands, and nothing is left beside it."""
+    """Where a file cannot be written whole, what stood there stands, and nothing is left beside
+    it.
+    """
     path = tmp_path / "t.csv"
     write_output(path, "old")
-    monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    monkeypatch.setattr(
+        "os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device"))
+    )
     with pytest.raises(InputError, match="No space left"):
         write_output(path, "new")
     assert path.read_text() == "old"

@@ -22,7 +22,9 @@ def screw_motion(axis, angle, slide):
 
 
 def dh_product(table, values):
-    """standard: Rz(theta) Tz(d) Tx(a) Rx(alpha); modified (Craig): Rx(alpha) Tx(a) Rz(theta) Tz(d)."""
+    """standard: Rz(theta) Tz(d) Tx(a) Rx(alpha); modified (Craig): Rx(alpha) Tx(a) Rz(theta)
+    Tz(d).
+    """
     total = np.eye(4)
     for row, q in zip(table.rows, values, strict=True):
         theta, d = (row.theta + q, row.d) if row.type == "R" else (row.theta, row.d + q)
@@ -33,7 +35,13 @@ def dh_product(table, values):
 
 def random_table(rng, convention, count=5):
     rows = [
-        DHRow(f"q{k}", str(rng.choice(["R", "P"])), rng.uniform(-3, 3), *rng.uniform(-50, 50, 2), rng.uniform(-3, 3))
+        DHRow(
+            f"q{k}",
+            str(rng.choice(["R", "P"])),
+            rng.uniform(-3, 3),
+            *rng.uniform(-50, 50, 2),
+            rng.uniform(-3, 3),
+        )
         for k in range(count)
     ]
     return DHTable(convention, rows)
@@ -61,7 +69,9 @@ def test_forward_kinematics_is_the_product_of_the_rows(convention, rng):
 @pytest.mark.parametrize("convention", ["standard", "modified"])
 @given(rng=seeds)
 def test_the_same_arm_by_joints(convention, rng):
-    """A DH arm equals the arm given by its joints (point, axis) and tool at zero: forward kinematics agree."""
+    """A DH arm equals the arm given by its joints (point, axis) and tool at zero: forward
+    kinematics agree.
+    """
     table = random_table(rng, convention, 4)
     arm = serial_arm_from_dh("arm", table)
     joints, g = [], np.eye(4)
@@ -72,9 +82,12 @@ def test_the_same_arm_by_joints(convention, rng):
         g = g @ (z @ x if convention == "standard" else x @ z)
     tool = symkin.Pose.from_matrix(g)
     same = Mechanism(
-        "arm", [Limb("arm", joints)], serial=True,
-        platform_position=tuple(tool.position), platform_quaternion=tuple(tool.quaternion),
-    )  # fmt: skip
+        "arm",
+        [Limb("arm", joints)],
+        serial=True,
+        platform_position=tuple(tool.position),
+        platform_quaternion=tuple(tool.quaternion),
+    )
     values = rng.uniform(-3, 3, 4)
     assert np.allclose(forward(arm, values), forward(same, values), atol=1e-9)
     assert math.isclose(arm.characteristic_length, same.characteristic_length, rel_tol=1e-9)
@@ -83,10 +96,15 @@ def test_the_same_arm_by_joints(convention, rng):
 @pytest.mark.slow
 @given(seeds)
 def test_standard_is_modified_shifted_by_one_link(rng):
-    """Rz Tz Tx Rx of rows 1..n is Craig's Rx Tx Rz Tz of the same rows with (a, alpha) one row down, and a last one."""
+    """Rz Tz Tx Rx of rows 1..n is Craig's Rx Tx Rz Tz of the same rows with (a, alpha) one row
+    down, and a last one.
+    """
     table = random_table(rng, "standard", 4)
     links = [(0.0, 0.0), *((row.a, row.alpha) for row in table.rows)]
-    rows = [DHRow(r.name, r.type, r.theta, r.d, *link) for r, link in zip(table.rows, links, strict=False)]
+    rows = [
+        DHRow(r.name, r.type, r.theta, r.d, *link)
+        for r, link in zip(table.rows, links, strict=False)
+    ]
     values = rng.uniform(-3, 3, 4)
     last = screw_motion(X, links[-1][1], links[-1][0])
     shifted = forward(serial_arm_from_dh("arm", DHTable("modified", rows)), values)
@@ -95,7 +113,9 @@ def test_standard_is_modified_shifted_by_one_link(rng):
 
 @given(seeds)
 def test_gluon_is_its_table(rng):
-    """The shipped arm at random angles (degrees) is the product of its printed rows, R for every joint."""
+    """The shipped arm at random angles (degrees) is the product of its printed rows, R for every
+    joint.
+    """
     rows = [
         (0, 105.03, 0, 90),
         (-90, 0, -174.42, 0),
@@ -118,9 +138,15 @@ BAD = {
     "a": (lambda: DHRow("q1", a="wide"), ["'q1'", "a", "'wide'"]),
     "alpha": (lambda: DHRow("q1", alpha=math.inf), ["'q1'", "alpha", "inf"]),
     "limits": (lambda: DHRow("q1", limits=(1, 0)), ["'q1'", "limits", "low < high"]),
-    "convention": (lambda: DHTable("Craig", [DHRow("q1")]), ["convention", "'Craig'", "standard, modified"]),
+    "convention": (
+        lambda: DHTable("Craig", [DHRow("q1")]),
+        ["convention", "'Craig'", "standard, modified"],
+    ),
     "empty": (lambda: DHTable("standard", []), ["dh.rows", "empty"]),
-    "names": (lambda: serial_arm_from_dh("arm", DHTable("standard", [DHRow("q"), DHRow("q")])), ["'q'", "unique"]),
+    "names": (
+        lambda: serial_arm_from_dh("arm", DHTable("standard", [DHRow("q"), DHRow("q")])),
+        ["'q'", "unique"],
+    ),
 }
 
 

@@ -29,14 +29,16 @@ from symkin import (
     serial_arm_from_dh,
 )
 
-# --- round trips ---------------------------------------------------------------------------------------------------
+# --- round trips ----------------------------------------------------------------------------------
 
 lengths = st.floats(-1e4, 1e4)
 vectors = st.tuples(lengths, lengths, lengths)
 directions = vectors.filter(lambda v: math.hypot(*v) > 1e-3)
 quaternions = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: math.hypot(*q) > 0.1)
 unit_quaternions = quaternions.map(lambda q: tuple(c / math.hypot(*q) for c in q))
-TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=20).filter(lambda text: text_fault(text) is None)
+TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=20).filter(
+    lambda text: text_fault(text) is None
+)
 MOTIONS = ["spatial", "schoenflies", "planar", "translation", "spherical"]
 
 
@@ -85,13 +87,23 @@ def limbs(draw, k, unit):
 
 @st.composite
 def mechanisms(draw):
-    unit, form = draw(st.sampled_from(["deg", "rad"])), draw(st.sampled_from(["limbs", "joints", "dh"]))
-    options = {"angle_unit": unit, "length_unit": draw(st.sampled_from(["m", "mm"])), "title": draw(TEXTS), "source": draw(TEXTS)}
+    unit, form = (
+        draw(st.sampled_from(["deg", "rad"])),
+        draw(st.sampled_from(["limbs", "joints", "dh"])),
+    )
+    options = {
+        "angle_unit": unit,
+        "length_unit": draw(st.sampled_from(["m", "mm"])),
+        "title": draw(TEXTS),
+        "source": draw(TEXTS),
+    }
     frame = {"platform_position": draw(vectors), "platform_quaternion": draw(unit_quaternions)}
     count = draw(st.integers(1, 4))
     if form == "limbs":
         made = [draw(limbs(k, unit)) for k in range(count)]
-        mechanism = Mechanism("sample", made, **frame, **options, motion=draw(st.sampled_from(MOTIONS)))
+        mechanism = Mechanism(
+            "sample", made, **frame, **options, motion=draw(st.sampled_from(MOTIONS))
+        )
     elif form == "joints":
         chain = [draw(joints(f"q{k}", unit, "RPH", actuated=True)) for k in range(count)]
         mechanism = Mechanism("sample", [Limb("sample", chain)], **frame, **options, serial=True)
@@ -100,14 +112,29 @@ def mechanisms(draw):
         for k in range(count):
             kind = draw(st.sampled_from("RP"))
             numbers = draw(st.tuples(angles(unit), lengths, lengths, angles(unit)))
-            rows.append(DHRow(f"d{k}", kind, *numbers, draw(ranges(angles(unit) if kind == "R" else lengths))))
-        mechanism = serial_arm_from_dh("sample", DHTable(draw(st.sampled_from(["standard", "modified"])), rows), **options)
-    if draw(st.booleans()):
-        values = st.tuples(*(lengths.map(lambda v, c=c: v if c.least is None else max(v, c.least)) for c in mechanism.actuated))
-        shown = draw(
-            st.builds(Example, joints=values) | st.builds(Example, pose=st.tuples(vectors, unit_quaternions).map(sum_up))
+            rows.append(
+                DHRow(
+                    f"d{k}", kind, *numbers, draw(ranges(angles(unit) if kind == "R" else lengths))
+                )
+            )
+        mechanism = serial_arm_from_dh(
+            "sample", DHTable(draw(st.sampled_from(["standard", "modified"])), rows), **options
         )
-        mechanism = Mechanism(**{n: getattr(mechanism, n) for n in mechanism.__dataclass_fields__} | {"example": shown})
+    if draw(st.booleans()):
+        values = st.tuples(
+            *(
+                lengths.map(lambda v, c=c: v if c.least is None else max(v, c.least))
+                for c in mechanism.actuated
+            )
+        )
+        shown = draw(
+            st.builds(Example, joints=values)
+            | st.builds(Example, pose=st.tuples(vectors, unit_quaternions).map(sum_up))
+        )
+        mechanism = Mechanism(
+            **{n: getattr(mechanism, n) for n in mechanism.__dataclass_fields__}
+            | {"example": shown}
+        )
     return mechanism
 
 
@@ -130,14 +157,18 @@ def test_any_mechanism_comes_back_equal(mechanism):
     assert parse(mechanism.to_toml()) == mechanism
 
 
-@pytest.mark.parametrize("make", [delta, pieper, lambda: parse(BENNETT)], ids=["delta", "pieper", "bennett"])
+@pytest.mark.parametrize(
+    "make", [delta, pieper, lambda: parse(BENNETT)], ids=["delta", "pieper", "bennett"]
+)
 def test_sample_mechanisms_come_back_equal(make):
     """The same for mechanisms made in Python and for arithmetic in the file."""
     assert parse(make().to_toml()) == make()
 
 
 def test_files_are_read_from_disk(tmp_path):
-    """load of a path (text or Path) is parse of its text; a byte order mark and CRLF do not matter."""
+    """load of a path (text or Path) is parse of its text; a byte order mark and CRLF do not
+    matter.
+    """
     mechanism = symkin.load("zhang2009")
     path = tmp_path / "my robot.toml"
     path.write_text(mechanism.to_toml(), encoding="utf-8")
@@ -147,8 +178,12 @@ def test_files_are_read_from_disk(tmp_path):
 
 
 def test_arithmetic_is_a_number():
-    """A string of arithmetic stands wherever a number does, trigonometry in the file's angle unit."""
-    text = PARALLEL.replace("base = [0.0, 0.0, 0.0]", 'base = ["240/sqrt(3)", "100*sin(30)", "2^3"]').replace("= 5.0", '= "10/2"')
+    """A string of arithmetic stands wherever a number does, trigonometry in the file's angle
+    unit.
+    """
+    text = PARALLEL.replace(
+        "base = [0.0, 0.0, 0.0]", 'base = ["240/sqrt(3)", "100*sin(30)", "2^3"]'
+    ).replace("= 5.0", '= "10/2"')
     limb = parse(text).limbs[0]
     assert limb.base == pytest.approx((240 / math.sqrt(3), 50.0, 8.0))
     assert limb.offset == 5.0
@@ -158,10 +193,15 @@ def test_arithmetic_is_a_number():
 
 def test_quaternion_off_by_less_than_a_hundredth_is_normalised():
     """(1.005, 0, 0, 0) is the identity."""
-    assert parse(MIXED.replace("[1.0, 0.0, 0.0, 0.0]", "[1.005, 0, 0, 0]")).platform_quaternion == (1.0, 0.0, 0.0, 0.0)
+    assert parse(MIXED.replace("[1.0, 0.0, 0.0, 0.0]", "[1.005, 0, 0, 0]")).platform_quaternion == (
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+    )
 
 
-# --- mistakes ------------------------------------------------------------------------------------------------------
+# --- mistakes -------------------------------------------------------------------------------------
 
 HEAD = """format = 1
 name = "robot"
@@ -232,7 +272,10 @@ zero = 90.0
 position = [0.0, 0.0, 100.0]
 """
 )
-DH = HEAD + '\n[dh]\nconvention = "standard"\nrows = [ { type = "R", theta = 0.0, d = 10.0, a = 5.0, alpha = 90.0 } ]\n'
+DH = HEAD + (
+    '\n[dh]\nconvention = "standard"\n'
+    'rows = [ { type = "R", theta = 0.0, d = 10.0, a = 5.0, alpha = 90.0 } ]\n'
+)
 OFF = "[1.02, 0.0, 0.0, 0.0]"
 
 
@@ -262,9 +305,18 @@ BAD = {
     "missing format": (swap(PARALLEL, "format = 1\n", ""), ["format", "missing"]),
     "missing name": (swap(PARALLEL, 'name = "robot"\n', ""), ["name", "missing"]),
     "missing length unit": (swap(PARALLEL, 'length_unit = "mm"\n', ""), ["length_unit", "missing"]),
-    "unknown length unit": (swap(PARALLEL, '"mm"', '"inch"'), ["length_unit", "'inch'", "'m'", "'mm'"]),
-    "unknown angle unit": (swap(PARALLEL, '"deg"', '"gon"'), ["angle_unit", "'gon'", "'deg'", "'rad'"]),
-    "name no C identifier": (swap(PARALLEL, '"robot"', '"3-rps"'), ["name", "'3-rps'", "C identifier"]),
+    "unknown length unit": (
+        swap(PARALLEL, '"mm"', '"inch"'),
+        ["length_unit", "'inch'", "'m'", "'mm'"],
+    ),
+    "unknown angle unit": (
+        swap(PARALLEL, '"deg"', '"gon"'),
+        ["angle_unit", "'gon'", "'deg'", "'rad'"],
+    ),
+    "name no C identifier": (
+        swap(PARALLEL, '"robot"', '"3-rps"'),
+        ["name", "'3-rps'", "C identifier"],
+    ),
     "name a number": (swap(PARALLEL, '"robot"', "3"), ["name", "3"]),
     "name empty": (swap(PARALLEL, '"robot"', '""'), ["name", "''"]),
     "title a number": (swap(PARALLEL, "format = 1", "format = 1\ntitle = 3"), ["title", "3"]),
@@ -272,60 +324,173 @@ BAD = {
     "limb a list of numbers": (HEAD + "limb = [3]\n", ["limb[0]", "3"]),
     "limb a table": (swap(PARALLEL, "[[limb]]", "[limb]"), ["limb"]),
     "joint a table": (swap(ARM, "[[joint]]", "[joint]"), ["joint"]),
-    "unknown key at the top": (swap(PARALLEL, "format = 1", "format = 1\ncolour = 3"), ["colour", "unknown", "angle_unit"]),
-    "unknown key of a rod limb": (swap(PARALLEL, "offset", "ofset"), ["limb[0]", "leg1", "ofset", "unknown", "offset"]),
-    "unknown key of the platform": (swap(MIXED, "motion", "motions"), ["platform.motions", "unknown", "motion"]),
-    "unknown key of a joint": (swap(MIXED, "actuated", "active"), ["arm", "waist", "active", "unknown", "actuated"]),
-    "unknown key of a limb": (swap(MIXED, 'name = "arm"', 'name = "arm"\nbase = 3'), ["arm", "base", "unknown", "joint"]),
-    "unknown key of a rod": (swap(MIXED, "length = 20.0", "width = 2.0"), ["arm2", "rod[0]", "width", "unknown", "length"]),
-    "unknown key of a dh row": (swap(DH, "d = 10.0", "D = 10.0"), ["dh.rows[0]", "D", "unknown", "alpha"]),
-    "unknown key of dh": (swap(DH, "convention", "rule = 1\nconvention"), ["dh.rule", "unknown", "convention"]),
-    "unknown key of the example": (swap(PARALLEL, "joints = ", "joint = "), ["example.joint", "unknown", "joints"]),
-    "unknown key of the tool": (ARM + 'motion = "planar"', ["tool.motion", "unknown", "quaternion"]),
+    "unknown key at the top": (
+        swap(PARALLEL, "format = 1", "format = 1\ncolour = 3"),
+        ["colour", "unknown", "angle_unit"],
+    ),
+    "unknown key of a rod limb": (
+        swap(PARALLEL, "offset", "ofset"),
+        ["limb[0]", "leg1", "ofset", "unknown", "offset"],
+    ),
+    "unknown key of the platform": (
+        swap(MIXED, "motion", "motions"),
+        ["platform.motions", "unknown", "motion"],
+    ),
+    "unknown key of a joint": (
+        swap(MIXED, "actuated", "active"),
+        ["arm", "waist", "active", "unknown", "actuated"],
+    ),
+    "unknown key of a limb": (
+        swap(MIXED, 'name = "arm"', 'name = "arm"\nbase = 3'),
+        ["arm", "base", "unknown", "joint"],
+    ),
+    "unknown key of a rod": (
+        swap(MIXED, "length = 20.0", "width = 2.0"),
+        ["arm2", "rod[0]", "width", "unknown", "length"],
+    ),
+    "unknown key of a dh row": (
+        swap(DH, "d = 10.0", "D = 10.0"),
+        ["dh.rows[0]", "D", "unknown", "alpha"],
+    ),
+    "unknown key of dh": (
+        swap(DH, "convention", "rule = 1\nconvention"),
+        ["dh.rule", "unknown", "convention"],
+    ),
+    "unknown key of the example": (
+        swap(PARALLEL, "joints = ", "joint = "),
+        ["example.joint", "unknown", "joints"],
+    ),
+    "unknown key of the tool": (
+        ARM + 'motion = "planar"',
+        ["tool.motion", "unknown", "quaternion"],
+    ),
     "couplings": (
         MIXED + '\n[[coupling]]\njoint = "waist"\nof = { slides = 2.0 }',
-        ["coupling of 'waist'", "of = 'slides' is unknown", "do you mean 'slide'?", "coordinates are waist, slide"],
+        [
+            "coupling of 'waist'",
+            "of = 'slides' is unknown",
+            "do you mean 'slide'?",
+            "coordinates are waist, slide",
+        ],
     ),
-    "a mimicking joint": (swap(MIXED, 'type = "R"', 'type = "R"\nmimic = "a"'), ["joint[0] (waist).mimic", "[[coupling]]"]),
+    "a mimicking joint": (
+        swap(MIXED, 'type = "R"', 'type = "R"\nmimic = "a"'),
+        ["joint[0] (waist).mimic", "[[coupling]]"],
+    ),
     "links of a joint": (
         swap(MIXED, 'type = "R"', 'type = "R"\nlinks = ["base", "a"]'),
         ["joint[0] (waist).links", "unknown", "stands at the top of the file"],
     ),
     "named links": (MIXED + '\n[[link]]\nname = "foot"', ["link[0] (foot)", "nothing holds it"]),
-    "a loop within a limb": (MIXED + '\n[[limb.limb]]\nname = "inner"', ["limb[1] (arm2).limb", "unknown", "allowed"]),
-    "a table of loops": (MIXED + '\n[[loop]]\nname = "inner"', ["loop", "loops have no table", "links"]),
+    "a loop within a limb": (
+        MIXED + '\n[[limb.limb]]\nname = "inner"',
+        ["limb[1] (arm2).limb", "unknown", "allowed"],
+    ),
+    "a table of loops": (
+        MIXED + '\n[[loop]]\nname = "inner"',
+        ["loop", "loops have no table", "links"],
+    ),
     "rods between links": (MIXED + '\n[[rod]]\nname = "a"', ["rod[0] (a).links", "missing"]),
-    "two platforms": (swap(MIXED, "[platform]", "[[platform]]"), ["platform", "one link of a file", "points"]),
-    "platform twice": (MIXED + "\n[platform]\nposition = [0, 0, 0]", ["[platform] stands twice", "one link of a file"]),
-    "a welded joint": (swap(MIXED, '"R"', '"weld"'), ["waist", "type", "'weld'", "in a limb it is left out"]),
+    "two platforms": (
+        swap(MIXED, "[platform]", "[[platform]]"),
+        ["platform", "one link of a file", "points"],
+    ),
+    "platform twice": (
+        MIXED + "\n[platform]\nposition = [0, 0, 0]",
+        ["[platform] stands twice", "one link of a file"],
+    ),
+    "a welded joint": (
+        swap(MIXED, '"R"', '"weld"'),
+        ["waist", "type", "'weld'", "in a limb it is left out"],
+    ),
     "an actuated universal joint with limits": (
         swap(MIXED, 'type = "R"', 'type = "U"\naxis2 = [1, 0, 0]'),
         ["waist", "zero and limits", "one coordinate (R, P, H)"],
     ),
-    "unknown joint type": (swap(MIXED, '"R"', '"Q"'), ["arm", "waist", "type", "'Q'", "'R', 'P', 'H', 'C', 'U', 'S'"]),
-    "unknown rod type": (swap(PARALLEL, '"SPS"', '"RPR"'), ["leg1", "type", "'RPR'", "'SPS', 'UPS', 'SPU'"]),
-    "unknown motion": (swap(MIXED, '"spatial"', '"free"'), ["platform.motion", "'free'", "'schoenflies'"]),
-    "unknown convention": (swap(DH, '"standard"', '"craig"'), ["dh.convention", "'craig'", "'modified'"]),
-    "zero axis": (swap(MIXED, "[0.0, 0.0, 1.0]", "[0, 0, 0]"), ["waist", "axis", "zero", "[0.0, 0.0, 0.0]"]),
+    "unknown joint type": (
+        swap(MIXED, '"R"', '"Q"'),
+        ["arm", "waist", "type", "'Q'", "'R', 'P', 'H', 'C', 'U', 'S'"],
+    ),
+    "unknown rod type": (
+        swap(PARALLEL, '"SPS"', '"RPR"'),
+        ["leg1", "type", "'RPR'", "'SPS', 'UPS', 'SPU'"],
+    ),
+    "unknown motion": (
+        swap(MIXED, '"spatial"', '"free"'),
+        ["platform.motion", "'free'", "'schoenflies'"],
+    ),
+    "unknown convention": (
+        swap(DH, '"standard"', '"craig"'),
+        ["dh.convention", "'craig'", "'modified'"],
+    ),
+    "zero axis": (
+        swap(MIXED, "[0.0, 0.0, 1.0]", "[0, 0, 0]"),
+        ["waist", "axis", "zero", "[0.0, 0.0, 0.0]"],
+    ),
     "no axis": (swap(MIXED, "axis = [0.0, 0.0, 1.0]\n", ""), ["waist", "axis", "missing"]),
     "no point": (swap(MIXED, "point = [0.0, 0.0, 0.0]\n", ""), ["waist", "point", "missing"]),
-    "axis of two": (swap(MIXED, "[0.0, 0.0, 1.0]", "[0.0, 1.0]"), ["waist", "axis", "[0.0, 1.0]", "3"]),
-    "base of four": (swap(PARALLEL, "base = [0.0, ", "base = [0.0, 0.0, "), ["leg1", "base", "4", "3"]),
-    "base is text": (swap(PARALLEL, "base = [0.0,", 'base = ["wide",'), ["leg1", "base[0]", "'wide'", "sqrt"]),
-    "base divided by zero": (swap(PARALLEL, "base = [0.0,", 'base = ["1/0",'), ["leg1", "base[0]", "'1/0'"]),
-    "base is true": (swap(PARALLEL, "base = [0.0,", "base = [true,"), ["leg1", "base[0]", "True", "number"]),
-    "base is a date": (swap(PARALLEL, "base = [0.0,", "base = [2020-01-01,"), ["leg1", "base[0]", "number"]),
+    "axis of two": (
+        swap(MIXED, "[0.0, 0.0, 1.0]", "[0.0, 1.0]"),
+        ["waist", "axis", "[0.0, 1.0]", "3"],
+    ),
+    "base of four": (
+        swap(PARALLEL, "base = [0.0, ", "base = [0.0, 0.0, "),
+        ["leg1", "base", "4", "3"],
+    ),
+    "base is text": (
+        swap(PARALLEL, "base = [0.0,", 'base = ["wide",'),
+        ["leg1", "base[0]", "'wide'", "sqrt"],
+    ),
+    "base divided by zero": (
+        swap(PARALLEL, "base = [0.0,", 'base = ["1/0",'),
+        ["leg1", "base[0]", "'1/0'"],
+    ),
+    "base is true": (
+        swap(PARALLEL, "base = [0.0,", "base = [true,"),
+        ["leg1", "base[0]", "True", "number"],
+    ),
+    "base is a date": (
+        swap(PARALLEL, "base = [0.0,", "base = [2020-01-01,"),
+        ["leg1", "base[0]", "number"],
+    ),
     "NaN": (swap(PARALLEL, "base = [0.0,", "base = [nan,"), ["leg1", "base[0]", "nan", "finite"]),
-    "infinity": (swap(MIXED, "position = [0.0,", "position = [-inf,"), ["platform.position[0]", "inf", "finite"]),
-    "huge integer": (swap(PARALLEL, "offset = 5.0", f"offset = {10**400}"), ["leg1", "offset", "finite"]),
-    "quaternion norm": (swap(MIXED, "[1.0, 0.0, 0.0, 0.0]", OFF), ["platform.quaternion", "1.02", "0.01"]),
-    "zero quaternion": (swap(MIXED, "[1.0, 0.0, 0.0, 0.0]", "[0, 0, 0, 0]"), ["platform.quaternion", "norm"]),
+    "infinity": (
+        swap(MIXED, "position = [0.0,", "position = [-inf,"),
+        ["platform.position[0]", "inf", "finite"],
+    ),
+    "huge integer": (
+        swap(PARALLEL, "offset = 5.0", f"offset = {10**400}"),
+        ["leg1", "offset", "finite"],
+    ),
+    "quaternion norm": (
+        swap(MIXED, "[1.0, 0.0, 0.0, 0.0]", OFF),
+        ["platform.quaternion", "1.02", "0.01"],
+    ),
+    "zero quaternion": (
+        swap(MIXED, "[1.0, 0.0, 0.0, 0.0]", "[0, 0, 0, 0]"),
+        ["platform.quaternion", "norm"],
+    ),
     "tool quaternion norm": (ARM + f"quaternion = {OFF}", ["tool.quaternion", "1.02", "0.01"]),
-    "quaternion of three": (swap(MIXED, "[1.0, 0.0, 0.0, 0.0]", "[1, 0, 0]"), ["platform.quaternion", "[1, 0, 0]", "4"]),
-    "negative rod length": (swap(MIXED, "20.0", "-20.0"), ["arm2", "rod", "length", "-20.0", "positive"]),
-    "limits reversed": (swap(MIXED, "[-180.0, 180.0]", "[180.0, -180.0]"), ["waist", "limits", "180", "low < high"]),
-    "rod limits reversed": (swap(PARALLEL, "[10.0, 400.0]", "[400.0, 10.0]"), ["leg1", "limits", "400", "low < high"]),
-    "limits of one": (swap(PARALLEL, "[10.0, 400.0]", "[400.0]"), ["leg1", "limits", "[400.0]", "2"]),
+    "quaternion of three": (
+        swap(MIXED, "[1.0, 0.0, 0.0, 0.0]", "[1, 0, 0]"),
+        ["platform.quaternion", "[1, 0, 0]", "4"],
+    ),
+    "negative rod length": (
+        swap(MIXED, "20.0", "-20.0"),
+        ["arm2", "rod", "length", "-20.0", "positive"],
+    ),
+    "limits reversed": (
+        swap(MIXED, "[-180.0, 180.0]", "[180.0, -180.0]"),
+        ["waist", "limits", "180", "low < high"],
+    ),
+    "rod limits reversed": (
+        swap(PARALLEL, "[10.0, 400.0]", "[400.0, 10.0]"),
+        ["leg1", "limits", "400", "low < high"],
+    ),
+    "limits of one": (
+        swap(PARALLEL, "[10.0, 400.0]", "[400.0]"),
+        ["leg1", "limits", "[400.0]", "2"],
+    ),
     "two limbs of one name": (swap(MIXED, '"arm2"', '"arm"'), ["'arm'", "unique"]),
     "two joints of one name": (swap(MIXED, '"slide"', '"waist"'), ["'waist'", "unique"]),
     "limb name empty": (swap(PARALLEL, '"leg1"', '""'), ["limb[0]", "name", "''"]),
@@ -336,37 +501,81 @@ BAD = {
         swap(MIXED, 'type = "S"', 'type = "S"\nactuated = true'),
         ["'ball'", "actuated", "R, P, H, C and U", "three R joints"],
     ),
-    "actuated is text": (swap(MIXED, "actuated = true", 'actuated = "yes"'), ["waist", "actuated", "'yes'"]),
+    "actuated is text": (
+        swap(MIXED, "actuated = true", 'actuated = "yes"'),
+        ["waist", "actuated", "'yes'"],
+    ),
     "passive joint of an arm": (swap(ARM, "zero = 90.0", "actuated = false"), ["'q1'", "actuated"]),
     "ball in an arm": (
         swap(ARM, 'type = "R"', 'type = "S"').replace("axis = [0.0, 0.0, 1.0]\nzero = 90.0\n", ""),
         ["'q1'", "R, P"],
     ),
-    "dh and limb": (DH + PARALLEL[len(HEAD) :].split("[example]")[0], ["limb", "dh", "exactly one"]),
-    "joint and limb": (ARM.split("[tool]")[0] + PARALLEL[len(HEAD) :].split("[example]")[0], ["limb", "joint", "exactly one"]),
+    "dh and limb": (
+        DH + PARALLEL[len(HEAD) :].split("[example]")[0],
+        ["limb", "dh", "exactly one"],
+    ),
+    "joint and limb": (
+        ARM.split("[tool]")[0] + PARALLEL[len(HEAD) :].split("[example]")[0],
+        ["limb", "joint", "exactly one"],
+    ),
     "tool with dh": (DH + "[tool]\nposition = [0, 0, 1]\n", ["tool", "[dh]", "[[joint]]"]),
     "tool with limbs": (MIXED + "[tool]\nposition = [0, 0, 1]\n", ["tool", "[[joint]]"]),
     "platform with an arm": (ARM + "[platform]\nposition = [0, 0, 1]\n", ["platform", "serial"]),
-    "no platform": (MIXED.split("[platform]")[0] + "[[limb]]" + MIXED.split("[[limb]]", 1)[1], ["platform", "missing"]),
-    "no platform position": (swap(MIXED, "position = [0.0, 0.0, 100.0]\n", ""), ["platform.position", "missing"]),
+    "no platform": (
+        MIXED.split("[platform]")[0] + "[[limb]]" + MIXED.split("[[limb]]", 1)[1],
+        ["platform", "missing"],
+    ),
+    "no platform position": (
+        swap(MIXED, "position = [0.0, 0.0, 100.0]\n", ""),
+        ["platform.position", "missing"],
+    ),
     "empty dh": (HEAD + '[dh]\nconvention = "standard"\nrows = []\n', ["dh.rows", "[]"]),
     "dh row of a ball": (swap(DH, '"R"', '"S"'), ["dh.rows[0]", "type", "'S'", "'R', 'P'"]),
-    "dh limits reversed": (swap(DH, "alpha = 90.0", "limits = [2, 1]"), ["q1", "limits", "low < high"]),
-    "example count": (swap(PARALLEL, "joints = [95.0]", "joints = [95.0, 1.0]"), ["example.joints", "2", "1"]),
-    "example start count": (swap(PARALLEL, "[95.0]", "[95.0]\nstart = [1.0, 2.0]"), ["example.start", "2", "7"]),
-    "example pose count": (swap(PARALLEL, "joints = [95.0]", "pose = [1.0]"), ["example.pose", "[1.0]", "7"]),
-    "example pose norm": (swap(PARALLEL, "joints = [95.0]", "pose = [0, 0, 0, 2, 0, 0, 0]"), ["example.pose", "norm 2"]),
-    "example of both": (swap(PARALLEL, "[95.0]", "[95.0]\npose = [0, 0, 0, 1, 0, 0, 0]"), ["example", "joints", "pose"]),
+    "dh limits reversed": (
+        swap(DH, "alpha = 90.0", "limits = [2, 1]"),
+        ["q1", "limits", "low < high"],
+    ),
+    "example count": (
+        swap(PARALLEL, "joints = [95.0]", "joints = [95.0, 1.0]"),
+        ["example.joints", "2", "1"],
+    ),
+    "example start count": (
+        swap(PARALLEL, "[95.0]", "[95.0]\nstart = [1.0, 2.0]"),
+        ["example.start", "2", "7"],
+    ),
+    "example pose count": (
+        swap(PARALLEL, "joints = [95.0]", "pose = [1.0]"),
+        ["example.pose", "[1.0]", "7"],
+    ),
+    "example pose norm": (
+        swap(PARALLEL, "joints = [95.0]", "pose = [0, 0, 0, 2, 0, 0, 0]"),
+        ["example.pose", "norm 2"],
+    ),
+    "example of both": (
+        swap(PARALLEL, "[95.0]", "[95.0]\npose = [0, 0, 0, 1, 0, 0, 0]"),
+        ["example", "joints", "pose"],
+    ),
     "example empty": (swap(PARALLEL, "joints = [95.0]\n", ""), ["example", "joints", "pose"]),
-    "example NaN": (swap(PARALLEL, "joints = [95.0]", "joints = [nan]"), ["example.joints[0]", "nan", "finite"]),
-    "example rod too short": (swap(PARALLEL, "joints = [95.0]", "joints = [-6.0]"), ["example.joints", "leg1", "-6"]),
-    "example a list": (swap(PARALLEL, "[example]\njoints = [95.0]", "[[example]]\njoints = [95.0]"), ["example"]),
+    "example NaN": (
+        swap(PARALLEL, "joints = [95.0]", "joints = [nan]"),
+        ["example.joints[0]", "nan", "finite"],
+    ),
+    "example rod too short": (
+        swap(PARALLEL, "joints = [95.0]", "joints = [-6.0]"),
+        ["example.joints", "leg1", "-6"],
+    ),
+    "example a list": (
+        swap(PARALLEL, "[example]\njoints = [95.0]", "[[example]]\njoints = [95.0]"),
+        ["example"],
+    ),
 }
 
 
 @pytest.mark.parametrize("case", BAD)
 def test_a_mistake_is_one_line_with_file_key_and_value(case, tmp_path):
-    """MechanismError: the file's path first, then the key path, the value, what is allowed; one line."""
+    """MechanismError: the file's path first, then the key path, the value, what is allowed; one
+    line.
+    """
     text, fragments = BAD[case]
     assert_refused_in_one_line(tmp_path / "robot.toml", text, fragments)
 
@@ -376,7 +585,9 @@ def test_an_unknown_mechanism_is_named_with_the_choice(name):
     """InputError: the name as given, a path to a .toml, and every shipped name."""
     with pytest.raises(InputError) as error:
         symkin.load(name)
-    assert all(shipped in str(error.value) for shipped in (repr(name), ".toml", *symkin.shipped_names()))
+    assert all(
+        shipped in str(error.value) for shipped in (repr(name), ".toml", *symkin.shipped_names())
+    )
 
 
 def test_files_that_cannot_be_read(tmp_path):
@@ -384,7 +595,13 @@ def test_files_that_cannot_be_read(tmp_path):
     folder, binary = tmp_path / "folder.toml", tmp_path / "binary.toml"
     folder.mkdir()
     binary.write_bytes(bytes(range(256)))
-    cases = [folder, binary, tmp_path / "missing.toml", binary / "inside.toml", tmp_path / ("a" * 300 + ".toml")]
+    cases = [
+        folder,
+        binary,
+        tmp_path / "missing.toml",
+        binary / "inside.toml",
+        tmp_path / ("a" * 300 + ".toml"),
+    ]
     for path in [*cases, "nul\x00.toml"]:
         with pytest.raises(SymkinError) as error:
             symkin.load(path)
@@ -392,21 +609,87 @@ def test_files_that_cannot_be_read(tmp_path):
         assert re.sub(r"\x00", r"\\x00", str(path)) in str(error.value).replace("\x00", "\\x00")
 
 
-# --- anything at all -----------------------------------------------------------------------------------------------
+# --- anything at all ------------------------------------------------------------------------------
 
-RAW = {name: (mechanism_file._SHIPPED / f"{name}.toml").read_text(encoding="utf-8") for name in symkin.shipped_names()}
+RAW = {
+    name: (mechanism_file._SHIPPED / f"{name}.toml").read_text(encoding="utf-8")
+    for name in symkin.shipped_names()
+}
 SOURCES = [*RAW.values(), BENNETT, PARALLEL, MIXED, ARM, DH, delta().to_toml()]
 junk = st.sampled_from(
-    ["", "x", "R", "S", "H", "pi", "1/0", "2^9^9", "name", "spatial", "planar", True, False, 0, 1, -1, 3, 10**400, 0.0, -1.5,
-     1e-320, 1e100, math.nan, math.inf, [], [0], [1.0, 2.0], [0.0, 0.0, 0.0], [1, 0, 0, 0], [[1, 2, 3]], ["a", "b", "c"],
-     {}, {"name": "x"}, {"x": 1}, [{}], [{"name": "x", "type": "R"}]]
-)  # fmt: skip
-keys = st.sampled_from(["name", "type", "joint", "limb", "rod", "dh", "tool", "platform", "example", "point", "axis", "axis2",
-                        "pitch", "limits", "zero", "actuated", "x", "", "from", "length", "rows", "motion", "start", "pose"])  # fmt: skip
+    [
+        "",
+        "x",
+        "R",
+        "S",
+        "H",
+        "pi",
+        "1/0",
+        "2^9^9",
+        "name",
+        "spatial",
+        "planar",
+        True,
+        False,
+        0,
+        1,
+        -1,
+        3,
+        10**400,
+        0.0,
+        -1.5,
+        1e-320,
+        1e100,
+        math.nan,
+        math.inf,
+        [],
+        [0],
+        [1.0, 2.0],
+        [0.0, 0.0, 0.0],
+        [1, 0, 0, 0],
+        [[1, 2, 3]],
+        ["a", "b", "c"],
+        {},
+        {"name": "x"},
+        {"x": 1},
+        [{}],
+        [{"name": "x", "type": "R"}],
+    ]
+)
+keys = st.sampled_from(
+    [
+        "name",
+        "type",
+        "joint",
+        "limb",
+        "rod",
+        "dh",
+        "tool",
+        "platform",
+        "example",
+        "point",
+        "axis",
+        "axis2",
+        "pitch",
+        "limits",
+        "zero",
+        "actuated",
+        "x",
+        "",
+        "from",
+        "length",
+        "rows",
+        "motion",
+        "start",
+        "pose",
+    ]
+)
 
 
 def read(text):
-    """The mechanism and no message, or no mechanism and SymkinError's message; any other exception leaves."""
+    """The mechanism and no message, or no mechanism and SymkinError's message; any other exception
+    leaves.
+    """
     try:
         return parse(text, "spoilt.toml"), None
     except SymkinError as error:
@@ -415,7 +698,13 @@ def read(text):
 
 def places(node, path=()):
     """Every key path of parsed data."""
-    children = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    children = (
+        node.items()
+        if isinstance(node, dict)
+        else enumerate(node)
+        if isinstance(node, list)
+        else ()
+    )
     for key, value in children:
         yield (*path, key)
         yield from places(value, (*path, key))
@@ -447,7 +736,9 @@ def mutate(data, draw):
 @settings(max_examples=400)
 @given(st.data())
 def test_spoilt_data_is_refused_in_one_line_or_taken(data):
-    """Whatever is replaced, removed or renamed in a right file: SymkinError in one line, or a mechanism that comes back."""
+    """Whatever is replaced, removed or renamed in a right file: SymkinError in one line, or a
+    mechanism that comes back.
+    """
     spoilt = tomllib.loads(data.draw(st.sampled_from(SOURCES)))
     for _ in range(data.draw(st.integers(1, 3))):
         mutate(spoilt, data.draw)
@@ -462,7 +753,12 @@ def test_spoilt_data_is_refused_in_one_line_or_taken(data):
 
 
 @settings(max_examples=150)
-@given(st.sampled_from(SOURCES), st.floats(0, 1), st.integers(0, 12), st.text(max_size=4) | st.sampled_from('[]{}"=.,\n#'))
+@given(
+    st.sampled_from(SOURCES),
+    st.floats(0, 1),
+    st.integers(0, 12),
+    st.text(max_size=4) | st.sampled_from('[]{}"=.,\n#'),
+)
 def test_spoilt_text_is_refused_in_one_line_or_taken(text, where, cut, put):
     """The same for text cut and pasted anywhere."""
     at = int(where * len(text))

@@ -1,5 +1,7 @@
-"""Robots with open loops: the rows of every closure against finite differences, the nearest closed configuration against the condition
-of a constrained minimum, and the mechanism assembled there against its own closure."""
+"""Robots with open loops: the rows of every closure against finite differences, the nearest closed
+configuration against the condition of a constrained minimum, and the mechanism assembled there
+against its own closure.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +45,9 @@ def near(pose: Pose, rng: np.random.Generator, step: float) -> Pose:
 
 
 def spatial_loop(kind: str, open_by: float, seed: int = 0) -> Robot:
-    """Two arms with joints of all types, a link on nothing, and a closure of a type between the arms' ends and to the loose link."""
+    """Two arms with joints of all types, a link on nothing, and a closure of a type between the
+    arms' ends and to the loose link.
+    """
     rng = np.random.default_rng(seed)
     joints, links = [], {"base": Pose.identity()}
 
@@ -68,10 +72,20 @@ def spatial_loop(kind: str, open_by: float, seed: int = 0) -> Robot:
     links["loose"] = random_pose(rng)
     frame = random_pose(rng)
     closures = (
-        Closure("loop", kind, ("left3", "right3"), frame, near(frame, rng, open_by), pitch=0.2 if kind == "H" else 0.0),
+        Closure(
+            "loop",
+            kind,
+            ("left3", "right3"),
+            frame,
+            near(frame, rng, open_by),
+            pitch=0.2 if kind == "H" else 0.0,
+        ),
         Closure("hang", "S", ("left3", "loose"), frame, near(frame, rng, open_by)),
     )
-    couplings = (Coupling("b2", {"a0": 0.5}, 0.1), Coupling("b3", "a0", polynomial=[0.2, 0.3, -0.2]))
+    couplings = (
+        Coupling("b2", {"a0": 0.5}, 0.1),
+        Coupling("b3", "a0", polynomial=[0.2, 0.3, -0.2]),
+    )
     return Robot("loop", links, tuple(joints), closures, couplings, floating=("loose",))
 
 
@@ -85,12 +99,19 @@ def four_bar(open_by: float = 0.0, reach: float = 4.0) -> Robot:
     links = dict.fromkeys(("base", "arm", "coupler", "lever"), Pose.identity())
     first = Pose(np.array([4.0, 1.0, 0.0]), np.array([1.0, 0, 0, 0]))
     second = Pose(np.array([reach, 3.0 + open_by, 0.0]), np.array([1.0, 0, 0, 0]))
-    return Robot("four_bar", links, tuple(joints), (Closure("end", "R", ("coupler", "lever"), first, second, "line 9"),))
+    return Robot(
+        "four_bar",
+        links,
+        tuple(joints),
+        (Closure("end", "R", ("coupler", "lever"), first, second, "line 9"),),
+    )
 
 
 @pytest.mark.parametrize("kind", ROWS)
 def test_derivatives_are_finite_differences(kind: str) -> None:
-    """Rows of every closure and coupling, at random states near a closed one (the angle of a screw is about a common axis there)."""
+    """Rows of every closure and coupling, at random states near a closed one (the angle of a screw
+    is about a common axis there).
+    """
     found = nearest_closed(spatial_loop(kind, 0.05))
     assert found.closed
     tree, state, rng = found.tree, found.state, np.random.default_rng(1)
@@ -98,22 +119,30 @@ def test_derivatives_are_finite_differences(kind: str) -> None:
         state = tree.moved(state, 0.3 * rng.normal(size=tree.freedom))
     _, jacobian = constraint_rows(tree, state)
     for k, unit in enumerate(np.eye(tree.freedom)):
-        ahead, behind = (constraint_rows(tree, tree.moved(state, sign * 1e-6 * unit))[0] for sign in (1, -1))
+        ahead, behind = (
+            constraint_rows(tree, tree.moved(state, sign * 1e-6 * unit))[0] for sign in (1, -1)
+        )
         np.testing.assert_allclose((ahead - behind) / 2e-6, jacobian[:, k], atol=2e-8 * tree.size)
 
 
 @pytest.mark.parametrize("kind", ROWS)
 def test_ranks_are_the_constraints_of_the_type(kind: str) -> None:
-    """Of a loop in general position: as many as the joint's freedoms leave of 6, with the ball's 3 and the two couplings."""
+    """Of a loop in general position: as many as the joint's freedoms leave of 6, with the ball's 3
+    and the two couplings.
+    """
     robot = spatial_loop(kind, 0.05)
     found = nearest_closed(robot)
     assert found.rank() == ROWS[kind] + 3 + 2 == row_count(robot)
-    assert [rank_at(found.tree, state) for state in closed_neighbours(found, 2, 0)] == [found.rank()] * 2
+    assert [rank_at(found.tree, state) for state in closed_neighbours(found, 2, 0)] == [
+        found.rank()
+    ] * 2
 
 
 @pytest.mark.parametrize("kind", ["S", "R", "U"])
 def test_the_nearest_closed_configuration(kind: str) -> None:
-    """The way from the file's own configuration is square to the closed ones: the condition of the least distance."""
+    """The way from the file's own configuration is square to the closed ones: the condition of the
+    least distance.
+    """
     found = nearest_closed(spatial_loop(kind, 0.1))
     assert found.closed
     assert found.open_by > 0.01
@@ -132,8 +161,10 @@ def test_a_closed_file_stays_as_it_is() -> None:
 
 @pytest.mark.parametrize("kind", ROWS)
 def test_the_assembled_mechanism_is_closed_and_has_the_mobility(kind: str) -> None:
-    """Its reference leaves no row of its own closure; its freedoms less its rank are those of the tree less the closures' rank, but for
-    idle spins; its joints tell the closed values at the reference."""
+    """Its reference leaves no row of its own closure; its freedoms less its rank are those of the
+    tree less the closures' rank, but for idle spins; its joints tell the closed values at the
+    reference.
+    """
     robot = spatial_loop(kind, 0.05)
     found = nearest_closed(robot)
     mechanism = assembled(robot, found)
@@ -141,13 +172,18 @@ def test_the_assembled_mechanism_is_closed_and_has_the_mobility(kind: str) -> No
     assert whole_system(closure).residual(closure.reference, np.zeros(0)) <= 1e-9 * found.tree.size
     counted = symkin.mobility(mechanism)
     assert counted.mobility <= found.tree.freedom - found.rank() <= counted.mobility + 3
-    zeros = {e.joint.name: e.joint.zero for e in mechanism.link_joints if e.joint.name in ("a0", "a1", "a2", "b2", "b3")}
+    zeros = {
+        e.joint.name: e.joint.zero
+        for e in mechanism.link_joints
+        if e.joint.name in ("a0", "a1", "a2", "b2", "b3")
+    }
     assert zeros == {name: found.values[name][0] for name in zeros}
 
 
 def test_axes_of_the_assembled_mechanism_are_moved_with_their_links() -> None:
-    """Of the arm C U R R of a loop that was open: points and axes where the displacements of the joints before them lead, the second
-    axis of the universal joint behind its first turn."""
+    """Of the arm C U R R of a loop that was open: points and axes where the displacements of the
+    joints before them lead, the second axis of the universal joint behind its first turn.
+    """
     robot = spatial_loop("S", 0.3)
     found = nearest_closed(robot)
     made = {entry.joint.name: entry.joint for entry in mechanism_of(robot).link_joints}
@@ -166,7 +202,9 @@ def test_axes_of_the_assembled_mechanism_are_moved_with_their_links() -> None:
 
 
 def test_link_poses_are_those_of_the_tree() -> None:
-    """A closed neighbour by the tree's joints, and the same values in the assembled mechanism: the same displacements of links."""
+    """A closed neighbour by the tree's joints, and the same values in the assembled mechanism: the
+    same displacements of links.
+    """
     robot = four_bar(open_by=0.3)
     found = nearest_closed(robot)
     mechanism = mechanism_of(robot)
@@ -202,55 +240,77 @@ def test_two_hinges_with_one_axis_forbid_nothing() -> None:
 
 
 def test_digits_that_make_constraints_of_redundant_ones_are_told() -> None:
-    """A four-bar, closed in the file, with one axis 1e-7 rad off the others: rigid to the letter, one freedom to the digits."""
+    """A four-bar, closed in the file, with one axis 1e-7 rad off the others: rigid to the letter,
+    one freedom to the digits.
+    """
     robot = four_bar(reach=4.0)
     *others, follower = robot.joints
     off = replace(follower.joint, axis=(1e-7, 0.0, 1.0))
     (end,) = robot.closures
     closed = replace(end, second=end.first)
-    found = close_robot(replace(robot, joints=(*others, LinkJoint(off, follower.links)), closures=(closed,)))
+    found = close_robot(
+        replace(robot, joints=(*others, LinkJoint(off, follower.links)), closures=(closed,))
+    )
     assert (found.rank, found.generic_rank) == (3, 2)
     assert any(
-        "the digits of the file make constraints of what is redundant: the rank is 3 here, and 2" in n for n in found.notes
+        "the digits of the file make constraints of what is redundant: the rank is 3 here, and 2"
+        in n
+        for n in found.notes
     )
 
 
 def test_loops_that_nothing_closes() -> None:
-    """A ground link longer than the others together: the least misfit is what is missing, and the loop is named with its place."""
+    """A ground link longer than the others together: the least misfit is what is missing, and the
+    loop is named with its place.
+    """
     robot = four_bar(reach=9.0)
     found = nearest_closed(robot)
     assert not found.closed
     assert found.residual == pytest.approx(9.0 - (1.0 + 4.0 + 3.0), abs=1e-3)
-    with pytest.raises(symkin.MechanismError, match=r"leaves 1 m, most of it in the loop of end \(line 9\)"):
+    with pytest.raises(
+        symkin.MechanismError, match=r"leaves 1 m, most of it in the loop of end \(line 9\)"
+    ):
         mechanism_of(robot)
 
 
 def test_joints_that_form_no_tree_are_refused() -> None:
     lone = LinkJoint(Joint("lone", "R", (0, 0, 0), Z), ("elsewhere", "arm"))
-    with pytest.raises(symkin.MechanismError, match="'lone': its link 'elsewhere' hangs on nothing"):
+    with pytest.raises(
+        symkin.MechanismError, match="'lone': its link 'elsewhere' hangs on nothing"
+    ):
         Tree(Robot("r", {"base": Pose.identity()}, (lone,))).steps  # noqa: B018
 
 
 @pytest.mark.parametrize("turns", [-4, 2, 3])
 def test_turns_of_coupled_joints_count_while_loops_close(turns: int) -> None:
-    """A pinion coupled to a lever of a loop, several turns off in the file: whole turns of coupled joints are kept, those of others are
-    left out."""
+    """A pinion coupled to a lever of a loop, several turns off in the file: whole turns of coupled
+    joints are kept, those of others are left out.
+    """
     bar = four_bar(open_by=-1.5)
     pinion = LinkJoint(Joint("pinion", "R", (0, 0, 1), Z), ("base", "wheel"))
     links = {**bar.links, "wheel": Pose.identity()}
     coupling = Coupling("pinion", {"follower": 1.5}, 2 * np.pi * turns)
-    found = nearest_closed(replace(bar, links=links, joints=(*bar.joints, pinion), couplings=(coupling,)))
+    found = nearest_closed(
+        replace(bar, links=links, joints=(*bar.joints, pinion), couplings=(coupling,))
+    )
     values = {name: float(value) for name, (value,) in found.values.items()}
     assert found.closed
     assert abs(values["pinion"]) > 1.1 * np.pi
     assert values["pinion"] == pytest.approx(1.5 * values["follower"] + 2 * np.pi * turns, abs=1e-9)
-    far = tuple(v + 6 * np.pi * (step.name == "knee") for v, step in zip(found.state, found.tree.steps, strict=True))
+    far = tuple(
+        v + 6 * np.pi * (step.name == "knee")
+        for v, step in zip(found.state, found.tree.steps, strict=True)
+    )
     np.testing.assert_allclose(closing._without_turns(found.tree, far), found.state, atol=1e-9)
 
 
-def test_the_generic_rank_to_digits_is_that_of_most_neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of loops that close to the digits of a file alone, where single neighbours may lie at singular places and others be blurred by
-    the misfit; of those that close, the rank is the largest, which is lost at singular places only."""
+def test_the_generic_rank_to_digits_is_that_of_most_neighbours(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of loops that close to the digits of a file alone, where single neighbours may lie at
+    singular places and others be blurred by the misfit; of those that close, the rank is the
+    largest, which is lost at singular places only.
+    """
     rng = np.random.default_rng(0)
     exact, rounded = nearest_closed(four_bar(open_by=-2.0)), nearest_closed(four_bar(reach=9.0))
     monkeypatch.setattr(closing, "_starts_aside", lambda *_: [])

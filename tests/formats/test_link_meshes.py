@@ -1,4 +1,6 @@
-"""Meshes of robots are references: kept with pose and scale, never read, of no effect on the mechanism; a scale that is none is refused."""
+"""Meshes of robots are references: kept with pose and scale, never read, of no effect on the
+mechanism; a scale that is none is refused.
+"""
 
 from __future__ import annotations
 
@@ -19,12 +21,17 @@ URDF = """<robot name='r'><link name='a'/>
 <link name='b'><visual><origin xyz='0.1 0.2 0.3' rpy='0 0 1.5707963267948966'/><geometry>
 <mesh filename='{file}' {scale}/></geometry></visual></link>
 <link name='tip'><visual><geometry><mesh filename='tip.stl'/></geometry></visual></link>
-<joint name='j' type='revolute'><parent link='a'/><child link='b'/><origin xyz='1 0 0'/><axis xyz='0 1 0'/></joint>
-<joint name='f' type='fixed'><parent link='b'/><child link='tip'/><origin xyz='0 0 2'/></joint></robot>"""
-SDF = """<sdf version='1.9'><model name='r'><link name='a'/><frame name='f' attached_to='b'><pose>0.1 0.2 0.3 0 0 0</pose></frame>
-<link name='b'><pose>1 0 0 0 0 0</pose><visual name='v'><pose relative_to='f'>0 0 0 0 0 1.5707963267948966</pose><geometry>
+<joint name='j' type='revolute'><parent link='a'/><child link='b'/><origin xyz='1 0 0'/>
+<axis xyz='0 1 0'/></joint>
+<joint name='f' type='fixed'><parent link='b'/><child link='tip'/><origin xyz='0 0 2'/></joint>
+</robot>"""
+SDF = """<sdf version='1.9'><model name='r'><link name='a'/><frame name='f' attached_to='b'>
+<pose>0.1 0.2 0.3 0 0 0</pose></frame>
+<link name='b'><pose>1 0 0 0 0 0</pose><visual name='v'>
+<pose relative_to='f'>0 0 0 0 0 1.5707963267948966</pose><geometry>
 <mesh><uri>{file}</uri>{scale}</mesh></geometry></visual></link>
-<joint name='j' type='revolute'><parent>a</parent><child>b</child><axis><xyz>0 1 0</xyz></axis></joint></model></sdf>"""
+<joint name='j' type='revolute'><parent>a</parent><child>b</child><axis><xyz>0 1 0</xyz></axis>
+</joint></model></sdf>"""
 MJCF = """<mujoco><asset><mesh name='m' file='{file}' {scale}/></asset>
 <worldbody><body name='b' pos='1 0 0'><joint name='j' axis='0 1 0'/>
 <geom type='mesh' mesh='m' pos='0.1 0.2 0.3' euler='0 0 90'/></body></worldbody></mujoco>"""
@@ -35,7 +42,9 @@ FORMATS = {
 }
 
 
-def robot_file(folder: Path, suffix: str, file: str = "none.stl", scale: str = "0.001 0.001 0.002") -> Path:
+def robot_file(
+    folder: Path, suffix: str, file: str = "none.stl", scale: str = "0.001 0.001 0.002"
+) -> Path:
     text, form = FORMATS[suffix]
     path = folder / f"r.{suffix}"
     path.write_text(text.format(file=file, scale=form.format(scale)), encoding="utf-8")
@@ -44,7 +53,9 @@ def robot_file(folder: Path, suffix: str, file: str = "none.stl", scale: str = "
 
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_a_mesh_that_is_missing_is_kept_with_pose_and_scale(suffix: str, tmp_path: Path) -> None:
-    """In the link's frame of the robot, and in the base frame of the mechanism: link b stands at (1, 0, 0)."""
+    """In the link's frame of the robot, and in the base frame of the mechanism: link b stands at
+    (1, 0, 0).
+    """
     if suffix == "xml":
         pytest.importorskip("mujoco")
     path = robot_file(tmp_path, suffix)
@@ -53,7 +64,9 @@ def test_a_mesh_that_is_missing_is_kept_with_pose_and_scale(suffix: str, tmp_pat
     np.testing.assert_allclose(own.pose.matrix, wanted.matrix, atol=1e-15)
     mesh = next(mesh for mesh in load(path).link_meshes if mesh.link == "b")
     assert (mesh.file, mesh.scale) == ("none.stl", (0.001, 0.001, 0.002))
-    np.testing.assert_allclose(mesh.pose.matrix, (Pose.from_euler((1, 0, 0), (0, 0, 0), "xyz") @ wanted).matrix, atol=1e-15)
+    np.testing.assert_allclose(
+        mesh.pose.matrix, (Pose.from_euler((1, 0, 0), (0, 0, 0), "xyz") @ wanted).matrix, atol=1e-15
+    )
 
 
 def test_meshes_of_merged_links_stand_where_their_links_do(tmp_path: Path) -> None:
@@ -86,10 +99,15 @@ def test_a_mesh_of_a_package_is_found(tmp_path: Path) -> None:
 
 
 def test_meshes_change_nothing_of_the_mechanism(tmp_path: Path) -> None:
-    """The mechanism is equal to, and writes the same file as, one without meshes; its file reads back to an equal one."""
+    """The mechanism is equal to, and writes the same file as, one without meshes; its file reads
+    back to an equal one.
+    """
     path = robot_file(tmp_path, "urdf")
     with_meshes = load(path)
-    path.write_text(path.read_text(encoding="utf-8").replace("<mesh", "<box").replace("stl", "none"), encoding="utf-8")
+    path.write_text(
+        path.read_text(encoding="utf-8").replace("<mesh", "<box").replace("stl", "none"),
+        encoding="utf-8",
+    )
     without = load(path)
     assert len(with_meshes.link_meshes) == 2
     assert not without.link_meshes
@@ -101,13 +119,19 @@ def test_meshes_change_nothing_of_the_mechanism(tmp_path: Path) -> None:
     assert symkin.load(output) == with_meshes
 
 
-@pytest.mark.parametrize("more", ["", "refpos='20 -30 40'", "refpos='20 -30 40' refquat='0.8 0 0.6 0'"])
+@pytest.mark.parametrize(
+    "more", ["", "refpos='20 -30 40'", "refpos='20 -30 40' refquat='0.8 0 0.6 0'"]
+)
 def test_vertices_stand_where_mujoco_has_them(more: str, tmp_path: Path) -> None:
-    """The file's own numbers, scaled and placed by the reference, are the vertices of MuJoCo's model."""
+    """The file's own numbers, scaled and placed by the reference, are the vertices of MuJoCo's
+    model.
+    """
     mujoco = pytest.importorskip("mujoco")
     (tmp_path / "b.obj").write_text(TETRAHEDRON, encoding="utf-8")
     path = robot_file(tmp_path, "xml", "b.obj", "0.001 0.001 0.001")
-    path.write_text(path.read_text(encoding="utf-8").replace("name='m'", f"name='m' {more}"), encoding="utf-8")
+    path.write_text(
+        path.read_text(encoding="utf-8").replace("name='m'", f"name='m' {more}"), encoding="utf-8"
+    )
     (mesh,) = load(path).link_meshes
     found = np.array([mesh.pose.apply(np.array(mesh.scale) * corner) for corner in CORNERS])
     model = mujoco.MjModel.from_xml_path(str(path))

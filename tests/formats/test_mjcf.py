@@ -1,5 +1,7 @@
-"""MJCF as MuJoCo means it: link poses, closedness, rank and mobility at random closed configurations equal MuJoCo's, for models of the
-tests and for real robots; what is wrong with a file is one sentence."""
+"""MJCF as MuJoCo means it: link poses, closedness, rank and mobility at random closed
+configurations equal MuJoCo's, for models of the tests and for real robots; what is wrong with a
+file is one sentence.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,16 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.inside import Closed, Robot, State, assembled, closed_neighbours, nearest_closed, rank_at, read_mjcf
+from helpers.inside import (
+    Closed,
+    Robot,
+    State,
+    assembled,
+    closed_neighbours,
+    nearest_closed,
+    rank_at,
+    read_mjcf,
+)
 from helpers.mjcf_models import MODELS, REAL, SMALL, Account, body, file_text, joint, random_robot
 from symkin import Pose
 
@@ -30,7 +41,9 @@ def body_poses(robot: Robot, closed: Closed, state: State) -> dict[str, Pose]:
     """Bodies by name, those of fixed joints included."""
     placed = closed.tree.placed(state)
     found = {link: placed.displacement(link) @ frame for link, frame in robot.links.items()}
-    return found | {name: placed.displacement(link) @ frame for name, (link, frame) in robot.merged.items()}
+    return found | {
+        name: placed.displacement(link) @ frame for name, (link, frame) in robot.merged.items()
+    }
 
 
 def check_against_mujoco(path: Path, neighbours: int) -> tuple[Robot, Closed]:
@@ -44,10 +57,14 @@ def check_against_mujoco(path: Path, neighbours: int) -> tuple[Robot, Closed]:
     for state in states:
         data = account.at(closed, state)
         for name, pose in body_poses(robot, closed, state).items():
-            if name == "base" or name not in [account.model.body(b).name for b in range(account.model.nbody)]:
+            if name == "base" or name not in [
+                account.model.body(b).name for b in range(account.model.nbody)
+            ]:
                 continue
             np.testing.assert_allclose(pose.position, data.body(name).xpos, atol=POSE)
-            off = min(np.abs(pose.quaternion - sign * data.body(name).xquat).max() for sign in (1, -1))
+            off = min(
+                np.abs(pose.quaternion - sign * data.body(name).xquat).max() for sign in (1, -1)
+            )
             assert off <= POSE
         errors, jacobian = account.equality_rows(data)
         assert np.abs(errors).max(initial=0.0) <= 1e-9 * closed.tree.size
@@ -61,7 +78,9 @@ def check_against_mujoco(path: Path, neighbours: int) -> tuple[Robot, Closed]:
 @pytest.mark.parametrize("name", SMALL)
 def test_models_of_the_tests(name: str, tmp_path: Path) -> None:
     text, rank, mobility = SMALL[name]
-    robot, closed = check_against_mujoco(in_file(tmp_path, text.replace('<joint joint1="q5" polycoef="0.3 0 0 0 0"/>', "")), 3)
+    robot, closed = check_against_mujoco(
+        in_file(tmp_path, text.replace('<joint joint1="q5" polycoef="0.3 0 0 0 0"/>', "")), 3
+    )
     held = name == "couplings"
     (neighbour,) = closed_neighbours(closed, 1, 5)
     assert rank_at(closed.tree, neighbour) == rank
@@ -73,7 +92,9 @@ def test_models_of_the_tests(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", REAL)
 def test_real_robots(name: str) -> None:
-    """Rank and mobility of the JSON beside each (of the held root), its actuated joints, and its closed configuration."""
+    """Rank and mobility of the JSON beside each (of the held root), its actuated joints, and its
+    closed configuration.
+    """
     told = json.loads((MODELS / f"{name}.json").read_text(encoding="utf-8"))
     robot, closed = check_against_mujoco(MODELS / f"{name}.xml", 1)
     free = 6 * told["joints"].get("free", 0)
@@ -89,13 +110,19 @@ def test_real_robots(name: str) -> None:
 
 
 def test_a_joint_that_is_held(tmp_path: Path) -> None:
-    """Its link is part of the one that carries it, at the value; the note says so; what a tendon or a motor drives is actuated."""
+    """Its link is part of the one that carries it, at the value; the note says so; what a tendon or
+    a motor drives is actuated.
+    """
     robot = read_mjcf(in_file(tmp_path, SMALL["couplings"][0]))
     assert "f5" in robot.merged
     assert any("'q5' is held at 0.8" in note for note in robot.notes)
     turned = robot.merged["f5"][1]
     assert 2.0 * np.arccos(turned.quaternion[0]) == pytest.approx(0.3)
-    assert {entry.joint.name for entry in robot.joints if entry.joint.actuated} <= {"q1", "q2", "q3"}
+    assert {entry.joint.name for entry in robot.joints if entry.joint.actuated} <= {
+        "q1",
+        "q2",
+        "q3",
+    }
 
 
 def test_bodies_named_base_and_names_that_are_not_allowed(tmp_path: Path) -> None:
@@ -115,52 +142,85 @@ def test_what_is_left_out_is_told(tmp_path: Path) -> None:
         "arm", "0 0 1", joint("a") + body("tip", "1 0 0", joint("b", 'type="ball"'))
     )
     rest = (
-        '<equality><weld body1="hand" body2="tip"/>\n<connect body1="arm" body2="tip" anchor="0 0 0" active="false"/></equality>'
+        '<equality><weld body1="hand" body2="tip"/>\n'
+        '<connect body1="arm" body2="tip" anchor="0 0 0" active="false"/></equality>'
         '<actuator><motor name="m" joint="b"/></actuator>'
     )
     robot = read_mjcf(in_file(tmp_path, file_text(world, rest)))
     assert not robot.closures
-    for sentence in ("line 8: <weld>: it joins a mocap body", "line 9: <connect>: it is not active", "are left out: m"):
+    for sentence in (
+        "line 8: <weld>: it joins a mocap body",
+        "line 9: <connect>: it is not active",
+        "are left out: m",
+    ):
         assert sum(sentence in note for note in robot.notes) == 1, robot.notes
 
 
 def test_files_that_kinematics_does_not_need(tmp_path: Path) -> None:
     """Meshes, textures and inertias may be missing; what meshes there are is kept by name."""
-    text = """<mujoco><asset><mesh name="m" file="m.stl"/><texture name="t" type="2d" file="a.png"/><material name="w" texture="t"/></asset>
-<worldbody><body name="a"><joint name="j"/><geom type="mesh" mesh="m" material="w"/><body name="b"><joint name="k" type="slide"/></body>
+    text = """<mujoco><asset><mesh name="m" file="m.stl"/><texture name="t" type="2d" file="a.png"/>
+<material name="w" texture="t"/></asset>
+<worldbody><body name="a"><joint name="j"/><geom type="mesh" mesh="m" material="w"/><body name="b">
+<joint name="k" type="slide"/></body>
 </body></worldbody><keyframe><key qpos="0 0"/></keyframe></mujoco>"""
     robot = read_mjcf(in_file(tmp_path, text))
-    assert {name: [mesh.file for mesh in meshes] for name, meshes in robot.meshes.items()} == {"a": ["m.stl"]}
+    assert {name: [mesh.file for mesh in meshes] for name, meshes in robot.meshes.items()} == {
+        "a": ["m.stl"]
+    }
     assert [entry.joint.type for entry in robot.joints] == ["R", "P"]
 
 
 BAD = {
     "no joint type": ('<body><joint type="hing"/></body>', "", "invalid keyword: 'hing'.*line 4"),
-    "no axis": ('<body name="a"><joint axis="0 0 0"/></body>', "", "axis too small in joint.*line 4"),
-    "not a number": ('<body pos="nan 0 0"><joint/></body>', "", "line 4: <body>: a number is not finite"),
-    "two of one name": ('<body name="a"><joint/></body><body name="a"><joint/></body>', "", "repeated name 'a' in body.*line 4"),
-    "unknown body": (
-        '<body name="a"><joint/></body>', '<equality><connect body1="a" body2="zz" anchor="0 0 0"/></equality>', "unknown element 'zz'.*line 6"
+    "no axis": (
+        '<body name="a"><joint axis="0 0 0"/></body>',
+        "",
+        "axis too small in joint.*line 4",
     ),
-    "missing include": ('<body><joint/></body>', '<include file="nothing.xml"/>', "Error opening file.*nothing.xml"),
-    "itself": ('<body><joint/></body>', '<include file="made.xml"/>', "made.xml.*already included"),
+    "not a number": (
+        '<body pos="nan 0 0"><joint/></body>',
+        "",
+        "line 4: <body>: a number is not finite",
+    ),
+    "two of one name": (
+        '<body name="a"><joint/></body><body name="a"><joint/></body>',
+        "",
+        "repeated name 'a' in body.*line 4",
+    ),
+    "unknown body": (
+        '<body name="a"><joint/></body>',
+        '<equality><connect body1="a" body2="zz" anchor="0 0 0"/></equality>',
+        "unknown element 'zz'.*line 6",
+    ),
+    "missing include": (
+        "<body><joint/></body>",
+        '<include file="nothing.xml"/>',
+        "Error opening file.*nothing.xml",
+    ),
+    "itself": ("<body><joint/></body>", '<include file="made.xml"/>', "made.xml.*already included"),
     "nothing moves": ('<body name="a"/>', "", "no joint moves"),
     "two polynomials": (
         body("a", "0 0 0", joint("a")) + body("b", "0 0 0", joint("b")),
-        '<equality><joint joint1="a" joint2="b" polycoef="0 1 1 0 0"/><joint joint1="a" joint2="b" polycoef="0 1 2 0 0"/></equality>',
+        '<equality><joint joint1="a" joint2="b" polycoef="0 1 1 0 0"/><joint joint1="a" '
+        'joint2="b" polycoef="0 1 2 0 0"/></equality>',
         "line 8: <joint>: the joint 'a' follows others already",
     ),
     "contradiction": (
         body("a", "0 0 0", joint("a")) + body("b", "0 0 0", joint("b")),
-        '<equality><joint joint1="a" joint2="b"/>\n<joint joint1="b" joint2="a" polycoef="0.5 1 0 0 0"/></equality>',
+        '<equality><joint joint1="a" joint2="b"/>\n'
+        '<joint joint1="b" joint2="a" polycoef="0.5 1 0 0 0"/></equality>',
         "line 9: <joint>: it contradicts other couplings",
     ),
     "a closure within a link": (
-        body("a", "0 0 0", joint("a") + body("b", "0 0 0", '<site name="s" pos="1 0 0"/>') + '<site name="t"/>'),
+        body(
+            "a",
+            "0 0 0",
+            joint("a") + body("b", "0 0 0", '<site name="s" pos="1 0 0"/>') + '<site name="t"/>',
+        ),
         '<equality><connect site1="s" site2="t"/></equality>',
         "line 8: <connect>: both of its bodies are part of the link 'a', and 1 apart",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", BAD)
@@ -173,7 +233,10 @@ def test_files_that_are_not_right(name: str, tmp_path: Path) -> None:
 
 def test_what_is_no_mjcf(tmp_path: Path) -> None:
     for text, sentence in (
-        ('<!DOCTYPE m [<!ENTITY a "b">]><mujoco model="&a;"/>', "document types and entities are not read"),
+        (
+            '<!DOCTYPE m [<!ENTITY a "b">]><mujoco model="&a;"/>',
+            "document types and entities are not read",
+        ),
         ("<mujoco><worldbody></mujoco>", "line 1: not XML"),
         ("<html/>", "<mujoco>"),
     ):
@@ -199,30 +262,49 @@ def test_nothing_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     ("file", "given"),
     [
         ("g1_parallel_ankle", {"left_motor_joint": 0.1, "right_motor_joint": -0.05}),
-        ("robotiq_2f85", {"left_driver_joint": 0.2, "left_coupler_joint": -0.1, "right_coupler_joint": -0.15}),
+        (
+            "robotiq_2f85",
+            {"left_driver_joint": 0.2, "left_coupler_joint": -0.1, "right_coupler_joint": -0.15},
+        ),
         ("four_bar_by_sites", {"motor": 0.4}),
         ("couplings", {"q1": 0.2}),
     ],
 )
-def test_solutions_and_rates_are_mujocos(file: str, given: dict[str, float], tmp_path: Path) -> None:
-    """MuJoCo finds its constraints closed at every mode, link poses as symkin's, and rates of joints that keep them closed."""
+def test_solutions_and_rates_are_mujocos(
+    file: str, given: dict[str, float], tmp_path: Path
+) -> None:
+    """MuJoCo finds its constraints closed at every mode, link poses as symkin's, and rates of
+    joints that keep them closed.
+    """
     import mujoco
 
     path = MODELS / f"{file}.xml" if file in REAL else in_file(tmp_path, SMALL[file][0])
     mechanism, robot = symkin.load(path), read_mjcf(path)
     closed = symkin.close(path)
     account = Account(path, robot)
-    scalars = [c.name for c in mechanism.coordinates if c.kind != "quaternion" and not c.name.startswith("connect")]
+    scalars = [
+        c.name
+        for c in mechanism.coordinates
+        if c.kind != "quaternion" and not c.name.startswith("connect")
+    ]
     others = [name for name in scalars if name not in given]
     for mode in symkin.modes(mechanism, given=given):
         data = mujoco.MjData(account.model)
         rates = symkin.jacobian(mechanism, of=others, by=list(given)).at(mode)
         velocity = np.zeros((account.model.nv, len(given)))
         for j in range(account.model.njnt):
-            name, place, row = account.model.joint(j).name, int(account.model.jnt_qposadr[j]), int(account.model.jnt_dofadr[j])
+            name, place, row = (
+                account.model.joint(j).name,
+                int(account.model.jnt_qposadr[j]),
+                int(account.model.jnt_dofadr[j]),
+            )
             if name in scalars:
                 data.qpos[place] = mode.joints[name]
-                velocity[row] = rates[others.index(name)] if name in others else np.eye(len(given))[list(given).index(name)]
+                velocity[row] = (
+                    rates[others.index(name)]
+                    if name in others
+                    else np.eye(len(given))[list(given).index(name)]
+                )
             else:
                 data.qpos[place] = account.model.qpos0[place] + 0.3 * (name == "q5")
         mujoco.mj_forward(account.model, data)
@@ -230,7 +312,10 @@ def test_solutions_and_rates_are_mujocos(file: str, given: dict[str, float], tmp
         assert np.abs(errors).max() <= 1e-9
         assert np.abs(jacobian @ velocity).max() <= 1e-8 * max(1.0, np.abs(velocity).max())
         for link in robot.links:
-            if link in [account.model.body(b).name for b in range(account.model.nbody)] and link != "base":
+            if (
+                link in [account.model.body(b).name for b in range(account.model.nbody)]
+                and link != "base"
+            ):
                 pose = mode.link_poses[link] @ closed.link_poses[link]
                 np.testing.assert_allclose(pose.position, data.body(link).xpos, atol=1e-9)
 

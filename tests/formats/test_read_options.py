@@ -1,4 +1,6 @@
-"""What is told of a robot beside its file: kinds of closures, actuated joints, xacro and its arguments, packages."""
+"""What is told of a robot beside its file: kinds of closures, actuated joints, xacro and its
+arguments, packages.
+"""
 
 from __future__ import annotations
 
@@ -26,9 +28,15 @@ def four_bar(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize(("kind", "rows", "rank"), [("S", 3, 2), ("R", 5, 2), ("R:z", 5, 2), ("C", 4, 2)])
-def test_a_closure_of_a_told_kind_has_its_rows(kind: str, rows: int, rank: int, four_bar: Path) -> None:
-    """A planar loop has rank 2 whatever its pin holds beside the plane; the closed joint angles are those of the law of cosines."""
+@pytest.mark.parametrize(
+    ("kind", "rows", "rank"), [("S", 3, 2), ("R", 5, 2), ("R:z", 5, 2), ("C", 4, 2)]
+)
+def test_a_closure_of_a_told_kind_has_its_rows(
+    kind: str, rows: int, rank: int, four_bar: Path
+) -> None:
+    """A planar loop has rank 2 whatever its pin holds beside the plane; the closed joint angles are
+    those of the law of cosines.
+    """
     found = symkin.close(four_bar, ReadOptions(loop={"closing_d": kind}))
     assert (found.rows, found.rank, found.mobility) == (rows, rank, 1)
     mechanism = symkin.load(four_bar, ReadOptions(loop={"closing_d": kind}))
@@ -38,7 +46,9 @@ def test_a_closure_of_a_told_kind_has_its_rows(kind: str, rows: int, rank: int, 
 
 
 def test_a_closure_about_another_axis_cannot_turn_in_the_plane(four_bar: Path) -> None:
-    """About the x axis of frames in the plane it holds the angle between rod and rocker: one freedom less."""
+    """About the x axis of frames in the plane it holds the angle between rod and rocker: one
+    freedom less.
+    """
     four_bar.write_text(CLOSING.replace("3 0 0", "3.5 0 0"), encoding="utf-8")
     found = symkin.close(four_bar, ReadOptions(loop={"closing_d": "R:x"}))
     assert found.mobility == 0
@@ -64,15 +74,24 @@ def test_actuated_joints_are_those_that_are_told(four_bar: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        (["--loop", "closing_e=R"], "loop: no closure is named 'closing_e' (do you mean 'closing_d'?); closures: closing_d"),
+        (
+            ["--loop", "closing_e=R"],
+            "loop: no closure is named 'closing_e' (do you mean 'closing_d'?); closures: closing_d",
+        ),
         (["--loop", "a=R"], "loop: 'a' is a joint of the tree and closes no loop"),
         (["--loop", "closing_d=Q"], "allowed: S, U, R, C, P, weld"),
         (["--loop", "closing_d=S:x"], "names an axis, and S has none"),
         (["--loop", "closing_d"], "--loop: 'closing_d' is no NAME=VALUE"),
         (["--loop", "closing_d=R,closing_d=S"], "--loop: 'closing_d' is given twice"),
         (["--loop", ""], "--loop '': a name is empty"),
-        (["--actuated", "aa"], "actuated: no joint is named 'aa' (do you mean 'a'?); joints that may be: a, c, b"),
-        (["--actuated", "closing_d"], "actuated: 'closing_d' is of type S, which no one motor drives"),
+        (
+            ["--actuated", "aa"],
+            "actuated: no joint is named 'aa' (do you mean 'a'?); joints that may be: a, c, b",
+        ),
+        (
+            ["--actuated", "closing_d"],
+            "actuated: 'closing_d' is of type S, which no one motor drives",
+        ),
         (["--actuated", "a,a"], "actuated: 'a' is given twice"),
         (["--arguments", "x=1"], "arguments (--arguments) has no meaning for"),
         (["--model", "m"], "model (--model) has no meaning for"),
@@ -81,7 +100,11 @@ def test_actuated_joints_are_those_that_are_told(four_bar: Path) -> None:
 )
 @pytest.mark.parametrize("command", ["show", "close"])
 def test_what_does_not_fit_the_file_is_refused_in_one_sentence(
-    command: str, options: list[str], sentence: str, four_bar: Path, capsys: pytest.CaptureFixture[str]
+    command: str,
+    options: list[str],
+    sentence: str,
+    four_bar: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     status, out, err = run(capsys, command, str(four_bar), *options)
     assert (status, out) == (2, "")
@@ -90,7 +113,9 @@ def test_what_does_not_fit_the_file_is_refused_in_one_sentence(
 
 
 @pytest.mark.parametrize("name", ["four_bar", "made.toml"])
-@pytest.mark.parametrize("option", [["--loop", "a=R"], ["--actuated", "a"], ["--model", "a"], ["--packages", "."]])
+@pytest.mark.parametrize(
+    "option", [["--loop", "a=R"], ["--actuated", "a"], ["--model", "a"], ["--packages", "."]]
+)
 def test_mechanism_files_take_none_of_it(
     name: str, option: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -120,13 +145,15 @@ def test_options_of_python_are_checked() -> None:
         ReadOptions(loop={"a": "H"})
 
 
-# --- xacro -----------------------------------------------------------------------------------------------------------
+# --- xacro ----------------------------------------------------------------------------------------
 
 HEAD = "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'>"
 MACROS = f"""{HEAD}<xacro:arg name="reach" default="2"/>
 <xacro:property name="half" value="${{pi / 2}}"/>
-<xacro:macro name="bar" params="name parent at turn"><link name="${{name}}"/><joint name="j_${{name}}" type="continuous">
-<parent link="${{parent}}"/><child link="${{name}}"/><origin xyz="${{at}}" rpy="0 0 ${{turn}}"/><axis xyz="0 0 1"/></joint></xacro:macro>
+<xacro:macro name="bar" params="name parent at turn"><link name="${{name}}"/>
+<joint name="j_${{name}}" type="continuous">
+<parent link="${{parent}}"/><child link="${{name}}"/><origin xyz="${{at}}" rpy="0 0 ${{turn}}"/>
+<axis xyz="0 0 1"/></joint></xacro:macro>
 <link name="ground"/><xacro:bar name="crank" parent="ground" at="0 0 0" turn="0"/>
 <xacro:bar name="$(arg name)" parent="crank" at="$(arg reach) 0 0" turn="${{half}}"/></robot>"""
 
@@ -147,7 +174,9 @@ def test_macros_are_expanded_with_arguments(name: str, tmp_path: Path) -> None:
     np.testing.assert_allclose(robot.links["rod"].rotation[:, 0], [0, 1, 0], atol=1e-15)
 
 
-def test_files_of_packages_are_found_where_they_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_files_of_packages_are_found_where_they_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     pytest.importorskip("xacro")
     package = tmp_path / "elsewhere" / "parts"
     package.mkdir(parents=True)
@@ -159,25 +188,45 @@ def test_files_of_packages_are_found_where_they_are_told(tmp_path: Path, capsys:
         assert "rod" in out
     status, _, err = run(capsys, "show", str(path))
     assert status == 2
-    assert "the package 'parts' of $(find parts) is not found; name the folder that holds it by packages (--packages)" in err
+    assert (
+        "the package 'parts' of $(find parts) is not found; name the folder that holds it by "
+        "packages (--packages)" in err
+    )
 
 
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        (MACROS, r"its argument 'name' is not told and has no default; give arguments \(--arguments name=VALUE\)"),
+        (
+            MACROS,
+            r"its argument 'name' is not told and has no default; give arguments \(--arguments "
+            r"name=VALUE\)",
+        ),
         (f"{HEAD}<link name='${{1 / 0}}'/></robot>", "xacro: .*division"),
         (f"{HEAD}<link name='${{nothing}}'/></robot>", "xacro: .*nothing"),
         (f"{HEAD}<link name='${{().__class__}}'/></robot>", "xacro: .*__class__"),
         (f"{HEAD}<xacro:include filename='none.xacro'/></robot>", "xacro: .*none.xacro"),
-        (f"{HEAD}<xacro:include filename='m.xacro'/></robot>", "xacro: its macros or includes call themselves"),
-        (f"{HEAD}<xacro:macro name='m'><xacro:m/></xacro:macro><xacro:m/></robot>", "xacro: its macros or includes call themselves"),
+        (
+            f"{HEAD}<xacro:include filename='m.xacro'/></robot>",
+            "xacro: its macros or includes call themselves",
+        ),
+        (
+            f"{HEAD}<xacro:macro name='m'><xacro:m/></xacro:macro><xacro:m/></robot>",
+            "xacro: its macros or includes call themselves",
+        ),
         (f"{HEAD}<xacro:unknown/></robot>", "xacro: .*unknown"),
-        (f"{HEAD}<xacro:property name='a' value='nan'/><link name='a'/><link name='b'/><joint name='j' type='revolute'>"
-         "<parent link='a'/><child link='b'/><axis xyz='0 0 ${a}'/></joint></robot>", r"expanded\): line \d+: <axis>: .*not a finite number"),
-        ('<!DOCTYPE r [<!ENTITY a "b">]><robot name="${1}">&a;</robot>', "document types and entities are not read"),
+        (
+            f"{HEAD}<xacro:property name='a' value='nan'/><link name='a'/><link name='b'/><joint "
+            f"name='j' type='revolute'>"
+            "<parent link='a'/><child link='b'/><axis xyz='0 0 ${a}'/></joint></robot>",
+            r"expanded\): line \d+: <axis>: .*not a finite number",
+        ),
+        (
+            '<!DOCTYPE r [<!ENTITY a "b">]><robot name="${1}">&a;</robot>',
+            "document types and entities are not read",
+        ),
     ],
-)  # fmt: skip
+)
 def test_mistakes_in_xacro_are_one_sentence(text: str, sentence: str, tmp_path: Path) -> None:
     pytest.importorskip("xacro")
     path = in_file(tmp_path, text)
@@ -190,7 +239,11 @@ def test_mistakes_in_xacro_are_one_sentence(text: str, sentence: str, tmp_path: 
 def test_an_argument_that_the_file_has_not_is_refused(tmp_path: Path) -> None:
     pytest.importorskip("xacro")
     with pytest.raises(
-        InputError, match=r"arguments: .* has no argument 'reech' \(do you mean 'reach'\?\); its arguments: name, reach"
+        InputError,
+        match=(
+            r"arguments: .* has no argument 'reech' \(do you mean 'reach'\?\); its arguments: "
+            r"name, reach"
+        ),
     ):
         load(in_file(tmp_path, MACROS), ReadOptions(arguments={"name": "rod", "reech": "3"}))
 
@@ -203,23 +256,36 @@ def test_entities_in_an_included_file_are_refused(tmp_path: Path) -> None:
         load(path)
 
 
-def test_without_the_package_one_sentence_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_package_one_sentence_names_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(sys.modules, "xacro", None)
-    with pytest.raises(InputError, match=r"m\.xacro: is written in xacro.*pip install 'symkin\[urdf\]'"):
+    with pytest.raises(
+        InputError, match=r"m\.xacro: is written in xacro.*pip install 'symkin\[urdf\]'"
+    ):
         load(in_file(tmp_path, MACROS))
 
 
 def test_models_of_sdf_are_included_from_packages(tmp_path: Path) -> None:
     models = tmp_path / "library" / "arm"
     models.mkdir(parents=True)
-    (models / "model.sdf").write_text("<sdf version='1.8'><model name='arm'><link name='p'/></model></sdf>", encoding="utf-8")
-    text = "<sdf version='1.8'><model name='m'><link name='hub'/><include><uri>model://arm</uri></include>" + (
-        "<joint name='k' type='revolute'><parent>hub</parent><child>arm::p</child><axis><xyz>0 0 1</xyz></axis></joint></model></sdf>"
+    (models / "model.sdf").write_text(
+        "<sdf version='1.8'><model name='arm'><link name='p'/></model></sdf>", encoding="utf-8"
+    )
+    text = (
+        "<sdf version='1.8'><model name='m'><link "
+        "name='hub'/><include><uri>model://arm</uri></include>"
+        + (
+            "<joint name='k' type='revolute'><parent>hub</parent><child>arm::p</child><axis><xyz>0 "
+            "0 1</xyz></axis></joint></model></sdf>"
+        )
     )
     path = in_file(tmp_path, text, "m.sdf")
     for folder in (models.parent, models):
         assert "arm/p" in read_sdf(path, ReadOptions(packages=[folder])).links
-    with pytest.raises(InputError, match=r"is not found beside the file, .* or in a folder of packages"):
+    with pytest.raises(
+        InputError, match=r"is not found beside the file, .* or in a folder of packages"
+    ):
         read_sdf(path)
 
 
@@ -239,16 +305,25 @@ def test_files_in_xacro_are_read_by_many_threads_at_once(tmp_path: Path) -> None
     path = in_file(tmp_path, MACROS)
 
     def reach(k: int) -> float:
-        return float(read_urdf(path, ReadOptions(arguments={"name": f"rod{k}", "reach": str(k)})).links[f"rod{k}"].position[0])
+        return float(
+            read_urdf(path, ReadOptions(arguments={"name": f"rod{k}", "reach": str(k)}))
+            .links[f"rod{k}"]
+            .position[0]
+        )
 
     with ThreadPoolExecutor(4) as pool:
         assert list(pool.map(reach, range(1, 25))) == [float(k) for k in range(1, 25)]
 
 
-def test_nothing_is_printed_beside_the_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_is_printed_beside_the_answer(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """xacro's warnings, as of a property told anew, stay away from the terminal."""
     pytest.importorskip("xacro")
-    told = "<xacro:property name='pi' value='3'/><xacro:property name='said' value=\"${xacro.message('hello')}\"/><xacro:property name='half' value='2'/>"
+    told = (
+        "<xacro:property name='pi' value='3'/><xacro:property name='said' "
+        "value=\"${xacro.message('hello')}\"/><xacro:property name='half' value='2'/>"
+    )
     read_urdf(
         in_file(tmp_path, MACROS.replace('<link name="ground"/>', f'{told}<link name="ground"/>')),
         ReadOptions(arguments={"name": "rod"}),

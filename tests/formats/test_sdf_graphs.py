@@ -1,4 +1,6 @@
-"""Random graphs of joints in SDF, with all types and any number of loops: mobility and motion are those of the joints as they were made."""
+"""Random graphs of joints in SDF, with all types and any number of loops: mobility and motion are
+those of the joints as they were made.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,14 @@ from helpers.inside import Robot, closed_neighbours, euler_from_quaternion, near
 from helpers.robot_files import joint_misfit
 from symkin import Joint, Pose
 
-WORDS = {"R": "revolute", "P": "prismatic", "H": "screw", "U": "universal", "S": "ball", "weld": "fixed"}
+WORDS = {
+    "R": "revolute",
+    "P": "prismatic",
+    "H": "screw",
+    "U": "universal",
+    "S": "ball",
+    "weld": "fixed",
+}
 
 
 @dataclass
@@ -24,10 +33,15 @@ class Made:
 
 
 def made(seed: int) -> Made:
-    """A tree of random joints and some joints more; all of them told at random poses, so that every loop is closed there."""
+    """A tree of random joints and some joints more; all of them told at random poses, so that every
+    loop is closed there.
+    """
     rng = np.random.default_rng(seed)
     count = int(rng.integers(4, 9))
-    links = [Pose.from_euler(rng.uniform(-1, 1, 3), rng.uniform(-1.5, 1.5, 3), "xyz") for _ in range(count)]
+    links = [
+        Pose.from_euler(rng.uniform(-1, 1, 3), rng.uniform(-1.5, 1.5, 3), "xyz")
+        for _ in range(count)
+    ]
     pairs = [(int(rng.integers(0, k)), k) for k in range(1, count)]
     for _ in range(int(rng.integers(1, 4))):
         a, b = (int(k) for k in rng.choice(count, 2, replace=False))
@@ -63,7 +77,10 @@ def _direction(rng: np.random.Generator) -> np.ndarray:
 
 def text(machine: Made) -> str:
     """The machine in SDF: joints in their child's frame, axes in the joint's."""
-    links = "".join(f"<link name='l{k}'><pose>{_pose(pose)}</pose></link>" for k, pose in enumerate(machine.links))
+    links = "".join(
+        f"<link name='l{k}'><pose>{_pose(pose)}</pose></link>"
+        for k, pose in enumerate(machine.links)
+    )
     joints = "".join(_joint(machine, *entry) for entry in machine.joints)
     return f"<sdf version='1.7'><model name='m'>{links}{joints}</model></sdf>"
 
@@ -77,7 +94,8 @@ def _joint(machine: Made, joint: Joint, parent: int, child: int) -> str:
     )
     pitch = f"<screw_thread_pitch>{joint.pitch!r}</screw_thread_pitch>" if joint.pitch else ""
     return (
-        f"<joint name='{joint.name}' type='{WORDS[joint.type]}'><parent>l{parent}</parent><child>l{child}</child>"
+        f"<joint name='{joint.name}' "
+        f"type='{WORDS[joint.type]}'><parent>l{parent}</parent><child>l{child}</child>"
         f"<pose>{_pose(machine.links[child].inverse() @ turn)}</pose>{axes}{pitch}</joint>"
     )
 
@@ -92,7 +110,9 @@ def _words(vector: np.ndarray) -> str:
 
 
 def freedoms(machine: Made) -> int:
-    """Dimension of all link twists and joint rates with v(child) - v(parent) = sum of the joint's screws x rates, link 0 held."""
+    """Dimension of all link twists and joint rates with v(child) - v(parent) = sum of the joint's
+    screws x rates, link 0 held.
+    """
     count = len(machine.links)
     blocks = []
     for joint, parent, child in machine.joints:
@@ -108,7 +128,10 @@ def freedoms(machine: Made) -> int:
 
 def _screws(joint: Joint) -> np.ndarray:
     """Twists (angular velocity, velocity at the origin) that a joint allows, as columns."""
-    point, axes = np.array(joint.point), [np.array(a) for a in (joint.axis, joint.axis2) if a is not None]
+    point, axes = (
+        np.array(joint.point),
+        [np.array(a) for a in (joint.axis, joint.axis2) if a is not None],
+    )
     if joint.type == "P":
         return np.concatenate([np.zeros(3), axes[0]])[:, None]
     axes = list(np.eye(3)) if joint.type == "S" else axes
@@ -130,7 +153,8 @@ def test_a_random_graph_moves_as_its_joints_do(seed: int, tmp_path: Path) -> Non
     for state in closed_neighbours(closed, 2, seed=seed, step=0.05):
         placed = closed.tree.placed(state)
         moved = {
-            f"l{k}": root @ placed.displacement(_carrier(robot, f"l{k}")) @ root.inverse() for k in range(len(machine.links))
+            f"l{k}": root @ placed.displacement(_carrier(robot, f"l{k}")) @ root.inverse()
+            for k in range(len(machine.links))
         }
         for joint, parent, child in machine.joints:
             between = moved[f"l{parent}"].inverse() @ moved[f"l{child}"]

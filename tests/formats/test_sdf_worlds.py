@@ -1,4 +1,6 @@
-"""Worlds of SDF: one of several models by name, models that joints of the world join, static models, includes."""
+"""Worlds of SDF: one of several models by name, models that joints of the world join, static
+models, includes.
+"""
 
 from __future__ import annotations
 
@@ -12,17 +14,22 @@ from helpers.command_line import run
 from helpers.inside import read_sdf
 from symkin import InputError, ReadOptions, SymkinError
 
-ARM = """<model name='{name}'><pose>{at} 0 0 0</pose><link name='low'/><link name='high'><pose>0 0 1 0 0 0</pose></link>
-<joint name='knee' type='revolute'><parent>low</parent><child>high</child><axis><xyz>0 1 0</xyz></axis></joint></model>"""
+ARM = """<model name='{name}'><pose>{at} 0 0 0</pose><link name='low'/><link name='high'>
+<pose>0 0 1 0 0 0</pose></link>
+<joint name='knee' type='revolute'><parent>low</parent><child>high</child><axis><xyz>0 1 0</xyz>
+</axis></joint></model>"""
 TWO = ARM.format(name="left", at="0 0 0") + ARM.format(name="right", at="2 0 0")
 FLOOR = "<model name='floor'><static>true</static><link name='slab'/></model>"
-HINGE = """<joint name='{name}' type='revolute'><parent>{parent}</parent><child>{child}</child><pose relative_to='{child}'>{at} 0 0 0</pose>
+HINGE = """<joint name='{name}' type='revolute'><parent>{parent}</parent><child>{child}</child>
+<pose relative_to='{child}'>{at} 0 0 0</pose>
 <axis><xyz>0 1 0</xyz></axis></joint>"""
 
 
 def world(folder: Path, inside: str, version: str = "1.9") -> Path:
     path = folder / "w.sdf"
-    path.write_text(f"<sdf version='{version}'><world name='w'>\n{inside}</world></sdf>", encoding="utf-8")
+    path.write_text(
+        f"<sdf version='{version}'><world name='w'>\n{inside}</world></sdf>", encoding="utf-8"
+    )
     return path
 
 
@@ -42,8 +49,13 @@ def test_one_of_several_models_by_name(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 def test_models_that_joints_of_the_world_join_are_one_robot(tmp_path: Path) -> None:
-    """Two arms on a floor that stands still, whose hands a joint joins: a four-bar, whose mobility is one."""
-    feet = "".join(HINGE.format(name=f"foot_{m}", parent="floor::slab", child=f"{m}::low", at="0 0 0") for m in ("left", "right"))
+    """Two arms on a floor that stands still, whose hands a joint joins: a four-bar, whose mobility
+    is one.
+    """
+    feet = "".join(
+        HINGE.format(name=f"foot_{m}", parent="floor::slab", child=f"{m}::low", at="0 0 0")
+        for m in ("left", "right")
+    )
     bar = "<model name='bar'><pose>0 0 2 0 0 0</pose><link name='rod'/></model>"
     knees = HINGE.format(name="a", parent="left::high", child="bar::rod", at="0 0 0")
     knees += HINGE.format(name="b", parent="right::high", child="bar::rod", at="2 0 0")
@@ -79,10 +91,16 @@ def test_a_model_that_a_world_includes_is_the_robot(tmp_path: Path) -> None:
 
 def test_what_of_a_world_is_left_out_is_named(tmp_path: Path) -> None:
     notes = read_sdf(
-        world(tmp_path, TWO + HINGE.format(name="j", parent="left::low", child="right::low", at="0 0 0")),
+        world(
+            tmp_path,
+            TWO + HINGE.format(name="j", parent="left::low", child="right::low", at="0 0 0"),
+        ),
         ReadOptions(model="left"),
     ).notes
-    assert any("line 4: <joint> of the world is left out; the model is read alone" in note for note in notes)
+    assert any(
+        "line 8: <joint> of the world is left out; the model is read alone" in note
+        for note in notes
+    )
 
 
 @pytest.mark.parametrize(
@@ -90,12 +108,22 @@ def test_what_of_a_world_is_left_out_is_named(tmp_path: Path) -> None:
     [
         ("", None, r"line 1: <sdf>: 0 models are found; one is needed"),
         (FLOOR, None, r"<static>: the model is static"),
-        (TWO + HINGE.format(name="j", parent="left::low", child="right::lo", at="0 0 0"), None, r"line 4: .*the frame 'right::lo' is unknown \(do you mean 'right::low'"),
-        ("<include><uri>model://none</uri></include>", None, r"line 2: <include>: the included model 'model://none' is not found"),
+        (
+            TWO + HINGE.format(name="j", parent="left::low", child="right::lo", at="0 0 0"),
+            None,
+            r"line 8: .*the frame 'right::lo' is unknown \(do you mean 'right::low'",
+        ),
+        (
+            "<include><uri>model://none</uri></include>",
+            None,
+            r"line 2: <include>: the included model 'model://none' is not found",
+        ),
         ("", "m", r"has no model 'm'; its models: none"),
     ],
-)  # fmt: skip
-def test_what_is_wrong_is_one_sentence(inside: str, told: str | None, sentence: str, tmp_path: Path) -> None:
+)
+def test_what_is_wrong_is_one_sentence(
+    inside: str, told: str | None, sentence: str, tmp_path: Path
+) -> None:
     path = world(tmp_path, inside)
     with pytest.raises((SymkinError, InputError), match=sentence) as error:
         read_sdf(path, ReadOptions(model=told))

@@ -1,4 +1,6 @@
-"""The platform of a robot is the link that is told: its frame is the file's, and a chain to it is a serial arm."""
+"""The platform of a robot is the link that is told: its frame is the file's, and a chain to it is a
+serial arm.
+"""
 
 from __future__ import annotations
 
@@ -28,8 +30,10 @@ def arm_text() -> str:
     """Two turns, a slide and a flange; the slide moves along its own x axis."""
     names = ["foot", "one", "two", "three", "tool0"]
     joints = "".join(
-        f"<joint name='{name}' type='{KINDS[name]}'><parent link='{names[k]}'/><child link='{names[k + 1]}'/>"
-        f"<origin xyz='{' '.join(map(str, xyz))}' rpy='{' '.join(map(str, rpy))}'/><axis xyz='{' '.join(map(str, axis))}'/>"
+        f"<joint name='{name}' type='{KINDS[name]}'><parent link='{names[k]}'/><child "
+        f"link='{names[k + 1]}'/>"
+        f"<origin xyz='{' '.join(map(str, xyz))}' rpy='{' '.join(map(str, rpy))}'/><axis "
+        f"xyz='{' '.join(map(str, axis))}'/>"
         "<limit lower='-2' upper='2' effort='1' velocity='1'/></joint>"
         for k, (name, (xyz, rpy, axis)) in enumerate(ORIGINS.items())
     )
@@ -79,18 +83,26 @@ def test_the_platform_frame_is_the_frame_of_the_file(arm: Path) -> None:
         np.testing.assert_allclose(found.pose.rotation, wanted[:3, :3], atol=1e-12)
 
 
-def test_without_it_poses_are_refused_by_its_name(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_it_poses_are_refused_by_its_name(
+    arm: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     pose = "--pose=0.3,0.2,0.5,1,0,0,0"
     status, _, err = run(capsys, "modes", arm, pose)
     assert status == 2
     assert "--platform LINK" in err
-    status, out, err = run(capsys, "modes", arm, "--joints", "0.1,0.2,0.3", "--platform", "tool0", "--json")
+    status, out, err = run(
+        capsys, "modes", arm, "--joints", "0.1,0.2,0.3", "--platform", "tool0", "--json"
+    )
     assert (status, err) == (0, "")
     assert json.loads(out)["modes"][0]["pose"] is not None
 
 
-def test_degrees_where_radians_are_read_get_a_note(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Robots' files are in radians: roll, pitch, yaw of more than a turn are asked about, pi is taken silently."""
+def test_degrees_where_radians_are_read_get_a_note(
+    arm: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Robots' files are in radians: roll, pitch, yaw of more than a turn are asked about, pi is
+    taken silently.
+    """
     words = ["modes", arm, "--platform", "tool0", "--pose", "0.3,0.2,0.5"]
     assert "note: 180 rad: more than a turn" in run(capsys, *words, "--rpy", "180,0,0")[2]
     assert "note" not in run(capsys, *words, "--rpy", "pi,0,0")[2]
@@ -99,12 +111,21 @@ def test_degrees_where_radians_are_read_get_a_note(arm: Path, capsys: pytest.Cap
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
-        ("tool", "no link is named 'tool' (do you mean 'tool0'?); links that move: one, two, three, tool0"),
-        ("base", "'base' is part of the base, which is held; links that move: one, two, three, tool0"),
+        (
+            "tool",
+            "no link is named 'tool' (do you mean 'tool0'?); links that move: one, two, three, "
+            "tool0",
+        ),
+        (
+            "base",
+            "'base' is part of the base, which is held; links that move: one, two, three, tool0",
+        ),
         (" ", "--platform is empty; the name of a link is needed"),
     ],
 )
-def test_wrong_names_are_told(name: str, expected: str, arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_names_are_told(
+    name: str, expected: str, arm: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     status, out, err = run(capsys, "modes", arm, "--platform", name)
     assert (status, out) == (2, "")
     assert expected in err
@@ -117,7 +138,9 @@ def test_a_mechanism_file_says_it_itself(capsys: pytest.CaptureFixture[str]) -> 
     assert "platform (--platform) has no meaning for zhang2009" in err
 
 
-@pytest.mark.parametrize("name", ["mjcf/g1_parallel_ankle.xml", "sdf/pr2_gripper.sdf", "urdf_plus/six_bar.urdf"])
+@pytest.mark.parametrize(
+    "name", ["mjcf/g1_parallel_ankle.xml", "sdf/pr2_gripper.sdf", "urdf_plus/six_bar.urdf"]
+)
 def test_links_of_closed_loops_are_where_close_has_them(name: str) -> None:
     """In all three formats: the platform's pose at the reference is the link's."""
     path = Path(__file__).parents[1] / "data" / "models" / name
@@ -135,7 +158,9 @@ def test_links_of_closed_loops_are_where_close_has_them(name: str) -> None:
 
 
 def test_the_chain_to_it_is_a_serial_arm(arm: Path, tmp_path: Path) -> None:
-    """Firmware and the Jacobian of an arm: the same matrix as that of rates by names, and code of an arm."""
+    """Firmware and the Jacobian of an arm: the same matrix as that of rates by names, and code of
+    an arm.
+    """
     mechanism = symkin.load(arm, ReadOptions(platform="tool0"))
     serial = arm_of(mechanism)
     assert serial is not None
@@ -144,10 +169,17 @@ def test_the_chain_to_it_is_a_serial_arm(arm: Path, tmp_path: Path) -> None:
     np.testing.assert_allclose(one.position, two.position, atol=1e-13)
     np.testing.assert_allclose(one.pose.rotation, two.pose.rotation, atol=1e-13)
     matrix = symkin.jacobian(mechanism).at(one)
-    np.testing.assert_allclose(matrix[:3], symkin.jacobian(mechanism, of=["x", "y", "z"], by=["a", "b", "c"]).at(one), atol=1e-10)
+    np.testing.assert_allclose(
+        matrix[:3],
+        symkin.jacobian(mechanism, of=["x", "y", "z"], by=["a", "b", "c"]).at(one),
+        atol=1e-10,
+    )
     step = 1e-6
     for k in range(3):
-        ends = [account(dict(zip("abc", np.add(values, s * step * np.eye(3)[k]), strict=True)))[:3, 3] for s in (1, -1)]
+        ends = [
+            account(dict(zip("abc", np.add(values, s * step * np.eye(3)[k]), strict=True)))[:3, 3]
+            for s in (1, -1)
+        ]
         np.testing.assert_allclose(matrix[:3, k], (ends[0] - ends[1]) / (2 * step), atol=1e-8)
     written = symkin.write_firmware(mechanism, tmp_path / "c")
     assert "arm_inverse" in (tmp_path / "c" / "arm.h").read_text(encoding="utf-8")
@@ -159,7 +191,9 @@ def chain(*more: LinkJoint, reverse: bool = False) -> Mechanism:
     tilt = Joint("tilt", "R", (0.0, 0.0, 200.0), (1.0, 0.0, 0.0), actuated=True)
     links = ["camera", "head"] if reverse else ["head", "camera"]
     return Mechanism(
-        "neck", link_joints=[LinkJoint(tilt, links), LinkJoint(pan, ["base", "head"]), *more], platform_link="camera"
+        "neck",
+        link_joints=[LinkJoint(tilt, links), LinkJoint(pan, ["base", "head"]), *more],
+        platform_link="camera",
     )
 
 
@@ -177,10 +211,14 @@ def test_joints_in_any_order_and_direction(reverse: bool) -> None:
 
 
 def test_graphs_that_are_no_arms() -> None:
-    """A loop, a passive joint, a coupling, no tool: none of them is an arm, and what is taken is said."""
+    """A loop, a passive joint, a coupling, no tool: none of them is an arm, and what is taken is
+    said.
+    """
     lens = Joint("lens", "P", (0.0, 0.0, 250.0), (0.0, 1.0, 0.0), actuated=True)
     arm = chain()
-    passive = [replace(e, joint=replace(e.joint, actuated=e.joint.name == "pan")) for e in arm.link_joints]
+    passive = [
+        replace(e, joint=replace(e.joint, actuated=e.joint.name == "pan")) for e in arm.link_joints
+    ]
     assert arm_of(chain(LinkJoint(lens, ["base", "camera"]))) is None
     assert arm_of(replace(arm, couplings=[symkin.Coupling("tilt", {"pan": 2.0})])) is None
     assert arm_of(replace(arm, link_joints=passive)) is None
@@ -191,8 +229,12 @@ def test_graphs_that_are_no_arms() -> None:
         symkin.jacobian(untold)
 
 
-def test_what_does_not_move_the_tool_is_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A lens on the head, and a closed loop beside the arm: the arm is that without them, and a note names what drives them."""
+def test_what_does_not_move_the_tool_is_left_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A lens on the head, and a closed loop beside the arm: the arm is that without them, and a
+    note names what drives them.
+    """
     lens = Joint("lens", "P", (0.0, 0.0, 250.0), (0.0, 1.0, 0.0), actuated=True)
     branched = chain(LinkJoint(lens, ["head", "lens"]))
     both = chain(*symkin.load("four_bar").link_joints)
@@ -200,7 +242,10 @@ def test_what_does_not_move_the_tool_is_left_out(tmp_path: Path, capsys: pytest.
     assert wanted is not None
     for found in (arm_of(branched), arm_of(both)):
         assert found is not None
-        assert (found.name, [joint for _, joint in found.joints]) == ("neck_camera", [joint for _, joint in wanted.joints])
+        assert (found.name, [joint for _, joint in found.joints]) == (
+            "neck_camera",
+            [joint for _, joint in wanted.joints],
+        )
     assert joints_left_out(branched) == ("lens",)
     file = tmp_path / "neck.toml"
     symkin.convert(branched, file)

@@ -1,4 +1,6 @@
-"""URDF as small files tell it: one four-bar in every form of loop, mimics, joints of many freedoms, motors; what is wrong is one sentence."""
+"""URDF as small files tell it: one four-bar in every form of loop, mimics, joints of many freedoms,
+motors; what is wrong is one sentence.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +17,15 @@ TREE = """
   <link name="ground"/> <link name="crank"/> <link name="rod"/> <link name="rocker"/>
   <joint name="a" type="revolute"><parent link="ground"/><child link="crank"/><axis xyz="0 0 2"/>
     <limit lower="-1" upper="2" effort="1" velocity="1"/></joint>
-  <joint name="b" type="continuous"><parent link="crank"/><child link="rod"/><origin xyz="1 0 0"/><axis xyz="0 0 1"/></joint>
-  <joint name="c" type="continuous"><parent link="ground"/><child link="rocker"/><origin xyz="0 2 0" rpy="0 0 1.5707963267948966"/>
+  <joint name="b" type="continuous"><parent link="crank"/><child link="rod"/><origin xyz="1 0 0"/>
+  <axis xyz="0 0 1"/></joint>
+  <joint name="c" type="continuous"><parent link="ground"/><child link="rocker"/>
+  <origin xyz="0 2 0" rpy="0 0 1.5707963267948966"/>
     <axis xyz="0 0 1"/></joint>
 """
-"""A four-bar: crank of 1 and rod of 2 along x, rocker of 3 along y from (0, 2); a point at its end."""
+"""A four-bar: crank of 1 and rod of 2 along x, rocker of 3 along y from (0, 2); a point at its
+end.
+"""
 FIXED = """<link name="{name}"/><joint name="{name}_frame" type="fixed"><parent link="{parent}"/>
   <child link="{name}"/><origin xyz="{at}"/></joint>"""
 FORMS = {
@@ -87,8 +93,11 @@ def test_one_loop_is_read_alike_in_every_form(form: str, tmp_path: Path) -> None
 
 
 def test_a_joint_of_sdf_within_gazebo_closes_a_loop(tmp_path: Path) -> None:
-    """Its pose is in the child's frame: the frame on the parent is where the child's is at zero, so that the file is closed."""
-    inside = """<gazebo><joint name="d" type="revolute"><parent>rod</parent><child>rocker</child><pose>3 0 0 0 0 0</pose>
+    """Its pose is in the child's frame: the frame on the parent is where the child's is at zero, so
+    that the file is closed.
+    """
+    inside = """<gazebo><joint name="d" type="revolute"><parent>rod</parent><child>rocker</child>
+<pose>3 0 0 0 0 0</pose>
       <axis><xyz>0 0 1</xyz></axis></joint></gazebo><gazebo reference="rod"><mu1>1</mu1></gazebo>"""
     robot = read(tmp_path, TREE + inside)
     (closure,) = robot.closures
@@ -98,10 +107,14 @@ def test_a_joint_of_sdf_within_gazebo_closes_a_loop(tmp_path: Path) -> None:
 
 
 def test_closures_join_what_no_joint_does(tmp_path: Path) -> None:
-    """A second tree hangs on its loop joint, backwards where its root is farther: what the file tells as joint values moves it so."""
-    more = """<link name="x"/><link name="y"/><joint name="e" type="continuous"><parent link="x"/><child link="y"/>
+    """A second tree hangs on its loop joint, backwards where its root is farther: what the file
+    tells as joint values moves it so.
+    """
+    more = """<link name="x"/><link name="y"/><joint name="e" type="continuous"><parent link="x"/>
+<child link="y"/>
       <origin xyz="0 1 0"/><axis xyz="0 0 1"/></joint>
-      <loop_joint name="f" type="revolute"><axis xyz="0 0 1"/><link1 link="rod" xyz="2 0 0"/><link2 link="y"/></loop_joint>"""
+      <loop_joint name="f" type="revolute"><axis xyz="0 0 1"/><link1 link="rod" xyz="2 0 0"/>
+      <link2 link="y"/></loop_joint>"""
     robot = read(tmp_path, TREE + more)
     assert not robot.closures
     poses = poses_at(robot, {"a": 0.0, "b": 0.0, "c": 0.0, "f": 0.0, "e": 0.5})
@@ -113,7 +126,8 @@ def test_closures_join_what_no_joint_does(tmp_path: Path) -> None:
 
 def test_mimic_is_a_coupling(tmp_path: Path) -> None:
     mimic = TREE.replace("</axis", "").replace(
-        '<origin xyz="1 0 0"/>', '<origin xyz="1 0 0"/><mimic joint="a" multiplier="-2" offset="0.5"/>'
+        '<origin xyz="1 0 0"/>',
+        '<origin xyz="1 0 0"/><mimic joint="a" multiplier="-2" offset="0.5"/>',
     )
     (coupling,) = read(tmp_path, mimic).couplings
     assert (coupling.joint, coupling.terms, coupling.offset) == ("b", (("a", -2.0),), 0.5)
@@ -121,7 +135,10 @@ def test_mimic_is_a_coupling(tmp_path: Path) -> None:
 
 def test_couplings_of_links_are_of_the_joints_from_their_common_ancestor(tmp_path: Path) -> None:
     """3 (a + b) = c for the rod and the rocker, whose common ancestor is the ground."""
-    inside = TREE + '<coupling name="g"><predecessor link="rod"/><successor link="rocker"/><ratio value="3"/></coupling>'
+    inside = TREE + (
+        '<coupling name="g"><predecessor link="rod"/><successor link="rocker"/><ratio '
+        'value="3"/></coupling>'
+    )
     (coupling,) = read(tmp_path, inside).couplings
     assert (coupling.joint, dict(coupling.terms)) == ("c", {"a": 3.0, "b": 3.0})
 
@@ -129,7 +146,9 @@ def test_couplings_of_links_are_of_the_joints_from_their_common_ancestor(tmp_pat
 def test_fixed_joints_are_merged_and_names_kept_in_notes(tmp_path: Path) -> None:
     robot = read(
         tmp_path,
-        TREE + FIXED.format(name="tool@tip", parent="rod", at="0 1 0") + FIXED.format(name="base", parent="ground", at="0 0 1"),
+        TREE
+        + FIXED.format(name="tool@tip", parent="rod", at="0 1 0")
+        + FIXED.format(name="base", parent="ground", at="0 0 1"),
     )
     assert robot.merged["tool_tip"][0] == "rod"
     assert robot.merged["base_2"][0] == "base"
@@ -143,24 +162,34 @@ def test_limits_and_motors(tmp_path: Path) -> None:
     assert joints["a"].limits == (-1.0, 2.0)
     assert joints["b"].limits is None
     assert all(joint.actuated for joint in joints.values())
-    motor = '<transmission name="t"><joint name="a"><hardwareInterface>x</hardwareInterface></joint></transmission>'
+    motor = (
+        '<transmission name="t"><joint '
+        'name="a"><hardwareInterface>x</hardwareInterface></joint></transmission>'
+    )
     driven = read(tmp_path, TREE + motor).joints
     assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a"]
 
 
 def test_joints_that_a_transmission_only_reads_are_passive(tmp_path: Path) -> None:
     def transmission(name: str, interface: str) -> str:
-        return f'<transmission name="{name}_t"><joint name="{name}"><hardwareInterface>{interface}</hardwareInterface></joint></transmission>'
+        return (
+            f'<transmission name="{name}_t"><joint '
+            f'name="{name}"><hardwareInterface>{interface}</hardwareInterface></joint></transmission>'
+        )
 
     told = transmission("a", "hardware_interface/EffortJointInterface") + transmission(
         "b", "hardware_interface/PassiveJointInterface"
     )
-    driven = read(tmp_path, TREE + told + transmission("c", "hardware_interface/JointStateInterface")).joints
+    driven = read(
+        tmp_path, TREE + told + transmission("c", "hardware_interface/JointStateInterface")
+    ).joints
     assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a"]
 
 
 def test_independent_joints_of_urdf_plus_are_driven_however_true_is_written(tmp_path: Path) -> None:
-    told = TREE.replace('name="a"', 'name="a" independent="true"').replace('name="b"', 'name="b" independent="True"')
+    told = TREE.replace('name="a"', 'name="a" independent="true"').replace(
+        'name="b"', 'name="b" independent="True"'
+    )
     driven = read(tmp_path, told.replace('name="c"', 'name="c" independent="False"')).joints
     assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a", "b"]
 
@@ -169,7 +198,11 @@ def test_the_world_needs_no_link(tmp_path: Path) -> None:
     """As Drake and MuJoCo read it: a joint from the world, which no <link> writes."""
     robot = read(
         tmp_path,
-        TREE + '<joint name="stand" type="fixed"><parent link="world"/><child link="ground"/><origin xyz="0 0 1"/></joint>',
+        TREE
+        + (
+            '<joint name="stand" type="fixed"><parent link="world"/><child '
+            'link="ground"/><origin xyz="0 0 1"/></joint>'
+        ),
     )
     assert robot.links["base"].position.tolist() == [0.0, 0.0, 0.0]
     assert robot.merged["ground"][1].position.tolist() == [0.0, 0.0, 1.0]
@@ -178,7 +211,10 @@ def test_the_world_needs_no_link(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("kind", "freedoms"), [("planar", 3), ("floating", 6)])
 def test_joints_of_many_freedoms_are_chains(kind: str, freedoms: int, tmp_path: Path) -> None:
-    more = f'<link name="x"/><joint name="p" type="{kind}"><parent link="rod"/><child link="x"/><origin xyz="0 0 1"/><axis xyz="1 0 0"/></joint>'
+    more = (
+        f'<link name="x"/><joint name="p" type="{kind}"><parent link="rod"/><child '
+        f'link="x"/><origin xyz="0 0 1"/><axis xyz="1 0 0"/></joint>'
+    )
     robot = read(tmp_path, TREE + more)
     added = [entry.joint for entry in robot.joints if entry.joint.name.startswith("p.")]
     assert sum(joint.freedom for joint in added) == freedoms
@@ -188,48 +224,110 @@ def test_joints_of_many_freedoms_are_chains(kind: str, freedoms: int, tmp_path: 
 
 
 def test_a_floating_root_is_held(tmp_path: Path) -> None:
-    world = '<link name="world"/><joint name="free" type="floating"><parent link="world"/><child link="ground"/></joint>'
+    world = (
+        '<link name="world"/><joint name="free" type="floating"><parent link="world"/><child '
+        'link="ground"/></joint>'
+    )
     robot = read(tmp_path, world + TREE)
     assert len(robot.joints) == 3
     assert any("held" in note and "'free'" in note for note in robot.notes)
 
 
-LINK = '<link name="u"/><joint name="j" type="{type}"><parent link="rod"/><child link="{child}"/>{more}</joint>'
+LINK = (
+    '<link name="u"/><joint name="j" type="{type}"><parent link="rod"/><child '
+    'link="{child}"/>{more}</joint>'
+)
 BAD = {
     "two links": (TREE + '<link name="rod"/>', "two links are named 'rod'"),
-    "two joints": (TREE + '<link name="u"/>' + '<joint name="a" type="fixed"><parent link="rod"/><child link="u"/></joint>', "two joints are named 'a'"),
+    "two joints": (
+        TREE
+        + '<link name="u"/>'
+        + '<joint name="a" type="fixed"><parent link="rod"/><child link="u"/></joint>',
+        "two joints are named 'a'",
+    ),
     "no axis": (TREE + LINK.format(type="revolute", child="u", more=""), "<axis> is missing"),
-    "zero axis": (TREE + LINK.format(type="revolute", child="u", more='<axis xyz="0 0 0"/>'), "is the zero vector"),
-    "NaN": (TREE + LINK.format(type="fixed", child="u", more='<origin xyz="nan 0 0"/>'), "'nan' is not a finite number"),
-    "two numbers": (TREE + LINK.format(type="fixed", child="u", more='<origin xyz="1 0"/>'), "has 2 numbers; 3 are needed"),
-    "unknown type": (TREE + LINK.format(type="hinge", child="u", more=""), "type = 'hinge' is unknown; allowed: revolute"),
-    "unknown child": (TREE + LINK.format(type="fixed", child="rodd", more=""), "the link 'rodd' is unknown (do you mean 'rod'?)"),
-    "two parents": (TREE + LINK.format(type="fixed", child="rocker", more=""), "child of two joints"),
-    "itself": (TREE + LINK.format(type="fixed", child="rod", more=""), "joins the link 'rod' to itself"),
-    "no parent": (TREE + '<link name="u"/><joint name="j" type="fixed"><child link="u"/></joint>', "<parent> is missing"),
+    "zero axis": (
+        TREE + LINK.format(type="revolute", child="u", more='<axis xyz="0 0 0"/>'),
+        "is the zero vector",
+    ),
+    "NaN": (
+        TREE + LINK.format(type="fixed", child="u", more='<origin xyz="nan 0 0"/>'),
+        "'nan' is not a finite number",
+    ),
+    "two numbers": (
+        TREE + LINK.format(type="fixed", child="u", more='<origin xyz="1 0"/>'),
+        "has 2 numbers; 3 are needed",
+    ),
+    "unknown type": (
+        TREE + LINK.format(type="hinge", child="u", more=""),
+        "type = 'hinge' is unknown; allowed: revolute",
+    ),
+    "unknown child": (
+        TREE + LINK.format(type="fixed", child="rodd", more=""),
+        "the link 'rodd' is unknown (do you mean 'rod'?)",
+    ),
+    "two parents": (
+        TREE + LINK.format(type="fixed", child="rocker", more=""),
+        "child of two joints",
+    ),
+    "itself": (
+        TREE + LINK.format(type="fixed", child="rod", more=""),
+        "joins the link 'rod' to itself",
+    ),
+    "no parent": (
+        TREE + '<link name="u"/><joint name="j" type="fixed"><child link="u"/></joint>',
+        "<parent> is missing",
+    ),
     "mimics itself": (TREE.replace('<origin xyz="1 0 0"/>', '<mimic joint="b"/>'), "mimics itself"),
-    "mimics none": (TREE.replace('<origin xyz="1 0 0"/>', '<mimic joint="bb"/>'), "the joint 'bb' that 'b' mimics is unknown (do you mean 'b'?)"),
+    "mimics none": (
+        TREE.replace('<origin xyz="1 0 0"/>', '<mimic joint="bb"/>'),
+        "the joint 'bb' that 'b' mimics is unknown (do you mean 'b'?)",
+    ),
     "circle": (
-        TREE.replace('<origin xyz="1 0 0"/>', '<mimic joint="c"/>').replace('<origin xyz="0 2 0"', '<mimic joint="b"/><origin xyz="0 2 0"'),
+        TREE.replace('<origin xyz="1 0 0"/>', '<mimic joint="c"/>').replace(
+            '<origin xyz="0 2 0"', '<mimic joint="b"/><origin xyz="0 2 0"'
+        ),
         "in a circle: b, c",
     ),
-    "loop to nothing": (TREE + FORMS["loop"].replace('"rocker"', '"roker"'), "the link 'roker' is unknown (do you mean 'rocker'?)"),
-    "loop to itself": (TREE + FORMS["loop"].replace('"rocker"', '"rod"'), "joins the link 'rod' to itself"),
-    "loop of no type": (TREE + FORMS["loop"].replace('"revolute"', '"snap"'), "type of closure = 'snap' is unknown; allowed: "),
-    "one closing": (TREE + FIXED.format(name="closing_d_1", parent="rod", at="0 0 0"), "'closing_d_2', is missing"),
-    "lost link": (TREE + '<link name="u"/>', "<link name='u'>: neither joints nor closures join it to the root link 'ground'"),
-    "macro": (TREE + '<xacro:include filename="x"/>', f"line {TREE.count(chr(10)) + 1}: xacro: not XML: unbound prefix"),
+    "loop to nothing": (
+        TREE + FORMS["loop"].replace('"rocker"', '"roker"'),
+        "the link 'roker' is unknown (do you mean 'rocker'?)",
+    ),
+    "loop to itself": (
+        TREE + FORMS["loop"].replace('"rocker"', '"rod"'),
+        "joins the link 'rod' to itself",
+    ),
+    "loop of no type": (
+        TREE + FORMS["loop"].replace('"revolute"', '"snap"'),
+        "type of closure = 'snap' is unknown; allowed: ",
+    ),
+    "one closing": (
+        TREE + FIXED.format(name="closing_d_1", parent="rod", at="0 0 0"),
+        "'closing_d_2', is missing",
+    ),
+    "lost link": (
+        TREE + '<link name="u"/>',
+        "<link name='u'>: neither joints nor closures join it to the root link 'ground'",
+    ),
+    "macro": (
+        TREE + '<xacro:include filename="x"/>',
+        f"line {TREE.count(chr(10)) + 1}: xacro: not XML: unbound prefix",
+    ),
     "unknown": (TREE + '<rope><link name="rod"/></rope>', "<rope> is unknown, and it names links"),
     "empty": ("", "no <link> is found"),
     "within a link": (
-        TREE + FIXED.format(name="u", parent="rod", at="0 0 0") + FORMS["loop"].replace('"rocker"', '"u"'),
+        TREE
+        + FIXED.format(name="u", parent="rod", at="0 0 0")
+        + FORMS["loop"].replace('"rocker"', '"u"'),
         "within the one link 'rod', whose two frames are 1 apart",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_what_is_wrong_is_one_sentence_with_file_line_and_element(case: str, tmp_path: Path) -> None:
+def test_what_is_wrong_is_one_sentence_with_file_line_and_element(
+    case: str, tmp_path: Path
+) -> None:
     inside, sentence = BAD[case]
     message = refusal(tmp_path, inside)
     assert sentence in message
@@ -239,24 +337,36 @@ def test_what_is_wrong_is_one_sentence_with_file_line_and_element(case: str, tmp
 
 
 def test_elements_of_no_meaning_are_named(tmp_path: Path) -> None:
-    robot = read(tmp_path, TREE + '<material name="red"/><drake:linear_bushing_rpy/><note>hello</note>')
-    assert "left out, of no meaning here: materials, bushings, which are springs, <note>" in robot.notes
+    robot = read(
+        tmp_path, TREE + '<material name="red"/><drake:linear_bushing_rpy/><note>hello</note>'
+    )
+    assert (
+        "left out, of no meaning here: materials, bushings, which are springs, <note>"
+        in robot.notes
+    )
 
 
-# --- a YAML file beside it -------------------------------------------------------------------------------------------
+# --- a YAML file beside it ------------------------------------------------------------------------
 
-PAIR = FIXED.format(name="d1", parent="rod", at="2 0 0") + FIXED.format(name="d2", parent="rocker", at="3 0 0")
+PAIR = FIXED.format(name="d1", parent="rod", at="2 0 0") + FIXED.format(
+    name="d2", parent="rocker", at="3 0 0"
+)
 
 
 def test_loops_motors_and_types_beside_the_file(tmp_path: Path) -> None:
     (tmp_path / "r.yaml").write_text(
-        "closed_loop: [[d1, d2]]\ntype: [3d]\nname_mot: [a]\njoint_name: [b]\njoint_type: [UJOINT_ZY]\n"
+        "closed_loop: [[d1, d2]]\ntype: [3d]\nname_mot: [a]\njoint_name: [b]\n"
+        "joint_type: [UJOINT_ZY]\n"
     )
     robot = read(tmp_path, TREE + PAIR)
     (closure,) = robot.closures
     assert (closure.type, closure.links) == ("S", ("rod", "rocker"))
     joints = {entry.joint.name: entry.joint for entry in robot.joints}
-    assert (joints["b"].type, joints["b"].axis, joints["b"].axis2) == ("U", (0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
+    assert (joints["b"].type, joints["b"].axis, joints["b"].axis2) == (
+        "U",
+        (0.0, 0.0, 1.0),
+        (0.0, 1.0, 0.0),
+    )
     assert [name for name, joint in joints.items() if joint.actuated] == ["a"]
 
 
@@ -274,11 +384,17 @@ def test_frames_beside_the_file_may_be_named_by_their_joints(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("closed_loop: [[d1, d9]]\ntype: [3d]", "names the frame 'd9', which is no link or joint of r.urdf"),
+        (
+            "closed_loop: [[d1, d9]]\ntype: [3d]",
+            "names the frame 'd9', which is no link or joint of r.urdf",
+        ),
         ("closed_loop: [[d1, d2]]\ntype: [4d]", "type: '4d' is unknown; allowed: 3d, 6d"),
         ("closed_loop: [[d1, d2]]\ntype: []", "type has 0 entries and closed_loop 1"),
         ("closed_loop: [d1, d2]\ntype: [3d]", "is no list of pairs of links"),
-        ("closed_loop: [[d1, d2]]\ntype: [3d]\njoint_name: [b]\njoint_type: [HELIX]", "joint_type: 'HELIX' is unknown"),
+        (
+            "closed_loop: [[d1, d2]]\ntype: [3d]\njoint_name: [b]\njoint_type: [HELIX]",
+            "joint_type: 'HELIX' is unknown",
+        ),
         (
             "closed_loop: [[d1, d2]]\ntype: [3d]\njoint_name: [bb]\njoint_type: [FIXED]",
             "joint_name: 'bb' is no joint of r.urdf",

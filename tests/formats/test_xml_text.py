@@ -1,4 +1,6 @@
-"""XML that others wrote: what is read keeps its lines; entities, depth, size and broken text are refused in a sentence with a line."""
+"""XML that others wrote: what is read keeps its lines; entities, depth, size and broken text are
+refused in a sentence with a line.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,16 @@ from pathlib import Path
 
 import pytest
 
-from helpers.inside import DEEPEST, LARGEST_FILE, allowed_names, name_fault, parse_xml, read_xml, renamed, robot_name
+from helpers.inside import (
+    DEEPEST,
+    LARGEST_FILE,
+    allowed_names,
+    name_fault,
+    parse_xml,
+    read_xml,
+    renamed,
+    robot_name,
+)
 from symkin import InputError, MechanismError
 
 BOMB = b"""<?xml version="1.0"?>
@@ -19,7 +30,11 @@ BOMB = b"""<?xml version="1.0"?>
 
 
 def test_elements_keep_tag_attributes_text_and_line() -> None:
-    root = parse_xml(b"<robot name='r'>\n <link name='a'/>\n <joint\n  name='j'>0 <!-- x -->1</joint></robot>", "r.urdf", "robot")
+    root = parse_xml(
+        b"<robot name='r'>\n <link name='a'/>\n <joint\n  name='j'>0 <!-- x -->1</joint></robot>",
+        "r.urdf",
+        "robot",
+    )
     link, joint = root.children
     assert (link.line, joint.line) == (2, 3)
     assert joint.text_numbers(2) == (0.0, 1.0)
@@ -40,10 +55,14 @@ def test_elements_keep_tag_attributes_text_and_line() -> None:
         (b"\x00\x01\x02", r"^r\.urdf: line 1: not XML: "),
         (
             b"<sdf/>",
-            r"^r\.urdf: line 1: <sdf>: the file's first element is <sdf>; <robot> is needed; the file is SDF, and its name should end in \.sdf$",
+            r"^r\.urdf: line 1: <sdf>: the file's first element is <sdf>; <robot> is needed; the "
+            r"file is SDF, and its name should end in \.sdf$",
         ),
         (BOMB, r"^r\.urdf: line 2: <!DOCTYPE>: document types and entities are not read"),
-        (b"<robot>" + b"<a>" * DEEPEST, rf"^r\.urdf: line 1: <a>: the elements stand more than {DEEPEST} within each other"),
+        (
+            b"<robot>" + b"<a>" * DEEPEST,
+            rf"^r\.urdf: line 1: <a>: the elements stand more than {DEEPEST} within each other",
+        ),
         (b"<robot>" + b" " * LARGEST_FILE + b"</robot>", r"^r\.urdf: the file has more than 8 MB"),
     ],
 )
@@ -104,7 +123,19 @@ def test_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
 
 
 def test_names_are_kept_or_changed_to_allowed_ones_each_its_own() -> None:
-    names = ["knee", "a[1]", "a_1_", "base", " x ", "", "-a", "toe a/2", "a\tb", "n" * 200, "n" * 201]
+    names = [
+        "knee",
+        "a[1]",
+        "a_1_",
+        "base",
+        " x ",
+        "",
+        "-a",
+        "toe a/2",
+        "a\tb",
+        "n" * 200,
+        "n" * 201,
+    ]
     found = allowed_names(names, taken=["base"])
     assert [found[name] for name in ("knee", "a_1_", "toe a/2")] == ["knee", "a_1_", "toe a/2"]
     assert len(set(found.values())) == len(names)

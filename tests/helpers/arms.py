@@ -14,9 +14,16 @@ Axis = tuple[str, np.ndarray, np.ndarray]
 
 def serial(name: str, axes: Sequence[Axis], rng: np.random.Generator) -> Mechanism:
     """The arm with a random tool frame."""
-    joints = [Joint(f"q{i + 1}", kind, point, axis, actuated=True) for i, (kind, point, axis) in enumerate(axes)]
+    joints = [
+        Joint(f"q{i + 1}", kind, point, axis, actuated=True)
+        for i, (kind, point, axis) in enumerate(axes)
+    ]
     return Mechanism(
-        name, [Limb("arm", joints)], platform_position=rng.normal(size=3), platform_quaternion=direction(rng, 4), serial=True
+        name,
+        [Limb("arm", joints)],
+        platform_position=rng.normal(size=3),
+        platform_quaternion=direction(rng, 4),
+        serial=True,
     )
 
 
@@ -57,7 +64,12 @@ def structures(rng: np.random.Generator) -> dict[str, Mechanism]:
         "parallel_last": [free(rng), *through(rng, c, 2), *along(rng, k, 3)],
         "parallel_inner_and_pair": [free(rng), *along(rng, k, 3), *along(rng, direction(rng), 2)],
         "parallel_slide": [free(rng), *along(rng, k, 3), free(rng), free(rng, "P")],
-        "planar_with_slide": [free(rng), *along(rng, k, 2), ("P", c, normal / np.linalg.norm(normal)), *through(rng, c, 2)],
+        "planar_with_slide": [
+            free(rng),
+            *along(rng, k, 2),
+            ("P", c, normal / np.linalg.norm(normal)),
+            *through(rng, c, 2),
+        ],
         "wrist_parallel_two_three": [free(rng), *along(rng, k, 2), *wrist],
         "wrist_parallel_one_two": [*along(rng, k, 2), free(rng), *wrist],
         "wrist_meeting_one_two": [*through(rng, c, 2), free(rng), *wrist],
@@ -66,7 +78,14 @@ def structures(rng: np.random.Generator) -> dict[str, Mechanism]:
         "wrist_first_meeting": [*wrist, *through(rng, c, 2), free(rng)],
         "stanford": [*through(rng, c, 2), free(rng, "P"), *wrist],
         "gantry": [free(rng, "P"), free(rng, "P"), free(rng, "P"), *wrist],
-        "gantry_without_wrist": [free(rng, "P"), free(rng), free(rng, "P"), free(rng), free(rng, "P"), free(rng)],
+        "gantry_without_wrist": [
+            free(rng, "P"),
+            free(rng),
+            free(rng, "P"),
+            free(rng),
+            free(rng, "P"),
+            free(rng),
+        ],
         "slide_first": [("P", c, normal / np.linalg.norm(normal)), ("R", c, k), free(rng), *wrist],
     }
     return {name: serial(name, axes, rng) for name, axes in arms.items()}
@@ -90,4 +109,7 @@ def short_structures(rng: np.random.Generator) -> dict[str, Mechanism]:
 def random_values(arm: Mechanism, rng: np.random.Generator) -> list[float]:
     """Joint values, angles all round."""
     size = arm.characteristic_length
-    return [rng.uniform(-np.pi, np.pi) if c.is_angular else size * float(rng.normal()) for c in arm.actuated]
+    return [
+        rng.uniform(-np.pi, np.pi) if c.is_angular else size * float(rng.normal())
+        for c in arm.actuated
+    ]

@@ -1,4 +1,6 @@
-"""The code in documents: blocks by language, and commands with the output that stands below them."""
+"""The code in documents: blocks by language, and commands with the output that stands below
+them.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +11,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 _BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.M | re.S)
-_INSTALLED = re.compile(r"^```sh\n[^\n]*\.venv/bin/(symkin [^\n]*\n)```\n\n```text\n(.*?)^```$", re.M | re.S)
-"""The last command of a `sh` block that runs symkin from a new environment, and the `text` block right below it."""
+_INSTALLED = re.compile(
+    r"^```sh\n[^\n]*\.venv/bin/(symkin [^\n]*\n)```\n\n```text\n(.*?)^```$", re.M | re.S
+)
+"""The last command of a `sh` block that runs symkin from a new environment, and the `text` block
+right below it.
+"""
 _ANY = "..."
 """Stands for any text of a line, or as a line of its own for any lines."""
 _ROUNDING = r"\d(?:\.\d+)?e-(?:09|[1-9]\d)\b"
@@ -35,7 +41,8 @@ def blocks(document: str, language: str) -> list[str]:
 
 
 def sessions(document: str) -> list[list[Command]]:
-    """The commands of each `console` block; a prompt `$ ` begins one, all until the next is its output.
+    """The commands of each `console` block; a prompt `$ ` begins one, all until the next is its
+    output.
 
     Also those of `sh` blocks whose output stands in a `text` block right below.
     """
@@ -56,16 +63,22 @@ def machines(document: str) -> dict[str, str]:
 def shown_outputs(document: str) -> list[tuple[str, str]]:
     """Python blocks with an `output` block right below them."""
     text = (ROOT / document).read_text(encoding="utf-8")
-    return re.findall(r"^```python\n((?:(?!```)[^\n]*\n)*)^```\n\n```output\n(.*?)^```$", text, re.M | re.S)
+    return re.findall(
+        r"^```python\n((?:(?!```)[^\n]*\n)*)^```\n\n```output\n(.*?)^```$", text, re.M | re.S
+    )
 
 
 def is_as_printed(told: str, output: str) -> bool:
-    """Whether an output is the one told, in which ... stands for any text and spaces at ends of lines do not count.
+    """Whether an output is the one told, in which ... stands for any text and spaces at ends of
+    lines do not count.
 
     A figure of the size of rounding stands for any such figure.
     """
     pattern = "".join(_pattern(line.rstrip()) for line in told.strip().splitlines())
-    return re.fullmatch(pattern, "".join(line.rstrip() + "\n" for line in output.strip().splitlines())) is not None
+    return (
+        re.fullmatch(pattern, "".join(line.rstrip() + "\n" for line in output.strip().splitlines()))
+        is not None
+    )
 
 
 def _pattern(line: str) -> str:

@@ -33,14 +33,30 @@ COMMITTED: list[str] = bench_module("folders").COMMITTED
 POSES = [name for name in FOLDERS if not name.startswith("ankle_")]
 """Folders of platforms and arms, not of maps between joints."""
 KINDS = [
-    "ankle_float", "delta_double", "ren2008_float", "scara_float", "ur5e_double", "zhang2009_double_struct",
-    "zhang2009_float_home_relative", "zhao2000_double", "zhao2000_links_float",
-]  # fmt: skip
+    "ankle_float",
+    "delta_double",
+    "ren2008_float",
+    "scara_float",
+    "ur5e_double",
+    "zhang2009_double_struct",
+    "zhang2009_float_home_relative",
+    "zhao2000_double",
+    "zhao2000_links_float",
+]
 """One of the folders of each kind, for laws that the gate tries on these alone."""
 STRICT = [
-    "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wmissing-prototypes", "-pedantic", "-Werror",
-    "-fno-math-errno", "-ffp-contract=off",
-]  # fmt: skip
+    "-std=c99",
+    "-Wall",
+    "-Wextra",
+    "-Wconversion",
+    "-Wdouble-promotion",
+    "-Wshadow",
+    "-Wmissing-prototypes",
+    "-pedantic",
+    "-Werror",
+    "-fno-math-errno",
+    "-ffp-contract=off",
+]
 
 
 def folder(name: str) -> Path:
@@ -49,8 +65,14 @@ def folder(name: str) -> Path:
 
 
 def at_hand(names: list[str]) -> list[object]:
-    """Parameters of a test that takes no time but for writing what is not committed: one folder of each kind is slow, the others are long."""
-    marks = {name: pytest.mark.slow if name in KINDS else pytest.mark.long for name in names if name not in COMMITTED}
+    """Parameters of a test that takes no time but for writing what is not committed: one folder of
+    each kind is slow, the others are long.
+    """
+    marks = {
+        name: pytest.mark.slow if name in KINDS else pytest.mark.long
+        for name in names
+        if name not in COMMITTED
+    }
     return [pytest.param(name, marks=marks[name]) if name in marks else name for name in names]
 
 
@@ -79,6 +101,8 @@ def built(cc: str, folder: Path, sources: list[str], output: str, *flags: str) -
 
 def passed(program: Path) -> str:
     """Output of a program that must end with status 0."""
-    done = subprocess.run([str(program)], cwd=program.parent, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [str(program)], cwd=program.parent, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

@@ -9,4 +9,8 @@ def same_files(a, b):
     if compared.left_only or compared.right_only or compared.funny_files:
         return False
     _, different, broken = filecmp.cmpfiles(a, b, compared.common_files, shallow=False)
-    return not different and not broken and all(same_files(a / name, b / name) for name in compared.common_dirs)
+    return (
+        not different
+        and not broken
+        and all(same_files(a / name, b / name) for name in compared.common_dirs)
+    )

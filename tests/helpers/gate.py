@@ -1,4 +1,6 @@
-"""Which parameters of a test the gate runs: those that repeat a law on further machines are run by `-m long` alone."""
+"""Which parameters of a test the gate runs: those that repeat a law on further machines are run by
+`-m long` alone.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,8 @@ def in_gate_but(values: Iterable[object], others: Collection[object]) -> list[ob
 
 
 def each_once(*lists: Collection[object], kept: Collection[object] = ()) -> list[object]:
-    """Parameters of a test over several lists: all combinations, of which the gate runs as few as hold each value of each list.
+    """Parameters of a test over several lists: all combinations, of which the gate runs as few as
+    hold each value of each list.
 
     `kept` are combinations that the gate runs besides.
     """

@@ -1,4 +1,6 @@
-"""The same machine said as a graph: every joint of a limb between two links of its own, every rod between two links."""
+"""The same machine said as a graph: every joint of a limb between two links of its own, every rod
+between two links.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,15 @@ def graph_twin(mechanism: Mechanism) -> Mechanism:
         if isinstance(limb, RodLimb):
             end = mechanism.reference_pose.apply(np.array(limb.platform))
             rods.append(
-                LinkRod(limb.name, ["base", "platform"], limb.base, end, actuated=True, offset=limb.offset, limits=limb.limits)
+                LinkRod(
+                    limb.name,
+                    ["base", "platform"],
+                    limb.base,
+                    end,
+                    actuated=True,
+                    offset=limb.offset,
+                    limits=limb.limits,
+                )
             )
             continue
         last = f"{limb.name}_{len(limb.joints)}" if limb.rods else "platform"
@@ -24,7 +34,16 @@ def graph_twin(mechanism: Mechanism) -> Mechanism:
         joints += [LinkJoint(joint, links[k : k + 2]) for k, joint in enumerate(limb.joints)]
         for k, rod in enumerate(limb.rods, start=1):
             end = mechanism.reference_pose.apply(np.array(rod.platform))
-            rods.append(LinkRod(f"{limb.name}_rod{k}", [last, "platform"], rod.start, end, rod.length))
+            rods.append(
+                LinkRod(f"{limb.name}_rod{k}", [last, "platform"], rod.start, end, rod.length)
+            )
     return replace(
-        mechanism, limbs=(), link_joints=joints, link_rods=rods, platform_link="platform", serial=False, dh=None, example=None
+        mechanism,
+        limbs=(),
+        link_joints=joints,
+        link_rods=rods,
+        platform_link="platform",
+        serial=False,
+        dh=None,
+        example=None,
     )

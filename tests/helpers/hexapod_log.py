@@ -1,4 +1,6 @@
-"""A controller's log of a platform on six rods: joints as distances of points, in NumPy and without symkin's equations."""
+"""A controller's log of a platform on six rods: joints as distances of points, in NumPy and without
+symkin's equations.
+"""
 
 from __future__ import annotations
 
@@ -18,17 +20,21 @@ def off_nominal(rng: np.random.Generator, spread: float = 3e-3) -> symkin.Mechan
     """The machine as a drawing has it: every joint centre and zero off by some millimetres."""
     limbs = [
         replace(
-            limb, base=tuple(np.array(limb.base) + rng.uniform(-spread, spread, 3)),
-            platform=tuple(np.array(limb.platform) + rng.uniform(-spread, spread, 3)), offset=limb.offset + rng.uniform(-spread, spread),
+            limb,
+            base=tuple(np.array(limb.base) + rng.uniform(-spread, spread, 3)),
+            platform=tuple(np.array(limb.platform) + rng.uniform(-spread, spread, 3)),
+            offset=limb.offset + rng.uniform(-spread, spread),
         )
         for limb in TRUTH.limbs
-    ]  # fmt: skip
+    ]
     return replace(TRUTH, name="drawn", limbs=limbs)
 
 
 def log(rng: np.random.Generator, count: int = 600) -> Measurements:
     """Rows within the workspace with whole poses, all with noise of SCATTER."""
-    base, platform = (np.array([getattr(limb, end) for limb in TRUTH.limbs]) for end in ("base", "platform"))
+    base, platform = (
+        np.array([getattr(limb, end) for limb in TRUTH.limbs]) for end in ("base", "platform")
+    )
     offset = np.array([limb.offset for limb in TRUTH.limbs])
     position = np.array(TRUTH.platform_position) + rng.uniform(-0.12, 0.12, (count, 3))
     q = _quaternions(0.12 * rng.normal(size=(count, 3)))
@@ -37,7 +43,13 @@ def log(rng: np.random.Generator, count: int = 600) -> Measurements:
     joints = np.linalg.norm(position[:, None] + ends - base, axis=2) - offset
     read = position + SCATTER * rng.normal(size=position.shape)
     turn = _quaternions(0.5 * SCATTER * rng.normal(size=(count, 3)))
-    return Measurements(joints, position=read, orientation=_product(q, turn), position_sigma=SCATTER, orientation_sigma=SCATTER)
+    return Measurements(
+        joints,
+        position=read,
+        orientation=_product(q, turn),
+        position_sigma=SCATTER,
+        orientation_sigma=SCATTER,
+    )
 
 
 def unstated(data: Measurements) -> Measurements:
@@ -45,7 +57,9 @@ def unstated(data: Measurements) -> Measurements:
     return replace(data, position_sigma=None, orientation_sigma=None)
 
 
-def spoilt(data: Measurements, share: float, size: float, rng: np.random.Generator) -> tuple[Measurements, np.ndarray]:
+def spoilt(
+    data: Measurements, share: float, size: float, rng: np.random.Generator
+) -> tuple[Measurements, np.ndarray]:
     """Positions of some rows off by normal errors of a size, and which."""
     bad = np.sort(rng.choice(len(data), round(share * len(data)), replace=False))
     position = data.position.copy()

@@ -1,4 +1,6 @@
-"""Platforms on six rods and their readings in plain NumPy, for calibration: nothing here uses symkin's formulas."""
+"""Platforms on six rods and their readings in plain NumPy, for calibration: nothing here uses
+symkin's formulas.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,9 @@ HEIGHT = 450.0
 
 
 def rings(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Joint centres (6, 3) of a base of radius 400 mm and a platform of 250 mm, off their rings by up to 10 mm."""
+    """Joint centres (6, 3) of a base of radius 400 mm and a platform of 250 mm, off their rings by
+    up to 10 mm.
+    """
     thirds = np.repeat(np.radians([0, 120, 240]), 2)
     angles = thirds + SIDE * np.radians(30), thirds + SIDE * np.radians(95)
     return tuple(
@@ -39,7 +43,9 @@ def poses(count: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]
 
 
 def legs(base: np.ndarray, platform: np.ndarray, position: np.ndarray, q: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(position[:, None] + np.einsum("nij,kj->nki", matrices(q), platform) - base, axis=2)
+    return np.linalg.norm(
+        position[:, None] + np.einsum("nij,kj->nki", matrices(q), platform) - base, axis=2
+    )
 
 
 def toml(base: np.ndarray, platform: np.ndarray, *, home: bool) -> str:
@@ -53,25 +59,44 @@ def toml(base: np.ndarray, platform: np.ndarray, *, home: bool) -> str:
             'type = "SPS"',
             *(f"{n} = {e}" for n, e in zip(("base", "platform"), ends, strict=True)),
         ]
-    return "\n".join(lines + (["[platform]", f"position = [0.0, 0.0, {HEIGHT}]"] if home else [])) + "\n"
+    return (
+        "\n".join(lines + (["[platform]", f"position = [0.0, 0.0, {HEIGHT}]"] if home else []))
+        + "\n"
+    )
 
 
 def csv(rods: np.ndarray, position: np.ndarray, q: np.ndarray | None) -> str:
     """A measurement file with standard deviations; NaN is an empty cell."""
-    names = [f"leg{k}[mm]" for k in range(1, 7)] + [f"sigma_leg{k}[mm]" for k in range(1, 7)] + [f"{k}[mm]" for k in "xyz"]
+    names = (
+        [f"leg{k}[mm]" for k in range(1, 7)]
+        + [f"sigma_leg{k}[mm]" for k in range(1, 7)]
+        + [f"{k}[mm]" for k in "xyz"]
+    )
     names += [f"sigma_{k}[mm]" for k in "xyz"]
     columns = [rods, np.full((len(rods), 6), ROD), position, np.full((len(rods), 3), PLACE)]
     if q is not None:
         names += ["qw", "qx", "qy", "qz", "sigma_orientation[deg]"]
         columns += [q, np.full((len(rods), 1), np.degrees(TURN))]
-    rows = [",".join("" if np.isnan(v) else repr(float(v)) for v in row) for row in np.hstack(columns)]
+    rows = [
+        ",".join("" if np.isnan(v) else repr(float(v)) for v in row) for row in np.hstack(columns)
+    ]
     return "\n".join([",".join(names), *rows]) + "\n"
 
 
-def noisy(rods: np.ndarray, position: np.ndarray, q: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, ...]:
-    """Readings with their noise; orientations turn by small rotation vectors in the platform's frame."""
+def noisy(
+    rods: np.ndarray, position: np.ndarray, q: np.ndarray, rng: np.random.Generator
+) -> tuple[np.ndarray, ...]:
+    """Readings with their noise; orientations turn by small rotation vectors in the platform's
+    frame.
+    """
     v = np.hstack([np.ones((len(q), 1)), 0.5 * TURN * rng.normal(size=(len(q), 3))])
     w, u = q[:, :1], q[:, 1:]
-    turned = np.hstack([w - np.sum(u * v[:, 1:], axis=1, keepdims=True), u + w * v[:, 1:] + np.cross(u, v[:, 1:])])
+    turned = np.hstack(
+        [w - np.sum(u * v[:, 1:], axis=1, keepdims=True), u + w * v[:, 1:] + np.cross(u, v[:, 1:])]
+    )
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
-    return rods + ROD * rng.normal(size=rods.shape), position + PLACE * rng.normal(size=position.shape), turned
+    return (
+        rods + ROD * rng.normal(size=rods.shape),
+        position + PLACE * rng.normal(size=position.shape),
+        turned,
+    )

@@ -1,8 +1,10 @@
-"""Measurements of a platform on six rods with an inclinometer, made in plain NumPy: nothing here uses symkin's formulas.
+"""Measurements of a platform on six rods with an inclinometer, made in plain NumPy: nothing here
+uses symkin's formulas.
 
-Postures as in Ren, Feng and Su (2008), workspace assumed: groups of equal inclination, angles within 20 deg, the centre of
-the platform's joint circle within 0.25 m in x and y of the centre of the base's and 1.15 to 1.45 m above, extensions 0 to
-0.55 m. Units m, rad. The inclinometer's error turns the platform, since its reading is what is held equal.
+Postures as in Ren, Feng and Su (2008), workspace assumed: groups of equal inclination, angles
+within 20 deg, the centre of the platform's joint circle within 0.25 m in x and y of the centre of
+the base's and 1.15 to 1.45 m above, extensions 0 to 0.55 m. Units m, rad. The inclinometer's error
+turns the platform, since its reading is what is held equal.
 """
 
 from __future__ import annotations
@@ -30,7 +32,9 @@ class Geometry:
     offset: np.ndarray
 
     def extensions(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-        return np.linalg.norm(position + self.platform @ rotation.T - self.base, axis=1) - self.offset
+        return (
+            np.linalg.norm(position + self.platform @ rotation.T - self.base, axis=1) - self.offset
+        )
 
     def value(self, name: str) -> float:
         limb, what, *letter = name.split(".")
@@ -42,13 +46,21 @@ class Geometry:
 
 
 def geometry(mechanism: symkin.Mechanism) -> Geometry:
-    return Geometry(*(np.array([getattr(limb, key) for limb in mechanism.limbs]) for key in ("base", "platform", "offset")))
+    return Geometry(
+        *(
+            np.array([getattr(limb, key) for limb in mechanism.limbs])
+            for key in ("base", "platform", "offset")
+        )
+    )
 
 
-def random_geometry(nominal: Geometry, held: tuple[str, ...], spread: float, rng: np.random.Generator) -> Geometry:
+def random_geometry(
+    nominal: Geometry, held: tuple[str, ...], spread: float, rng: np.random.Generator
+) -> Geometry:
     """Every entry within `spread` of nominal, those held by the frames at nominal."""
     tables = {
-        k: getattr(nominal, k) + rng.uniform(-spread, spread, getattr(nominal, k).shape) for k in ("base", "platform", "offset")
+        k: getattr(nominal, k) + rng.uniform(-spread, spread, getattr(nominal, k).shape)
+        for k in ("base", "platform", "offset")
     }
     for name in held:
         limb, what, letter = name.split(".")
@@ -71,7 +83,11 @@ def centred(centre: np.ndarray, r: np.ndarray) -> np.ndarray:
 
 
 def random_posture(
-    truth: Geometry, tilt: np.ndarray, rng: np.random.Generator, yaw: float, errors: tuple[float, float]
+    truth: Geometry,
+    tilt: np.ndarray,
+    rng: np.random.Generator,
+    yaw: float,
+    errors: tuple[float, float],
 ) -> np.ndarray | None:
     """Extensions at a random place with the inclination `tilt`, or None out of stroke."""
     centre = BASE_CENTRE + [*rng.uniform(-0.25, 0.25, 2), rng.uniform(1.15, 1.45)]
@@ -84,10 +100,18 @@ def random_posture(
 
 
 def groups_of_postures(
-    truth: Geometry, rng: np.random.Generator, groups: int = 10, each: int = 4, *, tilt: float = 20.0, yaw: float = 20.0,
+    truth: Geometry,
+    rng: np.random.Generator,
+    groups: int = 10,
+    each: int = 4,
+    *,
+    tilt: float = 20.0,
+    yaw: float = 20.0,
     errors: tuple[float, float] = (0.0, 0.0),
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Extensions (groups * each, 6) and group numbers; a group that is hardly reachable is drawn again."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """Extensions (groups * each, 6) and group numbers; a group that is hardly reachable is drawn
+    again.
+    """
     joints: list[np.ndarray] = []
     while len(joints) < groups * each:
         angles = np.radians(rng.uniform(-tilt, tilt, 2)) if tilt else np.zeros(2)
@@ -99,18 +123,33 @@ def groups_of_postures(
 
 
 def measured(
-    truth: Geometry, rng: np.random.Generator, groups: int = 10, *, noisy: bool = False, rods: bool = True, each: int = 4
+    truth: Geometry,
+    rng: np.random.Generator,
+    groups: int = 10,
+    *,
+    noisy: bool = False,
+    rods: bool = True,
+    each: int = 4,
 ) -> Measurements:
-    """Groups (10 of 4) with the standard deviations of uniform errors (of the nominal widths where there is no noise)."""
+    """Groups (10 of 4) with the standard deviations of uniform errors (of the nominal widths where
+    there is no noise).
+    """
     errors = (ROD, INCLINOMETER) if noisy else (0.0, 0.0)
     joints, numbers = groups_of_postures(truth, rng, groups, each, errors=errors)
     return Measurements(
-        joints, groups=numbers, group_sigma=INCLINOMETER / np.sqrt(12), joint_sigma=ROD / np.sqrt(12) if rods else None
+        joints,
+        groups=numbers,
+        group_sigma=INCLINOMETER / np.sqrt(12),
+        joint_sigma=ROD / np.sqrt(12) if rods else None,
     )
 
 
-def tilted(truth: Geometry, joints: np.ndarray, poses: np.ndarray, posture: int, shift: np.ndarray) -> np.ndarray:
-    """The joint readings with one posture's inclination off by `shift` (alpha, beta), its yaw and circle centre kept."""
+def tilted(
+    truth: Geometry, joints: np.ndarray, poses: np.ndarray, posture: int, shift: np.ndarray
+) -> np.ndarray:
+    """The joint readings with one posture's inclination off by `shift` (alpha, beta), its yaw and
+    circle centre kept.
+    """
     w, x, y, z = poses[posture, 3:]
     r = np.array(
         [
@@ -119,7 +158,9 @@ def tilted(truth: Geometry, joints: np.ndarray, poses: np.ndarray, posture: int,
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     )
-    angles = np.array([np.arctan2(r[2, 1], r[2, 2]), np.arcsin(-r[2, 0]), np.arctan2(r[1, 0], r[0, 0])])
+    angles = np.array(
+        [np.arctan2(r[2, 1], r[2, 2]), np.arcsin(-r[2, 0]), np.arctan2(r[1, 0], r[0, 0])]
+    )
     turned = rotation(angles[0] + shift[0], angles[1] + shift[1], angles[2])
     position = poses[posture, :3] + (r - turned) @ PLATFORM_CENTRE
     changed = joints.copy()

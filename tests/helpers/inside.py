@@ -4,8 +4,9 @@ A function that moves is one edit here. Each is loaded when it is asked for:
 
     from helpers.inside import Closure, build_closure
 
-Modules of MODULES are for tests that replace a name in a module (`monkeypatch.setattr(inside.executors, "_PATIENCE_S", 1.0)`); `where`
-is for code that runs in a process of its own. No other file of the tests imports below `symkin`: test_architecture.py.
+Modules of MODULES are for tests that replace a name in a module
+(`monkeypatch.setattr(inside.executors, "_PATIENCE_S", 1.0)`); `where` is for code that runs in a
+process of its own. No other file of the tests imports below `symkin`: test_architecture.py.
 """
 
 from __future__ import annotations

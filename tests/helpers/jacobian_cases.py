@@ -1,4 +1,6 @@
-"""Mechanisms of every joint type and motion at closed configurations, and finite differences of solved configurations."""
+"""Mechanisms of every joint type and motion at closed configurations, and finite differences of
+solved configurations.
+"""
 
 from __future__ import annotations
 
@@ -78,10 +80,14 @@ UNCONSTRAINED = [
 ]
 """Limbs that forbid no twist of the motion."""
 CLASSICAL = {
-    "delta": samples.delta, "three_rps": samples.three_rps, "three_rrr": samples.three_rrr, "five_bar": samples.five_bar,
-    "planar three_rrr": lambda: samples.three_rrr("planar"), "four_bar": lambda: samples.four_bar()[0],
+    "delta": samples.delta,
+    "three_rps": samples.three_rps,
+    "three_rrr": samples.three_rrr,
+    "five_bar": samples.five_bar,
+    "planar three_rrr": lambda: samples.three_rrr("planar"),
+    "four_bar": lambda: samples.four_bar()[0],
     **{made.__name__: made for made in joint_types.MADE},
-}  # fmt: skip
+}
 NAMES = [*LIMBS, *CLASSICAL, *FAMILIES]
 FEW = [*LIMBS[::3], *list(CLASSICAL)[::3], *list(FAMILIES)[::2]]
 """Those on which the gate tries laws that take long."""
@@ -99,12 +105,16 @@ class Case:
 
 @cache
 def case(name: str) -> Case:
-    """The best conditioned configuration of the first seed that has one below 1e6, of the mechanism of that name: those of a
-    singular reference's own assembly begin beside it."""
+    """The best conditioned configuration of the first seed that has one below 1e6, of the mechanism
+    of that name: those of a singular reference's own assembly begin beside it.
+    """
     for seed in range(6):
         mechanism = _mechanism(name, seed)
         closure = build_closure(mechanism)
-        found = [(_condition(mechanism, values), values) for values in closed_configurations(closure, seed + 1)]
+        found = [
+            (_condition(mechanism, values), values)
+            for values in closed_configurations(closure, seed + 1)
+        ]
         condition, values = min(found, key=lambda pair: pair[0])
         if condition < 1e6:
             return Case(mechanism, closure, values, condition)
@@ -122,7 +132,8 @@ def _condition(mechanism: Mechanism, values: np.ndarray) -> float:
     """Of the direct problem; of the inverse one for a serial arm."""
     problem = build_problem(mechanism, "inverse" if mechanism.serial else "direct")
     return problem.system.condition(
-        problem.select_values(values, problem.system.unknowns), problem.select_values(values, problem.known_coordinates)
+        problem.select_values(values, problem.system.unknowns),
+        problem.select_values(values, problem.known_coordinates),
     )
 
 
@@ -147,23 +158,32 @@ def along_joint(c: Case, k: int, s: float) -> np.ndarray:
 
 
 def along_pose(c: Case, k: int, s: float) -> np.ndarray:
-    """The closed configuration after the platform has moved by s in component k of the motion's twist coordinates."""
+    """The closed configuration after the platform has moved by s in component k of the motion's
+    twist coordinates.
+    """
     problem = build_problem(c.mechanism, "inverse")
     pose = [x for x in c.closure.coordinates if x.role == "pose"]
     system = whole_system(c.closure)
     first = sum(x.freedom for x in c.closure.coordinates if x.role != "pose")
     step = np.zeros((1, system.freedom))
     scale = [
-        c.closure.characteristic_length if x.is_angular or x.kind == "quaternion" else 1.0 for x in pose for _ in range(x.freedom)
+        c.closure.characteristic_length if x.is_angular or x.kind == "quaternion" else 1.0
+        for x in pose
+        for _ in range(x.freedom)
     ]
     step[0, first + k] = s * scale[k]
     moved = system.move(c.values[None], step)[0]
     known = problem.select_values(moved, problem.known_coordinates)
-    return problem.join_values(problem.system.polish(problem.select_values(c.values, problem.system.unknowns), known, 10), known)
+    return problem.join_values(
+        problem.system.polish(problem.select_values(c.values, problem.system.unknowns), known, 10),
+        known,
+    )
 
 
 def twist(c: Case, path: Any, step: float) -> np.ndarray:
-    """(velocity; angular velocity) of the platform along a path of configurations, by differences."""
+    """(velocity; angular velocity) of the platform along a path of configurations, by
+    differences.
+    """
     base = pose_of(c.closure, path(0.0))
 
     def pose(s: float) -> np.ndarray:
@@ -176,19 +196,30 @@ def twist(c: Case, path: Any, step: float) -> np.ndarray:
 
 
 def joint_rates(c: Case, path: Any, step: float, role: str) -> np.ndarray:
-    """Rates of the actuated or passive joints along a path; spherical joints by their angular velocity."""
+    """Rates of the actuated or passive joints along a path; spherical joints by their angular
+    velocity.
+    """
     rate = differences(path, step)
     found = [np.zeros(0)]
     for x in c.closure.role(role):
         place = c.closure.slices[x.name]
-        found.append(2 * multiply(rate[place], conjugate(c.values[place]))[1:] if x.kind == "quaternion" else rate[place])
+        found.append(
+            2 * multiply(rate[place], conjugate(c.values[place]))[1:]
+            if x.kind == "quaternion"
+            else rate[place]
+        )
     return np.concatenate(found)
 
 
 def agrees(expected: np.ndarray, measured: Any, unit: float) -> bool:
-    """Some step from 1e-3 to 1e-8 units (rad, or the size) gives differences within 1e-7 of the largest expected entry."""
+    """Some step from 1e-3 to 1e-8 units (rad, or the size) gives differences within 1e-7 of the
+    largest expected entry.
+    """
     largest = float(np.max(np.abs(expected), initial=1e-300))
-    return any(np.max(np.abs(measured(h * unit) - expected)) < 1e-7 * largest for h in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8))
+    return any(
+        np.max(np.abs(measured(h * unit) - expected)) < 1e-7 * largest
+        for h in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+    )
 
 
 def step_of(c: Case, k: int) -> float:

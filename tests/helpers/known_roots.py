@@ -9,7 +9,16 @@ from pathlib import Path
 import numpy as np
 
 import symkin
-from helpers.inside import AlgebraicSystem, Problem, algebraic_systems, build_problem, instance, known_values, merge, start_of
+from helpers.inside import (
+    AlgebraicSystem,
+    Problem,
+    algebraic_systems,
+    build_problem,
+    instance,
+    known_values,
+    merge,
+    start_of,
+)
 from symkin import Mechanism, RodLimb
 
 DIETMAIER = json.loads((Path(__file__).parents[1] / "data" / "dietmaier1998.json").read_text())
@@ -18,7 +27,9 @@ DIETMAIER = json.loads((Path(__file__).parents[1] / "data" / "dietmaier1998.json
 def dietmaier() -> Mechanism:
     """The platform with 40 real modes (P. Dietmaier, Advances in Robot Kinematics 1998, 1-10)."""
     pairs = zip(DIETMAIER["base"], DIETMAIER["platform"], strict=True)
-    return Mechanism("dietmaier1998", [RodLimb(f"leg{i}", b, p) for i, (b, p) in enumerate(pairs, start=1)])
+    return Mechanism(
+        "dietmaier1998", [RodLimb(f"leg{i}", b, p) for i, (b, p) in enumerate(pairs, start=1)]
+    )
 
 
 Case = tuple[Problem, AlgebraicSystem, np.ndarray, np.ndarray]
@@ -27,13 +38,20 @@ Case = tuple[Problem, AlgebraicSystem, np.ndarray, np.ndarray]
 
 @lru_cache(maxsize=16)
 def case(name: str) -> Case:
-    """All complex roots of a shipped mechanism's (or Dietmaier's) example: by paths, those of an arm by random starts."""
+    """All complex roots of a shipped mechanism's (or Dietmaier's) example: by paths, those of an
+    arm by random starts.
+    """
     mechanism = dietmaier() if name == "dietmaier" else symkin.load(name)
     if mechanism.serial:
         pose = symkin.modes(mechanism, method="multistart", starts=300)[0].pose
         kind, values = "inverse", np.concatenate([pose.position, pose.quaternion])
     else:
-        kind, values = "direct", np.array(DIETMAIER["legs"] if name == "dietmaier" else mechanism.example.joints, dtype=float)
+        kind, values = (
+            "direct",
+            np.array(
+                DIETMAIER["legs"] if name == "dietmaier" else mechanism.example.joints, dtype=float
+            ),
+        )
     problem = build_problem(mechanism, kind)
     (system,) = algebraic_systems(problem)
     k = known_values(problem, values)
@@ -46,7 +64,9 @@ def case(name: str) -> Case:
 def complex_roots(system: AlgebraicSystem, k: np.ndarray, starts: int = 6000) -> np.ndarray:
     """Regular roots that Newton's method reaches from random complex angles."""
     rng = np.random.default_rng(0)
-    z = rng.uniform(-np.pi, np.pi, (system.width, starts)) + 1j * rng.normal(size=(system.width, starts))
+    z = rng.uniform(-np.pi, np.pi, (system.width, starts)) + 1j * rng.normal(
+        size=(system.width, starts)
+    )
     with np.errstate(all="ignore"):
         for _ in range(40):
             f, j = system.linearise(z, np.repeat(k[:, None], z.shape[1], axis=1))

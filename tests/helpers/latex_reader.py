@@ -7,16 +7,34 @@ import re
 from collections.abc import Mapping, Sequence
 
 _WORDS = {
-    r"\left(": "(", r"\right)": ")", r"\left|": "abs(", r"\right|": ")", r"\,": "*", r"\cdot": "*", "^": "**",
-    r"\operatorname{atan2}": "atan2", r"\arcsin": "asin", r"\arccos": "acos", r"\arctan": "atan", r"\ln": "log",
-    r"\sin": "sin", r"\cos": "cos", r"\tan": "tan", r"\exp": "exp",
-}  # fmt: skip
+    r"\left(": "(",
+    r"\right)": ")",
+    r"\left|": "abs(",
+    r"\right|": ")",
+    r"\,": "*",
+    r"\cdot": "*",
+    "^": "**",
+    r"\operatorname{atan2}": "atan2",
+    r"\arcsin": "asin",
+    r"\arccos": "acos",
+    r"\arctan": "atan",
+    r"\ln": "log",
+    r"\sin": "sin",
+    r"\cos": "cos",
+    r"\tan": "tan",
+    r"\exp": "exp",
+}
 
 
-def evaluated(definitions: Sequence[tuple[str, str]], texts: Sequence[str], values: Mapping[str, float]) -> list[float]:
-    """Values of `texts` over symbols with `values`, after the definitions (symbol, text) in order; what looks alike without
-    braces is one symbol."""
-    scope = {name: getattr(math, name) for name in dir(math) if not name.startswith("_")} | {"abs": abs}
+def evaluated(
+    definitions: Sequence[tuple[str, str]], texts: Sequence[str], values: Mapping[str, float]
+) -> list[float]:
+    """Values of `texts` over symbols with `values`, after the definitions (symbol, text) in order;
+    what looks alike without braces is one symbol.
+    """
+    scope = {name: getattr(math, name) for name in dir(math) if not name.startswith("_")} | {
+        "abs": abs
+    }
     known = {_look(symbol): value for symbol, value in values.items()}
     for symbol, text in definitions:
         assert _look(symbol) not in known, f"{symbol} is defined twice"
@@ -32,8 +50,10 @@ def _value(text: str, known: Mapping[str, float], scope: dict) -> float:
     return eval(_python(text), {"known": known}, scope)
 
 
-_SYMBOL = re.compile(r"(\\mathrm\{(?:[^{}]|\\_)*\}|\\(?:alpha|beta|gamma|delta|theta|phi|psi|rho|omega|nu)(?![a-z])|[A-Za-z])"
-                     r"(\^\{\\mathrm\{[^{}]*\}\})?(_(\d|\{\d+\}))?")  # fmt: skip
+_SYMBOL = re.compile(
+    r"(\\mathrm\{(?:[^{}]|\\_)*\}|\\(?:alpha|beta|gamma|delta|theta|phi|psi|rho|omega|nu)(?![a-z])|[A-Za-z])"
+    r"(\^\{\\mathrm\{[^{}]*\}\})?(_(\d|\{\d+\}))?"
+)
 
 
 def _python(text: str) -> str:

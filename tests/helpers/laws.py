@@ -21,7 +21,7 @@ CLOSED = 1e-9
 """A closed configuration's largest error, over the mechanism's size."""
 
 
-# --- matrices ------------------------------------------------------------------------------------------------------
+# --- matrices -------------------------------------------------------------------------------------
 
 
 def axis_turn(axis: Sequence[float], angle: float) -> np.ndarray:
@@ -38,7 +38,9 @@ def ball_turn(q: Sequence[float]) -> np.ndarray:
     return (w * w - u @ u) * np.eye(3) + 2 * np.outer(u, u) + 2 * w * k
 
 
-def displacement(rotation: np.ndarray, point: Sequence[float], shift: np.ndarray | float = 0.0) -> np.ndarray:
+def displacement(
+    rotation: np.ndarray, point: Sequence[float], shift: np.ndarray | float = 0.0
+) -> np.ndarray:
     """x -> point + R (x - point) + shift."""
     g = np.eye(4)
     g[:3, :3] = rotation
@@ -68,7 +70,9 @@ def joint_displacement(joint: Joint, values: Sequence[Any]) -> np.ndarray:
             return displacement(np.eye(3), joint.point, (values[0] - joint.zero) * axis)
         case "H":
             angle = values[0] - joint.zero
-            return displacement(axis_turn(axis, angle), joint.point, joint.pitch * angle / (2 * math.pi) * axis)
+            return displacement(
+                axis_turn(axis, angle), joint.point, joint.pitch * angle / (2 * math.pi) * axis
+            )
         case "C":
             return displacement(axis_turn(axis, values[0]), joint.point, values[1] * axis)
         case _:
@@ -82,7 +86,7 @@ def chain(joints: Iterable[Joint], values: Mapping[str, Any]) -> np.ndarray:
     return reduce(np.matmul, steps, np.eye(4))
 
 
-# --- does a configuration close? -----------------------------------------------------------------------------------
+# --- does a configuration close? ------------------------------------------------------------------
 
 
 def _point_gap(joint: Joint, g: np.ndarray) -> float:
@@ -90,7 +94,9 @@ def _point_gap(joint: Joint, g: np.ndarray) -> float:
 
 
 def joint_gap(joint: Joint, g: np.ndarray) -> float:
-    """How far (largest component; angular parts are pure numbers) the displacement g is from those of the joint."""
+    """How far (largest component; angular parts are pure numbers) the displacement g is from those
+    of the joint.
+    """
     if joint.type == "S":
         return _point_gap(joint, g)
     axis, turned = np.array(joint.axis), g[:3, :3] @ np.array(joint.axis)
@@ -99,7 +105,10 @@ def joint_gap(joint: Joint, g: np.ndarray) -> float:
         case "R":
             return max(_point_gap(joint, g), float(np.linalg.norm(turned - axis)))
         case "P":
-            return max(float(np.linalg.norm(across @ g[:3, 3])), float(np.linalg.norm(g[:3, :3] - np.eye(3))))
+            return max(
+                float(np.linalg.norm(across @ g[:3, 3])),
+                float(np.linalg.norm(g[:3, :3] - np.eye(3))),
+            )
         case "C":
             slide = across @ (act(g, joint.point) - np.array(joint.point))
             return max(float(np.linalg.norm(slide)), float(np.linalg.norm(turned - axis)))
@@ -109,15 +118,24 @@ def joint_gap(joint: Joint, g: np.ndarray) -> float:
     raise AssertionError(f"joint {joint.name}: a joint of type {joint.type} is never cut")
 
 
-def limb_gap(mechanism: Mechanism, limb: Limb | RodLimb, platform: np.ndarray, values: Mapping[str, Any]) -> float:
-    """Closure error of one limb, the platform frame at `platform`: the joint that `values` does not name is cut."""
+def limb_gap(
+    mechanism: Mechanism, limb: Limb | RodLimb, platform: np.ndarray, values: Mapping[str, Any]
+) -> float:
+    """Closure error of one limb, the platform frame at `platform`: the joint that `values` does not
+    name is cut.
+    """
     if isinstance(limb, RodLimb):
         length = float(np.linalg.norm(act(platform, limb.platform) - np.array(limb.base)))
         return abs(length - limb.offset - values[limb.name])
-    moved = platform @ np.linalg.inv(frame(mechanism.platform_position, mechanism.platform_quaternion))
+    moved = platform @ np.linalg.inv(
+        frame(mechanism.platform_position, mechanism.platform_quaternion)
+    )
     if limb.rods:
         last = chain(limb.joints, values)
-        return max(abs(_rod_length(platform, last, rod) - _nominal_length(mechanism, rod)) for rod in limb.rods)
+        return max(
+            abs(_rod_length(platform, last, rod) - _nominal_length(mechanism, rod))
+            for rod in limb.rods
+        )
     cut = [i for i, j in enumerate(limb.joints) if j.coordinates[0].name not in values]
     if not cut:
         return float(np.max(np.abs(chain(limb.joints, values) - moved)))
@@ -140,7 +158,9 @@ def _rod_length(platform: np.ndarray, last: np.ndarray, rod: Any) -> float:
 def _nominal_length(mechanism: Mechanism, rod: Any) -> float:
     if rod.length is not None:
         return float(rod.length)
-    return _rod_length(frame(mechanism.platform_position, mechanism.platform_quaternion), np.eye(4), rod)
+    return _rod_length(
+        frame(mechanism.platform_position, mechanism.platform_quaternion), np.eye(4), rod
+    )
 
 
 def closes(mechanism: Mechanism, solution: Any) -> bool:
@@ -150,12 +170,17 @@ def closes(mechanism: Mechanism, solution: Any) -> bool:
     return gap <= 1e-8 * max(1.0, mechanism.characteristic_length)
 
 
-# --- equality of poses and of sets of modes ------------------------------------------------------------------------
+# --- equality of poses and of sets of modes -------------------------------------------------------
 
 
 def same_pose(a: Any, b: Any, size: float = 1.0, tolerance: float = 1e-8) -> bool:
     """Equal positions (over the size) and rotations; the sign of a quaternion does not matter."""
-    apart = np.max(np.abs(np.asarray(a.position, float).ravel() - np.asarray(b.position, float).ravel())) / size
+    apart = (
+        np.max(
+            np.abs(np.asarray(a.position, float).ravel() - np.asarray(b.position, float).ravel())
+        )
+        / size
+    )
     turn = np.max(np.abs(ball_turn(np.ravel(a.quaternion)) - ball_turn(np.ravel(b.quaternion))))
     return bool(max(apart, turn) <= tolerance)
 
@@ -165,11 +190,17 @@ def same_angle(a: float, b: float, tolerance: float = 1e-8) -> bool:
     return abs(math.remainder(a - b, 2 * math.pi)) <= tolerance
 
 
-def matched(found: Sequence[Any], expected: Sequence[Any], same: Callable[[Any, Any], bool]) -> bool:
+def matched(
+    found: Sequence[Any], expected: Sequence[Any], same: Callable[[Any, Any], bool]
+) -> bool:
     """One to one: each expected thing is the same as exactly one found thing, and none is left."""
     counts = [[bool(same(f, e)) for f in found] for e in expected]
     rows = all(sum(row) == 1 for row in counts)
-    return rows and len(found) == len(expected) and all(sum(column) == 1 for column in zip(*counts, strict=True))
+    return (
+        rows
+        and len(found) == len(expected)
+        and all(sum(column) == 1 for column in zip(*counts, strict=True))
+    )
 
 
 def same_modes(a: Iterable[Any], b: Iterable[Any], size: float, tolerance: float = 1e-6) -> bool:
@@ -178,7 +209,9 @@ def same_modes(a: Iterable[Any], b: Iterable[Any], size: float, tolerance: float
 
 
 def configuration(solution: Any, size: float) -> np.ndarray:
-    """Numbers that are equal for equal configurations: lengths over the size, cosine and sine of angles, rotation matrices."""
+    """Numbers that are equal for equal configurations: lengths over the size, cosine and sine of
+    angles, rotation matrices.
+    """
     parts = [solution.position / size, ball_turn(solution.quaternion).ravel()]
     kinds = {c.name: c for c in solution_coordinates(solution)}
     for name, value in solution.values.items():
@@ -192,7 +225,9 @@ def configuration(solution: Any, size: float) -> np.ndarray:
 
 
 def all_distinct(solutions: Iterable[Any], size: float) -> bool:
-    """No two solutions are the same pose with the same joint values (angles modulo turns, quaternions modulo sign)."""
+    """No two solutions are the same pose with the same joint values (angles modulo turns,
+    quaternions modulo sign).
+    """
     rows = [configuration(s, size) for s in solutions]
     return all(np.max(np.abs(rows[i] - rows[j])) > 1e-6 for i in range(len(rows)) for j in range(i))
 
@@ -203,11 +238,15 @@ def solution_coordinates(solution: Any) -> Sequence[Any]:
     return build_closure(solution.mechanism).coordinates
 
 
-# --- groups and derivatives ----------------------------------------------------------------------------------------
+# --- groups and derivatives -----------------------------------------------------------------------
 
 
 def is_group(
-    product: Callable[[Any, Any], Any], inverse: Callable[[Any], Any], one: Any, elements: Sequence[Any], same: Any
+    product: Callable[[Any, Any], Any],
+    inverse: Callable[[Any], Any],
+    one: Any,
+    elements: Sequence[Any],
+    same: Any,
 ) -> None:
     """Associativity, identity and inverses on three elements."""
     a, b, c = elements
@@ -220,14 +259,18 @@ def is_group(
 
 def is_rotation(r: np.ndarray, tolerance: float = 1e-12) -> bool:
     """R^T R = 1 and det R = 1."""
-    return bool(np.max(np.abs(r.T @ r - np.eye(3))) < tolerance and abs(np.linalg.det(r) - 1) < tolerance)
+    return bool(
+        np.max(np.abs(r.T @ r - np.eye(3))) < tolerance and abs(np.linalg.det(r) - 1) < tolerance
+    )
 
 
 def evaluated(closure: Closure, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rows and errors of a closure at a vector of its variables, over the size."""
     rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
     function = ca.Function("closure", [closure.variables], [rows, errors])
-    return tuple(np.asarray(part).ravel() / closure.characteristic_length for part in function(values))  # type: ignore[return-value]
+    return tuple(
+        np.asarray(part).ravel() / closure.characteristic_length for part in function(values)
+    )  # type: ignore[return-value]
 
 
 def differences(f: Callable[[np.ndarray], np.ndarray], width: int, step: float) -> np.ndarray:
@@ -241,7 +284,9 @@ def differences(f: Callable[[np.ndarray], np.ndarray], width: int, step: float) 
 
 
 def refused_in_one_line(make, fragments):
-    """Making raises MechanismError: one line that holds every fragment (offender, value, what is allowed)."""
+    """Making raises MechanismError: one line that holds every fragment (offender, value, what is
+    allowed).
+    """
     with pytest.raises(MechanismError) as error:
         make()
     for fragment in fragments:
@@ -250,7 +295,9 @@ def refused_in_one_line(make, fragments):
 
 
 def assert_wrenches_do_no_work(found: Any) -> None:
-    """Every wrench of a singularity is reciprocal to every feasible twist: s_t . s0_w + s0_t . s_w = 0."""
+    """Every wrench of a singularity is reciprocal to every feasible twist: s_t . s0_w + s0_t .
+    s_w = 0.
+    """
     for t in (twist.vector for twist in found.feasible_twists):
         for w in (wrench.vector for wrench in found.wrenches):
             assert abs(t[:3] @ w[3:] + t[3:] @ w[:3]) < 1e-9 * np.linalg.norm(t) * np.linalg.norm(w)

@@ -1,4 +1,6 @@
-"""A four-bar by circles, for calibration: what its encoders and a tracker would read, without symkin."""
+"""A four-bar by circles, for calibration: what its encoders and a tracker would read, without
+symkin.
+"""
 
 from __future__ import annotations
 
@@ -42,28 +44,43 @@ name = "base"
 points = {{ mark = {mark} }}
 """
 POINTS = {
-    "pivot": [0.0, 0.0], "pin": [0.0, 40.0], "top": [99.0, 60.0], "foot": [110.0, 0.0], "pen": [50.0, 80.0], "mark": [0.0, 120.0]
-}  # fmt: skip
+    "pivot": [0.0, 0.0],
+    "pin": [0.0, 40.0],
+    "top": [99.0, 60.0],
+    "foot": [110.0, 0.0],
+    "pen": [50.0, 80.0],
+    "mark": [0.0, 120.0],
+}
 PATHS = {
-    "pivot": "crank.point", "pin": "crank_pin.point", "top": "follower_pin.point", "foot": "follower.point",
-    "pen": "coupler.points.pen", "mark": "base.points.mark"
-}  # fmt: skip
+    "pivot": "crank.point",
+    "pin": "crank_pin.point",
+    "top": "follower_pin.point",
+    "foot": "follower.point",
+    "pen": "coupler.points.pen",
+    "mark": "base.points.mark",
+}
 """Key paths of the points in symkin."""
 
 
 def toml(points=POINTS) -> str:
     """The mechanism file."""
-    return FILE.format(**{name: [float(v) for v in (*point, 0.0)] for name, point in points.items()})
+    return FILE.format(
+        **{name: [float(v) for v in (*point, 0.0)] for name, point in points.items()}
+    )
 
 
 def built(rng, spread=0.5):
     """The points of a machine as it was built."""
-    return {name: np.array(point) + rng.uniform(-spread, spread, 2) for name, point in POINTS.items()}
+    return {
+        name: np.array(point) + rng.uniform(-spread, spread, 2) for name, point in POINTS.items()
+    }
 
 
 def readings(points, crank, offset=0.0, *, side=1.0):
-    """Of cranks (n,) in radians: follower (n,) from the reference on, with an offset; pen (n, 2); distance of pen and mark (n,);
-    turn of the coupler from the reference (n,); of side -1, in the other assembly mode."""
+    """Of cranks (n,) in radians: follower (n,) from the reference on, with an offset; pen (n, 2);
+    distance of pen and mark (n,); turn of the coupler from the reference (n,); of side -1, in the
+    other assembly mode.
+    """
     pivot, pin, top, foot, pen, mark = (np.array(points[name], dtype=float) for name in POINTS)
     turned = crank - np.pi / 2
     a = pivot + _turned(np.tile(pin - pivot, (len(crank), 1)), turned)
@@ -75,7 +92,9 @@ def readings(points, crank, offset=0.0, *, side=1.0):
 
 
 def _meet(a, r, centre, s, side):
-    """Where circles of radius r about points a (n, 2) meet one of radius s, on the left from a to its centre (side 1) or right."""
+    """Where circles of radius r about points a (n, 2) meet one of radius s, on the left from a to
+    its centre (side 1) or right.
+    """
     gap = centre - a
     d = np.linalg.norm(gap, axis=1)
     along = (d**2 + r**2 - s**2) / (2 * d)

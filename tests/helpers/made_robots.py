@@ -1,6 +1,8 @@
-"""Machines with closed loops described once, in no format: their parts stand where they are when all joints are 0, which is closed.
+"""Machines with closed loops described once, in no format: their parts stand where they are when
+all joints are 0, which is closed.
 
-`tests/helpers/robot_texts.py` writes them in MJCF, URDF and SDF; `tests/oracle/robot_accounts.py` builds them in MuJoCo and Pinocchio.
+`tests/helpers/robot_texts.py` writes them in MJCF, URDF and SDF; `tests/oracle/robot_accounts.py`
+builds them in MuJoCo and Pinocchio.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ Vector = Sequence[float]
 
 @dataclass(frozen=True)
 class Part:
-    """A link with the joint that carries it, whose frame is the link's: `at` and `axis` (of U and then `axis2`) are in the world."""
+    """A link with the joint that carries it, whose frame is the link's: `at` and `axis` (of U and
+    then `axis2`) are in the world.
+    """
 
     name: str
     parent: str
@@ -65,8 +69,9 @@ class Follower:
 
 @dataclass(frozen=True)
 class Machine:
-    """Parts in an order from the ground, closures, couplings, the parts whose joints motors drive, the coordinates that `given` tells
-    in tests (as many as the mobility), and how far they may go."""
+    """Parts in an order from the ground, closures, couplings, the parts whose joints motors drive,
+    the coordinates that `given` tells in tests (as many as the mobility), and how far they may go.
+    """
 
     name: str
     parts: tuple[Part, ...]
@@ -77,12 +82,15 @@ class Machine:
     followers: tuple[Follower, ...] = ()
     seed: int = field(default=1)
     turned: Mapping[str, float] = field(default_factory=dict)
-    """Angles by which revolute parts are turned where their joints are 0: then the file is open there."""
+    """Angles by which revolute parts are turned where their joints are 0: then the file is open
+    there.
+    """
 
     @cached_property
     def frames(self) -> dict[str, np.ndarray]:
-        """The pose of every part in the world where all joints are 0: frames of U joints lie along their axes, others are turned
-        at random."""
+        """The pose of every part in the world where all joints are 0: frames of U joints lie along
+        their axes, others are turned at random.
+        """
         rng = np.random.default_rng(self.seed)
         found = {GROUND: np.eye(4)}
         for part in self.parts:
@@ -132,24 +140,40 @@ def four_bar() -> Machine:
         _planar("coupler", "crank", 0.1, 0.3),
         _planar("rocker", GROUND, 0.6, 0),
     )
-    return Machine("four_bar", parts, (Pin("end", "R", ("coupler", "rocker"), (0.7, 0.5, 0)),), 1, ("q_crank",))
+    return Machine(
+        "four_bar", parts, (Pin("end", "R", ("coupler", "rocker"), (0.7, 0.5, 0)),), 1, ("q_crank",)
+    )
 
 
 def five_bar() -> Machine:
     parts = (
-        _planar("left", GROUND, 0, 0), _planar("left_rod", "left", -0.1, 0.3), _planar("right", GROUND, 0.4, 0),
+        _planar("left", GROUND, 0, 0),
+        _planar("left_rod", "left", -0.1, 0.3),
+        _planar("right", GROUND, 0.4, 0),
         _planar("right_rod", "right", 0.55, 0.3),
-    )  # fmt: skip
-    return Machine("five_bar", parts, (Pin("tip", "S", ("left_rod", "right_rod"), (0.2, 0.6, 0)),), 2, ("q_left", "q_right"))
+    )
+    return Machine(
+        "five_bar",
+        parts,
+        (Pin("tip", "S", ("left_rod", "right_rod"), (0.2, 0.6, 0)),),
+        2,
+        ("q_left", "q_right"),
+    )
 
 
 def six_bar() -> Machine:
     """Watt's chain: a four-bar whose rocker is the crank of another."""
     parts = (
-        _planar("crank", GROUND, 0, 0), _planar("coupler", "crank", 0.05, 0.25), _planar("rocker", GROUND, 0.5, 0),
-        _planar("rod", "rocker", 0.65, 0.2), _planar("output", GROUND, 1.0, 0.05),
-    )  # fmt: skip
-    pins = (Pin("first", "R", ("coupler", "rocker"), (0.55, 0.4, 0)), Pin("second", "R", ("rod", "output"), (1.05, 0.45, 0)))
+        _planar("crank", GROUND, 0, 0),
+        _planar("coupler", "crank", 0.05, 0.25),
+        _planar("rocker", GROUND, 0.5, 0),
+        _planar("rod", "rocker", 0.65, 0.2),
+        _planar("output", GROUND, 1.0, 0.05),
+    )
+    pins = (
+        Pin("first", "R", ("coupler", "rocker"), (0.55, 0.4, 0)),
+        Pin("second", "R", ("rod", "output"), (1.05, 0.45, 0)),
+    )
     return Machine("six_bar", parts, pins, 1, ("q_crank",))
 
 
@@ -158,7 +182,9 @@ def _about(angle: float, radius: float, height: float) -> np.ndarray:
 
 
 def delta() -> Machine:
-    """Three arms, each with two rods of equal length on universal joints, ball joints at the platform."""
+    """Three arms, each with two rods of equal length on universal joints, ball joints at the
+    platform.
+    """
     parts: list[Part] = []
     pins: list[Pin] = []
     for k in range(3):
@@ -191,12 +217,16 @@ def stewart() -> Machine:
         second = np.cross(along, X) / np.linalg.norm(np.cross(along, X))
         first = np.cross(second, along)
         parts.append(Part(f"low{k}", GROUND, "U", foot, tuple(first), tuple(second)))
-        parts.append(Part(f"high{k}", f"low{k}", "P", 0.5 * (foot + head), tuple(along), limits=(-0.2, 0.2)))
+        parts.append(
+            Part(f"high{k}", f"low{k}", "P", 0.5 * (foot + head), tuple(along), limits=(-0.2, 0.2))
+        )
         if k == 0:
             parts.append(Part("platform", "high0", "S", head))
         else:
             pins.append(Pin(f"ball{k}", "S", (f"high{k}", "platform"), head))
-    return Machine("stewart", tuple(parts), tuple(pins), 6, tuple(f"q_high{k}" for k in range(6)), 0.03)
+    return Machine(
+        "stewart", tuple(parts), tuple(pins), 6, tuple(f"q_high{k}" for k in range(6)), 0.03
+    )
 
 
 def parallel_ankle() -> Machine:
@@ -212,9 +242,20 @@ def parallel_ankle() -> Machine:
         along = (toe - knee) / np.linalg.norm(toe - knee)
         first = np.cross(Y, along) / np.linalg.norm(np.cross(Y, along))
         parts.append(Part(f"crank_{word}", GROUND, "R", axle, Y))
-        parts.append(Part(f"rod_{word}", f"crank_{word}", "U", knee, tuple(np.cross(along, first)), tuple(first)))
+        parts.append(
+            Part(
+                f"rod_{word}",
+                f"crank_{word}",
+                "U",
+                knee,
+                tuple(np.cross(along, first)),
+                tuple(first),
+            )
+        )
         pins.append(Pin(f"end_{word}", "S", (f"rod_{word}", "foot"), toe))
-    return Machine("parallel_ankle", tuple(parts), tuple(pins), 2, ("q_crank_left", "q_crank_right"), 0.2)
+    return Machine(
+        "parallel_ankle", tuple(parts), tuple(pins), 2, ("q_crank_left", "q_crank_right"), 0.2
+    )
 
 
 def gripper() -> Machine:
@@ -223,10 +264,15 @@ def gripper() -> Machine:
     pins = []
     for side, word in ((-1, "left"), (1, "right")):
         parts += [
-            _planar(f"{word}_crank", GROUND, 0.02 * side, 0), _planar(f"{word}_finger", f"{word}_crank", 0.06 * side, 0.05),
+            _planar(f"{word}_crank", GROUND, 0.02 * side, 0),
+            _planar(f"{word}_finger", f"{word}_crank", 0.06 * side, 0.05),
             _planar(f"{word}_follower", GROUND, 0.01 * side, 0.03),
-        ]  # fmt: skip
-        pins.append(Pin(f"{word}_pin", "R", (f"{word}_finger", f"{word}_follower"), (0.055 * side, 0.085, 0)))
+        ]
+        pins.append(
+            Pin(
+                f"{word}_pin", "R", (f"{word}_finger", f"{word}_follower"), (0.055 * side, 0.085, 0)
+            )
+        )
     followers = (Follower("right_crank", "left_crank", -1.0),)
     return Machine("gripper", tuple(parts), tuple(pins), 1, ("q_left_crank",), 0.2, followers)
 
@@ -239,15 +285,21 @@ def leg() -> Machine:
         foot, head = np.array([-0.2, 0.15 * side, -0.1]), np.array([-0.08, 0.06 * side, -0.3])
         along = (head - foot) / np.linalg.norm(head - foot)
         first = np.cross(Y, along) / np.linalg.norm(np.cross(Y, along))
-        parts.append(Part(f"cylinder_{word}", GROUND, "U", foot, tuple(np.cross(along, first)), tuple(first)))
-        parts.append(Part(f"piston_{word}", f"cylinder_{word}", "P", 0.5 * (foot + head), tuple(along)))
+        parts.append(
+            Part(f"cylinder_{word}", GROUND, "U", foot, tuple(np.cross(along, first)), tuple(first))
+        )
+        parts.append(
+            Part(f"piston_{word}", f"cylinder_{word}", "P", 0.5 * (foot + head), tuple(along))
+        )
         pins.append(Pin(f"end_{word}", "S", (f"piston_{word}", "thigh"), head))
     given = ("q_shank", "q_piston_left", "q_piston_right", "q_cylinder_left.1")
     return Machine("leg", tuple(parts), tuple(pins), 4, given, 0.03)
 
 
 def universal_loop() -> Machine:
-    """Four universal joints in one loop, whose axes have no common direction; in a format of graphs the fourth closes it."""
+    """Four universal joints in one loop, whose axes have no common direction; in a format of graphs
+    the fourth closes it.
+    """
     rng = np.random.default_rng(5)
     parts = []
     corners = [(0, 0, 0), (0.4, 0.1, 0.3), (0.7, 0.5, 0.2), (0.3, 0.6, -0.1)]
@@ -261,7 +313,9 @@ def universal_loop() -> Machine:
 
 
 def screw_drive() -> Machine:
-    """A spindle turns in its bearing, and drives a nut that a guide keeps from turning; a rod swings a lever from the nut."""
+    """A spindle turns in its bearing, and drives a nut that a guide keeps from turning; a rod
+    swings a lever from the nut.
+    """
     parts = (
         Part("spindle", GROUND, "R", (0, 0, 0), X),
         Part("nut", "spindle", "H", (0.2, 0, 0), X, pitch=0.1),
@@ -269,12 +323,17 @@ def screw_drive() -> Machine:
         Part("rod", "guide", "R", (0.2, 0, 0.05), Y),
         Part("lever", GROUND, "R", (0.5, 0, 0), Y),
     )
-    pins = (Pin("slot", "weld", ("nut", "guide"), (0.2, 0, 0)), Pin("end", "R", ("rod", "lever"), (0.45, 0, 0.3), Y))
+    pins = (
+        Pin("slot", "weld", ("nut", "guide"), (0.2, 0, 0)),
+        Pin("end", "R", ("rod", "lever"), (0.45, 0, 0.3), Y),
+    )
     return Machine("screw_drive", parts, pins, 1, ("q_spindle",), 0.8)
 
 
 def humanoid(limbs: int = 6) -> Machine:
-    """Limbs of ten joints on the ground: five in series about changing axes, a planar four-bar, and two more behind its coupler."""
+    """Limbs of ten joints on the ground: five in series about changing axes, a planar four-bar, and
+    two more behind its coupler.
+    """
     parts: list[Part] = []
     pins = []
     for k in range(limbs):
@@ -282,8 +341,18 @@ def humanoid(limbs: int = 6) -> Machine:
         axes = (X, Y, X, Z, Y)
         parent = GROUND
 
-        def add(name: str, parent: str, at: Vector, axis: Vector, k: int = k, turn: np.ndarray = turn) -> str:
-            parts.append(Part(f"{name}{k}", parent, "R", tuple(turn @ np.array(at)), tuple(turn @ np.array(axis))))
+        def add(
+            name: str, parent: str, at: Vector, axis: Vector, k: int = k, turn: np.ndarray = turn
+        ) -> str:
+            parts.append(
+                Part(
+                    f"{name}{k}",
+                    parent,
+                    "R",
+                    tuple(turn @ np.array(at)),
+                    tuple(turn @ np.array(axis)),
+                )
+            )
             return f"{name}{k}"
 
         for j, axis in enumerate(axes):
@@ -293,18 +362,42 @@ def humanoid(limbs: int = 6) -> Machine:
         rocker = add("rocker", parent, (0.42, 0, -0.8), Y)
         wrist = add("wrist", coupler, (0.55, 0, -0.9), X)
         add("tool", wrist, (0.6, 0, -0.9), Z)
-        pins.append(Pin(f"pin{k}", "R", (coupler, rocker), tuple(turn @ np.array((0.53, 0, -0.79))), tuple(turn @ np.array(Y))))
-    given = tuple(part.joint_name for part in parts if not part.name.startswith(("coupler", "rocker")))
+        pins.append(
+            Pin(
+                f"pin{k}",
+                "R",
+                (coupler, rocker),
+                tuple(turn @ np.array((0.53, 0, -0.79))),
+                tuple(turn @ np.array(Y)),
+            )
+        )
+    given = tuple(
+        part.joint_name for part in parts if not part.name.startswith(("coupler", "rocker"))
+    )
     return Machine("humanoid", tuple(parts), tuple(pins), 8 * limbs, given)
 
 
 def opened(machine: Machine, by: float, seed: int = 0) -> Machine:
     """The machine with revolute joints told from other zeros, at which its loops are open."""
     rng = np.random.default_rng(seed)
-    return replace(machine, turned={part.name: by * rng.uniform(-1, 1) for part in machine.parts if part.joint == "R"})
+    return replace(
+        machine,
+        turned={part.name: by * rng.uniform(-1, 1) for part in machine.parts if part.joint == "R"},
+    )
 
 
 MACHINES = {
     make.__name__: make
-    for make in (four_bar, five_bar, six_bar, delta, stewart, parallel_ankle, gripper, leg, universal_loop, screw_drive)
+    for make in (
+        four_bar,
+        five_bar,
+        six_bar,
+        delta,
+        stewart,
+        parallel_ankle,
+        gripper,
+        leg,
+        universal_loop,
+        screw_drive,
+    )
 }

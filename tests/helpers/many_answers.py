@@ -15,7 +15,8 @@ from symkin import Mechanism
 
 _MANY = """
 #include "NAME.h"
-void many(int count, const NAME_real *goals, const NAME_pose *guesses, NAME_pose *poses, int *statuses)
+void many(int count, const NAME_real *goals, const NAME_pose *guesses, NAME_pose *poses,
+  int *statuses)
 {
     for (int k = 0; k < count; ++k) {
         statuses[k] = (int)NAME_direct(0, goals + NAME_JOINTS * k, &guesses[k], &poses[k], 0);
@@ -32,14 +33,30 @@ def answers_of(mechanism: Mechanism, options: Options, folder: Path) -> Answers:
     write_folder(mechanism, folder, options)
     prefixed = _MANY.replace("NAME_JOINTS", f"{name.upper()}_JOINTS").replace("NAME", name)
     (folder / "many.c").write_text(prefixed)
-    command = [tools.compiler("gcc"), "-O2", "-shared", "-fPIC", f"{name}.c", "many.c", "-o", "code.so", "-lm"]
+    command = [
+        tools.compiler("gcc"),
+        "-O2",
+        "-shared",
+        "-fPIC",
+        f"{name}.c",
+        "many.c",
+        "-o",
+        "code.so",
+        "-lm",
+    ]
     subprocess.run(command, cwd=folder, check=True)
-    library, kind = ctypes.CDLL(str(folder / "code.so")), np.float32 if options.real == "float" else np.float64
+    library, kind = (
+        ctypes.CDLL(str(folder / "code.so")),
+        np.float32 if options.real == "float" else np.float64,
+    )
 
     def answers(goals: np.ndarray, guesses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         given, starts = (np.ascontiguousarray(array, kind) for array in (goals, guesses))
         poses, statuses = np.zeros((len(given), 7), kind), np.zeros(len(given), np.int32)
-        library.many(len(given), *(array.ctypes.data_as(ctypes.c_void_p) for array in (given, starts, poses, statuses)))
+        library.many(
+            len(given),
+            *(array.ctypes.data_as(ctypes.c_void_p) for array in (given, starts, poses, statuses)),
+        )
         return statuses, poses.astype(float)
 
     return answers

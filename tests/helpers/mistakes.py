@@ -12,7 +12,9 @@ from symkin import MechanismError
 
 
 def assert_refused_in_one_line(path: Path, text: str, fragments: Sequence[str]) -> None:
-    """MechanismError of a file: its path first, then what it is about (`fragments`); one line, in our own words."""
+    """MechanismError of a file: its path first, then what it is about (`fragments`); one line, in
+    our own words.
+    """
     path.write_text(text, encoding="utf-8")
     with pytest.raises(MechanismError) as error:
         symkin.load(path)

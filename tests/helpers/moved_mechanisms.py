@@ -1,4 +1,6 @@
-"""The same machine in another length unit, at another place of its base frame, or with its parts in another order."""
+"""The same machine in another length unit, at another place of its base frame, or with its parts in
+another order.
+"""
 
 from __future__ import annotations
 
@@ -29,10 +31,19 @@ def scaled(mechanism: Mechanism, factor: float) -> Mechanism:
 
     def limb(item: Limb | RodLimb) -> Limb | RodLimb:
         if isinstance(item, RodLimb):
-            moved = {"base": times(item.base), "platform": times(item.platform), "limits": times(item.limits)}
+            moved = {
+                "base": times(item.base),
+                "platform": times(item.platform),
+                "limits": times(item.limits),
+            }
             return replace(item, offset=factor * item.offset, **moved)
         rods = [
-            replace(r, start=times(r.start), platform=times(r.platform), length=None if r.length is None else factor * r.length)
+            replace(
+                r,
+                start=times(r.start),
+                platform=times(r.platform),
+                length=None if r.length is None else factor * r.length,
+            )
             for r in item.rods
         ]
         return Limb(item.name, [joint(j) for j in item.joints], rods)
@@ -48,7 +59,10 @@ def scaled(mechanism: Mechanism, factor: float) -> Mechanism:
         own = powers[item.joint]
         if item.polynomial is not None:
             other = powers[str(item.of)]
-            return replace(item, polynomial=[c * factor ** (own - k * other) for k, c in enumerate(item.polynomial)])
+            return replace(
+                item,
+                polynomial=[c * factor ** (own - k * other) for k, c in enumerate(item.polynomial)],
+            )
         of = {name: f * factor ** (own - powers[name]) for name, f in item.terms}
         return replace(item, of=of, offset=item.offset * factor**own)
 
@@ -86,14 +100,21 @@ def displaced(mechanism: Mechanism, by: symkin.Pose) -> Mechanism:
 
     home = by @ mechanism.reference_pose
     # without a platform there is no frame to move
-    frame = {} if mechanism.platform_link is None else {
-        "platform_position": tuple(home.position), "platform_quaternion": tuple(home.quaternion)
-    }  # fmt: skip
+    frame = (
+        {}
+        if mechanism.platform_link is None
+        else {
+            "platform_position": tuple(home.position),
+            "platform_quaternion": tuple(home.quaternion),
+        }
+    )
     return replace(
         mechanism,
         limbs=tuple(limb(item) for item in mechanism.limbs),
         link_joints=[LinkJoint(joint(item.joint), item.links) for item in mechanism.link_joints],
-        link_rods=[replace(item, start=at(item.start), end=at(item.end)) for item in mechanism.link_rods],
+        link_rods=[
+            replace(item, start=at(item.start), end=at(item.end)) for item in mechanism.link_rods
+        ],
         link_points=[replace(item, point=at(item.point)) for item in mechanism.link_points],
         **frame,
         dh=None,
@@ -109,11 +130,17 @@ def reordered(mechanism: Mechanism, seed: int) -> Mechanism:
         items = list(items)  # type: ignore[call-overload]
         return [items[i] for i in rng.permutation(len(items))]
 
-    parts = {name: shuffled(getattr(mechanism, name)) for name in ("limbs", "link_joints", "link_rods")}
+    parts = {
+        name: shuffled(getattr(mechanism, name)) for name in ("limbs", "link_joints", "link_rods")
+    }
     return replace(mechanism, **parts)
 
 
-def scaled_values(mechanism: Mechanism, values: Mapping[str, float], factor: float) -> dict[str, float]:
+def scaled_values(
+    mechanism: Mechanism, values: Mapping[str, float], factor: float
+) -> dict[str, float]:
     """Values of coordinates, by name, of the machine whose lengths are times `factor`."""
     kinds = {c.name: c.kind for c in mechanism.coordinates}
-    return {name: value * (factor if kinds[name] == "length" else 1.0) for name, value in values.items()}
+    return {
+        name: value * (factor if kinds[name] == "length" else 1.0) for name, value in values.items()
+    }

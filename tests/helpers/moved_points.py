@@ -1,4 +1,6 @@
-"""Machines whose limbs hold platform points on spheres and in planes that the actuated joints move."""
+"""Machines whose limbs hold platform points on spheres and in planes that the actuated joints
+move.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ PLATFORM = (40, 80, 160, 200, 280, 320)
 
 
 def _ring(radius: float, angles: Sequence[float], height: float) -> list[np.ndarray]:
-    return [np.array([radius * math.cos(t), radius * math.sin(t), height]) for t in np.radians(angles)]
+    return [
+        np.array([radius * math.cos(t), radius * math.sin(t), height]) for t in np.radians(angles)
+    ]
 
 
 def _tuple(v: np.ndarray) -> tuple[float, ...]:
@@ -27,7 +31,9 @@ def _unit(v: np.ndarray) -> tuple[float, ...]:
     return _tuple(v / np.linalg.norm(v))
 
 
-def _leg(name: str, first: Joint, tip: np.ndarray, end: np.ndarray, height: float, *, rods: bool) -> Limb:
+def _leg(
+    name: str, first: Joint, tip: np.ndarray, end: np.ndarray, height: float, *, rods: bool
+) -> Limb:
     """A joint that moves a rod's foot; the rod by itself, or as a U joint and an S joint."""
     if rods:
         return Limb(name, [first], [Rod(_tuple(tip), _tuple(end - np.array([0.0, 0.0, height])))])
@@ -38,11 +44,16 @@ def _leg(name: str, first: Joint, tip: np.ndarray, end: np.ndarray, height: floa
 
 
 def six_rss(*, rods: bool = True) -> Mechanism:
-    """Six cranks of 70 that turn about radial axes on a circle of 200, and rods to a circle of 100 at a height of 220."""
+    """Six cranks of 70 that turn about radial axes on a circle of 200, and rods to a circle of 100
+    at a height of 220.
+    """
     limbs = []
     for k, (b, a) in enumerate(zip(_ring(200, BASE, 0), _ring(100, PLATFORM, 220), strict=True)):
         t = math.radians(BASE[k])
-        out, side = np.array([math.cos(t), math.sin(t), 0.0]), np.array([-math.sin(t), math.cos(t), 0.0]) * (1 if k % 2 else -1)
+        out, side = (
+            np.array([math.cos(t), math.sin(t), 0.0]),
+            np.array([-math.sin(t), math.cos(t), 0.0]) * (1 if k % 2 else -1),
+        )
         crank = Joint(f"q{k + 1}", "R", _tuple(b), _tuple(out), actuated=True)
         limbs.append(_leg(f"limb{k + 1}", crank, b + 70 * side, a, 220.0, rods=rods))
     return Mechanism("six_rss", limbs, platform_position=(0.0, 0.0, 220.0))
@@ -64,21 +75,47 @@ def three_rpr() -> Mechanism:
     limbs = []
     for k in range(3):
         t = math.pi / 2 + 2 * math.pi * k / 3
-        b, a = 100 * np.array([math.cos(t), math.sin(t), 0.0]), 30 * np.array([math.cos(t + 0.5), math.sin(t + 0.5), 0.0])
-        slide = Joint(f"p{k + 1}", "P", _tuple(b), _unit(a - b), actuated=True, zero=float(np.linalg.norm(a - b)))
-        limbs.append(Limb(f"limb{k + 1}", [turning(f"r{k + 1}", *b[:2]), slide, turning(f"c{k + 1}", *a[:2])]))
+        b, a = (
+            100 * np.array([math.cos(t), math.sin(t), 0.0]),
+            30 * np.array([math.cos(t + 0.5), math.sin(t + 0.5), 0.0]),
+        )
+        slide = Joint(
+            f"p{k + 1}",
+            "P",
+            _tuple(b),
+            _unit(a - b),
+            actuated=True,
+            zero=float(np.linalg.norm(a - b)),
+        )
+        limbs.append(
+            Limb(
+                f"limb{k + 1}", [turning(f"r{k + 1}", *b[:2]), slide, turning(f"c{k + 1}", *a[:2])]
+            )
+        )
     return Mechanism("three_rpr", limbs, motion="planar")
 
 
 def three_upu() -> Mechanism:
-    """Three limbs U P U from a circle of 200 to one of 80 at a height of 300; all tangential axes are parallel in pairs."""
+    """Three limbs U P U from a circle of 200 to one of 80 at a height of 300; all tangential axes
+    are parallel in pairs.
+    """
     limbs = []
     for k in range(3):
         t = 2 * math.pi * k / 3
-        out, tangent = np.array([math.cos(t), math.sin(t), 0.0]), np.array([-math.sin(t), math.cos(t), 0.0])
+        out, tangent = (
+            np.array([math.cos(t), math.sin(t), 0.0]),
+            np.array([-math.sin(t), math.cos(t), 0.0]),
+        )
         b, a = 200 * out, 80 * out + np.array([0.0, 0.0, 300.0])
         across = _unit(np.cross(tangent, a - b))
-        slide = Joint(f"p{k + 1}", "P", _tuple(b), _unit(a - b), actuated=True, zero=float(np.linalg.norm(a - b)))
+        slide = Joint(
+            f"p{k + 1}",
+            "P",
+            _tuple(b),
+            _unit(a - b),
+            actuated=True,
+            zero=float(np.linalg.norm(a - b)),
+        )
         first = Joint(f"u{k + 1}", "U", _tuple(b), _tuple(tangent), axis2=across)
         last = Joint(f"v{k + 1}", "U", _tuple(a), across, axis2=_tuple(tangent))
         limbs.append(Limb(f"limb{k + 1}", [first, slide, last]))

@@ -1,4 +1,6 @@
-"""Modules that some tests need and that take long to load: looked for at collection, loaded when they are used."""
+"""Modules that some tests need and that take long to load: looked for at collection, loaded when
+they are used.
+"""
 
 from __future__ import annotations
 

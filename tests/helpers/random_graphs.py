@@ -1,4 +1,6 @@
-"""Random graphs of links that are closed at their reference: any joints, rods and couplings, names and units."""
+"""Random graphs of links that are closed at their reference: any joints, rods and couplings, names
+and units.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +14,17 @@ _NAMES = ["knee", "q 1", "a'b", 'hip"2"', "toe#3", "Gelenk ä", "x/y", "1st", "l
 
 
 def random_graph(seed: int, *, lines_only: bool = False) -> symkin.Mechanism:
-    """Three to six links with one to three loops; joints of all types, welds that close loops, rods, couplings (of one other joint, as
-    lines, where `lines_only`)."""
+    """Three to six links with one to three loops; joints of all types, welds that close loops,
+    rods, couplings (of one other joint, as lines, where `lines_only`).
+    """
     rng = np.random.default_rng(seed)
     size = 100.0 if seed % 2 else 0.4
     links = ["base", *(f"link {k}" for k in range(1, int(rng.integers(3, 7))))]
     pairs = [(links[int(rng.integers(k))], links[k]) for k in range(1, len(links))]
-    loops = [tuple(links[int(i)] for i in rng.choice(len(links), 2, replace=False)) for _ in range(int(rng.integers(1, 4)))]
+    loops = [
+        tuple(links[int(i)] for i in rng.choice(len(links), 2, replace=False))
+        for _ in range(int(rng.integers(1, 4)))
+    ]
     names = [f"{_NAMES[k % len(_NAMES)]}{k}" for k in range(len(pairs) + len(loops))]
     joints = []
     for k, (name, pair) in enumerate(zip(names, [*pairs, *loops], strict=True)):
@@ -27,7 +33,11 @@ def random_graph(seed: int, *, lines_only: bool = False) -> symkin.Mechanism:
         joints.append(symkin.LinkJoint(_joint(rng, kind, name, size), pair))
     rods = [_rod(rng, f"strut{k}", links, size) for k in range(int(rng.integers(0, 3)))]
     plain = symkin.Mechanism(
-        f"random_{seed}", link_joints=joints, link_rods=rods, length_unit="mm" if seed % 2 else "m", angle_unit="deg"
+        f"random_{seed}",
+        link_joints=joints,
+        link_rods=rods,
+        length_unit="mm" if seed % 2 else "m",
+        angle_unit="deg",
     )
     return symkin.Mechanism(
         plain.name,
@@ -53,7 +63,9 @@ def _joint(rng: np.random.Generator, kind: str, name: str, size: float) -> symki
     limits = sorted(scale * rng.uniform(-1, 1, 2)) if rng.random() < 0.4 else None
     pitch = size * float(rng.uniform(0.1, 0.5)) if kind == "H" else 0.0
     zero = scale * float(rng.uniform(-1, 1)) if rng.random() < 0.6 else 0.0
-    return symkin.Joint(name, kind, at, unit(rng), pitch=pitch, actuated=actuated, zero=zero, limits=limits)
+    return symkin.Joint(
+        name, kind, at, unit(rng), pitch=pitch, actuated=actuated, zero=zero, limits=limits
+    )
 
 
 def _rod(rng: np.random.Generator, name: str, links: list[str], size: float) -> symkin.LinkRod:
@@ -63,19 +75,31 @@ def _rod(rng: np.random.Generator, name: str, links: list[str], size: float) -> 
         length = float(np.linalg.norm(np.subtract(end, start))) if rng.random() < 0.5 else None
         return symkin.LinkRod(name, pair, start, end, length=length)
     limits = [-size, size] if rng.random() < 0.5 else None
-    return symkin.LinkRod(name, pair, start, end, actuated=True, offset=size * float(rng.random()), limits=limits)
+    return symkin.LinkRod(
+        name, pair, start, end, actuated=True, offset=size * float(rng.random()), limits=limits
+    )
 
 
-def _couplings(rng: np.random.Generator, plain: symkin.Mechanism, *, lines_only: bool) -> list[symkin.Coupling]:
+def _couplings(
+    rng: np.random.Generator, plain: symkin.Mechanism, *, lines_only: bool
+) -> list[symkin.Coupling]:
     """Each holds at the reference; each follows coordinates that come before it."""
-    scalars = [c for c in plain.coordinates if c.kind != "quaternion" and c.name.partition("strut")[0]]
+    scalars = [
+        c for c in plain.coordinates if c.kind != "quaternion" and c.name.partition("strut")[0]
+    ]
     found = []
     for k in range(1, len(scalars)):
         if rng.random() < 0.8:
             continue
-        own, others = scalars[k], [scalars[int(i)] for i in rng.choice(k, min(k, 1 if lines_only else 2), replace=False)]
+        own, others = (
+            scalars[k],
+            [scalars[int(i)] for i in rng.choice(k, min(k, 1 if lines_only else 2), replace=False)],
+        )
         if not lines_only and rng.random() < 0.3:
-            powers = rng.uniform(-1, 1, int(rng.integers(3, 6))) / max(1.0, abs(others[0].reference[0])) ** 2
+            powers = (
+                rng.uniform(-1, 1, int(rng.integers(3, 6)))
+                / max(1.0, abs(others[0].reference[0])) ** 2
+            )
             rest = sum(c * others[0].reference[0] ** j for j, c in enumerate(powers) if j)
             powers[0] = own.reference[0] - rest
             found.append(symkin.Coupling(own.name, others[0].name, polynomial=powers.tolist()))

@@ -1,4 +1,6 @@
-"""Robots of files against data of their own: the real models with their JSON, and displacements by products of exponentials."""
+"""Robots of files against data of their own: the real models with their JSON, and displacements by
+products of exponentials.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from helpers.inside import Robot, exponential, prismatic_screw, quaternion_from_axis_angle, revolute_screw
+from helpers.inside import (
+    Robot,
+    exponential,
+    prismatic_screw,
+    quaternion_from_axis_angle,
+    revolute_screw,
+)
 from helpers.inside import RobotClosure as Closure
 from symkin import Joint, Pose
 
@@ -30,18 +38,24 @@ def told_poses(data: Mapping[str, Any], robot: Robot) -> dict[str, Pose]:
     root = next(iter(data["body_poses"]))
     names = {root: "base"}
     return {
-        names.get(body, body): Pose(np.array(pose["p"]), np.array(pose["q"]) / np.linalg.norm(pose["q"]))
+        names.get(body, body): Pose(
+            np.array(pose["p"]), np.array(pose["q"]) / np.linalg.norm(pose["q"])
+        )
         for body, pose in data["body_poses"].items()
     }
 
 
 def all_frames(robot: Robot) -> dict[str, tuple[str, Pose]]:
-    """Every link and every merged one: the link that moves it, and its pose at the file's configuration."""
+    """Every link and every merged one: the link that moves it, and its pose at the file's
+    configuration.
+    """
     return {**{link: (link, pose) for link, pose in robot.links.items()}, **robot.merged}
 
 
 def joint_misfit(joint: Joint, moved: Pose) -> float:
-    """How far a displacement of the second link against the first is from being one of the joint's own."""
+    """How far a displacement of the second link against the first is from being one of the joint's
+    own.
+    """
     point = np.array(joint.point)
     turn, gap = np.asarray(moved.rotation), np.asarray(moved.apply(point)) - point
     axis = None if joint.axis is None else np.array(joint.axis)
@@ -55,20 +69,29 @@ def joint_misfit(joint: Joint, moved: Pose) -> float:
         case "R":
             return float(np.linalg.norm(gap)) + off_axis
         case "P":
-            return float(np.linalg.norm(turn - np.eye(3))) + float(np.linalg.norm(np.cross(gap, axis)))
+            return float(np.linalg.norm(turn - np.eye(3))) + float(
+                np.linalg.norm(np.cross(gap, axis))
+            )
         case "H":
-            angle = 2.0 * np.arctan2(np.asarray(moved.quaternion)[1:] @ axis, np.asarray(moved.quaternion)[0])
+            angle = 2.0 * np.arctan2(
+                np.asarray(moved.quaternion)[1:] @ axis, np.asarray(moved.quaternion)[0]
+            )
             turns = (gap @ axis) / joint.pitch - angle / (2 * np.pi)
             return float(np.linalg.norm(np.cross(gap, axis))) + off_axis + abs(turns - round(turns))
         case "U":
             assert joint.axis2 is not None
-            return float(np.linalg.norm(gap)) + abs(float(axis @ (turn @ np.array(joint.axis2)) - axis @ np.array(joint.axis2)))
+            return float(np.linalg.norm(gap)) + abs(
+                float(axis @ (turn @ np.array(joint.axis2)) - axis @ np.array(joint.axis2))
+            )
     raise AssertionError(joint.type)
 
 
 def closure_misfit(closure: Closure, moved: Mapping[str, Pose]) -> float:
     """How far a closure is from being closed where the links are displaced so."""
-    first, second = (moved[link] @ frame for link, frame in zip(closure.links, (closure.first, closure.second), strict=True))
+    first, second = (
+        moved[link] @ frame
+        for link, frame in zip(closure.links, (closure.first, closure.second), strict=True)
+    )
     gap = float(np.linalg.norm(np.asarray(second.position) - np.asarray(first.position)))
     a, b = np.asarray(first.rotation), np.asarray(second.rotation)
     between = np.asarray(second.position) - np.asarray(first.position)
@@ -95,25 +118,34 @@ def closure_misfit(closure: Closure, moved: Mapping[str, Pose]) -> float:
 
 
 def displaced(robot: Robot, values: Mapping[str, Any]) -> dict[str, Pose]:
-    """The displacement of every link from the file's configuration, for values of the tree's joints (a quaternion for S)."""
+    """The displacement of every link from the file's configuration, for values of the tree's joints
+    (a quaternion for S).
+    """
     moved = {"base": Pose.identity()}
     waiting = list(robot.joints)
     while waiting:
         entry = next(e for e in waiting if e.links[0] in moved)
         waiting.remove(entry)
-        moved[entry.links[1]] = moved[entry.links[0]] @ displacement(entry.joint, values[entry.joint.name])
+        moved[entry.links[1]] = moved[entry.links[0]] @ displacement(
+            entry.joint, values[entry.joint.name]
+        )
     return moved
 
 
 def displacement(joint: Joint, value: Any) -> Pose:
     """What a joint does at a value: R, P and H a number, U two, S a quaternion."""
     point = np.array(joint.point)
-    axis, axis2 = (np.array(a if a is not None else (0.0, 0.0, 1.0)) for a in (joint.axis, joint.axis2))
+    axis, axis2 = (
+        np.array(a if a is not None else (0.0, 0.0, 1.0)) for a in (joint.axis, joint.axis2)
+    )
     match joint.type:
         case "P":
             return exponential(prismatic_screw(axis), value)
         case "U":
-            turns = quaternion_from_axis_angle(axis, value[0]), quaternion_from_axis_angle(axis2, value[1])
+            turns = (
+                quaternion_from_axis_angle(axis, value[0]),
+                quaternion_from_axis_angle(axis2, value[1]),
+            )
             first, second = (Pose(point, q) @ Pose(-point, np.array([1.0, 0, 0, 0])) for q in turns)
             return first @ second
         case "S":

@@ -1,4 +1,6 @@
-"""Machines of `made_robots` in MJCF, URDF and SDF; loops in URDF in the form of its writing that is asked for."""
+"""Machines of `made_robots` in MJCF, URDF and SDF; loops in URDF in the form of its writing that is
+asked for.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,9 @@ WELD_FORMS = ("loop_joint", "yaml", "loop")
 
 
 def write(machine: Machine, suffix: str, folder: Path, form: int = 0) -> Path:
-    """The machine's file in a format; `form` counts through the ways of writing loops in URDF, and odd ones tell every second joint of
-    SDF from its other link."""
+    """The machine's file in a format; `form` counts through the ways of writing loops in URDF, and
+    odd ones tell every second joint of SDF from its other link.
+    """
     path = folder / f"{machine.name}.{suffix}"
     if suffix == "urdf":
         text, beside = urdf(machine, form)
@@ -42,25 +45,30 @@ def _wxyz(pose: np.ndarray) -> str:
     return words((w, x, y, z))
 
 
-# --- MJCF ------------------------------------------------------------------------------------------------------------
+# --- MJCF -----------------------------------------------------------------------------------------
 
 
 def mjcf(machine: Machine) -> str:
-    """Hinges two by two for universal joints, a hinge and a slide for screws; two connects for a hinge that closes a loop."""
+    """Hinges two by two for universal joints, a hinge and a slide for screws; two connects for a
+    hinge that closes a loop.
+    """
     bodies = "".join(_body(machine, part) for part in machine.parts if part.parent == GROUND)
     sites = "".join(_site(machine, pin, GROUND) for pin in machine.pins)
     equalities = "".join(_equality(pin) for pin in machine.pins)
     equalities += "".join(
-        f'<joint joint1="q_{f.part}" joint2="q_{f.leader}" polycoef="0 {f.factor!r} 0 0 0"/>' for f in machine.followers
+        f'<joint joint1="q_{f.part}" joint2="q_{f.leader}" polycoef="0 {f.factor!r} 0 0 0"/>'
+        for f in machine.followers
     )
     equalities += "".join(
-        f'<joint joint1="{p.joint_name}_advance" joint2="{p.joint_name}" polycoef="0 {p.pitch / (2 * np.pi)!r} 0 0 0"/>'
+        f'<joint joint1="{p.joint_name}_advance" joint2="{p.joint_name}" polycoef="0 '
+        f'{p.pitch / (2 * np.pi)!r} 0 0 0"/>'
         for p in machine.parts
         if p.joint == "H"
     )
     motors = "".join(f'<motor joint="{name}"/>' for name in machine.motors)
     return (
-        f'<mujoco model="{machine.name}"><compiler angle="radian"/><worldbody>{sites}{bodies}</worldbody><equality>{equalities}'
+        f'<mujoco model="{machine.name}"><compiler '
+        f'angle="radian"/><worldbody>{sites}{bodies}</worldbody><equality>{equalities}'
         f"</equality><actuator>{motors}</actuator></mujoco>\n"
     )
 
@@ -70,7 +78,8 @@ def _body(machine: Machine, part: Part) -> str:
     inside = "".join(_body(machine, other) for other in machine.parts if other.parent == part.name)
     sites = "".join(_site(machine, pin, part.name) for pin in machine.pins)
     return (
-        f'<body name="{part.name}" pos="{words(pose[:3, 3])}" quat="{_wxyz(pose)}">{_mjcf_joint(machine, part)}'
+        f'<body name="{part.name}" pos="{words(pose[:3, 3])}" '
+        f'quat="{_wxyz(pose)}">{_mjcf_joint(machine, part)}'
         f'<geom size="0.01"/>{sites}{inside}</body>\n'
     )
 
@@ -89,7 +98,10 @@ def _mjcf_joint(machine: Machine, part: Part) -> str:
         case "P":
             return f'<joint name="{name}" type="slide" axis="{axis}"{limits}/>'
         case "H":
-            return hinge.format(name, axis) + f'<joint name="{name}_advance" type="slide" axis="{axis}"/>'
+            return (
+                hinge.format(name, axis)
+                + f'<joint name="{name}_advance" type="slide" axis="{axis}"/>'
+            )
         case _:
             return ""
 
@@ -104,7 +116,10 @@ def _site(machine: Machine, pin: Pin, part: str) -> str:
     found = ""
     for ending, at in places:
         pose = machine.frame(part, at)
-        found += f'<site name="{pin.name}_{part}{ending}" pos="{words(pose[:3, 3])}" quat="{_wxyz(pose)}"/>'
+        found += (
+            f'<site name="{pin.name}_{part}{ending}" pos="{words(pose[:3, 3])}" '
+            f'quat="{_wxyz(pose)}"/>'
+        )
     return found
 
 
@@ -118,9 +133,16 @@ def _equality(pin: Pin) -> str:
     return found
 
 
-# --- URDF ------------------------------------------------------------------------------------------------------------
+# --- URDF -----------------------------------------------------------------------------------------
 
-_URDF_TYPES = {"R": "continuous", "P": "prismatic", "H": "screw", "U": "universal", "S": "ball", "weld": "fixed"}
+_URDF_TYPES = {
+    "R": "continuous",
+    "P": "prismatic",
+    "H": "screw",
+    "U": "universal",
+    "S": "ball",
+    "weld": "fixed",
+}
 
 
 def urdf(machine: Machine, form: int = 0) -> tuple[str, str]:
@@ -129,10 +151,16 @@ def urdf(machine: Machine, form: int = 0) -> tuple[str, str]:
     joints = "".join(_urdf_joint(machine, part) for part in machine.parts)
     pairs: list[tuple[str, str, str]] = []
     loops = "".join(_urdf_pin(machine, pin, form + k, pairs) for k, pin in enumerate(machine.pins))
-    motors = "".join(f'<transmission name="t_{name}"><joint name="{name}"/></transmission>' for name in machine.motors)
+    motors = "".join(
+        f'<transmission name="t_{name}"><joint name="{name}"/></transmission>'
+        for name in machine.motors
+    )
     beside = ""
     if pairs:
-        beside = f"closed_loop: {[list(pair[:2]) for pair in pairs]}\ntype: {[pair[2] for pair in pairs]}\n"
+        beside = (
+            f"closed_loop: {[list(pair[:2]) for pair in pairs]}\n"
+            f"type: {[pair[2] for pair in pairs]}\n"
+        )
     return f'<robot name="{machine.name}">\n{links}{joints}{loops}{motors}</robot>\n', beside
 
 
@@ -144,12 +172,16 @@ def _urdf_joint(machine: Machine, part: Part) -> str:
     if part.joint == "H":
         more += f'<drake:screw_thread_pitch value="{part.pitch!r}"/>'
     if part.joint in ("R", "P") and part.limits:
-        more += f'<limit lower="{part.limits[0]!r}" upper="{part.limits[1]!r}" effort="1" velocity="1"/>'
+        more += (
+            f'<limit lower="{part.limits[0]!r}" upper="{part.limits[1]!r}" effort="1" '
+            f'velocity="1"/>'
+        )
     follower = next((f for f in machine.followers if f.part == part.name), None)
     if follower is not None:
         more += f'<mimic joint="q_{follower.leader}" multiplier="{follower.factor!r}"/>'
     return (
-        f'<joint name="{part.joint_name}" type="{kind}"><parent link="{part.parent}"/><child link="{part.name}"/>'
+        f'<joint name="{part.joint_name}" type="{kind}"><parent link="{part.parent}"/><child '
+        f'link="{part.name}"/>'
         f"<origin {_urdf_pose(machine.in_parent(part))}/>{more}</joint>\n"
     )
 
@@ -166,64 +198,102 @@ def _urdf_pin(machine: Machine, pin: Pin, form: int, pairs: list[tuple[str, str,
     axis = f'<axis xyz="{words(pin.axis)}"/>' if pin.kind == "R" else ""
     match forms[form % len(forms)]:
         case "loop_joint":
-            return f'<loop_joint name="{pin.name}" type="{kind}">{axis}<link1 link="{a}" {at}/><link2 link="{b}" {bt}/></loop_joint>\n'
+            return (
+                f'<loop_joint name="{pin.name}" type="{kind}">{axis}<link1 link="{a}" {at}/><link2 '
+                f'link="{b}" {bt}/></loop_joint>\n'
+            )
         case "loop":
             return (
-                f'<loop name="{pin.name}" type="{kind}"><predecessor link="{a}"><origin {at}/></predecessor><successor link="{b}">'
+                f'<loop name="{pin.name}" type="{kind}"><predecessor link="{a}"><origin '
+                f'{at}/></predecessor><successor link="{b}">'
                 f"<origin {bt}/></successor>{axis}</loop>\n"
             )
         case "constraint":
             axes = axis.replace("axis", "parent_axis") + axis.replace("axis", "child_axis")
             return (
-                f'<constraint name="{pin.name}" type="{kind}"><parent link="{a}"/><parent_origin {at}/><child link="{b}"/>'
+                f'<constraint name="{pin.name}" type="{kind}"><parent link="{a}"/><parent_origin '
+                f'{at}/><child link="{b}"/>'
                 f"<child_origin {bt}/>{axes}</constraint>\n"
             )
         case "drake":
             points = [words(machine.frame(part, pin.at)[:3, 3]) for part in pin.parts]
             return (
-                f'<drake:ball_constraint><drake:ball_constraint_body_A name="{a}"/><drake:ball_constraint_p_AP value="{points[0]}"/>'
-                f'<drake:ball_constraint_body_B name="{b}"/><drake:ball_constraint_p_BQ value="{points[1]}"/></drake:ball_constraint>\n'
+                f"<drake:ball_constraint><drake:ball_constraint_body_A "
+                f'name="{a}"/><drake:ball_constraint_p_AP value="{points[0]}"/>'
+                f'<drake:ball_constraint_body_B name="{b}"/><drake:ball_constraint_p_BQ '
+                f'value="{points[1]}"/></drake:ball_constraint>\n'
             )
         case word:
             stem = f"closing_{pin.name}" if word == "closing" else pin.name
             if word == "yaml":
                 pairs.append((f"{stem}_1", f"{stem}_2", "3d" if pin.kind == "S" else "6d"))
             return "".join(
-                f'<link name="{stem}_{k}"/><joint name="{stem}_{k}_frame" type="fixed"><parent link="{part}"/><child link="{stem}_{k}"/>'
+                f'<link name="{stem}_{k}"/><joint name="{stem}_{k}_frame" type="fixed"><parent '
+                f'link="{part}"/><child link="{stem}_{k}"/>'
                 f"<origin {pose}/></joint>\n"
                 for k, (part, pose) in enumerate(((a, at), (b, bt)), start=1)
             )
 
 
-# --- SDF -------------------------------------------------------------------------------------------------------------
+# --- SDF ------------------------------------------------------------------------------------------
 
-_SDF_TYPES = {"R": "revolute", "P": "prismatic", "H": "screw", "U": "universal", "S": "ball", "weld": "fixed"}
+_SDF_TYPES = {
+    "R": "revolute",
+    "P": "prismatic",
+    "H": "screw",
+    "U": "universal",
+    "S": "ball",
+    "weld": "fixed",
+}
 
 
 def sdf(machine: Machine, *, backward: bool = False) -> str:
-    """A graph of joints: nothing tells those that close loops from others; `backward` tells every second from the link that it carries."""
+    """A graph of joints: nothing tells those that close loops from others; `backward` tells every
+    second from the link that it carries.
+    """
     links = "".join(
-        f'<link name="{name}"><pose>{words(pose[:3, 3])} {_rpy(pose)}</pose></link>\n' for name, pose in machine.frames.items()
+        f'<link name="{name}"><pose>{words(pose[:3, 3])} {_rpy(pose)}</pose></link>\n'
+        for name, pose in machine.frames.items()
     )
-    joints = "".join(_sdf_joint(machine, part, backward=backward and k % 2 == 0) for k, part in enumerate(machine.parts))
+    joints = "".join(
+        _sdf_joint(machine, part, backward=backward and k % 2 == 0)
+        for k, part in enumerate(machine.parts)
+    )
     pins = "".join(
-        f'<joint name="{pin.name}" type="{_SDF_TYPES[pin.kind]}"><parent>{pin.parts[0]}</parent><child>{pin.parts[1]}</child>'
+        f'<joint name="{pin.name}" '
+        f'type="{_SDF_TYPES[pin.kind]}"><parent>{pin.parts[0]}</parent><child>{pin.parts[1]}</child>'
         f'<pose relative_to="__model__">{words(pin.at)} 0 0 0</pose>'
         + (f"<axis><xyz>{words(pin.axis)}</xyz></axis>" if pin.kind == "R" else "")
         + "</joint>\n"
         for pin in machine.pins
     )
-    motors = "".join(f'<plugin name="m" filename="f"><joint_name>{name}</joint_name></plugin>' for name in machine.motors)
-    return f'<sdf version="1.11"><model name="{machine.name}">\n{links}{joints}{pins}{motors}</model></sdf>\n'
+    motors = "".join(
+        f'<plugin name="m" filename="f"><joint_name>{name}</joint_name></plugin>'
+        for name in machine.motors
+    )
+    return (
+        f'<sdf version="1.11"><model name="{machine.name}">\n'
+        f"{links}{joints}{pins}{motors}</model></sdf>\n"
+    )
 
 
 def _sdf_joint(machine: Machine, part: Part, *, backward: bool) -> str:
     follower = next((f for f in machine.followers if f.part == part.name), None)
-    inner = "" if part.limits is None else f"<limit><lower>{part.limits[0]!r}</lower><upper>{part.limits[1]!r}</upper></limit>"
+    inner = (
+        ""
+        if part.limits is None
+        else f"<limit><lower>{part.limits[0]!r}</lower><upper>{part.limits[1]!r}</upper></limit>"
+    )
     if follower is not None:
-        inner += f'<mimic joint="q_{follower.leader}"><multiplier>{follower.factor!r}</multiplier></mimic>'
+        inner += (
+            f"<mimic "
+            f'joint="q_{follower.leader}"><multiplier>{follower.factor!r}</multiplier></mimic>'
+        )
     more = f"<screw_thread_pitch>{part.pitch!r}</screw_thread_pitch>" if part.joint == "H" else ""
-    axes = [machine.direction(part.name, axis) for axis in ((part.axis, part.axis2) if part.joint == "U" else (part.axis,))]
+    axes = [
+        machine.direction(part.name, axis)
+        for axis in ((part.axis, part.axis2) if part.joint == "U" else (part.axis,))
+    ]
     links = (part.parent, part.name)
     if backward:
         # the inverse of turns about a and then b is one about -b and then -a
@@ -234,6 +304,7 @@ def _sdf_joint(machine: Machine, part: Part, *, backward: bool) -> str:
     if part.joint == "U":
         more += f"<axis2><xyz>{words(axes[1])}</xyz></axis2>"
     return (
-        f'<joint name="{part.joint_name}" type="{_SDF_TYPES[part.joint]}"><parent>{links[0]}</parent><child>{links[1]}</child>'
+        f'<joint name="{part.joint_name}" '
+        f'type="{_SDF_TYPES[part.joint]}"><parent>{links[0]}</parent><child>{links[1]}</child>'
         f"{more}</joint>\n"
     )

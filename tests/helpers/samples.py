@@ -27,7 +27,9 @@ def point(rng: np.random.Generator, size: float = 100.0) -> tuple[float, ...]:
     return tuple(float(x) for x in rng.uniform(-size, size, 3))
 
 
-def random_joint(rng: np.random.Generator, kind: str, name: str, *, actuated: bool = False) -> Joint:
+def random_joint(
+    rng: np.random.Generator, kind: str, name: str, *, actuated: bool = False
+) -> Joint:
     single = kind in "RPH"
     return Joint(
         name,
@@ -43,7 +45,10 @@ def random_joint(rng: np.random.Generator, kind: str, name: str, *, actuated: bo
 
 def random_limb(rng: np.random.Generator, kinds: str, name: str) -> Limb:
     """A limb by its joint letters; a lower-case letter is an actuated joint: 'rRS'."""
-    joints = [random_joint(rng, k.upper(), f"{name}j{i}", actuated=k.islower()) for i, k in enumerate(kinds)]
+    joints = [
+        random_joint(rng, k.upper(), f"{name}j{i}", actuated=k.islower())
+        for i, k in enumerate(kinds)
+    ]
     return Limb(name, joints)
 
 
@@ -52,7 +57,11 @@ def random_mechanism(rng: np.random.Generator, limbs: Sequence[str], **options: 
     made: list[Limb | RodLimb] = []
     for k, kinds in enumerate(limbs):
         name = f"limb{k}"
-        made.append(RodLimb(name, point(rng), point(rng)) if kinds == "SPS" else random_limb(rng, kinds, name))
+        made.append(
+            RodLimb(name, point(rng), point(rng))
+            if kinds == "SPS"
+            else random_limb(rng, kinds, name)
+        )
     options = {"platform_position": point(rng), "platform_quaternion": unit(rng, 4)} | options
     return Mechanism("sample", made, **options)
 
@@ -68,12 +77,14 @@ def turning(name: str, x: float, y: float, *, actuated: bool = False) -> Joint:
     return Joint(name, "R", (x, y, 0.0), Z, actuated=actuated)
 
 
-# --- classical mechanisms ------------------------------------------------------------------------------------------
+# --- classical mechanisms -------------------------------------------------------------------------
 
 
 def four_bar() -> tuple[Mechanism, tuple[float, float, float, float]]:
-    """Ground 100, crank 40, coupler 90, rocker 70, all spatial; the crank's coordinate is its angle from +x.
-    The platform frame stands in the joint of crank and coupler, x along the coupler at the reference."""
+    """Ground 100, crank 40, coupler 90, rocker 70, all spatial; the crank's coordinate is its angle
+    from +x. The platform frame stands in the joint of crank and coupler, x along the coupler at the
+    reference.
+    """
     ground, crank, coupler, rocker = 100.0, 40.0, 90.0, 70.0
     begin = math.radians(60)
     b = np.array([crank * math.cos(begin), crank * math.sin(begin)])
@@ -85,12 +96,17 @@ def four_bar() -> tuple[Mechanism, tuple[float, float, float, float]]:
         Limb("right", [turning("d", ground, 0.0), turning("c", c[0], c[1])]),
     ]
     half = 0.5 * slope
-    pose = {"platform_position": (b[0], b[1], 0.0), "platform_quaternion": (math.cos(half), 0.0, 0.0, math.sin(half))}
+    pose = {
+        "platform_position": (b[0], b[1], 0.0),
+        "platform_quaternion": (math.cos(half), 0.0, 0.0, math.sin(half)),
+    }
     return Mechanism("four_bar", limbs, **pose), (ground, crank, coupler, rocker)
 
 
 def circles(a: np.ndarray, r: float, b: np.ndarray, s: float) -> list[np.ndarray]:
-    """The two points at distance r from a and s from b, the one to the left of a -> b first; none when they miss."""
+    """The two points at distance r from a and s from b, the one to the left of a -> b first; none
+    when they miss.
+    """
     d = b - a
     length = float(np.linalg.norm(d))
     along = (length**2 + r**2 - s**2) / (2 * length)
@@ -101,8 +117,10 @@ def circles(a: np.ndarray, r: float, b: np.ndarray, s: float) -> list[np.ndarray
 
 
 def five_bar() -> Mechanism:
-    """Bases (0, 0) and (100, 0), cranks 60 to (0, 60) and (100, 60), couplers 80 to P; the platform is the left coupler,
-    its frame in P with the base's directions. The cranks' coordinates are their angles from +x."""
+    """Bases (0, 0) and (100, 0), cranks 60 to (0, 60) and (100, 60), couplers 80 to P; the platform
+    is the left coupler, its frame in P with the base's directions. The cranks' coordinates are
+    their angles from +x.
+    """
     p = circles(np.array([0.0, 60.0]), 80.0, np.array([100.0, 60.0]), 80.0)[0]
     left = Joint("q1", "R", (0.0, 0.0, 0.0), Z, actuated=True, zero=math.pi / 2)
     right = Joint("q2", "R", (100.0, 0.0, 0.0), Z, actuated=True, zero=math.pi / 2)
@@ -123,8 +141,9 @@ def readme_five_bar(motion: str = "spatial") -> Mechanism:
 
 
 def three_rrr(motion: str = "spatial") -> Mechanism:
-    """Planar 3-RRR: base joints on a circle of 100, platform joints on one of 30, links 60 and 65, platform at rest in
-    the middle. The actuated coordinates are the first links' angles from +x."""
+    """Planar 3-RRR: base joints on a circle of 100, platform joints on one of 30, links 60 and 65,
+    platform at rest in the middle. The actuated coordinates are the first links' angles from +x.
+    """
     limbs = []
     for k in range(3):
         towards = math.pi / 2 + 2 * math.pi * k / 3
@@ -133,7 +152,9 @@ def three_rrr(motion: str = "spatial") -> Mechanism:
         elbow = circles(base, RRR_LINKS[0], end, RRR_LINKS[1])[0]
         zero = math.atan2(elbow[1] - base[1], elbow[0] - base[0])
         first = Joint(f"q{k + 1}", "R", (base[0], base[1], 0.0), Z, actuated=True, zero=zero)
-        limbs.append(Limb(f"limb{k + 1}", [first, turning(f"b{k + 1}", *elbow), turning(f"c{k + 1}", *end)]))
+        limbs.append(
+            Limb(f"limb{k + 1}", [first, turning(f"b{k + 1}", *elbow), turning(f"c{k + 1}", *end)])
+        )
     return Mechanism("three_rrr", limbs, motion=motion)  # type: ignore[arg-type]
 
 
@@ -143,8 +164,10 @@ name = "bennett"
 length_unit = "mm"
 angle_unit = "deg"
 
-# A = (p, 0, 0), C = (-p, 0, 0), B = (x, y, h), D = (-x, -y, h), a half turn about z apart, so that AB = CD and BC = DA;
-# each axis is normal to the two links that meet there: p = 50, x = 40 cos 70, y = 40 sin 70, h = 30.
+# A = (p, 0, 0), C = (-p, 0, 0), B = (x, y, h), D = (-x, -y, h), a half turn about z apart,
+# so that AB = CD and BC = DA;
+# each axis is normal to the two links that meet there: p = 50, x = 40 cos 70, y = 40 sin 70,
+# h = 30.
 [platform]
 position = ["40*cos(70)", "40*sin(70)", 30]
 
@@ -187,61 +210,103 @@ def three_rps() -> Mechanism:
         lean = np.array([-100 * c, -100 * s, 300.0])
         length = float(np.linalg.norm(lean))
         foot, ball = (200 * c, 200 * s, 0.0), (100 * c, 100 * s, 300.0)
-        joints = [Joint(f"r{i}", "R", foot, (-s, c, 0)), Joint(f"p{i}", "P", foot, lean / length, actuated=True, zero=length)]
+        joints = [
+            Joint(f"r{i}", "R", foot, (-s, c, 0)),
+            Joint(f"p{i}", "P", foot, lean / length, actuated=True, zero=length),
+        ]
         limbs.append(Limb(f"limb{i}", [*joints, Joint(f"s{i}", "S", ball)]))
     return Mechanism("three_rps", limbs, platform_position=(0, 0, 300))
 
 
 def delta() -> Mechanism:
-    """A delta robot by rods: arms of 100 turn about tangents of a circle of 120, and hang level and outward at 0;
-    each carries a pair of rods of 220 to the platform's circle of 40; z is up, positive angles lower the arms."""
+    """A delta robot by rods: arms of 100 turn about tangents of a circle of 120, and hang level and
+    outward at 0; each carries a pair of rods of 220 to the platform's circle of 40; z is up,
+    positive angles lower the arms.
+    """
     d = DELTA
     gap = d["base"] + d["arm"] - d["platform"]
     depth = -math.sqrt(d["rod"] ** 2 - gap**2)
     limbs = []
     for k in range(3):
         outward, tangent = delta_directions(k)
-        pivot, tip, end = d["base"] * outward, (d["base"] + d["arm"]) * outward, d["platform"] * outward
-        rods = [Rod(tuple(tip + s * d["width"] * tangent), tuple(end + s * d["width"] * tangent)) for s in (-1, 1)]
-        limbs.append(Limb(f"limb{k + 1}", [Joint(f"q{k + 1}", "R", tuple(pivot), tuple(tangent), actuated=True)], rods))
+        pivot, tip, end = (
+            d["base"] * outward,
+            (d["base"] + d["arm"]) * outward,
+            d["platform"] * outward,
+        )
+        rods = [
+            Rod(tuple(tip + s * d["width"] * tangent), tuple(end + s * d["width"] * tangent))
+            for s in (-1, 1)
+        ]
+        limbs.append(
+            Limb(
+                f"limb{k + 1}",
+                [Joint(f"q{k + 1}", "R", tuple(pivot), tuple(tangent), actuated=True)],
+                rods,
+            )
+        )
     return Mechanism("delta", limbs, platform_position=(0.0, 0.0, depth), motion="translation")
 
 
 def delta_directions(k: int) -> tuple[np.ndarray, np.ndarray]:
     """Outward and tangent unit vectors of limb k; the tangent turns `outward` down."""
     angle = 2 * math.pi * k / 3
-    return np.array([math.cos(angle), math.sin(angle), 0.0]), np.array([-math.sin(angle), math.cos(angle), 0.0])
+    return np.array([math.cos(angle), math.sin(angle), 0.0]), np.array(
+        [-math.sin(angle), math.cos(angle), 0.0]
+    )
 
 
-def hexapod(base: Sequence[Sequence[float]], platform: Sequence[Sequence[float]], height: float = 100.0) -> Mechanism:
-    limbs = [RodLimb(f"leg{k}", b, a) for k, (b, a) in enumerate(zip(base, platform, strict=True), start=1)]
+def hexapod(
+    base: Sequence[Sequence[float]], platform: Sequence[Sequence[float]], height: float = 100.0
+) -> Mechanism:
+    limbs = [
+        RodLimb(f"leg{k}", b, a)
+        for k, (b, a) in enumerate(zip(base, platform, strict=True), start=1)
+    ]
     return Mechanism("hexapod", limbs, platform_position=(0.0, 0.0, height))
 
 
 def pieper() -> Mechanism:
-    """A 6R arm whose last three axes meet: vertical waist, two parallel horizontal joints, and a z-y-z wrist."""
+    """A 6R arm whose last three axes meet: vertical waist, two parallel horizontal joints, and a
+    z-y-z wrist.
+    """
     y = (0.0, 1.0, 0.0)
-    spec = [((0, 0, 0), Z), ((0, 0, 80), y), ((0, 0, 180), y), ((90, 0, 180), Z), ((90, 0, 180), y), ((90, 0, 180), Z)]
+    spec = [
+        ((0, 0, 0), Z),
+        ((0, 0, 80), y),
+        ((0, 0, 180), y),
+        ((90, 0, 180), Z),
+        ((90, 0, 180), y),
+        ((90, 0, 180), Z),
+    ]
     joints = [Joint(f"q{k}", "R", p, a, actuated=True) for k, (p, a) in enumerate(spec, start=1)]
-    return Mechanism("pieper", [Limb("pieper", joints)], serial=True, platform_position=(90.0, 0.0, 220.0))
+    return Mechanism(
+        "pieper", [Limb("pieper", joints)], serial=True, platform_position=(90.0, 0.0, 220.0)
+    )
 
 
 def parallel_rrr(motion: str = "spatial") -> Mechanism:
-    """Planar 3-RRR whose second links (40) are parallel and whose elbows make a triangle equal to the platform's
-    (circle of 50): with the first links held, the platform moves on a circle."""
+    """Planar 3-RRR whose second links (40) are parallel and whose elbows make a triangle equal to
+    the platform's (circle of 50): with the first links held, the platform moves on a circle.
+    """
     limbs = []
     for k in range(3):
         angle = 2 * math.pi * k / 3 + 0.3
         direction = np.array([math.cos(angle), math.sin(angle)])
         base, elbow, end = 100 * direction, 50 * direction, 50 * direction + [40.0, 0.0]
         first = Joint(f"q{k + 1}", "R", (base[0], base[1], 0.0), Z, actuated=True)
-        limbs.append(Limb(f"limb{k + 1}", [first, turning(f"b{k + 1}", *elbow), turning(f"c{k + 1}", *end)]))
+        limbs.append(
+            Limb(f"limb{k + 1}", [first, turning(f"b{k + 1}", *elbow), turning(f"c{k + 1}", *end)])
+        )
     return Mechanism("parallel_rrr", limbs, platform_position=(40.0, 0.0, 0.0), motion=motion)  # type: ignore[arg-type]
 
 
-def bars(ground: float, crank: float, coupler: float, rocker: float, motion: str = "planar", **options) -> Mechanism:
-    """A four-bar driven by its crank, at 60 degrees at the reference; the platform is the coupler, its frame in the crank's
-    pin."""
+def bars(
+    ground: float, crank: float, coupler: float, rocker: float, motion: str = "planar", **options
+) -> Mechanism:
+    """A four-bar driven by its crank, at 60 degrees at the reference; the platform is the coupler,
+    its frame in the crank's pin.
+    """
     begin = math.radians(60)
     b = np.array([crank * math.cos(begin), crank * math.sin(begin)])
     c = circles(b, coupler, np.array([ground, 0.0]), rocker)[0]
@@ -276,16 +341,27 @@ def tilted_rps() -> Mechanism:
     return Mechanism(name="tilted", limbs=tuple(limbs), platform_position=(0.0, 0.0, 200.0))
 
 
-def tied_platform(elbow: bool, radii: tuple[float, float, float] = (100.0, 100.0, 100.0)) -> Mechanism:
+def tied_platform(
+    elbow: bool, radii: tuple[float, float, float] = (100.0, 100.0, 100.0)
+) -> Mechanism:
     """Three limbs R P S, or R R S with `elbow`, in planes through the vertical axis."""
     limbs = []
     for k, radius in enumerate(radii):
         c, s = math.cos(2 * math.pi * k / 3), math.sin(2 * math.pi * k / 3)
-        foot, head, axis = np.array([radius * c, radius * s, 0.0]), np.array([60.0 * c, 60.0 * s, 150.0]), (-s, c, 0.0)
-        along, knee = (head - foot) / np.linalg.norm(head - foot), 0.5 * (foot + head) + 40.0 * np.array([c, s, 0.0])
+        foot, head, axis = (
+            np.array([radius * c, radius * s, 0.0]),
+            np.array([60.0 * c, 60.0 * s, 150.0]),
+            (-s, c, 0.0),
+        )
+        along, knee = (
+            (head - foot) / np.linalg.norm(head - foot),
+            0.5 * (foot + head) + 40.0 * np.array([c, s, 0.0]),
+        )
         first = Joint(f"r{k}", "R", tuple(foot), axis, actuated=elbow)
         second = (
-            Joint(f"e{k}", "R", tuple(knee), axis) if elbow else Joint(f"p{k}", "P", tuple(foot), tuple(along), actuated=True)
+            Joint(f"e{k}", "R", tuple(knee), axis)
+            if elbow
+            else Joint(f"p{k}", "P", tuple(foot), tuple(along), actuated=True)
         )
         limbs.append(Limb(f"limb{k}", [first, second, Joint(f"s{k}", "S", tuple(head))]))
     return Mechanism("tied", limbs, platform_position=(0.0, 0.0, 150.0), angle_unit="deg")
@@ -297,9 +373,17 @@ def planar_pose(x: float, y: float, turn: float = 0.0) -> list[float]:
 
 
 def hexagons(height: float = 120.0) -> Mechanism:
-    """A regular hexagon of 120 over a semi-regular one of 200: platform joints stand 20 degrees before and after base joints."""
-    base, platform = np.radians([10, 110, 130, 230, 250, 350]), np.radians([30, 90, 150, 210, 270, 330])
-    ring = [np.column_stack([r * np.cos(t), r * np.sin(t), np.zeros(6)]) for r, t in ((200, base), (120, platform))]
+    """A regular hexagon of 120 over a semi-regular one of 200: platform joints stand 20 degrees
+    before and after base joints.
+    """
+    base, platform = (
+        np.radians([10, 110, 130, 230, 250, 350]),
+        np.radians([30, 90, 150, 210, 270, 330]),
+    )
+    ring = [
+        np.column_stack([r * np.cos(t), r * np.sin(t), np.zeros(6)])
+        for r, t in ((200, base), (120, platform))
+    ]
     return hexapod([tuple(b) for b in ring[0]], [tuple(a) for a in ring[1]], height)
 
 
@@ -316,12 +400,17 @@ def rocker_angle(angle: float, branch: int) -> float:
 
 
 def rus(limbs: int) -> Mechanism:
-    """Limbs of a motor, a U joint and an S joint, in pairs: at a pose two places of the motor and two of the U joint for each."""
+    """Limbs of a motor, a U joint and an S joint, in pairs: at a pose two places of the motor and
+    two of the U joint for each.
+    """
     made = []
     for k in range(limbs):
         side, middle = (-1, 1)[k % 2], 120.0 * (k // 2)
         base, top = (math.radians(middle + side * angle) for angle in (12.0, 45.0))
-        out, across = np.array([math.cos(base), math.sin(base), 0.0]), np.array([-math.sin(base), math.cos(base), 0.0])
+        out, across = (
+            np.array([math.cos(base), math.sin(base), 0.0]),
+            np.array([-math.sin(base), math.cos(base), 0.0]),
+        )
         joints = [
             Joint(f"m{k}", "R", 180.0 * out, out, actuated=True),
             Joint(f"u{k}", "U", 180.0 * out - 70.0 * side * across, out, axis2=Z),

@@ -1,7 +1,9 @@
-"""Every verb in N threads at once: `python thread_work.py N FOLDER` writes what the threads found to FOLDER/found.json.
+"""Every verb in N threads at once: `python thread_work.py N FOLDER` writes what the threads found
+to FOLDER/found.json.
 
-The threads start each verb together, on one mechanism that all share and on another one. Verbs that take long are run by
-two threads, while the others solve. With N = 1 all is computed in turn: what the others have to find.
+The threads start each verb together, on one mechanism that all share and on another one. Verbs that
+take long are run by two threads, while the others solve. With N = 1 all is computed in turn: what
+the others have to find.
 """
 
 from __future__ import annotations
@@ -29,8 +31,12 @@ def make_machine(number: int) -> symkin.Mechanism:
     """A planar five-bar with cranks of its own length, a rotated platform on the right limb."""
     z, length = (0, 0, 1), 100.0 + number
     left = symkin.Limb(
-        "left", [symkin.Joint("crank1", "R", point=(-75, 0, 0), axis=z, actuated=True), symkin.Joint("elbow1", "R", point=(-75, length, 0), axis=z)]
-    )  # fmt: skip
+        "left",
+        [
+            symkin.Joint("crank1", "R", point=(-75, 0, 0), axis=z, actuated=True),
+            symkin.Joint("elbow1", "R", point=(-75, length, 0), axis=z),
+        ],
+    )
     right = symkin.Limb(
         "right",
         [
@@ -39,7 +45,13 @@ def make_machine(number: int) -> symkin.Mechanism:
             symkin.Joint("tip", "R", point=(0, 230, 0), axis=z),
         ],
     )
-    return symkin.Mechanism(f"five_bar{number}", [left, right], platform_position=(0, 230, 0), motion="planar", angle_unit="deg")
+    return symkin.Mechanism(
+        f"five_bar{number}",
+        [left, right],
+        platform_position=(0, 230, 0),
+        motion="planar",
+        angle_unit="deg",
+    )
 
 
 def load(machine: symkin.Mechanism, folder: Path) -> Any:
@@ -60,7 +72,9 @@ def modes_inverse(machine: symkin.Mechanism, folder: Path) -> Any:
 
 
 def modes_sampled(machine: symkin.Mechanism, folder: Path) -> Any:
-    return [m.position for m in symkin.modes(machine, joints=_JOINTS, method="multistart", starts=50)]
+    return [
+        m.position for m in symkin.modes(machine, joints=_JOINTS, method="multistart", starts=50)
+    ]
 
 
 def newton(machine: symkin.Mechanism, folder: Path) -> Any:
@@ -75,7 +89,10 @@ def ipopt(machine: symkin.Mechanism, folder: Path) -> Any:
 
 def jacobian(machine: symkin.Mechanism, folder: Path) -> Any:
     solution = symkin.solve(machine, joints=_JOINTS).solution
-    return [symkin.jacobian(machine, kind).at(solution).tolist() for kind in ("direct", "inverse", "passive")]
+    return [
+        symkin.jacobian(machine, kind).at(solution).tolist()
+        for kind in ("direct", "inverse", "passive")
+    ]
 
 
 def singularity(machine: symkin.Mechanism, folder: Path) -> Any:
@@ -92,12 +109,19 @@ def loci(machine: symkin.Mechanism, folder: Path) -> Any:
 def track(machine: symkin.Mechanism, folder: Path) -> Any:
     found = symkin.track(machine, joints=[_JOINTS, (25.0, -30.0)])
     found.plot(folder / f"{machine.name}.track.png")
-    return [found.reached, found.certified, [s.radius for s in found.samples], _digest(folder / f"{machine.name}.track.png")]
+    return [
+        found.reached,
+        found.certified,
+        [s.radius for s in found.samples],
+        _digest(folder / f"{machine.name}.track.png"),
+    ]
 
 
 def sweep(machine: symkin.Mechanism, folder: Path) -> Any:
     values = np.linspace(-20.0, 20.0, 2)
-    swept = symkin.sweep(machine, {"crank1": values, "crank2": values}, folder / f"{machine.name}.zarr", workers=0)
+    swept = symkin.sweep(
+        machine, {"crank1": values, "crank2": values}, folder / f"{machine.name}.zarr", workers=0
+    )
     return sorted(swept.points_by_count.items())
 
 
@@ -107,9 +131,18 @@ def calibrate(machine: symkin.Mechanism, folder: Path) -> Any:
     places = [symkin.solve(machine, joints=np.degrees(q)).solution.position for q in joints]
     noisy = np.array(places) * [1, 1, 0] + rng.normal(0.0, 1e-3, (12, 3)) * [1, 1, 0]
     readings = Measurements(joints=joints, position=noisy, position_sigma=1e-3)
-    fit = symkin.calibrate(machine, readings, parameters=["left.crank1.point.x", "left.crank1.zero"], method="lifted")
-    by_ipopt = symkin.calibrate(machine, readings, parameters=["left.crank1.point.x"], method="ipopt")
-    return [str(fit.status), fit.chi_square, by_ipopt.chi_square, hashlib.sha256(png(residual_figure(fit))).hexdigest()]
+    fit = symkin.calibrate(
+        machine, readings, parameters=["left.crank1.point.x", "left.crank1.zero"], method="lifted"
+    )
+    by_ipopt = symkin.calibrate(
+        machine, readings, parameters=["left.crank1.point.x"], method="ipopt"
+    )
+    return [
+        str(fit.status),
+        fit.chi_square,
+        by_ipopt.chi_square,
+        hashlib.sha256(png(residual_figure(fit))).hexdigest(),
+    ]
 
 
 def firmware(machine: symkin.Mechanism, folder: Path) -> Any:
@@ -128,8 +161,21 @@ def show(machine: symkin.Mechanism, folder: Path) -> Any:
 
 
 LONG: tuple[Verb, ...] = (loci, track, sweep, firmware, calibrate)
-SHORT: tuple[Verb, ...] = (newton, modes_direct, ipopt, jacobian, modes_inverse, modes_sampled, singularity, show, load, plots)
-ROUNDS = [(verb, verb) for verb in SHORT] + [(verb, other) for verb, other in zip(LONG, (newton, ipopt) * 3, strict=False)]
+SHORT: tuple[Verb, ...] = (
+    newton,
+    modes_direct,
+    ipopt,
+    jacobian,
+    modes_inverse,
+    modes_sampled,
+    singularity,
+    show,
+    load,
+    plots,
+)
+ROUNDS = [(verb, verb) for verb in SHORT] + [
+    (verb, other) for verb, other in zip(LONG, (newton, ipopt) * 3, strict=False)
+]
 """What every fourth thread and what the others do at the same time."""
 
 
@@ -145,7 +191,9 @@ def work(numbers: range, folder: Path, barrier: threading.Barrier, found: dict[s
             verb = pair[number % 4 > 0]
             for machine in (0,) if verb in LONG else (0, 1)[: 1 + number % 2]:
                 (inside := folder / f"{number}.{k}.{machine}").mkdir()
-                found[f"{k}: {verb.__name__} of machine {machine}, thread {number}"] = verb(make_machine(machine), inside)
+                found[f"{k}: {verb.__name__} of machine {machine}, thread {number}"] = verb(
+                    make_machine(machine), inside
+                )
 
 
 def main(threads: int, folder: Path) -> None:
@@ -164,7 +212,9 @@ def main(threads: int, folder: Path) -> None:
         thread.start()
     for thread in started:
         thread.join()
-    (folder / "found.json").write_text(json.dumps(found, default=lambda a: np.asarray(a).tolist(), sort_keys=True))
+    (folder / "found.json").write_text(
+        json.dumps(found, default=lambda a: np.asarray(a).tolist(), sort_keys=True)
+    )
     sys.exit(bool(failed))
 
 

@@ -1,4 +1,5 @@
-"""Answer what MuJoCo's compiler says of a file from a process that has loaded it, in place of one that is started for each file.
+"""Answer what MuJoCo's compiler says of a file from a process that has loaded it, in place of one
+that is started for each file.
 
 This file is both ends. `answer_of` asks a process that forks for each question, so that what a file
 does to the compiler harms no other question. Where a fork gives no answer, the question goes to the
@@ -21,13 +22,30 @@ _STARTED: dict[str, subprocess.Popen[str]] = {}
 """The process of each worker's file, as long as the tests run."""
 
 
-def answer_of(cold: Callable[[Path, Mapping[str, Any]], Any], worker: Path, task: Mapping[str, Any]) -> Any:
-    """Return what `work` of a worker's file returns; `cold` is asked where a fork ends without an answer."""
+def answer_of(
+    cold: Callable[[Path, Mapping[str, Any]], Any], worker: Path, task: Mapping[str, Any]
+) -> Any:
+    """Return what `work` of a worker's file returns; `cold` is asked where a fork ends without an
+    answer.
+    """
     served = _STARTED.get(str(worker))
     if served is None or served.poll() is not None:
-        command = [sys.executable, "-P", "-W", "ignore", __file__, str(worker), json.dumps(sys.path)]
+        command = [
+            sys.executable,
+            "-P",
+            "-W",
+            "ignore",
+            __file__,
+            str(worker),
+            json.dumps(sys.path),
+        ]
         served = _STARTED[str(worker)] = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd="/"
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            cwd="/",
         )
     assert served.stdin is not None
     assert served.stdout is not None
@@ -37,11 +55,13 @@ def answer_of(cold: Callable[[Path, Mapping[str, Any]], Any], worker: Path, task
     return json.loads(line) if line.strip() else cold(worker, task)
 
 
-# --- the process that is asked ---------------------------------------------------------------------------------------
+# --- the process that is asked --------------------------------------------------------------------
 
 
 def _of_a_fork(child: Any, worker: Any, order: Mapping[str, Any]) -> bytes:
-    """Return the answer of a fork of this process, bound as symkin's child is; nothing where it has none."""
+    """Return the answer of a fork of this process, bound as symkin's child is; nothing where it has
+    none.
+    """
     end, begin = os.pipe()
     fork = os.fork()
     if not fork:

@@ -1,4 +1,6 @@
-"""A five-bar whose couplers its cranks can pull straight, and the exact fate of a line of its joints."""
+"""A five-bar whose couplers its cranks can pull straight, and the exact fate of a line of its
+joints.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +16,10 @@ HOME = (math.radians(120.0), math.radians(60.0))
 
 
 def wide_five_bar(motion: str = "spatial") -> Mechanism:
-    """Base joints at x = -90 and 90, cranks 110, couplers 190; home: the cranks lean outwards by 30 degrees. The platform is the
-    left coupler, its frame in the tip with the base's directions. The cranks' coordinates are their angles from +x."""
+    """Base joints at x = -90 and 90, cranks 110, couplers 190; home: the cranks lean outwards by 30
+    degrees. The platform is the left coupler, its frame in the tip with the base's directions. The
+    cranks' coordinates are their angles from +x.
+    """
     pins = crank_pins(np.array(HOME))
     tip = circles(pins[0], COUPLER, pins[1], COUPLER)[0]
     drives = [
@@ -37,8 +41,9 @@ def crank_pins(angles: np.ndarray) -> np.ndarray:
 
 
 def tip_of(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The cranks' pins (2, ..., 2) and the tip (..., 2) to the left of left pin -> right pin, where the couplers meet; on
-    the line of the pins where they do not."""
+    """The cranks' pins (2, ..., 2) and the tip (..., 2) to the left of left pin -> right pin, where
+    the couplers meet; on the line of the pins where they do not.
+    """
     pins = crank_pins(angles)
     apart = pins[1] - pins[0]
     length = np.linalg.norm(apart, axis=-1, keepdims=True)
@@ -53,10 +58,13 @@ def _line(starts: np.ndarray, goals: np.ndarray, points: int) -> np.ndarray:
 
 
 def slack_of(starts: np.ndarray, goals: np.ndarray, points: int = 400) -> np.ndarray:
-    """For each line of crank angles the least 1 - |E1 E2|^2 / (2 COUPLER)^2, E the pins: below zero the couplers do not meet on a
-    part of it."""
+    """For each line of crank angles the least 1 - |E1 E2|^2 / (2 COUPLER)^2, E the pins: below zero
+    the couplers do not meet on a part of it.
+    """
     pins = crank_pins(_line(starts, goals, points))
-    return np.asarray(np.min(1.0 - np.sum((pins[1] - pins[0]) ** 2, axis=-1) / (2 * COUPLER) ** 2, axis=0))
+    return np.asarray(
+        np.min(1.0 - np.sum((pins[1] - pins[0]) ** 2, axis=-1) / (2 * COUPLER) ** 2, axis=0)
+    )
 
 
 def passes_dead_centre(starts: np.ndarray, goals: np.ndarray, points: int = 300) -> np.ndarray:

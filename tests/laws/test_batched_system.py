@@ -40,7 +40,9 @@ def test_a_mapped_function_is_the_function(count):
 
 @pytest.mark.parametrize(("rows", "columns"), [(5, 5), (8, 5), (4, 6)])
 def test_least_squares_steps(rows, columns):
-    """Square, tall and wide matrices, regular and singular ones side by side, as NumPy's least squares one by one."""
+    """Square, tall and wide matrices, regular and singular ones side by side, as NumPy's least
+    squares one by one.
+    """
     jacobians, values = RNG.normal(size=(7, rows, columns)), RNG.normal(size=(7, rows))
     jacobians[2, :, 1] = jacobians[2, :, 0]
     jacobians[4] = 0.0
@@ -57,7 +59,9 @@ def test_conditions_and_singular_values():
     found = conditions(matrices)
     np.testing.assert_allclose(found[:3], [np.linalg.cond(m) for m in matrices[:3]])
     assert np.isinf(found[3:]).all()
-    np.testing.assert_allclose(singular_values(matrices[0]), np.linalg.svd(matrices[0], compute_uv=False))
+    np.testing.assert_allclose(
+        singular_values(matrices[0]), np.linalg.svd(matrices[0], compute_uv=False)
+    )
     assert conditions(np.zeros((2, 0, 0))).tolist() == [1.0, 1.0]
 
 
@@ -70,9 +74,13 @@ def test_a_null_space_is_one():
     np.testing.assert_allclose(matrix @ null.T, 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("mechanism", [symkin.load("zhang2009"), five_bar(), three_rrr("planar")], ids=lambda m: m.name)
+@pytest.mark.parametrize(
+    "mechanism", [symkin.load("zhang2009"), five_bar(), three_rrr("planar")], ids=lambda m: m.name
+)
 def test_many_points_are_each_alone(mechanism):
-    """Rows, Jacobians, errors, conditions and polished points of many points with known values of their own."""
+    """Rows, Jacobians, errors, conditions and polished points of many points with known values of
+    their own.
+    """
     problem = build_problem(mechanism, "direct")
     system = problem.system
     reference = problem.closure.reference
@@ -89,11 +97,17 @@ def test_many_points_are_each_alone(mechanism):
         np.testing.assert_allclose(jacobians[i], j, atol=1e-12)
         assert system.residuals(z, known)[i] == pytest.approx(system.residual(z[i], known[i]))
         assert system.conditions(z, known)[i] == pytest.approx(system.condition(z[i], known[i]))
-        np.testing.assert_allclose(polished.points[i], system.polish(z[i], known[i], 8), atol=1e-9 * system.characteristic_length)
+        np.testing.assert_allclose(
+            polished.points[i],
+            system.polish(z[i], known[i], 8),
+            atol=1e-9 * system.characteristic_length,
+        )
 
 
 def test_the_standard_writing():
-    """Angles within half a turn or in their limits, quaternions with w >= 0, the same rotation; written twice, it stays."""
+    """Angles within half a turn or in their limits, quaternions with w >= 0, the same rotation;
+    written twice, it stays.
+    """
     closure = build_problem(symkin.load("zhang2009"), "direct").closure
     values = np.tile(closure.reference, (4, 1))
     place = closure.slices["pose.quaternion"]
@@ -102,18 +116,27 @@ def test_the_standard_writing():
     q = once[:, place]
     np.testing.assert_allclose(np.linalg.norm(q, axis=1), 1.0)
     assert (q[:, 0] >= 0).all()
-    np.testing.assert_allclose(canonical(closure.coordinates, closure.slices, once), once, atol=1e-15)
+    np.testing.assert_allclose(
+        canonical(closure.coordinates, closure.slices, once), once, atol=1e-15
+    )
     arm = build_problem(five_bar(), "direct").closure
     angles = [arm.slices[c.name].start for c in arm.coordinates if c.kind == "angle"]
     turned = np.tile(arm.reference, (2, 1))
     turned[:, angles] += 2 * np.pi * np.array([[3.0], [-2.0]])
-    np.testing.assert_allclose(canonical(arm.coordinates, arm.slices, turned)[:, angles], np.tile(arm.reference[angles], (2, 1)))
+    np.testing.assert_allclose(
+        canonical(arm.coordinates, arm.slices, turned)[:, angles],
+        np.tile(arm.reference[angles], (2, 1)),
+    )
 
 
 def test_angles_are_written_within_their_limits():
-    """By the fewest whole turns that bring them there; those inside stay, those that no turns bring in are within half a turn."""
+    """By the fewest whole turns that bring them there; those inside stay, those that no turns bring
+    in are within half a turn.
+    """
     limits = [(-1.0, 2.0), (4.0, 9.0), (-12.0, -11.0), (-20.0, 20.0), (3.0, 3.2)]
-    coordinates = [Coordinate(f"q{k}", "angle", "passive", limits=pair) for k, pair in enumerate(limits)]
+    coordinates = [
+        Coordinate(f"q{k}", "angle", "passive", limits=pair) for k, pair in enumerate(limits)
+    ]
     places = {c.name: slice(k, k + 1) for k, c in enumerate(coordinates)}
     values = RNG.uniform(-30, 30, (500, len(limits)))
     for k, column in enumerate(canonical(coordinates, places, values).T):
@@ -127,7 +150,11 @@ def test_angles_are_written_within_their_limits():
 
 
 def test_lengths_are_written_above_their_least():
-    """A rod of offset d has the coordinate r = length - d: length and -length are one configuration, r and 2 least - r, least = -d."""
+    """A rod of offset d has the coordinate r = length - d: length and -length are one
+    configuration, r and 2 least - r, least = -d.
+    """
     rod = Coordinate("r", "length", "actuated", least=-3.0)
     length = RNG.uniform(-10, 10, (200, 1))
-    np.testing.assert_allclose(canonical([rod], {"r": slice(0, 1)}, length - 3.0), np.abs(length) - 3.0, atol=1e-12)
+    np.testing.assert_allclose(
+        canonical([rod], {"r": slice(0, 1)}, length - 3.0), np.abs(length) - 3.0, atol=1e-12
+    )

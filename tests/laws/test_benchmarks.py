@@ -1,4 +1,6 @@
-"""The file of ratios knows every part, and a ratio that is worse than allowed is told in a sentence."""
+"""The file of ratios knows every part, and a ratio that is worse than allowed is told in a
+sentence.
+"""
 
 import pytest
 
@@ -19,8 +21,18 @@ def test_the_file_is_what_is_written():
 
 
 def test_a_worse_ratio_is_told_and_a_better_one_or_no_peer_is_not(capsys):
-    known = {"a": Known(1.0, 1.5, "of its peer"), "b": Known(1.0, 1.5, ""), "c": Known(1.0, 1.5, ""), "d": Known(0.0, 2.0, "")}
-    figures = [Figure("a", 1.6, ""), Figure("b", 1.4, ""), Figure("c", None, "is not installed"), Figure("d", 1, "")]
+    known = {
+        "a": Known(1.0, 1.5, "of its peer"),
+        "b": Known(1.0, 1.5, ""),
+        "c": Known(1.0, 1.5, ""),
+        "d": Known(0.0, 2.0, ""),
+    }
+    figures = [
+        Figure("a", 1.6, ""),
+        Figure("b", 1.4, ""),
+        Figure("c", None, "is not installed"),
+        Figure("d", 1, ""),
+    ]
     told = report(figures, known)
     assert [sentence[0] for sentence in told] == ["a", "d"]
     assert "allowed are 1.5 (1 times 1.5): of its peer" in told[0]

@@ -1,4 +1,6 @@
-"""The choice of a start: a base that keeps all roots, and no base that was tried takes fewer steps to real instances."""
+"""The choice of a start: a base that keeps all roots, and no base that was tried takes fewer steps
+to real instances.
+"""
 
 from functools import lru_cache
 
@@ -33,11 +35,15 @@ def fast(system, z, begin, end, settings=None):
 
 
 def fast_lines(system, roots, lines, settings=None):
-    return [fast(system, z, begin, end, settings) for z, (begin, end) in zip(roots, lines, strict=True)]
+    return [
+        fast(system, z, begin, end, settings) for z, (begin, end) in zip(roots, lines, strict=True)
+    ]
 
 
 def test_bases_stand_beside_the_targets():
-    """Bases are complex where targets differ, equal to them where they do not, and the same for the same seed."""
+    """Bases are complex where targets differ, equal to them where they do not, and the same for the
+    same seed.
+    """
     _, targets = setting()
     bases = bases_beside(targets, 6, seed=3)
     geometry = np.ones(42, dtype=bool)
@@ -50,14 +56,20 @@ def test_bases_stand_beside_the_targets():
 
 
 def test_the_best_start_is_a_start_with_the_fewest_steps():
-    """Its columns are all roots at its base, and no candidate took fewer steps without more failures."""
+    """Its columns are all roots at its base, and no candidate took fewer steps without more
+    failures.
+    """
     start, targets = setting()
     system = universal_system()
     choice = best_start(system, start, bases_beside(targets, 4, seed=0), targets, fast_lines)
-    rows, _ = system.linearise(choice.start.z, np.repeat(choice.start.k[:, None], choice.start.z.shape[1], axis=1))
+    rows, _ = system.linearise(
+        choice.start.z, np.repeat(choice.start.k[:, None], choice.start.z.shape[1], axis=1)
+    )
     assert np.max(np.abs(rows)) < 1e-10
     assert choice.start.z.shape == start.z.shape
-    steps = np.mean([fast(system, choice.start.z, choice.start.k, target).steps for target in targets])
+    steps = np.mean(
+        [fast(system, choice.start.z, choice.start.k, target).steps for target in targets]
+    )
     assert (min(choice.failures), steps) == min(zip(choice.failures, choice.steps, strict=True))
 
 
@@ -87,7 +99,9 @@ def test_a_base_at_which_roots_merge_is_no_candidate():
         one = np.ones(start.z.shape[1], dtype=int)
         return [Tracked(z, one > 0, one, one) for z in moved]
 
-    choice = best_start(universal_system(), start, bases_beside(targets, 3, seed=0), targets, merged)
+    choice = best_start(
+        universal_system(), start, bases_beside(targets, 3, seed=0), targets, merged
+    )
     assert choice.start is start
     assert choice.steps[1:] == (np.inf,) * 3
 
@@ -95,8 +109,12 @@ def test_a_base_at_which_roots_merge_is_no_candidate():
 def test_orbits_of_operation_modes_go_with_the_roots():
     """Roots keep their order, so that what was known of each still belongs to it."""
     start, targets = setting()
-    choice = best_start(universal_system(), start, bases_beside(targets, 2, seed=1), targets, fast_lines)
+    choice = best_start(
+        universal_system(), start, bases_beside(targets, 2, seed=1), targets, fast_lines
+    )
     back = fast(universal_system(), choice.start.z, choice.start.k, start.k)
     assert back.arrived.all()
-    np.testing.assert_allclose(universal_system().features(back.z), universal_system().features(start.z), atol=1e-7)
+    np.testing.assert_allclose(
+        universal_system().features(back.z), universal_system().features(start.z), atol=1e-7
+    )
     assert np.array_equal(choice.start.orbits, start.orbits)

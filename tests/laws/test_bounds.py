@@ -33,8 +33,13 @@ pytestmark = pytest.mark.usefixtures("kept_starts")
 def arm(seed: int) -> Mechanism:
     """Six revolute joints about random lines."""
     rng = np.random.default_rng(seed)
-    joints = [Joint(f"q{i}", "R", tuple(rng.uniform(-1, 1, 3)), unit(rng), actuated=True) for i in range(1, 7)]
-    return Mechanism("arm", [Limb("arm", joints)], serial=True, platform_position=tuple(rng.uniform(-1, 1, 3)))
+    joints = [
+        Joint(f"q{i}", "R", tuple(rng.uniform(-1, 1, 3)), unit(rng), actuated=True)
+        for i in range(1, 7)
+    ]
+    return Mechanism(
+        "arm", [Limb("arm", joints)], serial=True, platform_position=tuple(rng.uniform(-1, 1, 3))
+    )
 
 
 @pytest.mark.slow
@@ -44,21 +49,30 @@ def test_forty_modes_are_proved():
     bound = bound_of(problem, system)
     assert bound is not None
     assert bound.theorem.count == 40
-    certificates = certify(bound.system, z, bound.knowns(np.array([DIETMAIER["legs"]])), problem.closure.characteristic_length)
+    certificates = certify(
+        bound.system,
+        z,
+        bound.knowns(np.array([DIETMAIER["legs"]])),
+        problem.closure.characteristic_length,
+    )
     assert proves(certificates, bound)
     assert set(certificates.real) == {"real"}
 
 
 @pytest.mark.slow
 def test_what_is_short_of_the_bound_is_not_proved():
-    """39 of 40 roots, 40 with one of them twice, a root left undecided or uncertified, or another system: no proof."""
+    """39 of 40 roots, 40 with one of them twice, a root left undecided or uncertified, or another
+    system: no proof.
+    """
     problem, system, k, z = case("dietmaier")
     bound = bound_of(problem, system)
     assert bound is not None
     whole = certify(system, z, k)
     assert proves(whole, bound)
     assert not proves(certify(system, z[:, 1:], k), bound)
-    assert not proves(certify(system, np.concatenate([z[:, 1:], -1j * z[:, 5:6]], axis=1), k), bound)
+    assert not proves(
+        certify(system, np.concatenate([z[:, 1:], -1j * z[:, 5:6]], axis=1), k), bound
+    )
     assert not proves(certify(system, z + np.where(np.arange(40) == 7, 1e-3, 0), k), bound)
     undecided = whole.real.copy()
     undecided[3] = "unknown"
@@ -72,7 +86,9 @@ def test_a_special_platform_stays_below_the_bound():
     problem, system, _, z = case("zhang2009")
     bound = bound_of(problem, system)
     assert bound is not None
-    certificates = certify(bound.system, z, bound.knowns(np.array([problem.mechanism.example.joints])))
+    certificates = certify(
+        bound.system, z, bound.knowns(np.array([problem.mechanism.example.joints]))
+    )
     assert certificates.certified.all()
     assert not proves(certificates, bound)
 
@@ -89,17 +105,25 @@ def test_sixteen_solutions_of_a_general_arm_are_proved(seed):
     z = complex_roots(system, known_values(problem, values))
     bound = bound_of(problem, system)
     assert bound is not None
-    certificates = certify(bound.system, z, bound.knowns(values[None]), problem.closure.characteristic_length)
+    certificates = certify(
+        bound.system, z, bound.knowns(values[None]), problem.closure.characteristic_length
+    )
     assert proves(certificates, bound)
     assert not proves(certify(bound.system, z[:, 1:], bound.knowns(values[None])), bound)
     reached = certificates.find(
-        algebraic_point(problem, system, {f"q{i + 1}": np.array([q]) for i, q in enumerate([0.3, -0.2, 0.5, 0.7, -0.4, 0.1])})
+        algebraic_point(
+            problem,
+            system,
+            {f"q{i + 1}": np.array([q]) for i, q in enumerate([0.3, -0.2, 0.5, 0.7, -0.4, 0.1])},
+        )
     )
     assert reached is not None
 
 
 def test_rod_lengths_are_proved_alone():
-    """The inverse problem of a platform on rods: each length is one root of a quadratic, sign apart."""
+    """The inverse problem of a platform on rods: each length is one root of a quadratic, sign
+    apart.
+    """
     platform = symkin.load("zhang2009")
     problem = build_problem(platform, "inverse")
     values = np.array([10.0, 20, 300, 0.9, 0.1, -0.2, 0.05])
@@ -108,21 +132,33 @@ def test_rod_lengths_are_proved_alone():
         assert bound is not None
         assert bound.theorem.count == 1
         k = known_values(problem, values)
-        row, slope = (system.linearise(np.zeros((1, 1)), k[:, None])[0], system.linearise(np.ones((1, 1)), k[:, None])[1])
+        row, slope = (
+            system.linearise(np.zeros((1, 1)), k[:, None])[0],
+            system.linearise(np.ones((1, 1)), k[:, None])[1],
+        )
         z = np.sqrt(-2 * row[0] / slope[0, 0]) if system.unknowns[0].least == 0.0 else None
         assert z is not None
-        certificates = certify(bound.system, z[:, None], bound.knowns(values[None]), problem.closure.characteristic_length)
+        certificates = certify(
+            bound.system,
+            z[:, None],
+            bound.knowns(values[None]),
+            problem.closure.characteristic_length,
+        )
         assert proves(certificates, bound)
 
 
 def test_no_theorem_no_bound():
-    """A five-bar's direct problem has two solutions, but no theorem here says so: it has no bound."""
+    """A five-bar's direct problem has two solutions, but no theorem here says so: it has no
+    bound.
+    """
     problem = build_problem(five_bar(), "direct")
     assert all(bound_of(problem, system) is None for system in algebraic_systems(problem))
 
 
 def test_known_balls_hold_the_quotients():
-    """Lengths over the size, in thin balls that hold the exact quotient: times the size they hold the length again."""
+    """Lengths over the size, in thin balls that hold the exact quotient: times the size they hold
+    the length again.
+    """
     problem = build_problem(dietmaier(), "direct")
     values = np.array(DIETMAIER["legs"])
     balls = exact_known(problem, values)
@@ -149,6 +185,13 @@ def test_known_balls_hold_the_quotients():
     ],
 )
 def test_degrees_bound_the_roots_of_one_row(kind, row, degree):
-    """Polynomials in z, and in exp(i z) for angles, have their degree; anything else has no bound."""
+    """Polynomials in z, and in exp(i z) for angles, have their degree; anything else has no
+    bound.
+    """
     z, k = ca.SX.sym("z"), ca.SX.sym("k")
-    assert univariate_degree(AlgebraicSystem(1.0, (Coordinate("x", kind, "passive"),), z, k, row(z, k), ())) == degree
+    assert (
+        univariate_degree(
+            AlgebraicSystem(1.0, (Coordinate("x", kind, "passive"),), z, k, row(z, k), ())
+        )
+        == degree
+    )

@@ -1,4 +1,6 @@
-"""Poses first, then the branches of the limbs: universal joints as distances, covers of roots, their combinations."""
+"""Poses first, then the branches of the limbs: universal joints as distances, covers of roots,
+their combinations.
+"""
 
 import math
 
@@ -23,7 +25,11 @@ from helpers.inside import (
 )
 from symkin import Joint, Limb, Mechanism
 
-unit = st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1).map(lambda v: np.array(v) / np.linalg.norm(v))
+unit = (
+    st.tuples(*[st.floats(-1, 1)] * 3)
+    .filter(lambda v: np.linalg.norm(v) > 0.1)
+    .map(lambda v: np.array(v) / np.linalg.norm(v))
+)
 angle = st.floats(-math.pi, math.pi)
 
 
@@ -36,8 +42,9 @@ def turned(axis, value, v):
 
 @given(unit, unit, angle, angle, unit)
 def test_two_angles_turn_the_arm_onto_its_target(a, b, alpha, beta, v):
-    """Every pair satisfies Turn(a, alpha) Turn(b, beta) v = w (to the root of 1e-9 where the two are one), and one of them
-    is the pair that made w."""
+    """Every pair satisfies Turn(a, alpha) Turn(b, beta) v = w (to the root of 1e-9 where the two
+    are one), and one of them is the pair that made w.
+    """
     if np.linalg.norm(np.cross(a, b)) < 0.1:
         return
     w = turned(a, alpha, turned(b, beta, v))
@@ -46,12 +53,17 @@ def test_two_angles_turn_the_arm_onto_its_target(a, b, alpha, beta, v):
     for first, second in pairs:
         np.testing.assert_allclose(turned(a, first, turned(b, second, v)), w, atol=1e-4)
     if np.linalg.norm(np.cross(b, v)) > 0.1 and np.linalg.norm(np.cross(a, w)) > 0.1:
-        apart = [abs(math.remainder(p - alpha, math.tau)) + abs(math.remainder(q - beta, math.tau)) for p, q in pairs]
+        apart = [
+            abs(math.remainder(p - alpha, math.tau)) + abs(math.remainder(q - beta, math.tau))
+            for p, q in pairs
+        ]
         assert min(apart) < 1e-3
 
 
 def test_a_target_out_of_reach_has_no_angles():
-    """An arm along the second axis only turns on itself: nothing but its own circle about the first axis is met."""
+    """An arm along the second axis only turns on itself: nothing but its own circle about the first
+    axis is met.
+    """
     assert two_angles(np.eye(3)[2], np.eye(3)[0], np.eye(3)[0], np.eye(3)[2]) == []
 
 
@@ -66,7 +78,10 @@ def joint_hexapod(rods: Mechanism, kind: str) -> Mechanism:
         along = (ball - hinge) / np.linalg.norm(ball - hinge)
         first = np.cross(along, rng.normal(size=3))
         first /= np.linalg.norm(first)
-        joints = [Joint(f"u{i}", "U", hinge, first, np.cross(first, along)), Joint(f"s{i}", "S", ball)]
+        joints = [
+            Joint(f"u{i}", "U", hinge, first, np.cross(first, along)),
+            Joint(f"s{i}", "S", ball),
+        ]
         if kind == "UPS":
             length = float(np.linalg.norm(ball - hinge))
             joints.insert(1, Joint(f"p{i}", "P", hinge, along, actuated=True, zero=length))
@@ -84,7 +99,9 @@ def test_rods_and_universal_joints_give_the_same_poses():
     by_joints = symkin.modes(joint_hexapod(rods, "UPS"), joints=rods.example.joints)
     assert (by_joints.poses, len(by_joints)) == (len(by_rods), 64 * len(by_rods))
     assert by_joints.complex_count == 64 * by_rods.complex_count
-    heights = [sorted(mode.position[2] for mode in found.representatives) for found in (by_rods, by_joints)]
+    heights = [
+        sorted(mode.position[2] for mode in found.representatives) for found in (by_rods, by_joints)
+    ]
     np.testing.assert_allclose(heights[0], heights[1], atol=1e-8)
 
 
@@ -97,7 +114,10 @@ def test_a_rotary_hexapod_is_complete():
     assert (found.completeness, found.unresolved_paths) == ("probability one", 0)
     assert len(found) == 64 * found.poses
     assert max(mode.residual for mode in found) < 1e-9 * mechanism.characteristic_length
-    assert min(np.max(np.abs(mode.position - mechanism.reference_pose.position)) for mode in found) < 1e-8
+    assert (
+        min(np.max(np.abs(mode.position - mechanism.reference_pose.position)) for mode in found)
+        < 1e-8
+    )
 
 
 def links_start() -> tuple[object, Fibre]:
@@ -108,8 +128,9 @@ def links_start() -> tuple[object, Fibre]:
 
 
 def test_a_cover_stands_for_all_combinations():
-    """Three limbs of two branches: two roots a pose cover the eight of each of the four poses, and a combination of
-    branches that no root holds is no new root."""
+    """Three limbs of two branches: two roots a pose cover the eight of each of the four poses, and
+    a combination of branches that no root holds is no new root.
+    """
     system, start = links_start()
     assert start.z.shape[1] == 8
     assert complex_count(system, start.z) == 32
@@ -126,7 +147,9 @@ def test_a_cover_stands_for_all_combinations():
 
 @pytest.mark.slow
 def test_real_candidates_are_products_of_real_branches():
-    """At a pose whose limbs have 2, 2 and 2 real branches there are eight candidates, all different."""
+    """At a pose whose limbs have 2, 2 and 2 real branches there are eight candidates, all
+    different.
+    """
     mechanism = symkin.load("zhao2000_links")
     found = symkin.modes(mechanism)
     assert len(found) == 8 * found.poses

@@ -1,4 +1,6 @@
-"""Closed forms of blocks of rows: every value closes on all rows, they are all solutions, and a configuration tells its own."""
+"""Closed forms of blocks of rows: every value closes on all rows, they are all solutions, and a
+configuration tells its own.
+"""
 
 from __future__ import annotations
 
@@ -24,17 +26,36 @@ from helpers.inside import (
 from helpers.samples import delta, readme_five_bar, three_rps, three_rrr
 
 GROUPS = {
-    "four_bar": 1, "slider_crank": 1, "jansen_leg": 3, "klann_leg": 2, "watt_six_bar": 2, "excavator_bucket": 4, "pantograph_leg": 2,
+    "four_bar": 1,
+    "slider_crank": 1,
+    "jansen_leg": 3,
+    "klann_leg": 2,
+    "watt_six_bar": 2,
+    "excavator_bucket": 4,
+    "pantograph_leg": 2,
     "ankle's motors": 2,
-}  # fmt: skip
+}
 """Structure groups of linkages whose actuated joints are given; of the ankle its motors."""
-PLATFORMS = ["five-bar direct", "delta direct", "delta limb", "3-RRR limb", "3-RPS limb", "zhao2000 direct", "zhao2000 limb"]
-NAMES = [*PLATFORMS, *(f"{name} {number}" for name, count in GROUPS.items() for number in range(count))]
+PLATFORMS = [
+    "five-bar direct",
+    "delta direct",
+    "delta limb",
+    "3-RRR limb",
+    "3-RPS limb",
+    "zhao2000 direct",
+    "zhao2000 limb",
+]
+NAMES = [
+    *PLATFORMS,
+    *(f"{name} {number}" for name, count in GROUPS.items() for number in range(count)),
+]
 
 
 @cache
 def parts() -> dict[str, tuple[Problem, int]]:
-    """Blocks that have closed forms: of platforms, of their limbs, and structure groups of linkages."""
+    """Blocks that have closed forms: of platforms, of their limbs, and structure groups of
+    linkages.
+    """
     found = {
         "five-bar direct": (build_problem(readme_five_bar("planar"), "direct"), 0),
         "delta direct": (build_problem(delta(), "direct"), 0),
@@ -46,7 +67,11 @@ def parts() -> dict[str, tuple[Problem, int]]:
     }
     for name, count in GROUPS.items():
         mechanism = symkin.load("ankle" if name == "ankle's motors" else name)
-        given = ("ankle.1", "ankle.2") if name == "ankle's motors" else tuple(c.name for c in mechanism.actuated)
+        given = (
+            ("ankle.1", "ankle.2")
+            if name == "ankle's motors"
+            else tuple(c.name for c in mechanism.actuated)
+        )
         groups = structure_groups(build_problem(mechanism, "given", given))
         assert len(groups) == count
         found |= {f"{name} {number}": (group, 0) for number, group in enumerate(groups)}
@@ -66,7 +91,9 @@ def formulas(name: str) -> ClosedForm:
 
 
 def inputs(problem: Problem, count: int, seed: int = 7) -> np.ndarray:
-    """Known values about the reference, with other random numbers than those that the formulas were found by."""
+    """Known values about the reference, with other random numbers than those that the formulas were
+    found by.
+    """
     return np.concatenate([about(problem, problem.system, seed + k) for k in range(count // 3)])
 
 
@@ -85,7 +112,9 @@ def test_real_values_close_on_all_rows_and_tell_their_signs(name: str) -> None:
 def test_a_limb_that_not_every_pose_lets_close() -> None:
     """A limb R-P-S keeps its ball in a plane: of poses that do, both values close."""
     found, (problem, _) = formulas("3-RPS limb"), parts()["3-RPS limb"]
-    known = problem.reference_known + np.array([[0.0, 0.0, z, 0.0, 0.0, 0.0, 0.0] for z in (-20.0, 0.0, 30.0)])
+    known = problem.reference_known + np.array(
+        [[0.0, 0.0, z, 0.0, 0.0, 0.0, 0.0] for z in (-20.0, 0.0, 30.0)]
+    )
     solutions, size = found.solutions(known), found.system.characteristic_length
     assert solutions.real.all()
     assert solutions.clear.all()
@@ -106,17 +135,30 @@ def test_there_are_as_many_as_paths_find(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["five-bar direct", "delta direct", "zhao2000 direct", "3-RRR limb", "slider_crank 0", "jansen_leg 2"]
+    "name",
+    [
+        "five-bar direct",
+        "delta direct",
+        "zhao2000 direct",
+        "3-RRR limb",
+        "slider_crank 0",
+        "jansen_leg 2",
+    ],
 )
 def test_newton_from_random_starts_finds_no_other(name: str) -> None:
     found, (problem, _) = formulas(name), parts()[name]
     block, rng = found.system, np.random.default_rng(3)
     known = inputs(problem, 6)
     solutions = found.solutions(known)
-    starts = np.stack([
-        rng.uniform(-np.pi, np.pi, 300) if c.is_angular else rng.uniform(-2, 2, 300) * block.characteristic_length
-        for c in block.unknowns
-    ], axis=1)  # fmt: skip
+    starts = np.stack(
+        [
+            rng.uniform(-np.pi, np.pi, 300)
+            if c.is_angular
+            else rng.uniform(-2, 2, 300) * block.characteristic_length
+            for c in block.unknowns
+        ],
+        axis=1,
+    )
     angular = np.array([c.is_angular for c in block.unknowns])
     for row, values in enumerate(known):
         ends = block.polish_many(starts, values, 40).points
@@ -125,12 +167,24 @@ def test_newton_from_random_starts_finds_no_other(name: str) -> None:
         own = solutions.values[row][solutions.real[row]]
         apart = np.abs(ends[:, None] - own[None])
         apart[..., angular] = np.abs(np.angle(np.exp(1j * apart[..., angular])))
-        assert np.max(np.min(np.max(apart / np.where(angular, 1.0, block.characteristic_length), axis=2), axis=1)) < 1e-6
+        assert (
+            np.max(
+                np.min(
+                    np.max(apart / np.where(angular, 1.0, block.characteristic_length), axis=2),
+                    axis=1,
+                )
+            )
+            < 1e-6
+        )
 
 
 def test_circles_that_are_too_far_apart_do_not_meet() -> None:
-    """The bases are 150 apart, the cranks 100 and the couplers 150 long: both cranks outward leave 350 between circles of 150."""
-    solutions = formulas("five-bar direct").solutions(np.array([[np.pi / 2, -np.pi / 2], [0.0, 0.0]]))
+    """The bases are 150 apart, the cranks 100 and the couplers 150 long: both cranks outward leave
+    350 between circles of 150.
+    """
+    solutions = formulas("five-bar direct").solutions(
+        np.array([[np.pi / 2, -np.pi / 2], [0.0, 0.0]])
+    )
     assert solutions.real.tolist() == [[False, False], [True, True]]
 
 
@@ -138,9 +192,15 @@ def test_a_double_solution_is_not_clear() -> None:
     """A stretched five-bar: both circles touch."""
     found = formulas("five-bar direct")
     mechanism = parts()["five-bar direct"][0].mechanism
-    # the tips of the cranks, 100 above bases 150 apart, are 300 apart where both cranks lean outward by asin(75 / 100)
+    # the tips of the cranks, 100 above bases 150 apart, are 300 apart where both cranks lean
+    # outward by asin(75 / 100)
     stretched = np.arcsin(0.75)
-    reach = np.array([[mechanism.angle_in(0.0) + s * stretched for s in signs] for signs in itertools.product((1, -1), repeat=2)])
+    reach = np.array(
+        [
+            [mechanism.angle_in(0.0) + s * stretched for s in signs]
+            for signs in itertools.product((1, -1), repeat=2)
+        ]
+    )
     assert not found.solutions(reach).clear.all()
     assert found.solutions(np.zeros((1, 2))).clear.all()
 
@@ -150,7 +210,9 @@ def test_formulas_hold_for_relations_that_hold_at_all_samples() -> None:
     problem = build_problem(symkin.load("zhao2000_links"), "inverse")
     block, rng = problem.blocks[0], np.random.default_rng(0)
     quarter = rng.uniform(-0.2, 0.2, size=(3, 1))
-    level = problem.reference_known + np.hstack([rng.uniform(-20, 20, size=(3, 3)), np.zeros((3, 4))])
+    level = problem.reference_known + np.hstack(
+        [rng.uniform(-20, 20, size=(3, 3)), np.zeros((3, 4))]
+    )
     level[:, 3:] = np.hstack([np.cos(quarter), 0 * quarter, 0 * quarter, np.sin(quarter)])
     found = closed_form(block, level)
     assert found is not None
@@ -158,7 +220,10 @@ def test_formulas_hold_for_relations_that_hold_at_all_samples() -> None:
     solutions = found.solutions(level)
     assert solutions.real.sum() >= 4
     for row, which in zip(*np.nonzero(solutions.real), strict=True):
-        assert block.residual(solutions.values[row, which], level[row]) < 1e-10 * block.characteristic_length
+        assert (
+            block.residual(solutions.values[row, which], level[row])
+            < 1e-10 * block.characteristic_length
+        )
 
 
 @pytest.mark.parametrize("name", ["zhang2009", "zhao2000_links"])

@@ -1,4 +1,6 @@
-"""The compiled engine: the same roots as the vectorised one, failures that are seen, and no compiler that is required."""
+"""The compiled engine: the same roots as the vectorised one, failures that are seen, and no
+compiler that is required.
+"""
 
 import os
 import stat
@@ -36,7 +38,12 @@ def has_compiler() -> bool:
 
 
 pytestmark = pytest.mark.skipif(not has_compiler(), reason="no C compiler")
-MACHINES = [("zhang2009", "direct"), ("zhao2000", "direct"), ("zhao2000_links", "direct"), ("gluon_6l3", "inverse")]
+MACHINES = [
+    ("zhang2009", "direct"),
+    ("zhao2000", "direct"),
+    ("zhao2000_links", "direct"),
+    ("gluon_6l3", "inverse"),
+]
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -88,7 +95,7 @@ def farthest(system, a, b):
     return max(apart.min(axis=0).max(), apart.min(axis=1).max())
 
 
-# --- agreement ----------------------------------------------------------------------------------------------------
+# --- agreement ------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -99,7 +106,10 @@ def test_both_engines_reach_the_same_roots(name, kind, end):
     system, start = machine(name, kind)
     move = 0.5 * complex_normal(np.random.default_rng(3), len(start.k))
     target = start.k.real + 0.3 * move.real if end == "real" else start.k + move
-    ours, theirs = engine(system).track(start.z, start.k, target), tracker.track(system, start.z, start.k, target)
+    ours, theirs = (
+        engine(system).track(start.z, start.k, target),
+        tracker.track(system, start.z, start.k, target),
+    )
     assert ours.arrived.all()
     assert theirs.arrived.all()
     a, b = (tracker.newton(system, tracked.z, target)[0] for tracked in (ours, theirs))
@@ -136,10 +146,14 @@ def test_paths_may_have_known_values_of_their_own():
 
 
 FUNCTIONS = {
-    "sin": (ca.sin, np.sin), "cos": (ca.cos, np.cos), "tan": (ca.tan, np.tan),
+    "sin": (ca.sin, np.sin),
+    "cos": (ca.cos, np.cos),
+    "tan": (ca.tan, np.tan),
     "sin of -x": (lambda x: ca.sin(-x), lambda x: -np.sin(x)),
-    "exp": (ca.exp, np.exp), "sqrt": (ca.sqrt, np.sqrt), "quotient": (lambda x: (1 + x) / (2 - x), lambda x: (1 + x) / (2 - x)),
-}  # fmt: skip
+    "exp": (ca.exp, np.exp),
+    "sqrt": (ca.sqrt, np.sqrt),
+    "quotient": (lambda x: (1 + x) / (2 - x), lambda x: (1 + x) / (2 - x)),
+}
 
 
 @pytest.mark.slow
@@ -150,32 +164,42 @@ def test_functions_of_lanes_are_the_complex_functions(name):
     z, k = ca.SX.sym("z"), ca.SX.sym("k")
     rng = np.random.default_rng(6)
     known = np.concatenate([complex_normal(rng, 1, 300) * s for s in (1e-9, 0.1, 1.0, 4.0)], axis=1)
-    known = np.concatenate([known, 10.0 * rng.normal(size=(1, 300)) + 1j * rng.normal(size=(1, 300))], axis=1)
+    known = np.concatenate(
+        [known, 10.0 * rng.normal(size=(1, 300)) + 1j * rng.normal(size=(1, 300))], axis=1
+    )
     found, _ = engine(small([z - ours(k)], z, k)).newton(np.zeros_like(known), known, 2)
     expected = theirs(known)
     assert np.max(np.abs(found - expected) / (np.abs(expected) + 1e-3)) < 1e-12
 
 
-# --- failures -----------------------------------------------------------------------------------------------------
+# --- failures -------------------------------------------------------------------------------------
 
 
 def test_paths_that_merge_do_not_arrive():
-    """At a double root the derivative of the path is infinite: both stop short of the end, at finite points."""
-    tracked = engine(square()).track(np.sqrt(np.array([[0.6 + 0.8j]])) * [[1, -1]], np.array([0.6 + 0.8j]), np.zeros(1))
+    """At a double root the derivative of the path is infinite: both stop short of the end, at
+    finite points.
+    """
+    tracked = engine(square()).track(
+        np.sqrt(np.array([[0.6 + 0.8j]])) * [[1, -1]], np.array([0.6 + 0.8j]), np.zeros(1)
+    )
     assert not tracked.arrived.any()
     assert np.all((tracked.s > 0.9) & (tracked.s < 1.0))
     np.testing.assert_allclose(tracked.z**2, [(0.6 + 0.8j) * (1 - tracked.s)], atol=1e-7)
 
 
 def test_a_path_through_a_double_root_stops_there():
-    """From k = 1 to -1 through 0 along the real line no path may jump the branch point, whose roots are lost."""
+    """From k = 1 to -1 through 0 along the real line no path may jump the branch point, whose roots
+    are lost.
+    """
     tracked = engine(square()).track(np.array([[1.0, -1.0]]), np.array([1.0]), np.array([-1.0]))
     assert not tracked.arrived.any()
     assert np.all(tracked.s < 0.5 + 1e-8)
 
 
 def test_numbers_that_are_not_finite_spoil_only_their_own_path():
-    """NaN and infinity do not arrive; their neighbours in the lanes do, at the same points as without them."""
+    """NaN and infinity do not arrive; their neighbours in the lanes do, at the same points as
+    without them.
+    """
     system, start = machine("zhang2009", "direct")
     target = start.k + 0.3 * complex_normal(np.random.default_rng(7), len(start.k))
     z = start.z[:, :9].copy()
@@ -198,7 +222,9 @@ def test_steps_are_bounded():
 
 
 def test_rows_that_contradict_each_other_at_the_end_are_seen():
-    """z = k1 and z = k2 have a root only where k1 = k2, whatever combination of the rows is tracked."""
+    """z = k1 and z = k2 have a root only where k1 = k2, whatever combination of the rows is
+    tracked.
+    """
     z, k = ca.SX.sym("z"), ca.SX.sym("k", 2)
     follow = engine(small([z - k[0], z - k[1]], z, k))
     begin = np.array([1.0 + 1j, 1.0 + 1j])
@@ -217,7 +243,7 @@ def test_arrays_that_do_not_fit_are_refused():
     assert follow.track(np.ones((1, 0)), np.ones(1), np.ones(1)).arrived.shape == (0,)
 
 
-# --- compilers and the cache --------------------------------------------------------------------------------------
+# --- compilers and the cache ----------------------------------------------------------------------
 
 
 def script(folder, text):
@@ -240,7 +266,9 @@ def test_a_compiler_that_fails_gives_a_reason(monkeypatch, named):
 def test_a_compiler_that_fails_on_the_source_gives_its_message(monkeypatch, tmp_path):
     """One that answers questions but compiles nothing."""
     real = next(find_compilers("", os.environ["PATH"])).command[0]
-    fails = script(tmp_path, f'case "$*" in *-dM*) exec {real} "$@";; esac; echo "disk is full" >&2; exit 4')
+    fails = script(
+        tmp_path, f'case "$*" in *-dM*) exec {real} "$@";; esac; echo "disk is full" >&2; exit 4'
+    )
     monkeypatch.setenv("CC", fails)
     monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path / "cache"))
     found, reason = compiled.load(square())
@@ -264,7 +292,9 @@ def test_flags_for_the_processor_are_dropped_where_they_are_refused(monkeypatch,
     target = start.k + 0.3 * complex_normal(np.random.default_rng(8), len(start.k))
     native = engine(system).track(start.z, start.k, target)
     real = next(find_compilers("", os.environ["PATH"])).command[0]
-    monkeypatch.setenv("CC", script(tmp_path, f'case "$*" in *-march=native*) exit 1;; esac; exec {real} "$@"'))
+    monkeypatch.setenv(
+        "CC", script(tmp_path, f'case "$*" in *-march=native*) exit 1;; esac; exec {real} "$@"')
+    )
     plain = engine(system).track(start.z, start.k, target)
     assert native.arrived.all()
     assert plain.arrived.all()
@@ -300,7 +330,9 @@ def test_a_damaged_library_is_built_again(monkeypatch, tmp_path, damage):
     if damage == "a folder":
         library.mkdir()
     else:
-        library.write_bytes(content[: len(content) // 2] if damage == "truncated" else content[:-1] + b"x")
+        library.write_bytes(
+            content[: len(content) // 2] if damage == "truncated" else content[:-1] + b"x"
+        )
     tracked = engine(square()).track(np.ones((1, 1)), np.ones(1), np.full(1, 2.0 + 1j))
     np.testing.assert_allclose(tracked.z**2, 2.0 + 1j, atol=1e-9)
 
@@ -327,7 +359,10 @@ def test_two_processes_may_build_at_once(tmp_path):
     """Both work, and the cache holds nothing half-written."""
     environment = {**os.environ, "SYMKIN_CACHE": str(tmp_path)}
     command = [sys.executable, "-c", BUILD]
-    runs = [subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    runs = [
+        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+        for _ in range(2)
+    ]
     for run in runs:
         out, _ = run.communicate(timeout=120)
         assert run.returncode == 0
@@ -335,7 +370,7 @@ def test_two_processes_may_build_at_once(tmp_path):
     assert list(tmp_path.iterdir()) == list(tmp_path.glob("*.so"))
 
 
-# --- what has no lane code ----------------------------------------------------------------------------------------
+# --- what has no lane code ------------------------------------------------------------------------
 
 
 def test_operations_without_a_complex_form_are_refused():

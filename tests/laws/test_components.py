@@ -1,8 +1,9 @@
 """Modes on parts of a closure that no loop of the joint values connects.
 
-A translating platform on a limb U R R, whose last two axes are along x, and on a rod: the limb keeps the orientation where
-Turn(a, alpha) Turn(b, beta) Turn(x, r3 + r4) = 1, so that a . Turn(x, -t) b = a . b for t = r3 + r4. This holds for t = 0
-and for one other t, whatever the rod's length: two circles of positions, each of which the rod meets in two places or none.
+A translating platform on a limb U R R, whose last two axes are along x, and on a rod: the limb
+keeps the orientation where Turn(a, alpha) Turn(b, beta) Turn(x, r3 + r4) = 1, so that a . Turn(x,
+-t) b = a . b for t = r3 + r4. This holds for t = 0 and for one other t, whatever the rod's length:
+two circles of positions, each of which the rod meets in two places or none.
 """
 
 from __future__ import annotations
@@ -34,21 +35,39 @@ def machine(a: np.ndarray, b: np.ndarray, points: np.ndarray) -> Mechanism:
         ),
     )
     rod = RodLimb("rod", tuple(base), tuple(end), type="UPS")
-    return Mechanism("two_circles", (limb, rod), tuple(origin), motion="translation", length_unit="mm", angle_unit="deg")
+    return Mechanism(
+        "two_circles",
+        (limb, rod),
+        tuple(origin),
+        motion="translation",
+        length_unit="mm",
+        angle_unit="deg",
+    )
 
 
 def sums(a: np.ndarray, b: np.ndarray) -> list[float]:
-    """Both values of r3 + r4: a . Turn(x, -t) b = a . b is (1 - cos t) A + B sin t = 0, with the parts of b normal to x."""
+    """Both values of r3 + r4: a . Turn(x, -t) b = a . b is (1 - cos t) A + B sin t = 0, with the
+    parts of b normal to x.
+    """
     flat = b - b[0] * X
     first, second = a @ flat, -a @ np.cross(X, flat)
     return [0.0, 2 * np.arctan2(second, first)]
 
 
-def heights(a: np.ndarray, b: np.ndarray, points: np.ndarray, t: float, r3: np.ndarray) -> np.ndarray:
-    """Positions of the platform for values of r3, at a sum t: the universal joint turns by Turn(x, -t) in all."""
+def heights(
+    a: np.ndarray, b: np.ndarray, points: np.ndarray, t: float, r3: np.ndarray
+) -> np.ndarray:
+    """Positions of the platform for values of r3, at a sum t: the universal joint turns by Turn(x,
+    -t) in all.
+    """
     u, p3, p4, _, _, origin = points
     around = turn(X, -t)
-    return np.array([u + around @ (p3 - u + turn(X, q) @ (p4 - p3 + turn(X, t - q) @ (origin - p4))) for q in r3])
+    return np.array(
+        [
+            u + around @ (p3 - u + turn(X, q) @ (p4 - p3 + turn(X, t - q) @ (origin - p4)))
+            for q in r3
+        ]
+    )
 
 
 @pytest.mark.slow
@@ -60,7 +79,9 @@ def test_modes_on_both_circles_are_listed(seed):
         points = 100.0 * rng.normal(size=(6, 3))
         base, end = points[3:5]
         q = np.linspace(-np.pi, np.pi, 2001)
-        lengths = [np.linalg.norm(heights(a, b, points, t, q) + end - base, axis=1) for t in sums(a, b)]
+        lengths = [
+            np.linalg.norm(heights(a, b, points, t, q) + end - base, axis=1) for t in sums(a, b)
+        ]
         low, high = max(d.min() for d in lengths), min(d.max() for d in lengths)
         if high - low > 20.0:
             break
@@ -73,5 +94,8 @@ def test_modes_on_both_circles_are_listed(seed):
     assert found.completeness == "probability one"
     assert len(found.modes) == 4
     for t, expected in zip(sums(a, b), (2, 2), strict=True):
-        apart = [np.angle(np.exp(1j * (np.radians(m.joints["r3"] + m.joints["r4"]) - t))) for m in found.modes]
+        apart = [
+            np.angle(np.exp(1j * (np.radians(m.joints["r3"] + m.joints["r4"]) - t)))
+            for m in found.modes
+        ]
         assert sum(abs(angle) < 1e-9 for angle in apart) == expected

@@ -1,5 +1,6 @@
-"""Continuation: the algebraic closure, the tracker's roots, generic counts, and completeness that says no more than it
-knows."""
+"""Continuation: the algebraic closure, the tracker's roots, generic counts, and completeness that
+says no more than it knows.
+"""
 
 import math
 from dataclasses import replace
@@ -31,7 +32,7 @@ from helpers.known_roots import DIETMAIER, dietmaier
 from helpers.samples import delta, five_bar, hexapod, three_rps, three_rrr
 from symkin import Joint, Limb, Mechanism, Pose
 
-# --- the algebraic closure ----------------------------------------------------------------------------------------
+# --- the algebraic closure ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("form", ["study", "homogeneous"])
@@ -43,18 +44,27 @@ def test_algebraic_rows_are_the_closure_rows_at_unit_quaternions(name, form):
     rng = np.random.default_rng(1)
     for _ in range(5):
         values = random_values(closure.coordinates, closure.characteristic_length, rng)
-        joints = np.concatenate([values[closure.slices[c.name]] for c in closure.role("actuated", "passive")])
-        t, e = values[closure.slices["pose.x"].start :][:3], values[closure.slices["pose.quaternion"]]
+        joints = np.concatenate(
+            [values[closure.slices[c.name]] for c in closure.role("actuated", "passive")]
+        )
+        t, e = (
+            values[closure.slices["pose.x"].start :][:3],
+            values[closure.slices["pose.quaternion"]],
+        )
         product = inside.multiply(np.array([0.0, *t]), e)
         pose = np.concatenate([e, 0.5 * product]) if form == "study" else np.concatenate([t, e])
         rows = ca.Function("a", [algebraic.joints, algebraic.pose], [algebraic.rows])(joints, pose)
         expected = ca.Function("c", [closure.variables], [closure.bound(closure.rows)])(values)
-        np.testing.assert_allclose(np.asarray(rows), np.asarray(expected), atol=1e-9 * closure.characteristic_length)
+        np.testing.assert_allclose(
+            np.asarray(rows), np.asarray(expected), atol=1e-9 * closure.characteristic_length
+        )
 
 
 @pytest.mark.parametrize("name", ["zhang2009", "zhao2000_links"])
 def test_study_rows_are_homogeneous(name):
-    """A ray is a pose: scaling (e, g) by any complex number keeps roots roots (rows scale by its powers 1 or 2)."""
+    """A ray is a pose: scaling (e, g) by any complex number keeps roots roots (rows scale by its
+    powers 1 or 2).
+    """
     (system,) = algebraic_systems(build_problem(symkin.load(name), "direct"))
     rng = np.random.default_rng(2)
     z = rng.normal(size=(system.width, 1)) + 1j * rng.normal(size=(system.width, 1))
@@ -67,18 +77,26 @@ def test_study_rows_are_homogeneous(name):
 
 
 def test_vectorised_code_is_the_function():
-    """The written NumPy code gives CasADi's values on real points, lane by lane, and is analytic on complex ones."""
+    """The written NumPy code gives CasADi's values on real points, lane by lane, and is analytic on
+    complex ones.
+    """
     x = ca.SX.sym("x", 2)
-    expression = ca.vertcat(ca.sin(x[0]) * x[1] ** 2 / (1 + x[0]), ca.sqrt(x[0] + 3) - 2 * ca.cos(x[1]))
+    expression = ca.vertcat(
+        ca.sin(x[0]) * x[1] ** 2 / (1 + x[0]), ca.sqrt(x[0] + 3) - 2 * ca.cos(x[1])
+    )
     code = vectorise(ca.Function("f", [x], [expression]))
     points = np.random.default_rng(0).uniform(0.1, 1, (2, 7))
     out = np.zeros((7, 2, 1), dtype=complex)
     code(points + 0j, out)
-    expected = np.array([np.asarray(ca.Function("f", [x], [expression])(p)).ravel() for p in points.T])
+    expected = np.array(
+        [np.asarray(ca.Function("f", [x], [expression])(p)).ravel() for p in points.T]
+    )
     np.testing.assert_allclose(out[:, :, 0], expected, rtol=1e-14)
     step, shifted = 1e-20, np.zeros((7, 2, 1), dtype=complex)
     code(points + step * np.array([[1j], [0]]), shifted)
-    slope = np.array([np.asarray(ca.Function("j", [x], [ca.jacobian(expression, x)])(p))[:, 0] for p in points.T])
+    slope = np.array(
+        [np.asarray(ca.Function("j", [x], [ca.jacobian(expression, x)])(p))[:, 0] for p in points.T]
+    )
     np.testing.assert_allclose(shifted[:, :, 0].imag / step, slope, rtol=1e-12)
 
 
@@ -94,7 +112,9 @@ def test_real_points_come_back():
 
 
 def test_the_universal_start_has_forty_distinct_roots():
-    """40 roots of six random complex distances, the bound of Ronga and Vust (1992), each to rounding."""
+    """40 roots of six random complex distances, the bound of Ronga and Vust (1992), each to
+    rounding.
+    """
     start, system = universal_start(), universal_system()
     rows, _ = system.linearise(start.z, np.repeat(start.k[:, None], BOUND, axis=1))
     assert np.max(np.abs(rows)) < 1e-12
@@ -103,7 +123,7 @@ def test_the_universal_start_has_forty_distinct_roots():
     assert distance.min() > 1e-4
 
 
-# --- counts -------------------------------------------------------------------------------------------------------
+# --- counts ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -118,33 +138,60 @@ def test_the_universal_start_has_forty_distinct_roots():
         (symkin.load("zhang2009"), {"pose": [10, 20, 300, 1, 0, 0, 0]}, 1, 1),
         (symkin.load("zhao2000"), {"pose": [5, 5, 105, 1, 0, 0, 0]}, 8, 8),
     ],
-    ids=["dietmaier", "zhang2009", "zhao2000", "zhao2000_links", "yao2020", "gluon_6l3", "zhang inverse", "zhao inverse"],
+    ids=[
+        "dietmaier",
+        "zhang2009",
+        "zhao2000",
+        "zhao2000_links",
+        "yao2020",
+        "gluon_6l3",
+        "zhang inverse",
+        "zhao inverse",
+    ],
 )
 def test_counts_of_the_shipped_mechanisms_and_of_dietmaier(mechanism, given, complex_count, real):
-    """Published or twice computed counts: Dietmaier 40 of 40; 28 and 4; 4 lines' poses; 32 = 4 poses x 8; 8 for a Pieper
-    arm with a slide; 8 for three parallel axes; rods one; 2 branches a plane. Proved where a theorem's bound is reached: 40
-    for six distances (Ronga and Vust 1992), one length a rod; every real mode is certified unless rows are redundant."""
+    """Published or twice computed counts: Dietmaier 40 of 40; 28 and 4; 4 lines' poses; 32 = 4
+    poses x 8; 8 for a Pieper arm with a slide; 8 for three parallel axes; rods one; 2 branches a
+    plane. Proved where a theorem's bound is reached: 40 for six distances (Ronga and Vust 1992),
+    one length a rod; every real mode is certified unless rows are redundant.
+    """
     found = symkin.modes(mechanism, **given, method="continuation")
     assert (found.complex_count, len(found), found.unresolved_paths) == (complex_count, real, 0)
-    bounded = mechanism.name == "dietmaier1998" or (mechanism.name == "zhang2009" and "pose" in given)
-    assert (found.completeness, found.method) == ("proved" if bounded else "probability one", "continuation")
+    bounded = mechanism.name == "dietmaier1998" or (
+        mechanism.name == "zhang2009" and "pose" in given
+    )
+    assert (found.completeness, found.method) == (
+        "proved" if bounded else "probability one",
+        "continuation",
+    )
     assert max(mode.residual for mode in found) < 1e-12 * mechanism.characteristic_length
     if mechanism.name == "zhao2000_links":
         assert not any(mode.certified for mode in found)
         assert any("17 rows for 16 unknowns" in note for note in found.notes)
     else:
-        assert all(mode.certified and mode.radius < 1e-9 * mechanism.characteristic_length for mode in found)
+        assert all(
+            mode.certified and mode.radius < 1e-9 * mechanism.characteristic_length
+            for mode in found
+        )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("mechanism", "complex_count"),
-    [(five_bar(), 2), (three_rrr("planar"), 6), (delta(), 2), (replace(delta(), motion="spatial"), 40), (three_rps(), 16)],
+    [
+        (five_bar(), 2),
+        (three_rrr("planar"), 6),
+        (delta(), 2),
+        (replace(delta(), motion="spatial"), 40),
+        (three_rps(), 16),
+    ],
     ids=["five-bar", "3-RRR", "delta", "delta spatial", "3-RPS"],
 )
 def test_generic_counts_by_the_same_code(mechanism, complex_count, cache):
-    """Known counts: five-bar 2, planar 3-RRR 6 (Gosselin 1992), delta 2, and 40 when its platform may turn; 3-RPS 16,
-    in two operation modes of 8 (Schadlbauer, Walter, Husty 2014). Nothing lost against multistart."""
+    """Known counts: five-bar 2, planar 3-RRR 6 (Gosselin 1992), delta 2, and 40 when its platform
+    may turn; 3-RPS 16, in two operation modes of 8 (Schadlbauer, Walter, Husty 2014). Nothing lost
+    against multistart.
+    """
     shift = np.random.default_rng(3).uniform(-0.15, 0.15, len(mechanism.actuated))
     joints = [
         mechanism.angle_out(c.reference[0] + d) if c.is_angular else c.reference[0] * (1 + 0.3 * d)
@@ -160,26 +207,37 @@ def test_generic_counts_by_the_same_code(mechanism, complex_count, cache):
 
 @pytest.mark.slow
 def test_random_platforms_lose_nothing(cache):
-    """Random 6-6 geometries: 40 complex roots, an even number of real ones, the pose that made the lengths among them."""
+    """Random 6-6 geometries: 40 complex roots, an even number of real ones, the pose that made the
+    lengths among them.
+    """
     rng = np.random.default_rng(4)
     for _ in range(8):
         platform = hexapod(rng.normal(size=(6, 3)), 0.6 * rng.normal(size=(6, 3)), 1.5)
         q, t = rng.normal(size=4), rng.normal(size=3)
         pose = Pose(t, q / np.linalg.norm(q))
-        found = symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values)
+        found = symkin.modes(
+            platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values
+        )
         assert (found.complex_count, found.unresolved_paths, len(found) % 2) == (40, 0, 0)
-        errors = [max(np.max(np.abs(m.position - t)), np.max(np.abs(m.rotation - pose.rotation))) for m in found]
+        errors = [
+            max(np.max(np.abs(m.position - t)), np.max(np.abs(m.rotation - pose.rotation)))
+            for m in found
+        ]
         assert min(errors) < 1e-8
 
 
 def test_random_legs_of_a_symmetric_platform():
-    """Base and platform in parallel planes of one symmetry: 28 complex roots, real ones in mirror pairs z -> -z."""
+    """Base and platform in parallel planes of one symmetry: 28 complex roots, real ones in mirror
+    pairs z -> -z.
+    """
     platform = symkin.load("zhang2009")
     rng = np.random.default_rng(6)
     for _ in range(12):
         q = np.array([1.0, 0, 0, 0]) + 0.2 * rng.normal(size=4)
         pose = Pose(rng.normal(size=3) * 80 + [0, 0, 300], q / np.linalg.norm(q))
-        found = symkin.modes(platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values)
+        found = symkin.modes(
+            platform, joints=symkin.solve(platform, pose=pose).solution.actuated_values
+        )
         assert (found.complex_count, found.unresolved_paths) == (28, 0)
         heights = sorted(m.position[2] for m in found)
         np.testing.assert_allclose(heights, [-h for h in reversed(heights)], atol=1e-6)
@@ -190,27 +248,35 @@ def test_complex_roots_come_in_conjugate_pairs():
     problem = build_problem(symkin.load("zhang2009"), "direct")
     (system,) = algebraic_systems(problem)
     start, _ = start_store.start_of(problem, system, problem.blocks[0])
-    ends = instance(system, start, known_values(problem, np.array(symkin.load("zhang2009").example.joints)))
+    ends = instance(
+        system, start, known_values(problem, np.array(symkin.load("zhang2009").example.joints))
+    )
     f, g = system.features(ends.z), system.features(np.conj(ends.z))
     assert np.max(np.min(np.max(np.abs(f[:, None] - g[None]), axis=2), axis=0)) < 1e-8
 
 
-# --- what is not claimed ------------------------------------------------------------------------------------------
+# --- what is not claimed --------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 def test_symmetric_joint_values_are_not_claimed(cache):
-    """At the delta's symmetric reference with a free platform, roots run to infinity together: what is listed closes, and
-    completeness is claimed only if no path is unresolved."""
+    """At the delta's symmetric reference with a free platform, roots run to infinity together: what
+    is listed closes, and completeness is claimed only if no path is unresolved.
+    """
     found = symkin.modes(replace(delta(), motion="spatial"))
     assert all(mode.residual < 1e-9 * found.problem.closure.characteristic_length for mode in found)
     assert (found.completeness == "probability one") == (found.unresolved_paths == 0)
 
 
 def test_helical_joints_are_sampled_with_the_reason():
-    """A closure with an unknown helix angle is not algebraic: multistart, and the note names the joint."""
+    """A closure with an unknown helix angle is not algebraic: multistart, and the note names the
+    joint.
+    """
     z = (0, 0, 1)
-    left = Limb("left", [Joint("a", "R", (0, 0, 0), z, actuated=True), Joint("h", "H", (1, 0, 0), z, pitch=0.3)])
+    left = Limb(
+        "left",
+        [Joint("a", "R", (0, 0, 0), z, actuated=True), Joint("h", "H", (1, 0, 0), z, pitch=0.3)],
+    )
     right = Limb("right", [Joint("b", "R", (4, 0, 0), z), Joint("s", "S", (2, 1, 0))])
     found = symkin.modes(Mechanism("helix", [left, right], platform_position=(2, 1, 0)), starts=200)
     assert found.completeness == "sampled"
@@ -219,7 +285,9 @@ def test_helical_joints_are_sampled_with_the_reason():
 
 @pytest.mark.slow
 def test_a_continuum_is_incomplete_and_named(cache):
-    """Equal base and platform, parallel legs: a sphere of translations. No mode of it is counted, nothing is claimed."""
+    """Equal base and platform, parallel legs: a sphere of translations. No mode of it is counted,
+    nothing is claimed.
+    """
     ends = np.random.default_rng(0).uniform(-100, 100, (6, 3))
     found = symkin.modes(hexapod(ends, ends), joints=[150.0] * 6)
     assert found.positive_dimensional
@@ -228,7 +296,9 @@ def test_a_continuum_is_incomplete_and_named(cache):
 
 
 def test_a_double_root_is_one_and_flagged():
-    """All legs at the flat, coincident position: one multiple root, returned once, called singular and double."""
+    """All legs at the flat, coincident position: one multiple root, returned once, called singular
+    and double.
+    """
     platform = symkin.load("zhang2009")
     reference = [c.reference[0] for c in platform.actuated]
     found = symkin.modes(platform, joints=reference)
@@ -238,12 +308,14 @@ def test_a_double_root_is_one_and_flagged():
     assert "double" in str(found)
 
 
-# --- the store ----------------------------------------------------------------------------------------------------
+# --- the store ------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 def test_starts_are_kept_and_damage_is_survived(cache):
-    """A start is written once, read again, and computed anew where its file is damaged; the answer is the same."""
+    """A start is written once, read again, and computed anew where its file is damaged; the answer
+    is the same.
+    """
     mechanism = five_bar()
     first = symkin.modes(mechanism)
     (file,) = cache.glob("*.npz")
@@ -255,13 +327,17 @@ def test_starts_are_kept_and_damage_is_survived(cache):
 
 
 def test_every_shipped_start_is_read():
-    """The wheel carries a start for each problem of each shipped mechanism of limbs: none is computed."""
+    """The wheel carries a start for each problem of each shipped mechanism of limbs: none is
+    computed.
+    """
     for name in (name for name in symkin.shipped_names() if not symkin.load(name).is_graph):
         for kind in ("direct", "inverse"):
             problem = build_problem(symkin.load(name), kind)
             if not problem.is_explicit:
                 for system in algebraic_systems(problem):
-                    assert (start_files.SHIPPED / f"{start_store.start_key(problem, system)}.npz").exists(), (name, kind)
+                    assert (
+                        start_files.SHIPPED / f"{start_store.start_key(problem, system)}.npz"
+                    ).exists(), (name, kind)
 
 
 @pytest.mark.slow
@@ -273,12 +349,22 @@ def test_an_unwritable_cache_only_costs_time(monkeypatch):
 
 @pytest.mark.slow
 def test_whole_turns_change_nothing():
-    """Joint values of many turns are the same problem: the same modes and counts as without the turns."""
+    """Joint values of many turns are the same problem: the same modes and counts as without the
+    turns.
+    """
     plain = symkin.modes(five_bar(), joints=[math.degrees(0.3), math.degrees(-0.2)])
-    far = symkin.modes(five_bar(), joints=[math.degrees(0.3) + 360 * 10**6, math.degrees(-0.2) - 360 * 10**6])
-    assert (far.complex_count, far.completeness, len(far)) == (plain.complex_count, plain.completeness, len(plain))
+    far = symkin.modes(
+        five_bar(), joints=[math.degrees(0.3) + 360 * 10**6, math.degrees(-0.2) - 360 * 10**6]
+    )
+    assert (far.complex_count, far.completeness, len(far)) == (
+        plain.complex_count,
+        plain.completeness,
+        len(plain),
+    )
     for a, b in zip(plain, far, strict=True):
-        np.testing.assert_allclose(a.position, b.position, atol=1e-6 * plain.problem.closure.characteristic_length)
+        np.testing.assert_allclose(
+            a.position, b.position, atol=1e-6 * plain.problem.closure.characteristic_length
+        )
 
 
 def test_an_unknown_engine_is_refused(monkeypatch):

@@ -1,4 +1,6 @@
-"""What is not known of one part is not known of the whole; what random starts cannot tell is bounded."""
+"""What is not known of one part is not known of the whole; what random starts cannot tell is
+bounded.
+"""
 
 import numpy as np
 import pytest
@@ -10,7 +12,9 @@ from symkin import InputError, Joint, Limb, Mechanism
 
 
 def skew_limb(number: int) -> Limb:
-    """R R S whose two axes are skew: its formulas have branches that must meet a further condition."""
+    """R R S whose two axes are skew: its formulas have branches that must meet a further
+    condition.
+    """
     angle = 2.1 * number
     base = np.array([2 * np.cos(angle), 2 * np.sin(angle), 0.0])
     points = [base, base + [0.3, 0.5, 0.2], base + [0.1, 0.2, 1.4]]
@@ -31,7 +35,10 @@ def test_limbs_without_a_count_have_none_together(limbs):
     machine = Mechanism("skew", [skew_limb(k) for k in range(limbs)], platform_position=(0, 0, 1.4))
     found = symkin.modes(machine, pose=[0, 0, 1.4, 1, 0, 0, 0])
     assert len(found) >= 1
-    alone = symkin.modes(Mechanism("skew", [skew_limb(0)], platform_position=(0, 0, 1.4)), pose=[0, 0, 1.4, 1, 0, 0, 0])
+    alone = symkin.modes(
+        Mechanism("skew", [skew_limb(0)], platform_position=(0, 0, 1.4)),
+        pose=[0, 0, 1.4, 1, 0, 0, 0],
+    )
     if alone.complex_count is None:
         assert found.complex_count is None
     else:
@@ -39,29 +46,41 @@ def test_limbs_without_a_count_have_none_together(limbs):
 
 
 def test_no_sum_and_no_product_knows_what_a_part_does_not():
-    assert (product_of_counts([2, NOT_KNOWN]), product_of_counts([NOT_KNOWN, NOT_KNOWN]), sum_of_counts([1, NOT_KNOWN])) == (
-        None,
-    ) * 3
-    assert (product_of_counts([3.0, 4]), sum_of_counts([3.0, 4]), product_of_counts([])) == (12, 7, 1)
+    assert (
+        product_of_counts([2, NOT_KNOWN]),
+        product_of_counts([NOT_KNOWN, NOT_KNOWN]),
+        sum_of_counts([1, NOT_KNOWN]),
+    ) == (None,) * 3
+    assert (product_of_counts([3.0, 4]), sum_of_counts([3.0, 4]), product_of_counts([])) == (
+        12,
+        7,
+        1,
+    )
 
 
-# --- random starts -------------------------------------------------------------------------------------------------
+# --- random starts --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("doubt", [0.05, 0.01])
 def test_the_bound_of_a_probability_is_its_definition(doubt):
-    """At the bound as few successes as were seen have the probability `doubt`; without any it is the rule of three."""
+    """At the bound as few successes as were seen have the probability `doubt`; without any it is
+    the rule of three.
+    """
     from scipy.stats import binom
 
     for trials, seen in ((1, 0), (10, 3), (1000, 0), (1000, 17)):
-        assert binom.cdf(seen, trials, binomial_bound(trials, seen, doubt)) == pytest.approx(doubt, rel=1e-6)
+        assert binom.cdf(seen, trials, binomial_bound(trials, seen, doubt)) == pytest.approx(
+            doubt, rel=1e-6
+        )
     assert binomial_bound(0, 0, doubt) == binomial_bound(5, 5, doubt) == 1.0
     assert binomial_bound(1000, 0, 0.05) == pytest.approx(3.0 / 1000, rel=0.01)
 
 
 def test_what_is_missing_is_within_the_bound():
-    """A problem of 140 modes of unlike shares, sampled 400 times as `distinct` counts: what is missing has more hits than the bound in
-    fewer than 5 of 100 cases, and is not said to be nothing where one is missing."""
+    """A problem of 140 modes of unlike shares, sampled 400 times as `distinct` counts: what is
+    missing has more hits than the bound in fewer than 5 of 100 cases, and is not said to be nothing
+    where one is missing.
+    """
     rng = np.random.default_rng(8)
     shares = rng.gamma(0.7, size=140)
     shares /= shares.sum()
@@ -82,18 +101,31 @@ def test_what_is_missing_is_within_the_bound():
 def test_a_graph_is_sampled_as_limbs_are(solver):
     """Starts, hits and the bound are told, and the solver that is named is the one that runs."""
     options = {} if solver is None else {"solver": solver}
-    found = symkin.modes(symkin.load("four_bar"), given={"crank": 60.0}, method="multistart", starts=40, seed=3, **options)
+    found = symkin.modes(
+        symkin.load("four_bar"),
+        given={"crank": 60.0},
+        method="multistart",
+        starts=40,
+        seed=3,
+        **options,
+    )
     told = found.to_dict()
     assert (len(found), found.completeness, told["starts"], told["seed"]) == (2, "sampled", 40, 3)
     assert told["method"] == ("multistart" if solver is None else "multistart newton")
     assert 0 < min(told["hits"]) <= sum(told["hits"]) <= 40
-    assert told["unseen_share_95"] == pytest.approx(binomial_bound((sum(told["hits"]) + 1) // 2, 0, 0.05))
+    assert told["unseen_share_95"] == pytest.approx(
+        binomial_bound((sum(told["hits"]) + 1) // 2, 0, 0.05)
+    )
     assert "at most" in str(found)
 
 
 def test_hits_of_a_tree_are_those_of_its_rarest_choice():
-    """Of two blocks in a row, each mode has the hits of the rarer of its parts, and no start count is lost."""
-    found = symkin.modes(symkin.load("jansen_leg"), given={"crank": 40.0}, method="multistart", starts=60)
+    """Of two blocks in a row, each mode has the hits of the rarer of its parts, and no start count
+    is lost.
+    """
+    found = symkin.modes(
+        symkin.load("jansen_leg"), given={"crank": 40.0}, method="multistart", starts=60
+    )
     assert all(mode.hits is not None and 0 < mode.hits <= 60 for mode in found)
     assert found.starts == 60
 
@@ -116,7 +148,10 @@ def test_no_paths_are_claimed_where_formulas_were_used():
 
 
 def test_screws_are_still_sampled():
-    left = Limb("left", [Joint("a", "R", (0, 0, 0), Z, actuated=True), Joint("h", "H", (1, 0, 0), Z, pitch=0.3)])
+    left = Limb(
+        "left",
+        [Joint("a", "R", (0, 0, 0), Z, actuated=True), Joint("h", "H", (1, 0, 0), Z, pitch=0.3)],
+    )
     right = Limb("right", [Joint("b", "R", (4, 0, 0), Z), Joint("s", "S", (2, 1, 0))])
     found = symkin.modes(Mechanism("helix", [left, right], platform_position=(2, 1, 0)), starts=200)
     assert 0.0 < found.unseen_share <= 1.0

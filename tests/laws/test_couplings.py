@@ -1,4 +1,6 @@
-"""Couplings of whole ratios leave whole turns alone, however they are written; others advance, and the reason names them."""
+"""Couplings of whole ratios leave whole turns alone, however they are written; others advance, and
+the reason names them.
+"""
 
 from itertools import pairwise
 from math import gcd
@@ -8,7 +10,16 @@ import pytest
 from scipy.optimize import brentq
 
 import symkin
-from helpers.inside import MOST_TEETH, build_problem, given_from, groups, named_given, parse, problem_of, random_starts
+from helpers.inside import (
+    MOST_TEETH,
+    build_problem,
+    given_from,
+    groups,
+    named_given,
+    parse,
+    problem_of,
+    random_starts,
+)
 
 HEAD = 'format = 1\nname = "coupled"\nlength_unit = "m"\nangle_unit = "deg"\n'
 POINTS = np.array([[3.0, 1.0], [1.0, 2.0], [2.0, 0.0], [1.0, 1.0], [0.0, 2.0]])
@@ -31,12 +42,16 @@ def five_bar(coupling):
 
 
 def pair(coupling):
-    joints = revolute("x", ("base", "a"), (0.0, 0.0), "actuated = true\n") + revolute("y", ("base", "b"), (1.0, 0.0))
+    joints = revolute("x", ("base", "a"), (0.0, 0.0), "actuated = true\n") + revolute(
+        "y", ("base", "b"), (1.0, 0.0)
+    )
     return parse(HEAD + joints + "[[coupling]]\n" + coupling)
 
 
 def spellings(driven, driver, p, q, offset=0.0):
-    """The coupling driven = p/q driver + offset: as it stands, with the names exchanged, as a polynomial."""
+    """The coupling driven = p/q driver + offset: as it stands, with the names exchanged, as a
+    polynomial.
+    """
     return [
         f'joint = "{driven}"\nof = {{ {driver} = "{p}/{q}" }}\noffset = {offset}\n',
         f'joint = "{driver}"\nof = {{ {driven} = "{q}/{p}" }}\noffset = {-offset * q / p}\n',
@@ -50,17 +65,24 @@ def turn(degrees):
 
 
 def places_of_five_bar(p, q, j0):
-    """Angles j1 and j2 of all configurations: those at which the fourth joint is as far from the fifth as at the reference, found by
-    a scan of j2 over as many turns as the ratio has places."""
+    """Angles j1 and j2 of all configurations: those at which the fourth joint is as far from the
+    fifth as at the reference, found by a scan of j2 over as many turns as the ratio has places.
+    """
 
     def gap(j2):
         rows = [turn(j0), turn(j0 + p / q * j2), turn(j0 + (p / q + 1) * j2)]
-        end = POINTS[0] + sum(rot @ step for rot, step in zip(rows, np.diff(POINTS[:4], axis=0), strict=True))
+        end = POINTS[0] + sum(
+            rot @ step for rot, step in zip(rows, np.diff(POINTS[:4], axis=0), strict=True)
+        )
         return float(np.linalg.norm(end - POINTS[4]) - np.linalg.norm(POINTS[3] - POINTS[4]))
 
     scan = np.linspace(-180.0, q * 360.0 - 180.0, 4000 * q)
     values = np.array([gap(j2) for j2 in scan])
-    roots = [brentq(gap, a, b, xtol=1e-12) for (a, b), (u, v) in zip(pairwise(scan), pairwise(values), strict=True) if u * v < 0]
+    roots = [
+        brentq(gap, a, b, xtol=1e-12)
+        for (a, b), (u, v) in zip(pairwise(scan), pairwise(values), strict=True)
+        if u * v < 0
+    ]
     return [(p / q * j2, j2) for j2 in roots]
 
 
@@ -70,7 +92,9 @@ def without_turns(degrees):
 
 @pytest.mark.parametrize(("p", "q"), RATIOS)
 def test_a_ratio_has_the_same_modes_however_it_is_written(p, q):
-    """As many configurations as a scan of one angle finds, each with angles within a turn, told by paths and not by samples."""
+    """As many configurations as a scan of one angle finds, each with angles within a turn, told by
+    paths and not by samples.
+    """
     wanted = np.array(places_of_five_bar(p, q, -40.0))
     for coupling in spellings("j1", "j2", p, q):
         found = symkin.modes(five_bar(coupling), given={"j0": -40.0})
@@ -85,7 +109,9 @@ def test_a_ratio_has_the_same_modes_however_it_is_written(p, q):
 
 @pytest.mark.parametrize(("p", "q"), [(1, 2), (7, 10), (-5, 12), (1, 1), (3, 1)])
 def test_wheels_have_as_many_places_as_the_ratio_tells(p, q):
-    """q y = p x + offset: q places of y at one of x, p of x at one of y, all of them, whatever whole turns are given."""
+    """q y = p x + offset: q places of y at one of x, p of x at one of y, all of them, whatever
+    whole turns are given.
+    """
     for coupling in spellings("y", "x", p, q, offset=6.0):
         wheels = pair(coupling)
         for given, count in (({"x": 30.0}, q), ({"x": 390.0}, q), ({"y": 20.0}, abs(p))):
@@ -99,12 +125,14 @@ def test_wheels_have_as_many_places_as_the_ratio_tells(p, q):
 
 
 def test_wheels_that_are_found_together_share_their_places():
-    """y = x/2 + z/2 and w = y/3 + z/3 of x and w: |det| = 3 places of y and z, as 3 y = x + 3 w and z = 3 w - y."""
+    """y = x/2 + z/2 and w = y/3 + z/3 of x and w: |det| = 3 places of y and z, as 3 y = x + 3 w and
+    z = 3 w - y.
+    """
     joints = "".join(revolute(n, ("base", n + "l"), (float(k), 0.0)) for k, n in enumerate("xyzw"))
     train = parse(
         HEAD + joints + '[[coupling]]\njoint = "y"\nof = { x = 0.5, z = 0.5 }\n'
         '[[coupling]]\njoint = "w"\nof = { y = "1/3", z = "1/3" }\n'
-    )  # fmt: skip
+    )
     found = symkin.modes(train, given={"x": 33.0, "w": 11.0})
     places = sorted((mode.joints["z"], mode.joints["y"]) for mode in found)
     wanted = sorted((z, float(without_turns(33.0 - z))) for z in (11.0 - 120.0, 11.0, 11.0 + 120.0))
@@ -113,7 +141,10 @@ def test_wheels_that_are_found_together_share_their_places():
 
 
 def test_mimics_of_a_robot_are_couplings_of_the_same_ratio(tmp_path):
-    joint = '<joint name="{0}" type="revolute"><parent link="base"/><child link="{0}l"/><axis xyz="0 0 1"/>{1}</joint>'
+    joint = (
+        '<joint name="{0}" type="revolute"><parent link="base"/><child link="{0}l"/><axis xyz="0 0 '
+        '1"/>{1}</joint>'
+    )
     limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
     text = (
         '<robot name="r"><link name="base"/><link name="xl"/><link name="yl"/>'
@@ -124,7 +155,10 @@ def test_mimics_of_a_robot_are_couplings_of_the_same_ratio(tmp_path):
     (tmp_path / "r.urdf").write_text(text)
     found = symkin.modes(symkin.load(tmp_path / "r.urdf"), given={"x": 0.4})
     assert sorted(mode.joints["y"] for mode in found) == pytest.approx([0.2 - np.pi, 0.2])
-    assert [mode.within_limits for mode in sorted(found, key=lambda mode: mode.joints["y"])] == [False, True]
+    assert [mode.within_limits for mode in sorted(found, key=lambda mode: mode.joints["y"])] == [
+        False,
+        True,
+    ]
 
 
 @pytest.mark.parametrize(
@@ -145,8 +179,14 @@ def test_the_reason_names_a_coupling_that_advances(coupling, words):
 
 def test_a_screw_and_a_slide_make_coupled_angles_advance():
     joints = revolute("x", ("base", "a"), (0.0, 0.0)) + revolute("y", ("base", "b"), (1.0, 0.0))
-    slide = '[[joint]]\nname = "s"\ntype = "P"\nlinks = ["base", "c"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\n'
-    couplings = '[[coupling]]\njoint = "s"\nof = { x = 0.01 }\n[[coupling]]\njoint = "y"\nof = { x = 2.0 }\n'
+    slide = (
+        '[[joint]]\nname = "s"\ntype = "P"\nlinks = ["base", "c"]\npoint = [0, 0, 0]\n'
+        "axis = [0, 0, 1]\n"
+    )
+    couplings = (
+        '[[coupling]]\njoint = "s"\nof = { x = 0.01 }\n[[coupling]]\njoint = "y"\n'
+        "of = { x = 2.0 }\n"
+    )
     rack = parse(HEAD + joints + slide + couplings)
     assert {c.name: c.kind for c in rack.coordinates} == {"x": "turns", "y": "turns", "s": "length"}
     assert all("the length s" in reason for reason in rack.advancing.values())
@@ -159,11 +199,13 @@ def test_whole_numbers_are_the_least():
             assert symkin.Coupling("a", {"b": p / q}).whole_numbers == (q // least, (p // least,))
 
 
-# --- long trains ---------------------------------------------------------------------------------------------------
+# --- long trains ----------------------------------------------------------------------------------
 
 
 def test_a_long_chain_is_put_in_order():
-    """Five thousand unknowns of which each needs the one before, the last pair each other, numbered at random."""
+    """Five thousand unknowns of which each needs the one before, the last pair each other, numbered
+    at random.
+    """
     rng = np.random.default_rng(4)
     number = rng.permutation(5000)
     needs = [set() for _ in number]
@@ -184,20 +226,28 @@ def test_a_matching_is_found_where_there_is_one():
         match = groups._matching(holds)
         full = np.linalg.matrix_rank(holds * rng.normal(size=(n, n))) == n
         assert (match is not None) == full
-        assert match is None or (sorted(match) == list(range(n)) and all(holds[row, k] for k, row in enumerate(match)))
+        assert match is None or (
+            sorted(match) == list(range(n)) and all(holds[row, k] for k, row in enumerate(match))
+        )
 
 
 def test_groups_of_a_train_are_its_wheels():
     """A hundred coupled wheels are as many groups, each of which reads the wheel before it."""
     joints = "".join(revolute(f"j{k}", ("base", f"l{k}"), (k, 0.0)) for k in range(100))
-    couplings = "".join(f'[[coupling]]\njoint = "j{k}"\nof = {{ j{k - 1} = -1.0 }}\n' for k in range(1, 100))
+    couplings = "".join(
+        f'[[coupling]]\njoint = "j{k}"\nof = {{ j{k - 1} = -1.0 }}\n' for k in range(1, 100)
+    )
     train = parse(HEAD + joints + couplings)
     found = groups.structure_groups(problem_of(train, named_given(train, None, None, {"j0": 10.0})))
-    assert [tuple(c.name for c in group.system.unknowns) for group in found] == [(f"j{k}",) for k in range(1, 100)]
-    assert [tuple(c.name for c in group.known_coordinates) for group in found] == [(f"j{k - 1}",) for k in range(1, 100)]
+    assert [tuple(c.name for c in group.system.unknowns) for group in found] == [
+        (f"j{k}",) for k in range(1, 100)
+    ]
+    assert [tuple(c.name for c in group.known_coordinates) for group in found] == [
+        (f"j{k - 1}",) for k in range(1, 100)
+    ]
 
 
-# --- names of screws -----------------------------------------------------------------------------------------------
+# --- names of screws ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["screw", "a.screw", "a.b"])
@@ -205,10 +255,18 @@ def test_random_starts_reach_as_far_as_a_screw_whatever_its_name(name):
     """Every second start of a screw advances by up to the reach, which its pitch tells."""
     z = (0.0, 0.0, 1.0)
     left = symkin.Limb(
-        "left", [symkin.Joint("a", "R", (0, 0, 0), z, actuated=True), symkin.Joint(name, "H", (1, 0, 0), z, pitch=0.01)]
+        "left",
+        [
+            symkin.Joint("a", "R", (0, 0, 0), z, actuated=True),
+            symkin.Joint(name, "H", (1, 0, 0), z, pitch=0.01),
+        ],
     )
-    right = symkin.Limb("right", [symkin.Joint("b", "R", (4, 0, 0), z), symkin.Joint("s", "S", (2, 1, 0))])
-    problem = build_problem(symkin.Mechanism("helix", [left, right], platform_position=(2, 1, 0)), "direct")
+    right = symkin.Limb(
+        "right", [symkin.Joint("b", "R", (4, 0, 0), z), symkin.Joint("s", "S", (2, 1, 0))]
+    )
+    problem = build_problem(
+        symkin.Mechanism("helix", [left, right], platform_position=(2, 1, 0)), "direct"
+    )
     (place,) = (k for k, c in enumerate(problem.system.unknowns) if c.name == name)
     given = given_from(problem.mechanism, [0.0], None)
     starts = random_starts(problem, problem.system, given, 400, np.random.default_rng(1))

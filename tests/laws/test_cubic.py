@@ -21,7 +21,9 @@ def drawn(seed):
         [1, length, length**2, length**3],
         [0, 1, 2 * length, 3 * length**2],
     ]
-    return Cubic.hermite(a, va, b, vb, length), np.linalg.solve(np.array(rows, dtype=float), np.array([a, va, b, vb]))
+    return Cubic.hermite(a, va, b, vb, length), np.linalg.solve(
+        np.array(rows, dtype=float), np.array([a, va, b, vb])
+    )
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -32,7 +34,9 @@ def test_boxes_hold_curve_velocity_and_acceleration(seed):
     t = np.linspace(0.0, cubic.length, 201)
     curve = np.polynomial.polynomial.polyval(t, powers).T
     velocity = np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(powers)).T
-    acceleration = np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(powers, 2)).T
+    acceleration = np.polynomial.polynomial.polyval(
+        t, np.polynomial.polynomial.polyder(powers, 2)
+    ).T
     np.testing.assert_allclose([cubic.at(s) for s in t / cubic.length], curve, atol=1e-12)
     np.testing.assert_allclose(cubic.middle_velocity, velocity[100], atol=1e-11)
     for (centre, half), values in (
@@ -58,6 +62,10 @@ def test_extremes_are_where_the_derivative_vanishes(seed):
     cubic, powers = drawn(seed)
     for k in range(5):
         b, c, d = np.polynomial.polynomial.polyder(powers[:, k]) * cubic.length ** np.arange(1, 4)
-        inside = (c**2 - 4 * b * d >= 0) * np.array([-1.0, 1.0]) * np.sqrt(max(c**2 - 4 * b * d, 0.0))
-        roots = sorted(r for r in (-c + inside) / (2 * d) if 0.0 < r < 1.0) if c**2 >= 4 * b * d else []
+        inside = (
+            (c**2 - 4 * b * d >= 0) * np.array([-1.0, 1.0]) * np.sqrt(max(c**2 - 4 * b * d, 0.0))
+        )
+        roots = (
+            sorted(r for r in (-c + inside) / (2 * d) if 0.0 < r < 1.0) if c**2 >= 4 * b * d else []
+        )
         np.testing.assert_allclose(_extremes(cubic, k), roots, atol=1e-9)

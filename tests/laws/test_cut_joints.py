@@ -27,7 +27,9 @@ def evaluated_after(mechanism, rng, step):
     second = None if last.axis2 is None else whole[:3, :3] @ last.axis2
     reference = frame(mechanism.platform_position, mechanism.platform_quaternion)
     pose = Pose.from_matrix(step(point, axis, second) @ whole @ reference)
-    named |= {f"pose.{k}": v for k, v in zip("xyz", pose.position, strict=True)} | {"pose.quaternion": pose.quaternion}
+    named |= {f"pose.{k}": v for k, v in zip("xyz", pose.position, strict=True)} | {
+        "pose.quaternion": pose.quaternion
+    }
     values = np.concatenate([np.atleast_1d(named[c.name]) for c in closure.coordinates])
     return [float(np.max(np.abs(part))) for part in evaluated(closure, values)]
 
@@ -77,7 +79,9 @@ def test_a_slide_keeps_its_turn_about_the_axis(angle):
     for kinds, free in (("rP", False), ("rC", True)):
         rng = np.random.default_rng(5)
         mechanism = random_mechanism(rng, [kinds])
-        found = evaluated_after(mechanism, rng, lambda point, axis, _: displacement(axis_turn(axis, angle), point))
+        found = evaluated_after(
+            mechanism, rng, lambda point, axis, _: displacement(axis_turn(axis, angle), point)
+        )
         assert max(found) < 1e-11 if free else min(found) > 0.1 * min(angle, 0.5)
 
 

@@ -1,4 +1,6 @@
-"""A motion that is declared of a platform which joints carry: its coordinates are told where the platform has it, and it is said where not."""
+"""A motion that is declared of a platform which joints carry: its coordinates are told where the
+platform has it, and it is said where not.
+"""
 
 from __future__ import annotations
 
@@ -35,14 +37,15 @@ angle_unit = "deg"
 link = "coupler"
 motion = "{motion}"
 """ + "".join(
-    f"[[joint]]\nname = '{name}'\ntype = 'R'\nlinks = ['{first}', '{second}']\npoint = [{x}, {y}, 0]\naxis = [0, 0, 1]\n{more}"
+    f"[[joint]]\nname = '{name}'\ntype = 'R'\nlinks = ['{first}', '{second}']\n"
+    f"point = [{x}, {y}, 0]\naxis = [0, 0, 1]\n{more}"
     for name, first, second, x, y, more in (
         ("a", "base", "crank", 0, 0, "actuated = true\n"),
         ("b", "crank", "coupler", 0, 50, ""),
         ("c", "coupler", "rocker", 100, 80, ""),
         ("d", "base", "rocker", 120, 0, ""),
     )
-)  # fmt: skip
+)
 THREE_LIMBS = """format = 1
 name = "limbs"
 length_unit = "mm"
@@ -53,7 +56,8 @@ motion = "{motion}"
 """ + "".join(
     f"[[limb]]\nname = '{name}'\n"
     + "".join(
-        f"[[limb.joint]]\nname = '{name}{k}'\ntype = 'R'\npoint = [{x}, {y}, 0]\naxis = [0, 0, 1]\nactuated = {str(k == 1).lower()}\n"
+        f"[[limb.joint]]\nname = '{name}{k}'\ntype = 'R'\npoint = [{x}, {y}, 0]\naxis = [0, 0, 1]\n"
+        f"actuated = {str(k == 1).lower()}\n"
         for k, (x, y) in enumerate(points, start=1)
     )
     for name, points in (
@@ -61,7 +65,7 @@ motion = "{motion}"
         ("b", ((200, -100), (150, 10), (50, -20))),
         ("c", ((0, 250), (90, 150), (0, 50))),
     )
-)  # fmt: skip
+)
 TOLD = "the platform's motion is declared {motion}"
 
 
@@ -74,19 +78,32 @@ def arm(motion: str, axis: str = "[0, 0, 1]") -> symkin.Mechanism:
 def test_the_angle_of_a_carried_platform_is_that_of_its_joint(motion: str, angle: float) -> None:
     """One hinge carries it, so that its pose is no unknown of the closure."""
     mechanism = arm(motion)
-    for result in (symkin.modes(mechanism, joints=[angle]), symkin.solve(mechanism, joints=[angle])):
+    for result in (
+        symkin.modes(mechanism, joints=[angle]),
+        symkin.solve(mechanism, joints=[angle]),
+    ):
         assert "gamma [deg]" in repr(result)
         assert "declared" not in repr(result)
     solution = symkin.solve(mechanism, joints=[angle]).solution
     assert solution is not None
-    np.testing.assert_allclose(math.remainder(math.degrees(solution.gamma) - angle, 360.0), 0.0, atol=1e-12)
-    np.testing.assert_allclose(solution.position, [math.cos(math.radians(angle)), math.sin(math.radians(angle)), 0.0], atol=1e-12)
+    np.testing.assert_allclose(
+        math.remainder(math.degrees(solution.gamma) - angle, 360.0), 0.0, atol=1e-12
+    )
+    np.testing.assert_allclose(
+        solution.position,
+        [math.cos(math.radians(angle)), math.sin(math.radians(angle)), 0.0],
+        atol=1e-12,
+    )
 
 
 @pytest.mark.parametrize("motion", ["planar", "schoenflies", "translation", "spherical"])
 def test_poses_of_a_loops_link_are_those_of_the_spatial_declaration(motion: str) -> None:
-    """A declaration changes what is shown of a carried platform, and no pose; one that does not hold is named, and nothing is hidden."""
-    free, declared = (symkin.modes(parse(FOUR_BAR.format(motion=m)), joints=[95.0]) for m in ("spatial", motion))
+    """A declaration changes what is shown of a carried platform, and no pose; one that does not
+    hold is named, and nothing is hidden.
+    """
+    free, declared = (
+        symkin.modes(parse(FOUR_BAR.format(motion=m)), joints=[95.0]) for m in ("spatial", motion)
+    )
     assert len(free) == len(declared) == 2
     for one, other in zip(free, declared, strict=True):
         np.testing.assert_allclose(other.position, one.position, atol=1e-9)
@@ -101,18 +118,27 @@ def test_poses_of_a_loops_link_are_those_of_the_spatial_declaration(motion: str)
 @pytest.mark.parametrize("axis", ["[0, 0, 1]", "[1, 0, 0]", "[1, 2, 3]"])
 @pytest.mark.parametrize("motion", ["planar", "schoenflies", "translation", "spherical"])
 def test_a_hinge_has_a_motion_if_its_axis_allows(motion: str, axis: str) -> None:
-    """Turning about z is planar and Schoenflies; no turn is a translation; the platform's point is off the axis, so none is spherical
-    but for one along the x axis through it."""
-    holds = (motion in ("planar", "schoenflies") and axis == "[0, 0, 1]") or (motion == "spherical" and axis == "[1, 0, 0]")
+    """Turning about z is planar and Schoenflies; no turn is a translation; the platform's point is
+    off the axis, so none is spherical but for one along the x axis through it.
+    """
+    holds = (motion in ("planar", "schoenflies") and axis == "[0, 0, 1]") or (
+        motion == "spherical" and axis == "[1, 0, 0]"
+    )
     mechanism = arm(motion, axis)
     assert (TOLD.format(motion=motion) in str(symkin.mobility(mechanism))) == (not holds)
-    assert (TOLD.format(motion=motion) in str(symkin.solve(mechanism, joints=[20.0]))) == (not holds)
+    assert (TOLD.format(motion=motion) in str(symkin.solve(mechanism, joints=[20.0]))) == (
+        not holds
+    )
 
 
 @pytest.mark.parametrize("motion", ["planar", "translation"])
 def test_limbs_that_leave_more_than_the_declared_motion_are_named(motion: str) -> None:
     """Three limbs of parallel hinges turn the platform."""
-    told = [w for w in symkin.mobility(parse(THREE_LIMBS.format(motion=motion))).warnings if TOLD.format(motion=motion) in w]
+    told = [
+        w
+        for w in symkin.mobility(parse(THREE_LIMBS.format(motion=motion))).warnings
+        if TOLD.format(motion=motion) in w
+    ]
     assert len(told) == (motion == "translation")
     assert all("(0, 0, 1, 0, 0, 0)" in warning for warning in told)
 

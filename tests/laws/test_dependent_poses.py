@@ -1,4 +1,6 @@
-"""Laws of platforms whose joints tie the coordinates of their pose: what is printed is accepted, what is near is projected."""
+"""Laws of platforms whose joints tie the coordinates of their pose: what is printed is accepted,
+what is near is projected.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +15,19 @@ from symkin import SolveError
 
 
 def exechon() -> symkin.Mechanism:
-    """Two limbs U P R in the plane y = 0, whose first axes are one line, and one S P R (Exechon)."""
+    """Two limbs U P R in the plane y = 0, whose first axes are one line, and one S P R
+    (Exechon).
+    """
     limbs = []
-    for k, (foot, head) in enumerate([((250.0, 0, 0), (100.0, 0, 600.0)), ((-250.0, 0, 0), (-100.0, 0, 600.0))], start=1):
+    for k, (foot, head) in enumerate(
+        [((250.0, 0, 0), (100.0, 0, 600.0)), ((-250.0, 0, 0), (-100.0, 0, 600.0))], start=1
+    ):
         along = tuple(np.subtract(head, foot) / np.linalg.norm(np.subtract(head, foot)))
         universal = symkin.Joint(f"u{k}", "U", foot, (1, 0, 0), (0, 1, 0))
-        slide, hinge = symkin.Joint(f"p{k}", "P", foot, along, actuated=True), symkin.Joint(f"r{k}", "R", head, (0, 1, 0))
+        slide, hinge = (
+            symkin.Joint(f"p{k}", "P", foot, along, actuated=True),
+            symkin.Joint(f"r{k}", "R", head, (0, 1, 0)),
+        )
         limbs.append(symkin.Limb(f"limb{k}", [universal, slide, hinge]))
     foot, head = (0.0, 300.0, 0.0), (0.0, 120.0, 600.0)
     along = tuple(np.subtract(head, foot) / np.linalg.norm(np.subtract(head, foot)))
@@ -29,15 +38,22 @@ def exechon() -> symkin.Mechanism:
 
 def _printed(pose: symkin.Pose) -> list[float]:
     """As tables print: three digits of a length, five of a quaternion."""
-    return [*(round(float(v), 3) for v in pose.position), *(round(float(v), 5) for v in pose.quaternion)]
+    return [
+        *(round(float(v), 3) for v in pose.position),
+        *(round(float(v), 5) for v in pose.quaternion),
+    ]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "make", [lambda: tied_platform(False), lambda: tied_platform(True), exechon], ids=["3RPS", "3RRS", "Exechon"]
+    "make",
+    [lambda: tied_platform(False), lambda: tied_platform(True), exechon],
+    ids=["3RPS", "3RRS", "Exechon"],
 )
 def test_a_printed_pose_is_accepted_and_every_limb_is_complete(make):
-    """Two branches in each of three limbs: eight modes, among them the joints that gave the pose."""
+    """Two branches in each of three limbs: eight modes, among them the joints that gave the
+    pose.
+    """
     machine = make()
     given = [4.0, -7.0, 3.0]
     pose = symkin.solve(machine, joints=given).solution.pose
@@ -49,11 +65,15 @@ def test_a_printed_pose_is_accepted_and_every_limb_is_complete(make):
     assert min(np.max(np.abs(np.array(mode.actuated_values) - given)) for mode in found) < 0.01
     assert all(mode.residual < 1e-9 * machine.characteristic_length for mode in found)
     one = symkin.solve(machine, pose=_printed(pose))
-    assert np.max(np.abs(one.solution.position - pose.position)) < 2e-5 * machine.characteristic_length
+    assert (
+        np.max(np.abs(one.solution.position - pose.position)) < 2e-5 * machine.characteristic_length
+    )
 
 
 def test_a_pose_off_the_feasible_ones_is_told_how_far_and_which_is_nearest():
-    """The nearest pose that the message names is accepted as it stands, and none on the way to it is nearer."""
+    """The nearest pose that the message names is accepted as it stands, and none on the way to it
+    is nearer.
+    """
     machine = tied_platform(False)
     pose = symkin.solve(machine, joints=[4.0, -7.0, 3.0]).solution.pose
     off = [*(np.asarray(pose.position) + [1.0, 0.0, 0.0]), *pose.quaternion]

@@ -1,4 +1,6 @@
-"""Laws of arms whose nearly parallel axes are described by points far away: the numbers of a description are not the machine."""
+"""Laws of arms whose nearly parallel axes are described by points far away: the numbers of a
+description are not the machine.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,14 @@ from helpers.inside import quaternion_from_matrix, universal_arm
 from helpers.inside import six_revolute_start as universal_start
 from helpers.laws import chain
 
-ROWS = [(162.5, 0.0, 90), (0.0, -425.0, 0), (0.0, -392.2, 0), (133.3, 0.0, 90), (99.7, 0.0, -90), (99.6, 0.0, 0)]
+ROWS = [
+    (162.5, 0.0, 90),
+    (0.0, -425.0, 0),
+    (0.0, -392.2, 0),
+    (133.3, 0.0, 90),
+    (99.7, 0.0, -90),
+    (99.6, 0.0, 0),
+]
 """d, a, alpha of an arm with three parallel axes."""
 
 
@@ -30,7 +39,9 @@ def _lines(off: float, seed: int) -> tuple[list[np.ndarray], list[np.ndarray], n
 
 
 def factory_arm(off: float, seed: int, *, far: bool = True) -> symkin.Mechanism:
-    """The arm with the points of nearly parallel axes where these come nearest to each other, as common normals put them."""
+    """The arm with the points of nearly parallel axes where these come nearest to each other, as
+    common normals put them.
+    """
     points, axes, tool = _lines(off, seed)
     placed = list(points)
     for i in (1, 2, 3) if far else ():
@@ -42,8 +53,13 @@ def factory_arm(off: float, seed: int, *, far: bool = True) -> symkin.Mechanism:
         for i, (p, a) in enumerate(zip(placed, axes, strict=True))
     ]
     return symkin.Mechanism(
-        "factory", [symkin.Limb("factory", joints)], tuple(tool[:3, 3]), tuple(quaternion_from_matrix(tool[:3, :3])), angle_unit="deg", serial=True,
-    )  # fmt: skip
+        "factory",
+        [symkin.Limb("factory", joints)],
+        tuple(tool[:3, 3]),
+        tuple(quaternion_from_matrix(tool[:3, :3])),
+        angle_unit="deg",
+        serial=True,
+    )
 
 
 @pytest.mark.parametrize("off", [1e-3, 1e-4, 1e-5])
@@ -61,7 +77,9 @@ def test_an_arm_moves_the_same_by_far_points_and_by_near_ones():
     near, far = factory_arm(1e-4, 2, far=False), factory_arm(1e-4, 2)
     for q in rng.uniform(-170, 170, (5, 6)):
         here = symkin.solve(far, joints=q).solution
-        there = chain([j for _, j in near.joints], {f"q{i + 1}": math.radians(v) for i, v in enumerate(q)})
+        there = chain(
+            [j for _, j in near.joints], {f"q{i + 1}": math.radians(v) for i, v in enumerate(q)}
+        )
         place = there @ np.append(near.platform_position, 1.0)
         assert np.max(np.abs(here.position - place[:3])) < 1e-6
         back = symkin.solve(far, pose=here.pose, start=q + rng.uniform(-2, 2, 6)).solution
@@ -84,7 +102,9 @@ def test_the_modes_of_a_factory_arm_are_complete_and_certified():
 
 @pytest.mark.slow
 def test_the_start_of_a_factory_arm_is_computed_once(monkeypatch):
-    """Kept roots with large imaginary parts are accepted when they are read: another process would not search again."""
+    """Kept roots with large imaginary parts are accepted when they are read: another process would
+    not search again.
+    """
     arm = factory_arm(1e-3, 4)
     poses = [
         symkin.solve(arm, joints=q).solution.pose
@@ -117,7 +137,9 @@ def test_the_universal_start_of_six_revolute_joints_has_sixteen_different_roots(
 
 @pytest.mark.parametrize("seed", range(5))
 def test_joints_on_one_line_have_the_size_of_that_line(seed):
-    """Points of parallel axes that are one line could all be moved into one; the size is then not what rounding leaves of it."""
+    """Points of parallel axes that are one line could all be moved into one; the size is then not
+    what rounding leaves of it.
+    """
     rng = np.random.default_rng(seed)
     rows = [
         symkin.DHRow(f"q{i}", "R", d=float(d), alpha=float(rng.choice([0.0, math.pi])))

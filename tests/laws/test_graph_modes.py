@@ -1,5 +1,6 @@
-"""Modes and single configurations of graphs for values by name: counts of the gallery, closure in maximal coordinates that share
-nothing with symkin, command line, JSON and mistakes."""
+"""Modes and single configurations of graphs for values by name: counts of the gallery, closure in
+maximal coordinates that share nothing with symkin, command line, JSON and mistakes.
+"""
 
 from __future__ import annotations
 
@@ -63,12 +64,19 @@ def found_modes(name: str, k: int) -> Modes:
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "k"), in_gate(CASES, FEW))
 def test_every_case_of_the_gallery_has_its_modes(name: str, k: int) -> None:
-    """As many as an independent solver finds; each has the given values and closes the plain graph's own rows."""
+    """As many as an independent solver finds; each has the given values and closes the plain
+    graph's own rows.
+    """
     case, found = GALLERY[name]["cases"][k], found_modes(name, k)
     assert len(found) == case["count"]
     if len(found):
         closure = build_closure(found.problem.mechanism, found.problem.closure.partition)
-        assert plain_gap(MECHANISMS / f"{name}.toml", closure, np.array([mode.variables for mode in found])) < 1e-8
+        assert (
+            plain_gap(
+                MECHANISMS / f"{name}.toml", closure, np.array([mode.variables for mode in found])
+            )
+            < 1e-8
+        )
     for mode in found:
         for given, value in case["given"].items():
             if given in mode.joints:
@@ -77,15 +85,26 @@ def test_every_case_of_the_gallery_has_its_modes(name: str, k: int) -> None:
                 assert mode.position["xyz".index(given)] == pytest.approx(value)
 
 
-@pytest.mark.parametrize("name", ["four_bar", "stephenson_six_bar", "ankle", "double_wishbone", "klann_leg", "excavator_bucket"])
+@pytest.mark.parametrize(
+    "name",
+    ["four_bar", "stephenson_six_bar", "ankle", "double_wishbone", "klann_leg", "excavator_bucket"],
+)
 def test_any_coordinate_given_back_has_the_mode_among_its_modes(name: str) -> None:
-    """Values of other coordinates of a mode, as many as the mobility, lead to a set of modes that holds it."""
+    """Values of other coordinates of a mode, as many as the mobility, lead to a set of modes that
+    holds it.
+    """
     mechanism = symkin.load(name)
     reference = symkin.solve(mechanism).solution
     assert reference is not None
     count = len(mechanism.actuated)
-    scalars = [n for n, v in reference.joints.items() if isinstance(v, float) and n not in {c.name for c in mechanism.actuated}]
-    moved = {c.name: v + 4.0 for c, v in zip(mechanism.actuated, reference.actuated_values, strict=True)}
+    scalars = [
+        n
+        for n, v in reference.joints.items()
+        if isinstance(v, float) and n not in {c.name for c in mechanism.actuated}
+    ]
+    moved = {
+        c.name: v + 4.0 for c, v in zip(mechanism.actuated, reference.actuated_values, strict=True)
+    }
     for mode in list(symkin.modes(mechanism, joints=moved))[:2]:
         for chosen in (scalars[:count], scalars[-count:]):
             given = {n: mode.joints[n] for n in chosen}
@@ -107,7 +126,9 @@ def test_any_coordinate_given_back_has_the_mode_among_its_modes(name: str) -> No
 
 @pytest.mark.parametrize("name", GALLERY)
 def test_solve_reaches_a_mode_near_its_start(name: str) -> None:
-    """The configuration of the first case closes and has the given values; started there, it is found again in few steps."""
+    """The configuration of the first case closes and has the given values; started there, it is
+    found again in few steps.
+    """
     mechanism, given = symkin.load(name), GALLERY[name]["cases"][0]["given"]
     first = symkin.solve(mechanism, given=given).solution
     assert first is not None
@@ -124,7 +145,9 @@ def test_solve_reaches_a_mode_near_its_start(name: str) -> None:
 
 
 def test_starts_choose_the_assembly() -> None:
-    """From the joints of each mode of a four-bar the same mode is found, whichever joint is given."""
+    """From the joints of each mode of a four-bar the same mode is found, whichever joint is
+    given.
+    """
     mechanism = symkin.load("four_bar")
     for mode in symkin.modes(mechanism, given={"crank": 50.0}):
         for name in mode.joints:
@@ -145,8 +168,9 @@ def test_fewer_values_lead_near_the_start_and_say_so() -> None:
 
 
 def test_loops_that_close_only_to_the_digits_of_a_file_have_configurations(tmp_path: Path) -> None:
-    """A Bennett linkage whose joint is off by 0.3 um is rigid, strictly speaking: the misfit is told, and the configuration is that
-    of the exact linkage to as many digits."""
+    """A Bennett linkage whose joint is off by 0.3 um is rigid, strictly speaking: the misfit is
+    told, and the configuration is that of the exact linkage to as many digits.
+    """
     path = tmp_path / "nearly_bennett.toml"
     path.write_text(SIX_DIGITS)
     exact = symkin.solve(symkin.load("bennett"), given={"input": 40.0}).solution
@@ -163,7 +187,9 @@ def test_loops_that_close_only_to_the_digits_of_a_file_have_configurations(tmp_p
 
 
 def test_values_out_of_reach_have_no_configuration() -> None:
-    """The rocker of a crank-rocker does not turn fully: beyond its range nothing closes, and the error that is left is told."""
+    """The rocker of a crank-rocker does not turn fully: beyond its range nothing closes, and the
+    error that is left is told.
+    """
     mechanism = symkin.load("four_bar")
     low = [len(symkin.modes(mechanism, given={"follower": float(v)})) for v in range(-180, 180, 30)]
     out = float(range(-180, 180, 30)[low.index(0)])
@@ -175,11 +201,13 @@ def test_values_out_of_reach_have_no_configuration() -> None:
         symkin.solve(mechanism, given={"follower": out})
 
 
-# --- results -------------------------------------------------------------------------------------------------------
+# --- results --------------------------------------------------------------------------------------
 
 
 def test_json_of_modes(capsys: pytest.CaptureFixture[str]) -> None:
-    """Contract: pose null without a platform, points, given by name, blocks in the order of solution, counts."""
+    """Contract: pose null without a platform, points, given by name, blocks in the order of
+    solution, counts.
+    """
     status, data = run_json(capsys, "modes", "four_bar", "--given", "follower=20")
     assert status == 0
     assert (data["problem"], data["given"], data["poses"]) == ("given", {"follower": 20.0}, None)
@@ -195,25 +223,36 @@ def test_json_of_modes(capsys: pytest.CaptureFixture[str]) -> None:
         assert len(mode["pose"]["position"]) == len(mode["points"]["foot"]) == 3
 
 
-def test_a_structure_without_actuated_joints_is_given_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_structure_without_actuated_joints_is_given_nothing(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     status, data = run_json(capsys, "modes", "triad")
     assert (status, data["count"], data["given"]) == (0, GALLERY["triad"]["cases"][0]["count"], {})
 
 
 def test_the_pose_as_a_whole_is_one_of_the_values(capsys: pytest.CaptureFixture[str]) -> None:
-    """--given pose=... is --pose, for a graph and for limbs; beside other values it stands as one of them."""
+    """--given pose=... is --pose, for a graph and for limbs; beside other values it stands as one
+    of them.
+    """
     pose = "0,0,0,0.96592582628,0,0,0.25881904510"
     for name, numbers in (("spherical_wrist", pose), ("zhang2009", "10,5,300,1,0,0,0")):
-        answers = [run_json(capsys, "solve", name, *option) for option in (("--pose", numbers), ("--given", f"pose={numbers}"))]
+        answers = [
+            run_json(capsys, "solve", name, *option)
+            for option in (("--pose", numbers), ("--given", f"pose={numbers}"))
+        ]
         for _, data in answers:
             del data["elapsed_s"]
             assert data["problem"] == "inverse"
         assert answers[0] == answers[1]
 
 
-def test_all_actuated_joints_by_name_are_the_direct_problem_of_limbs(capsys: pytest.CaptureFixture[str]) -> None:
+def test_all_actuated_joints_by_name_are_the_direct_problem_of_limbs(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     answers = [
-        run_json(capsys, "modes", "zhao2000", option, "theta1=81.6,theta2=202.8,theta3=330.6,op=105.2")[1]
+        run_json(
+            capsys, "modes", "zhao2000", option, "theta1=81.6,theta2=202.8,theta3=330.6,op=105.2"
+        )[1]
         for option in ("--joints", "--given")
     ]
     for data in answers:
@@ -235,18 +274,29 @@ def test_limits_of_a_cut_joint_count(tmp_path: Path) -> None:
     text = (MECHANISMS / "four_bar.toml").read_text()
     for name in ("crank_pin", "follower_pin", "follower"):
         path = tmp_path / f"{name}.toml"
-        path.write_text(text.replace(f'name = "{name}"\n', f'name = "{name}"\nlimits = [-30, 30]\n'))
+        path.write_text(
+            text.replace(f'name = "{name}"\n', f'name = "{name}"\nlimits = [-30, 30]\n')
+        )
         for mode in symkin.modes(symkin.load(path), given={"crank": 60.0}):
             assert mode.within_limits == (-30 <= mode.joints[name] <= 30)
 
 
-# --- mistakes ------------------------------------------------------------------------------------------------------
+# --- mistakes -------------------------------------------------------------------------------------
 
 MISTAKES = [
     (["modes", "ankle", "--given", "ankle.1=10"], ["1 freedom", "give 1 more"]),
-    (["modes", "ankle", "--given", "ankle.1=10,ankle.2=5,upper_motor=3"], ["mobility is 2", "upper_motor", "leave it out"]),
-    (["solve", "ankle", "--given", "ankle.1=10,ankle.2=5,upper_motor=3"], ["mobility is 2", "upper_motor"]),
-    (["solve", "ankle", "--given", "upper_moter=10"], ["'upper_moter'", "do you mean 'upper_motor'?"]),
+    (
+        ["modes", "ankle", "--given", "ankle.1=10,ankle.2=5,upper_motor=3"],
+        ["mobility is 2", "upper_motor", "leave it out"],
+    ),
+    (
+        ["solve", "ankle", "--given", "ankle.1=10,ankle.2=5,upper_motor=3"],
+        ["mobility is 2", "upper_motor"],
+    ),
+    (
+        ["solve", "ankle", "--given", "upper_moter=10"],
+        ["'upper_moter'", "do you mean 'upper_motor'?"],
+    ),
     (["modes", "ankle", "--given", "10"], ["'10'", "NAME=VALUE"]),
     (["modes", "ankle", "--given", "ankle.1=10,5"], ["'5'", "NAME=VALUE"]),
     (["modes", "ankle", "--given", "ankle.1=ten"], ["ankle.1", "ten"]),
@@ -256,49 +306,73 @@ MISTAKES = [
     (["modes", "four_bar", "--pose", "0,0,0,1,0,0,0"], ["no platform link"]),
     (["modes", "four_bar", "--given", "pose=0,0,0,1,0,0,0"], ["'pose'"]),
     (["modes", "four_bar", "--given", "x=3"], ["'x'", "crank"]),
-    (["solve", "four_bar", "--given", "crank=3", "--start", "crunk=3"], ["start", "'crunk'", "crank"]),
+    (
+        ["solve", "four_bar", "--given", "crank=3", "--start", "crunk=3"],
+        ["start", "'crunk'", "crank"],
+    ),
     (["solve", "four_bar", "--given", "crank=3", "--start", "1,2,3"], ["start", "NAME=VALUE"]),
     (["modes", "triad", "--given", "pivot1=3"], ["mobility is 0", "pivot1"]),
     (["modes", "spherical_wrist", "--given", "pose=0,0,0,1,0,0,0,tilt=3"], ["whole pose", "tilt"]),
     (["modes", "spherical_wrist", "--given", "pose=0,0,0,1,0,0"], ["7 are needed"]),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("arguments", "parts"), MISTAKES)
-def test_mistakes_are_one_sentence(capsys: pytest.CaptureFixture[str], arguments: list[str], parts: list[str]) -> None:
+def test_mistakes_are_one_sentence(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], parts: list[str]
+) -> None:
     status, out, err = run(capsys, *arguments)
     assert (status, out, err.count("\n")) == (2, "", 1)
     for part in parts:
         assert part in err
 
 
-# --- limbs ---------------------------------------------------------------------------------------------------------
+# --- limbs ----------------------------------------------------------------------------------------
 
-GIVEN_BACK = [("x", "y", "z", "theta1"), ("radial1", "radial2", "radial3", "height1"), ("theta1", "theta2", "height1", "radial2"),
-              ("x", "y", "z", "torsion"), ("top1", "x", "y", "z"), ("op", "theta1", "radial2", "height3")]  # fmt: skip
+GIVEN_BACK = [
+    ("x", "y", "z", "theta1"),
+    ("radial1", "radial2", "radial3", "height1"),
+    ("theta1", "theta2", "height1", "radial2"),
+    ("x", "y", "z", "torsion"),
+    ("top1", "x", "y", "z"),
+    ("op", "theta1", "radial2", "height3"),
+]
 
 
 @pytest.mark.parametrize("names", GIVEN_BACK, ids=",".join)
 def test_a_mode_of_limbs_is_found_from_any_of_its_coordinates(names: tuple[str, ...]) -> None:
-    """What joints lead to is among the modes for as many other coordinates of it, passive and cut joints and the pose's alike."""
+    """What joints lead to is among the modes for as many other coordinates of it, passive and cut
+    joints and the pose's alike.
+    """
     mechanism = symkin.load("zhao2000")
     mode = symkin.modes(mechanism, joints=[81.6, 202.8, 330.6, 105.2])[0]
-    pose = dict(zip("xyz", mode.position.tolist(), strict=True)) | {"torsion": float(np.degrees(mode.values["pose.gamma"]))}
-    found = symkin.modes(mechanism, given={name: mode.joints.get(name, pose.get(name)) for name in names})
+    pose = dict(zip("xyz", mode.position.tolist(), strict=True)) | {
+        "torsion": float(np.degrees(mode.values["pose.gamma"]))
+    }
+    found = symkin.modes(
+        mechanism, given={name: mode.joints.get(name, pose.get(name)) for name in names}
+    )
     apart = [float(np.max(np.abs(other.position - mode.position))) for other in found]
     joints = [
-        max(abs(np.exp(1j * np.radians(other.joints[n] - mode.joints[n])) - 1) for n in ("theta1", "theta2", "theta3"))
+        max(
+            abs(np.exp(1j * np.radians(other.joints[n] - mode.joints[n])) - 1)
+            for n in ("theta1", "theta2", "theta3")
+        )
         for other in found
     ]
     assert min(a + j for a, j in zip(apart, joints, strict=True)) < 1e-6
 
 
 def test_a_platform_of_three_freedoms_by_height_and_tilt() -> None:
-    """3-RPS: z, azimuth and tilt lead to modes that have them; their legs lead back to the same pose."""
+    """3-RPS: z, azimuth and tilt lead to modes that have them; their legs lead back to the same
+    pose.
+    """
     mechanism = samples.three_rps()
     given = {"z": 290.0, "azimuth": 0.5, "tilt": 0.09}
     found = symkin.modes(mechanism, given=given)
-    assert len(found) == len(symkin.modes(mechanism, given=given, method="multistart", starts=300)) > 0
+    assert (
+        len(found) == len(symkin.modes(mechanism, given=given, method="multistart", starts=300)) > 0
+    )
     for mode in found:
         assert mode.position[2] == pytest.approx(given["z"])
         wanted = [np.sin(0.09) * np.cos(0.5), np.sin(0.09) * np.sin(0.5), np.cos(0.09)]

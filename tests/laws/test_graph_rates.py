@@ -1,4 +1,6 @@
-"""Rates of any coordinates by those of any others, against central differences of configurations; verbs that take no graph."""
+"""Rates of any coordinates by those of any others, against central differences of configurations;
+verbs that take no graph.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,11 @@ CASES = [
     ("planetary_gear", ["carrier"], {"sun": 50.0, "ring": 10.0}),
     ("bennett", ["output", "crank_pin"], {"input": 40.0}),
     ("zhao2000", ["theta1", "radial2"], {"x": 5.0, "y": 3.0, "theta2": -160.0, "op": 100.0}),
-    ("zhang2009", ["leg1", "z"], {"leg2": 300.0, "leg3": 280.0, "leg4": 320.0, "leg5": 300.0, "leg6": 310.0, "x": 5.0}),
+    (
+        "zhang2009",
+        ["leg1", "z"],
+        {"leg2": 300.0, "leg3": 280.0, "leg4": 320.0, "leg5": 300.0, "leg6": 310.0, "x": 5.0},
+    ),
 ]
 STEP = 1e-4
 """In the file's units: differences of configurations closed to 1e-13 are exact to about 1e-8."""
@@ -45,7 +51,9 @@ def value(solution: Solution, name: str) -> float:
 
 @pytest.mark.parametrize(("name", "of", "given"), CASES)
 def test_rates_are_central_differences(name: str, of: list[str], given: dict[str, float]) -> None:
-    """J is the slope of the configurations that solve finds beside one, from which they start; the expression gives the same."""
+    """J is the slope of the configurations that solve finds beside one, from which they start; the
+    expression gives the same.
+    """
     mechanism = symkin.load(name)
     here = symkin.solve(mechanism, given=given).solution
     assert here is not None
@@ -57,18 +65,23 @@ def test_rates_are_central_differences(name: str, of: list[str], given: dict[str
     expected = np.empty(found.shape)
     for k, changed in enumerate(given):
         ends = [
-            symkin.solve(mechanism, given=given | {changed: given[changed] + sign * STEP}, start=start).solution
+            symkin.solve(
+                mechanism, given=given | {changed: given[changed] + sign * STEP}, start=start
+            ).solution
             for sign in (1, -1)
         ]
         apart = value(ends[0], changed) - value(ends[1], changed)
-        expected[:, k] = [np.remainder(value(ends[0], n) - value(ends[1], n) + np.pi, 2 * np.pi) - np.pi for n in of]
+        expected[:, k] = [
+            np.remainder(value(ends[0], n) - value(ends[1], n) + np.pi, 2 * np.pi) - np.pi
+            for n in of
+        ]
         expected[:, k] /= apart
     numbers = found.at(here)
     assert numbers == pytest.approx(expected, rel=1e-4, abs=1e-5)
     values = variables_elsewhere(found.closure, here)
-    assert np.asarray(found.function.call([values[v.index] for v in found.inputs])[0]) == pytest.approx(
-        numbers, rel=1e-7, abs=1e-9
-    )
+    assert np.asarray(
+        found.function.call([values[v.index] for v in found.inputs])[0]
+    ) == pytest.approx(numbers, rel=1e-7, abs=1e-9)
 
 
 def test_rates_there_and_back_are_inverse() -> None:
@@ -85,7 +98,9 @@ def test_a_singular_configuration_has_no_rates() -> None:
     mechanism = symkin.load("slider_crank")
     angles = np.linspace(-180.0, 180.0, 721)
     ratio = symkin.jacobian(mechanism, of=["piston"], by=["crank"])
-    slopes = [ratio.at(symkin.solve(mechanism, given={"crank": float(a)}).solution)[0, 0] for a in angles]
+    slopes = [
+        ratio.at(symkin.solve(mechanism, given={"crank": float(a)}).solution)[0, 0] for a in angles
+    ]
     dead = float(angles[int(np.argmin(np.abs(slopes)))])
     found = symkin.solve(mechanism, given={"crank": dead}).solution
     if abs(ratio.at(found)[0, 0]) < 1e-9:
@@ -95,7 +110,9 @@ def test_a_singular_configuration_has_no_rates() -> None:
 
 @pytest.mark.parametrize("language", ["casadi", "c", "numpy", "sympy", "latex"])
 def test_every_format_is_written(capsys: pytest.CaptureFixture[str], language: str) -> None:
-    status, out, err = run(capsys, "jacobian", "four_bar", "--of", "follower", "--by", "crank", "--format", language)
+    status, out, err = run(
+        capsys, "jacobian", "four_bar", "--of", "follower", "--by", "crank", "--format", language
+    )
     assert (status, err) == (0, "")
     assert "rates" in out
 
@@ -103,16 +120,40 @@ def test_every_format_is_written(capsys: pytest.CaptureFixture[str], language: s
 REFUSED = [
     (["jacobian", "four_bar", "--format", "numpy"], "--of NAMES --by NAMES"),
     (["jacobian", "four_bar", "--format", "numpy", "--of", "follower"], "give both"),
-    (["jacobian", "four_bar", "--format", "numpy", "--of", "folower", "--by", "crank"], "do you mean 'follower'?"),
-    (["jacobian", "ankle", "--format", "numpy", "--of", "upper_motor", "--by", "ankle.1"], "1 freedom"),
-    (["jacobian", "four_bar", "--format", "numpy", "--of", "follower", "--by", "crank", "--kind", "direct"], "no --kind"),
+    (
+        ["jacobian", "four_bar", "--format", "numpy", "--of", "folower", "--by", "crank"],
+        "do you mean 'follower'?",
+    ),
+    (
+        ["jacobian", "ankle", "--format", "numpy", "--of", "upper_motor", "--by", "ankle.1"],
+        "1 freedom",
+    ),
+    (
+        [
+            "jacobian",
+            "four_bar",
+            "--format",
+            "numpy",
+            "--of",
+            "follower",
+            "--by",
+            "crank",
+            "--kind",
+            "direct",
+        ],
+        "no --kind",
+    ),
     (["firmware", "ankle", "-o", "fw"], "firmware takes limbs"),
 ]
 
 
 @pytest.mark.parametrize(("arguments", "part"), REFUSED)
 def test_what_takes_no_graph_says_so(
-    capsys: pytest.CaptureFixture[str], tmp_path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], part: str
+    capsys: pytest.CaptureFixture[str],
+    tmp_path,
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: list[str],
+    part: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     status, out, err = run(capsys, *arguments)

@@ -1,5 +1,6 @@
-"""`singularity` for coordinates that are told by name, of graphs and of limbs: hand cases, and central differences of closed
-configurations."""
+"""`singularity` for coordinates that are told by name, of graphs and of limbs: hand cases, and
+central differences of closed configurations.
+"""
 
 from __future__ import annotations
 
@@ -25,18 +26,24 @@ def at(name: str, start: dict[str, float] | None = None, **given: float) -> Solu
 
 
 def slopes(here: Solution, driver: dict[str, float]) -> dict[str, float]:
-    """Central differences of all joints, in the file's units, along a regular motion: `driver` are known values and `here` a mode of
-    them; the first one moves."""
+    """Central differences of all joints, in the file's units, along a regular motion: `driver` are
+    known values and `here` a mode of them; the first one moves.
+    """
     mechanism, name = here.mechanism, next(iter(driver))
     values = [
         symkin.track(
-            mechanism, given={n: [v, v + sign * STEP] if n == name else v for n, v in driver.items()}, start=here, limits=False
+            mechanism,
+            given={n: [v, v + sign * STEP] if n == name else v for n, v in driver.items()},
+            start=here,
+            limits=False,
         )
         for sign in (1.0, -1.0)
     ]
     assert all(found.reached for found in values)
     after, before = (found.end.joints for found in values)
-    return {n: (after[n] - before[n]) / (2 * STEP) for n, v in after.items() if isinstance(v, float)}
+    return {
+        n: (after[n] - before[n]) / (2 * STEP) for n, v in after.items() if isinstance(v, float)
+    }
 
 
 def assert_along(motion: dict[str, float], expected: dict[str, float]) -> None:
@@ -46,25 +53,40 @@ def assert_along(motion: dict[str, float], expected: dict[str, float]) -> None:
         assert motion.get(name, 0.0) == pytest.approx(rate / largest, abs=1e-4), name
 
 
-# --- one thing drives, another is at a dead point ---------------------------------------------------------------------------
+# --- one thing drives, another is at a dead point -------------------------------------------------
 
 
 def dead_crank() -> Solution:
-    """The four-bar where crank 40 and coupler 101 are in line: the rocker's end 141 from the crank's pivot."""
+    """The four-bar where crank 40 and coupler 101 are in line: the rocker's end 141 from the
+    crank's pivot.
+    """
     x = (141.0**2 + 110.0**2 - 61.0**2) / (2 * 110.0)
-    return at("four_bar", {"follower": -28.0}, crank=math.degrees(math.atan2(math.sqrt(141.0**2 - x * x), x)))
+    return at(
+        "four_bar",
+        {"follower": -28.0},
+        crank=math.degrees(math.atan2(math.sqrt(141.0**2 - x * x), x)),
+    )
 
 
 def test_dead_points_of_a_four_bar() -> None:
-    """Driven from the crank it is regular there, and the follower stands; driven from the follower it is type 2, and all others move as
-    they do by the crank."""
+    """Driven from the crank it is regular there, and the follower stands; driven from the follower
+    it is type 2, and all others move as they do by the crank.
+    """
     here = dead_crank()
-    by_crank, by_follower = (symkin.singularity(here, given=[name]) for name in ("crank", "follower"))
+    by_crank, by_follower = (
+        symkin.singularity(here, given=[name]) for name in ("crank", "follower")
+    )
     assert (by_crank.kinds, by_crank.motions, by_crank.rank_loss) == ((), (), 0)
-    assert (by_follower.kinds, by_follower.conditions, by_follower.rank_loss) == (("type 2",), ("RO", "II"), 1)
+    assert (by_follower.kinds, by_follower.conditions, by_follower.rank_loss) == (
+        ("type 2",),
+        ("RO", "II"),
+        1,
+    )
     (motion,) = by_follower.motions
     assert_along(motion, slopes(here, {"crank": here.joints["crank"]}))
-    assert [group.loops for group in by_follower.groups] == [("crank, crank_pin, follower_pin, follower",)]
+    assert [group.loops for group in by_follower.groups] == [
+        ("crank, crank_pin, follower_pin, follower",)
+    ]
     named = symkin.singularity(here, given=["crank"], output=["follower"])
     assert (named.kinds, named.inputs) == (("type 1",), ({"crank": 1.0},))
     assert symkin.singularity(here, given=["follower"], output=["crank"]).kinds == ("type 2",)
@@ -72,7 +94,9 @@ def test_dead_points_of_a_four_bar() -> None:
 
 @pytest.mark.parametrize("crank", [0.0, 180.0])
 def test_dead_points_of_a_slider_crank(crank: float) -> None:
-    """Crank 40 and rod 85 in line: with the piston held the rod turns by -40/85 of the crank's angle (180 apart: 40/85)."""
+    """Crank 40 and rod 85 in line: with the piston held the rod turns by -40/85 of the crank's
+    angle (180 apart: 40/85).
+    """
     found = symkin.singularity(at("slider_crank", crank=crank), given=["piston"])
     assert found.kinds == ("type 2",)
     (motion,) = found.motions
@@ -80,12 +104,16 @@ def test_dead_points_of_a_slider_crank(crank: float) -> None:
     assert motion["big_end"] / motion["crank"] == pytest.approx(rod - 1.0, rel=1e-6)
     assert motion["small_end"] / motion["crank"] == pytest.approx(-rod, rel=1e-6)
     assert "piston" not in motion
-    assert symkin.singularity(at("slider_crank", crank=crank), output=["piston"]).kinds == ("type 1",)
+    assert symkin.singularity(at("slider_crank", crank=crank), output=["piston"]).kinds == (
+        "type 1",
+    )
     assert symkin.singularity(at("slider_crank", crank=90.0), given=["piston"]).kinds == ()
 
 
 def test_a_singular_value_given_by_digits_is_reached_to_all_of_them() -> None:
-    """The piston at 125 = 40 + 85, where solutions meet and are known to half of the digits, from the command's own start."""
+    """The piston at 125 = 40 + 85, where solutions meet and are known to half of the digits, from
+    the command's own start.
+    """
     found = symkin.singularity(symkin.load("slider_crank"), given={"piston": 125.0})
     assert found.kinds == ("type 2",)
     assert found.distances["type 2"] < 1e-6
@@ -93,7 +121,12 @@ def test_a_singular_value_given_by_digits_is_reached_to_all_of_them() -> None:
 
 STOPS: list[tuple[str, dict[str, list[float]], dict[str, float], tuple[str, ...]]] = [
     ("stephenson_six_bar", {"crank": [0.0, 60.0]}, {"output": 0.0}, ("type 2",)),
-    ("ankle", {"ankle.1": [0.0, -60.0], "ankle.2": [0.0, -30.0]}, {"upper_motor": 0.0, "lower_motor": 0.0}, ("passive",)),
+    (
+        "ankle",
+        {"ankle.1": [0.0, -60.0], "ankle.2": [0.0, -30.0]},
+        {"upper_motor": 0.0, "lower_motor": 0.0},
+        ("passive",),
+    ),
     ("four_bar", {"follower": [0.0, -60.0]}, {"crank": 0.0}, ("type 2",)),
     ("klann_leg", {"x": [0.0, -400.0]}, {"crank": 0.0}, ("type 2",)),
 ]
@@ -103,7 +136,9 @@ STOPS: list[tuple[str, dict[str, list[float]], dict[str, float], tuple[str, ...]
 def test_motions_at_a_stop_are_those_of_another_driver(
     name: str, path: dict[str, list[float]], driver: dict[str, float], kinds: tuple[str, ...]
 ) -> None:
-    """Where a path stops at a turning point, the joints move as they do along the curve by a coordinate that is regular there."""
+    """Where a path stops at a turning point, the joints move as they do along the curve by a
+    coordinate that is regular there.
+    """
     mechanism = symkin.load(name)
     begin = symkin.solve(mechanism).solution
     assert begin is not None
@@ -119,25 +154,35 @@ def test_motions_at_a_stop_are_those_of_another_driver(
     assert_along(named.motions[0], slopes(here, {n: here.joints[n] for n in driver}))
     (group,) = named.groups
     assert group == found.stop.groups[0]
-    assert group.unknowns in [g.unknowns for g in symkin.modes(mechanism, given={n: v[0] for n, v in path.items()}).groups]
+    assert group.unknowns in [
+        g.unknowns for g in symkin.modes(mechanism, given={n: v[0] for n, v in path.items()}).groups
+    ]
 
 
-# --- counts and distances -----------------------------------------------------------------------------------------------------
+# --- counts and distances -------------------------------------------------------------------------
 
 
 def parallelogram() -> symkin.Mechanism:
     """Base and coupler 100, cranks 40, at right angles at the reference."""
-    places = [("a", "base", "left", (0, 0, 0)), ("b", "left", "coupler", (0, 40, 0)), ("c", "coupler", "right", (100, 40, 0))]
+    places = [
+        ("a", "base", "left", (0, 0, 0)),
+        ("b", "left", "coupler", (0, 40, 0)),
+        ("c", "coupler", "right", (100, 40, 0)),
+    ]
     places.append(("d", "base", "right", (100, 0, 0)))
     joints = [
-        symkin.LinkJoint(symkin.Joint(name, "R", place, (0, 0, 1), actuated=name == "a"), [one, two])
+        symkin.LinkJoint(
+            symkin.Joint(name, "R", place, (0, 0, 1), actuated=name == "a"), [one, two]
+        )
         for name, one, two, place in places
     ]
     return symkin.Mechanism("parallelogram", link_joints=joints, angle_unit="deg")
 
 
 def test_a_flat_parallelogram_has_a_freedom_more() -> None:
-    """At its change point two motions are free where elsewhere one is; with the crank held the follower turns."""
+    """At its change point two motions are free where elsewhere one is; with the crank held the
+    follower turns.
+    """
     mechanism = parallelogram()
     flat = symkin.singularity(mechanism, given={"a": -90.0}, start={"a": -89.0, "d": -89.0})
     assert set(flat.kinds) == {"type 2", "increased"}
@@ -161,13 +206,16 @@ def test_a_flat_parallelogram_has_a_freedom_more() -> None:
         ("bennett", {"input": 40.0}, "output"),
     ],
 )
-def test_the_map_of_one_rate_is_a_central_difference(name: str, given: dict[str, float], output: str) -> None:
+def test_the_map_of_one_rate_is_a_central_difference(
+    name: str, given: dict[str, float], output: str
+) -> None:
     """The singular value of driver to output, in lengths: angles times the size."""
     here = at(name, **given)
     mechanism = here.mechanism
     found = symkin.singularity(here, given=list(given), output=[output])
     units = {
-        c.name: mechanism.characteristic_length * mechanism.angle_in(1.0) if c.is_angular else 1.0 for c in mechanism.coordinates
+        c.name: mechanism.characteristic_length * mechanism.angle_in(1.0) if c.is_angular else 1.0
+        for c in mechanism.coordinates
     }
     slope = slopes(here, given)[output] * units[output] / units[next(iter(given))]
     assert found.singular_values == pytest.approx([abs(slope)], rel=1e-5)
@@ -175,7 +223,9 @@ def test_the_map_of_one_rate_is_a_central_difference(name: str, given: dict[str,
 
 
 def test_platform_maps_are_those_of_the_jacobian() -> None:
-    """A graph with a platform, driven by its motors: singular values of q' -> twist are those of pose rates by central differences."""
+    """A graph with a platform, driven by its motors: singular values of q' -> twist are those of
+    pose rates by central differences.
+    """
     mechanism = symkin.load("ankle")
     motors = {"upper_motor": 8.0, "lower_motor": 12.0}
     here = symkin.solve(mechanism, given=motors).solution
@@ -186,25 +236,37 @@ def test_platform_maps_are_those_of_the_jacobian() -> None:
     for name in motors:
         after, before = (
             symkin.track(
-                mechanism, given={n: [v, v + s * STEP] if n == name else v for n, v in motors.items()}, start=here
+                mechanism,
+                given={n: [v, v + s * STEP] if n == name else v for n, v in motors.items()},
+                start=here,
             ).end.pose
             for s in (1.0, -1.0)
         )
         spin = np.asarray(after.rotation) @ np.asarray(before.rotation).T
-        turn = 0.5 * np.array([spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1]])
-        change = np.concatenate([np.asarray(after.position) - np.asarray(before.position), size * turn])
+        turn = 0.5 * np.array(
+            [spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1]]
+        )
+        change = np.concatenate(
+            [np.asarray(after.position) - np.asarray(before.position), size * turn]
+        )
         columns.append(change / (2 * size * math.radians(STEP)))
-    assert found.singular_values == pytest.approx(np.linalg.svd(np.array(columns), compute_uv=False), rel=1e-5)
+    assert found.singular_values == pytest.approx(
+        np.linalg.svd(np.array(columns), compute_uv=False), rel=1e-5
+    )
 
 
 @pytest.mark.parametrize("make", [samples.five_bar, samples.three_rrr, samples.delta])
 def test_limbs_driven_by_name_are_limbs_driven_by_joints(make: Any) -> None:
-    """All actuated joints by name are the same question; with the platform's motions the same kinds and singular values follow from the
-    joints by name as from the pose."""
+    """All actuated joints by name are the same question; with the platform's motions the same kinds
+    and singular values follow from the joints by name as from the pose.
+    """
     mechanism = make()
     here = symkin.solve(mechanism).solution
     assert here is not None
-    plain, named = symkin.singularity(here), symkin.singularity(here, given=[c.name for c in mechanism.actuated])
+    plain, named = (
+        symkin.singularity(here),
+        symkin.singularity(here, given=[c.name for c in mechanism.actuated]),
+    )
     assert plain.to_dict() == named.to_dict()
 
 
@@ -224,7 +286,9 @@ def test_limbs_driven_by_their_platform() -> None:
 
 
 def test_a_pose_that_drives_a_platform_on_rods_alone() -> None:
-    """Where nothing but the platform moves it is the output: a wheel's travel and the rack decide its pose."""
+    """Where nothing but the platform moves it is the output: a wheel's travel and the rack decide
+    its pose.
+    """
     here = at("five_link_suspension", rack=2.0, z=335.0)
     found = symkin.singularity(here, given=["rack", "z"])
     assert found.kinds == ()
@@ -234,24 +298,38 @@ def test_a_pose_that_drives_a_platform_on_rods_alone() -> None:
 def test_fewer_given_than_the_mobility_are_said() -> None:
     """A motor of two: one freedom is left everywhere, and that is a note and no kind."""
     found = symkin.singularity(
-        at("ankle", upper_motor=5.0, lower_motor=3.0), given=["upper_motor"], output=["ankle.1", "ankle.2"]
+        at("ankle", upper_motor=5.0, lower_motor=3.0),
+        given=["upper_motor"],
+        output=["ankle.1", "ankle.2"],
     )
     assert found.kinds == ()
     assert found.uncontrolled_freedoms == 1
     assert any("given coordinates do not decide" in note for note in found.notes)
 
 
-# --- what is said -------------------------------------------------------------------------------------------------------------
+# --- what is said ---------------------------------------------------------------------------------
 
 
 def test_json_and_text_and_picture(capsys: pytest.CaptureFixture[str], tmp_path) -> None:
-    """The command's JSON holds what drives, the further motions, the block and its loop; the text says the same."""
+    """The command's JSON holds what drives, the further motions, the block and its loop; the text
+    says the same.
+    """
     status, found = run_json(capsys, "singularities", "slider_crank", "--given", "piston=125")
-    assert (status, found["given"], found["kinds"], found["rank_loss"]) == (0, ["piston"], ["type 2"], 1)
+    assert (status, found["given"], found["kinds"], found["rank_loss"]) == (
+        0,
+        ["piston"],
+        ["type 2"],
+        1,
+    )
     assert found["blocks"][0]["loops"] == ["crank, big_end, small_end, piston"]
     assert found["motions"][0]["big_end"] == 1.0
     _, out, _ = run(capsys, "singularities", "slider_crank", "--given", "piston=125")
-    for words in ("driven by: piston", "type 2 singularity, 1 further motion", "singular: block 0", "big_end 1"):
+    for words in (
+        "driven by: piston",
+        "type 2 singularity, 1 further motion",
+        "singular: block 0",
+        "big_end 1",
+    ):
         assert words in out
     symkin.singularity(at("slider_crank", crank=0.0), given=["piston"]).plot(tmp_path / "s.png")
     assert (tmp_path / "s.png").stat().st_size > 1000
@@ -271,12 +349,20 @@ def test_json_and_text_and_picture(capsys: pytest.CaptureFixture[str], tmp_path)
         (["four_bar", "--plane", "crank,crank"], "one or two different coordinates"),
         (["four_bar", "--plane", "crank", "--range", "0:1,0:1"], "one is needed, for crank"),
         (["ankle", "--plane", "x,y"], "given, upper_motor, lower_motor"),
-        (["ankle", "--given", "ankle.1=0,ankle.2=0", "--plane", "ankle.1,upper_motor"], "given, ankle.1, ankle.2"),
+        (
+            ["ankle", "--given", "ankle.1=0,ankle.2=0", "--plane", "ankle.1,upper_motor"],
+            "given, ankle.1, ankle.2",
+        ),
         (["triad"], "no joint is actuated"),
-        (["ankle", "--given", "azimuth=3,tilt=2", "--output", "x"], "coordinates of the platform drive"),
+        (
+            ["ankle", "--given", "azimuth=3,tilt=2", "--output", "x"],
+            "coordinates of the platform drive",
+        ),
     ],
 )
-def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], part: str) -> None:
+def test_mistakes_are_one_line(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], part: str
+) -> None:
     status, out, err = run(capsys, "singularities", *arguments)
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert part in err

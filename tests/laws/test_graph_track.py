@@ -1,5 +1,7 @@
-"""`track` along values of coordinates by name, of graphs and of limbs: closure in maximal coordinates that share nothing with symkin,
-dead points by elementary geometry, limits of any joint, files and mistakes."""
+"""`track` along values of coordinates by name, of graphs and of limbs: closure in maximal
+coordinates that share nothing with symkin, dead points by elementary geometry, limits of any joint,
+files and mistakes.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +33,12 @@ PATHS: list[tuple[str, dict[str, Any]]] = [
 
 
 @pytest.mark.parametrize(("name", "given"), PATHS)
-def test_every_sample_closes_all_rows_and_has_the_values_of_the_path(name: str, given: dict[str, Any]) -> None:
-    """Redundant rows too: on the plain graph's own rows; known values run straight from one end to the other."""
+def test_every_sample_closes_all_rows_and_has_the_values_of_the_path(
+    name: str, given: dict[str, Any]
+) -> None:
+    """Redundant rows too: on the plain graph's own rows; known values run straight from one end to
+    the other.
+    """
     found = symkin.track(symkin.load(name), given=given, samples=5)
     assert found.reached
     values = np.array([sample.values for sample in found.samples])
@@ -58,8 +64,9 @@ def value(sample: Any, name: str) -> float:
 
 @pytest.mark.parametrize("name", ["four_bar", "jansen_leg", "bennett"])
 def test_joints_go_on_over_whole_turns(name: str) -> None:
-    """Between samples of 10 degrees no joint jumps, those at which loops are cut included; all are as many degrees on after a turn
-    as they turned."""
+    """Between samples of 10 degrees no joint jumps, those at which loops are cut included; all are
+    as many degrees on after a turn as they turned.
+    """
     mechanism = symkin.load(name)
     found = symkin.track(mechanism, given={mechanism.actuated[0].name: [0.0, 360.0]}, samples=37)
     joints = np.array([list(sample.joints.values()) for sample in found.samples])
@@ -71,16 +78,21 @@ def test_joints_go_on_over_whole_turns(name: str) -> None:
 
 def test_gears_turn_on_evenly() -> None:
     """Two turns of the sun: every gear's angle runs straight."""
-    found = symkin.track(symkin.load("planetary_gear"), given={"sun": [0.0, 720.0], "ring": [0.0, 10.0]}, samples=9)
+    found = symkin.track(
+        symkin.load("planetary_gear"), given={"sun": [0.0, 720.0], "ring": [0.0, 10.0]}, samples=9
+    )
     angles = np.array([list(sample.joints.values()) for sample in found.samples])
     assert np.abs(np.diff(angles, 2, axis=0)).max() < 1e-9
     assert np.abs(angles[-1]).max() == pytest.approx(720.0)
 
 
 def test_the_grounds_of_square_and_redundant_rows() -> None:
-    """A path of as many rows as unknowns is proved; one of redundant rows is checked, and what is proved is said."""
+    """A path of as many rows as unknowns is proved; one of redundant rows is checked, and what is
+    proved is said.
+    """
     square, redundant = (
-        symkin.track(symkin.load(n), given={j: [0.0, 40.0]}) for n, j in (("four_bar", "crank"), ("bennett", "input"))
+        symkin.track(symkin.load(n), given={j: [0.0, 40.0]})
+        for n, j in (("four_bar", "crank"), ("bennett", "input"))
     )
     assert (square.certified, redundant.certified) == (True, False)
     assert square.ground.startswith("proved")
@@ -88,12 +100,14 @@ def test_the_grounds_of_square_and_redundant_rows() -> None:
     assert "no other row is more than" in redundant.ground
 
 
-# --- where it stops ----------------------------------------------------------------------------------------------------
+# --- where it stops -------------------------------------------------------------------------------
 
 
 def dead_point(sign: float) -> float:
-    """Angle of the four-bar's follower where crank 40 and coupler 101 are in line, by the cosine theorem: the triangle of base 110,
-    rocker 61 and 101 +- 40; from the reference, at which the rocker points to (-11, 60)."""
+    """Angle of the four-bar's follower where crank 40 and coupler 101 are in line, by the cosine
+    theorem: the triangle of base 110, rocker 61 and 101 +- 40; from the reference, at which the
+    rocker points to (-11, 60).
+    """
     far = 101.0 + sign * 40.0
     inner = math.acos((110.0**2 + 61.0**2 - far**2) / (2.0 * 110.0 * 61.0))
     return math.degrees(math.pi - inner - math.atan2(60.0, -11.0))
@@ -102,17 +116,28 @@ def dead_point(sign: float) -> float:
 def test_a_four_bar_driven_by_its_follower_stops_at_the_cranks_dead_point() -> None:
     found = symkin.track(symkin.load("four_bar"), given={"follower": [0.0, -60.0]})
     assert found.stop is not None
-    assert (found.stop.kind, found.stop.type, found.stop.kinds) == ("turning point", "type 2", ("type 2",))
+    assert (found.stop.kind, found.stop.type, found.stop.kinds) == (
+        "turning point",
+        "type 2",
+        ("type 2",),
+    )
     assert found.end.joints["follower"] == pytest.approx(dead_point(1.0), abs=1e-9)
     assert found.certified
     assert found.stop.meeting is not None
-    assert (found.stop.meeting.count, {found.stop.meeting.own, *found.stop.meeting.others}) == (2, {1, 2})
+    assert (found.stop.meeting.count, {found.stop.meeting.own, *found.stop.meeting.others}) == (
+        2,
+        {1, 2},
+    )
     assert found.stop.meeting.opposite_signs is True
-    assert [group.loops for group in found.stop.groups] == [("crank, crank_pin, follower_pin, follower",)]
+    assert [group.loops for group in found.stop.groups] == [
+        ("crank, crank_pin, follower_pin, follower",)
+    ]
 
 
 @pytest.mark.parametrize(("end", "reach"), [(130.0, 125.0), (40.0, 45.0)])
-def test_a_slider_crank_driven_by_its_piston_stops_at_its_dead_points(end: float, reach: float) -> None:
+def test_a_slider_crank_driven_by_its_piston_stops_at_its_dead_points(
+    end: float, reach: float
+) -> None:
     """Crank 40 and rod 85 in line: 85 +- 40."""
     found = symkin.track(symkin.load("slider_crank"), given={"piston": [75.0, end]})
     assert found.end.joints["piston"] == pytest.approx(reach, abs=1e-9)
@@ -121,7 +146,9 @@ def test_a_slider_crank_driven_by_its_piston_stops_at_its_dead_points(end: float
 
 
 def test_a_six_bars_second_dyad_stops_alone() -> None:
-    """Fifth and output link, at right angles at the reference, are in line at the stop; the crank's own loop is not named."""
+    """Fifth and output link, at right angles at the reference, are in line at the stop; the crank's
+    own loop is not named.
+    """
     found = symkin.track(symkin.load("stephenson_six_bar"), given={"crank": [0.0, 60.0]})
     assert found.end.joints["output_pin"] == pytest.approx(-90.0, abs=1e-6)
     assert found.stop is not None
@@ -133,21 +160,33 @@ def test_a_six_bars_second_dyad_stops_alone() -> None:
 
 
 def test_a_bifurcation_of_a_redundant_loop_is_found() -> None:
-    """Sarrus: the first chain's links fold onto each other where the lower one is level, 3-4-5 from the reference."""
+    """Sarrus: the first chain's links fold onto each other where the lower one is level, 3-4-5 from
+    the reference.
+    """
     found = symkin.track(symkin.load("sarrus"), given={"foot_x": [30.0, 40.0]})
     assert found.stop is not None
     assert found.stop.kind == "bifurcation"
-    assert found.end.joints["foot_x"] == pytest.approx(math.degrees(math.atan2(60.0, 80.0)), abs=1e-6)
+    assert found.end.joints["foot_x"] == pytest.approx(
+        math.degrees(math.atan2(60.0, 80.0)), abs=1e-6
+    )
     assert "increased" in found.stop.kinds
 
 
 @pytest.mark.parametrize(("step", "count"), [((100.0, 30.0, -300.0), 1), ((0.0, 0.0, -300.0), 3)])
-def test_a_path_of_poses_stops_where_motors_are_at_dead_points(step: tuple[float, ...], count: int) -> None:
-    """A delta lowered as far as an arm reaches, or straight down, as far as all three do: type 1, and each motor's own block and loops."""
+def test_a_path_of_poses_stops_where_motors_are_at_dead_points(
+    step: tuple[float, ...], count: int
+) -> None:
+    """A delta lowered as far as an arm reaches, or straight down, as far as all three do: type 1,
+    and each motor's own block and loops.
+    """
     mechanism = symkin.load("delta_parallelograms")
     here = symkin.solve(mechanism).solution
     assert here is not None
-    found = symkin.track(mechanism, poses=[here.pose, [*(here.position + np.array(step)), *here.quaternion]], start=here)
+    found = symkin.track(
+        mechanism,
+        poses=[here.pose, [*(here.position + np.array(step)), *here.quaternion]],
+        start=here,
+    )
     assert found.stop is not None
     assert (found.stop.kind, found.stop.type) == ("turning point", "type 1")
     assert "type 1" in found.stop.kinds
@@ -169,7 +208,9 @@ def limited(tmp_path: Path, joint: str, low: float, high: float) -> symkin.Mecha
 
 @pytest.mark.parametrize("joint", ["crank", "crank_pin", "follower_pin", "follower"])
 def test_limits_of_any_joint_stop_the_path(tmp_path: Path, joint: str) -> None:
-    """Known, unknown or cut: the path ends where the joint meets the value that it has at 30 degrees more, and goes on without limits."""
+    """Known, unknown or cut: the path ends where the joint meets the value that it has at 30
+    degrees more, and goes on without limits.
+    """
     free = symkin.track(symkin.load("four_bar"), given={"crank": [90.0, 120.0, 150.0]})
     values = [sample.joints[joint] for sample in free.samples]
     mechanism = limited(tmp_path, joint, *sorted((2 * values[0] - values[1], values[1])))
@@ -181,12 +222,18 @@ def test_limits_of_any_joint_stop_the_path(tmp_path: Path, joint: str) -> None:
 
 
 def test_loops_that_close_to_a_files_digits_are_followed_by_least_squares(tmp_path: Path) -> None:
-    """A Bennett loop with a point off by 0.0003: its joints move as those of the exact one, to that misfit, and it is said."""
+    """A Bennett loop with a point off by 0.0003: its joints move as those of the exact one, to that
+    misfit, and it is said.
+    """
     exact = (MECHANISMS / "bennett.toml").read_text()
-    (tmp_path / "off.toml").write_text(exact.replace("[20.0, 50.0, -20.0]", "[20.0003, 50.0001, -20.0002]"))
+    (tmp_path / "off.toml").write_text(
+        exact.replace("[20.0, 50.0, -20.0]", "[20.0003, 50.0001, -20.0002]")
+    )
     given = {"input": [10.0, 40.0]}
     mechanism = symkin.load(tmp_path / "off.toml")
-    found, true = (symkin.track(m, given=given, samples=3) for m in (mechanism, symkin.load("bennett")))
+    found, true = (
+        symkin.track(m, given=given, samples=3) for m in (mechanism, symkin.load("bennett"))
+    )
     assert found.reached
     assert 1e-6 < found.residual < 1e-2
     for a, b in zip(found.samples, true.samples, strict=True):
@@ -198,30 +245,44 @@ def test_loops_that_close_to_a_files_digits_are_followed_by_least_squares(tmp_pa
 
 
 def test_a_track_travels(tmp_path: Path) -> None:
-    """Pickled and read again, with a closure that holds a joint for its limits: the same samples, stop and distances."""
-    found = symkin.track(limited(tmp_path, "follower_pin", -170.0, 30.0), given={"crank": [60.0, 90.0]}, samples=3)
+    """Pickled and read again, with a closure that holds a joint for its limits: the same samples,
+    stop and distances.
+    """
+    found = symkin.track(
+        limited(tmp_path, "follower_pin", -170.0, 30.0), given={"crank": [60.0, 90.0]}, samples=3
+    )
     again = pickle.loads(pickle.dumps(found))
     assert again.problem.closure.partition == found.problem.closure.partition
     assert again.to_dict() == found.to_dict()
     assert again.end.solution.joints == found.end.solution.joints
 
 
-# --- starts and forms of the path -----------------------------------------------------------------------------------------
+# --- starts and forms of the path -----------------------------------------------------------------
 
 
 def test_start_chooses_the_mode() -> None:
-    """Each mode of the four-bar, and values by name near it, lead along its own branch; both coupler sides end apart."""
+    """Each mode of the four-bar, and values by name near it, lead along its own branch; both
+    coupler sides end apart.
+    """
     mechanism = symkin.load("four_bar")
     listed = symkin.modes(mechanism, given={"crank": 60.0})
-    ends = [symkin.track(mechanism, given={"crank": [60.0, 100.0]}, start=mode).end.joints["follower"] for mode in listed]
+    ends = [
+        symkin.track(mechanism, given={"crank": [60.0, 100.0]}, start=mode).end.joints["follower"]
+        for mode in listed
+    ]
     assert len({round(end, 3) for end in ends}) == 2
     named = [{"follower": mode.joints["follower"]} for mode in listed]
-    again = [symkin.track(mechanism, given={"crank": [60.0, 100.0]}, start=near).end.joints["follower"] for near in named]
+    again = [
+        symkin.track(mechanism, given={"crank": [60.0, 100.0]}, start=near).end.joints["follower"]
+        for near in named
+    ]
     assert again == pytest.approx(ends)
 
 
 def test_a_mode_of_other_coordinates_is_a_start(tmp_path: Path) -> None:
-    """A solution of the crank's value starts a path of the follower's, with limits that make the closure hold other joints."""
+    """A solution of the crank's value starts a path of the follower's, with limits that make the
+    closure hold other joints.
+    """
     mechanism = limited(tmp_path, "follower_pin", -170.0, 170.0)
     begin = symkin.solve(mechanism, given={"crank": 60.0}).solution
     assert begin is not None
@@ -250,7 +311,10 @@ def test_all_joints_of_limbs_by_name_are_the_direct_problem() -> None:
     mechanism = symkin.load("zhao2000")
     ends = [[81.6, 202.8, 330.6, 105.2], [83.0, 202.8, 330.6, 105.2]]
     named = {c.name: [row[k] for row in ends] for k, c in enumerate(mechanism.actuated)}
-    one, two = symkin.track(mechanism, joints=ends).to_dict(), symkin.track(mechanism, given=named).to_dict()
+    one, two = (
+        symkin.track(mechanism, joints=ends).to_dict(),
+        symkin.track(mechanism, given=named).to_dict(),
+    )
     assert one | {"elapsed_s": 0} == two | {"elapsed_s": 0}
 
 
@@ -263,7 +327,9 @@ def test_limbs_follow_coordinates_of_the_pose() -> None:
     assert found.reached
     for k, sample in enumerate(found.samples):
         rotation = np.asarray(sample.pose.rotation)
-        assert float(np.asarray(sample.pose.position)[2]) == pytest.approx(300.0 + 20.0 * k / 3, abs=1e-9 * size)
+        assert float(np.asarray(sample.pose.position)[2]) == pytest.approx(
+            300.0 + 20.0 * k / 3, abs=1e-9 * size
+        )
         assert math.acos(rotation[2, 2]) == pytest.approx(0.1 + 0.1 * k / 3, abs=1e-9)
         near = symkin.solve(mechanism, joints=sample.actuated_values, start=sample.pose).solution
         assert near is not None
@@ -273,8 +339,12 @@ def test_limbs_follow_coordinates_of_the_pose() -> None:
 def test_a_chain_without_loops_is_followed() -> None:
     """All joints given: nothing is left to find."""
     joints = [
-        symkin.LinkJoint(symkin.Joint("a", "R", [0, 0, 0], [0, 0, 1], actuated=True), ["base", "one"]),
-        symkin.LinkJoint(symkin.Joint("b", "R", [10, 0, 0], [0, 0, 1], actuated=True), ["one", "two"]),
+        symkin.LinkJoint(
+            symkin.Joint("a", "R", [0, 0, 0], [0, 0, 1], actuated=True), ["base", "one"]
+        ),
+        symkin.LinkJoint(
+            symkin.Joint("b", "R", [10, 0, 0], [0, 0, 1], actuated=True), ["one", "two"]
+        ),
     ]
     point = symkin.LinkPoint("two", "tip", [20, 0, 0])
     mechanism = symkin.Mechanism("chain", link_joints=joints, link_points=[point])
@@ -283,15 +353,21 @@ def test_a_chain_without_loops_is_followed() -> None:
     assert found.end.points["tip"] == pytest.approx([-10.0, 10.0, 0.0])
 
 
-# --- files, pictures, mistakes ----------------------------------------------------------------------------------------------
+# --- files, pictures, mistakes --------------------------------------------------------------------
 
 
 def test_command_writes_what_it_reads(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A path of pitch and roll; its file, read by the motors' columns, leads back to pitch and roll."""
+    """A path of pitch and roll; its file, read by the motors' columns, leads back to pitch and
+    roll.
+    """
     one, two, picture = (str(tmp_path / name) for name in ("one.csv", "two.csv", "track.png"))
     there = ["--given", "ankle.1=0:20,ankle.2=5", "--samples", "6", "-o", one, "--plot", picture]
     status, first = run_json(capsys, "track", "ankle", *there)
-    assert (status, first["problem"], first["given"]["from"]) == (0, "given", {"ankle.1": 0.0, "ankle.2": 5.0})
+    assert (status, first["problem"], first["given"]["from"]) == (
+        0,
+        "given",
+        {"ankle.1": 0.0, "ankle.2": 5.0},
+    )
     assert Path(picture).stat().st_size > 1000
     assert set(first["samples"][0]["points"]) == {"toe", "heel"}
     status, second = run_json(capsys, "track", "ankle", "--csv", one, "-o", two)
@@ -313,8 +389,12 @@ def test_tilt_is_written_and_read(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 
 def test_a_stop_names_block_and_loop(capsys: pytest.CaptureFixture[str]) -> None:
-    """Status 3; JSON and text name the block that is singular and its loop; there is no pose without a platform."""
-    status, found = run_json(capsys, "track", "four_bar", "--given", "follower=0:-60", "--samples", "3")
+    """Status 3; JSON and text name the block that is singular and its loop; there is no pose
+    without a platform.
+    """
+    status, found = run_json(
+        capsys, "track", "four_bar", "--given", "follower=0:-60", "--samples", "3"
+    )
     assert status == 3
     (block,) = found["stop"]["blocks"]
     assert (block["number"], block["loops"]) == (0, ["crank, crank_pin, follower_pin, follower"])
@@ -338,11 +418,16 @@ def test_a_stop_names_block_and_loop(capsys: pytest.CaptureFixture[str]) -> None
         (["four_bar", "--given", "crank=0:60,follower=0:5"], "leave"),
         (["ankle", "--given", "ankle.1=0:10"], "1 freedom"),
         (["four_bar", "--from", "follower=0", "--to", "crank=3"], "stands in one of them only"),
-        (["four_bar", "--poses", "--from", "0,0,0,1,0,0,0", "--to", "1,0,0,1,0,0,0"], "no platform link"),
+        (
+            ["four_bar", "--poses", "--from", "0,0,0,1,0,0,0", "--to", "1,0,0,1,0,0,0"],
+            "no platform link",
+        ),
         (["triad", "--from", "1", "--to", "2"], "0 actuated joints"),
     ],
 )
-def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], part: str) -> None:
+def test_mistakes_are_one_line(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], part: str
+) -> None:
     status, out, err = run(capsys, "track", *arguments)
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert part in err

@@ -1,4 +1,6 @@
-"""Limbs, arms and rods said as graphs of links are the same machines: the same modes, poses and inverse solutions."""
+"""Limbs, arms and rods said as graphs of links are the same machines: the same modes, poses and
+inverse solutions.
+"""
 
 from __future__ import annotations
 
@@ -37,11 +39,26 @@ def same(a: symkin.Modes, b: symkin.Modes) -> None:
     for found in (a, b):
         table = []
         for mode in found:
-            turns = [np.radians(mode.joints[n]) if found.problem.mechanism.angle_unit == "deg" else mode.joints[n] for n in names]
+            turns = [
+                np.radians(mode.joints[n])
+                if found.problem.mechanism.angle_unit == "deg"
+                else mode.joints[n]
+                for n in names
+            ]
             kinds = {c.name: c.kind for c in found.problem.mechanism.actuated}
-            values = [mode.joints[n] / size if kinds[n] == "length" else v for n, v in zip(names, turns, strict=True)]
-            angular = [np.exp(1j * v) if kinds[n] != "length" else v for n, v in zip(names, values, strict=True)]
-            table.append(np.concatenate([mode.position / size, np.asarray(mode.pose.rotation).ravel(), angular]))
+            values = [
+                mode.joints[n] / size if kinds[n] == "length" else v
+                for n, v in zip(names, turns, strict=True)
+            ]
+            angular = [
+                np.exp(1j * v) if kinds[n] != "length" else v
+                for n, v in zip(names, values, strict=True)
+            ]
+            table.append(
+                np.concatenate(
+                    [mode.position / size, np.asarray(mode.pose.rotation).ravel(), angular]
+                )
+            )
         rows.append(np.array(table))
     first, second = rows
     assert len(first) == len(second)
@@ -49,7 +66,9 @@ def same(a: symkin.Modes, b: symkin.Modes) -> None:
         assert np.min(np.max(np.abs(second - row), axis=1)) < 1e-6
 
 
-@pytest.mark.parametrize("name", in_gate(sorted(MACHINES), ["planar 3-RRR", "five-bar", "delta", "zhao2000", "arm"]))
+@pytest.mark.parametrize(
+    "name", in_gate(sorted(MACHINES), ["planar 3-RRR", "five-bar", "delta", "zhao2000", "arm"])
+)
 def test_a_graph_has_the_modes_of_its_limbs(name):
     """Direct problem beside the reference."""
     limbs = MACHINES[name]()
@@ -62,16 +81,26 @@ def test_a_graph_has_the_modes_of_its_limbs(name):
     ]
     a, b = symkin.modes(limbs, joints=joints), symkin.modes(twin, joints=joints)
     same(a, b)
-    assert b.completeness == "sampled" if name in SAMPLED else b.completeness in ("proved", "probability one")
+    assert (
+        b.completeness == "sampled"
+        if name in SAMPLED
+        else b.completeness in ("proved", "probability one")
+    )
 
 
-@pytest.mark.parametrize("name", in_gate(sorted(MACHINES), ["3-RPS", "five-bar", "four-bar", "zhao2000", "yao2020"]))
+@pytest.mark.parametrize(
+    "name", in_gate(sorted(MACHINES), ["3-RPS", "five-bar", "four-bar", "zhao2000", "yao2020"])
+)
 def test_a_graph_has_the_inverse_solutions_of_its_limbs(name):
     """Inverse problem at the pose of a direct one."""
     limbs = MACHINES[name]()
     twin = graph_twin(limbs)
     pose = symkin.solve(
-        limbs, joints=[limbs.angle_out(c.reference[0]) if c.is_angular else c.reference[0] for c in limbs.actuated]
+        limbs,
+        joints=[
+            limbs.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
+            for c in limbs.actuated
+        ],
     )
     where = pose.solution.pose
     same(symkin.modes(limbs, pose=where), symkin.modes(twin, pose=where))
@@ -84,7 +113,9 @@ def test_a_graph_has_the_mobility_of_its_limbs(name):
 
 
 def test_a_spherical_motion_may_be_declared():
-    """Of a wrist whose axes meet: the same modes from motors, and from a whole pose all that each limb allows, two each."""
+    """Of a wrist whose axes meet: the same modes from motors, and from a whole pose all that each
+    limb allows, two each.
+    """
     declared = symkin.load("spherical_wrist")
     assert declared.motion == "spherical"
     free = replace(declared, motion="spatial")

@@ -11,7 +11,9 @@ from helpers.samples import tied_platform
 
 @pytest.mark.slow
 def test_modes_of_redundant_rows_say_what_is_proved_of_them():
-    """No certificate, but an exact root of rows as many as their rank, and a bound of the others that holds of the residual."""
+    """No certificate, but an exact root of rows as many as their rank, and a bound of the others
+    that holds of the residual.
+    """
     found = symkin.modes(symkin.load("zhao2000_links"))
     for mode in found:
         ground = mode.to_dict()["ground"]
@@ -25,8 +27,9 @@ def test_modes_of_redundant_rows_say_what_is_proved_of_them():
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_the_bound_of_the_other_rows_is_never_smaller_than_their_contradiction(seed):
-    """A pose moved by d along a limb's first axis leaves a gap of d there, whatever that limb's joints do: rows that two joints
-    make zero leave it to the third."""
+    """A pose moved by d along a limb's first axis leaves a gap of d there, whatever that limb's
+    joints do: rows that two joints make zero leave it to the third.
+    """
     rng = np.random.default_rng(seed)
     machine = tied_platform(False)
     pose = symkin.solve(machine, joints=rng.uniform(-8, 8, 3)).solution.pose
@@ -38,7 +41,10 @@ def test_the_bound_of_the_other_rows_is_never_smaller_than_their_contradiction(s
         assert not any("projected" in note for note in found.notes)
         grounds = [mode.ground for mode in found]
         assert len(grounds) == 8
-        assert all(g is not None and away * 0.99 <= g.remaining + 2e-13 and g.remaining < 10 * away for g in grounds)
+        assert all(
+            g is not None and away * 0.99 <= g.remaining + 2e-13 and g.remaining < 10 * away
+            for g in grounds
+        )
 
 
 def test_certified_modes_need_no_other_ground():
@@ -51,14 +57,18 @@ def test_a_count_below_the_generic_one_says_where_the_others_are():
     """A platform of 28 generic solutions, at a regular pose and where it is turned by a quarter."""
     machine = symkin.load("zhang2009")
     for pose in ([10, 20, 300, 1, 0, 0, 0], [0, 0, 250, np.sqrt(0.5), 0, 0, np.sqrt(0.5)]):
-        found = symkin.modes(machine, joints=symkin.solve(machine, pose=pose).solution.actuated_values)
+        found = symkin.modes(
+            machine, joints=symkin.solve(machine, pose=pose).solution.actuated_values
+        )
         told = [note for note in found.notes if "generic complex solutions" in note]
         assert bool(told) == (found.complex_count < 28)
 
 
 @pytest.mark.slow
 def test_a_track_of_redundant_rows_says_what_is_proved_at_its_steps():
-    """Not certified, and the bound that it states holds of every sample's residual within what the residual adds."""
+    """Not certified, and the bound that it states holds of every sample's residual within what the
+    residual adds.
+    """
     machine = symkin.load("zhao2000_links")
     first = symkin.modes(machine)[0]
     begin = list(first.actuated_values)
@@ -71,11 +81,25 @@ def test_a_track_of_redundant_rows_says_what_is_proved_at_its_steps():
 
 
 def test_modes_of_many_inputs_have_the_same_grounds_as_one_by_one():
-    """A rod of each pair is redundant: what is proved of a configuration does not depend on the inputs beside it."""
+    """A rod of each pair is redundant: what is proved of a configuration does not depend on the
+    inputs beside it.
+    """
     delta = symkin.load("delta")
     joints = np.array([10.0, 20.0, 30.0]) + np.random.default_rng(4).uniform(-20, 20, (12, 3))
-    for many, one in zip(symkin.modes(delta, joints=joints), (symkin.modes(delta, joints=q) for q in joints), strict=True):
+    for many, one in zip(
+        symkin.modes(delta, joints=joints),
+        (symkin.modes(delta, joints=q) for q in joints),
+        strict=True,
+    ):
         assert len(many) == len(one) == 2
         for a, b in zip(many, one, strict=True):
-            assert (a.ground.independent, a.ground.rows) == (b.ground.independent, b.ground.rows) == (3, 6)
-            assert 0.0 < max(a.ground.radius, a.ground.remaining, b.ground.radius, b.ground.remaining) < 1e-9
+            assert (
+                (a.ground.independent, a.ground.rows)
+                == (b.ground.independent, b.ground.rows)
+                == (3, 6)
+            )
+            assert (
+                0.0
+                < max(a.ground.radius, a.ground.remaining, b.ground.radius, b.ground.remaining)
+                < 1e-9
+            )

@@ -1,4 +1,6 @@
-"""Symbolic Jacobians: equal to the numeric ones and to differences, derivatives too; names, refusals."""
+"""Symbolic Jacobians: equal to the numeric ones and to differences, derivatives too; names,
+refusals.
+"""
 
 from __future__ import annotations
 
@@ -23,9 +25,11 @@ def _kinds(case):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", in_gate(cases.NAMES, cases.FEW))
 def test_symbolic_equals_numeric(name):
-    """Direct, inverse and passive Jacobians are those of the velocity equations, to 1e-12 of the largest entry; where the
-    condition is large to twenty roundings of it, since the loops close to two or three, as the processor has it, and both eliminations
-    multiply that, and their own three or four, by the condition."""
+    """Direct, inverse and passive Jacobians are those of the velocity equations, to 1e-12 of the
+    largest entry; where the condition is large to twenty roundings of it, since the loops close to
+    two or three, as the processor has it, and both eliminations multiply that, and their own three
+    or four, by the condition.
+    """
     case = cases.case(name)
     matrices = velocity_equations(case.mechanism).at(case.values)
     bound = max(1e-12, 20.0 * np.finfo(float).eps * case.condition)
@@ -33,15 +37,18 @@ def test_symbolic_equals_numeric(name):
         if kind != "analytic":
             expected = getattr(matrices, f"{kind}_jacobian")
             found = jacobian(case.mechanism, kind).at(case.values)
-            np.testing.assert_allclose(found, expected, rtol=0, atol=bound * np.max(np.abs(expected)))
+            np.testing.assert_allclose(
+                found, expected, rtol=0, atol=bound * np.max(np.abs(expected))
+            )
 
 
 @pytest.mark.slow
 @pytest.mark.long
 @pytest.mark.parametrize("name", [n for n in cases.NAMES if n != "redundant actuation"])
 def test_analytic_equals_differences_of_pose_coordinates(name):
-    """Column k of Ja: rates of the pose coordinates while actuated joint k moves, to 1e-7 of the largest entry; a serial
-    arm's quaternion up to sign."""
+    """Column k of Ja: rates of the pose coordinates while actuated joint k moves, to 1e-7 of the
+    largest entry; a serial arm's quaternion up to sign.
+    """
     case = cases.case(name)
     analytic = jacobian(case.mechanism, "analytic")
     expected = analytic.at(case.values)
@@ -51,7 +58,9 @@ def test_analytic_equals_differences_of_pose_coordinates(name):
         base = cases.along_joint(case, 0, 0.0)[place]
         expected[3:] *= np.sign(forward @ base[3:])
     for k in range(len(case.mechanism.actuated)):
-        assert cases.agrees(expected[:, k], partial(_pose_rates, case, k, place), cases.step_of(case, k))
+        assert cases.agrees(
+            expected[:, k], partial(_pose_rates, case, k, place), cases.step_of(case, k)
+        )
 
 
 def _pose_rates(case, k, place, step):
@@ -60,22 +69,39 @@ def _pose_rates(case, k, place, step):
 
 def _forward_quaternion(analytic, values):
     pose = analytic.expressions.differential.pose
-    return np.asarray(ca.Function("q", [analytic.closure.variables], [pose.quaternion])(values)).ravel()
+    return np.asarray(
+        ca.Function("q", [analytic.closure.variables], [pose.quaternion])(values)
+    ).ravel()
 
 
-SECOND_ORDER = ["zhang2009", "gluon_6l3", "zhao2000", "delta", "3 RPS", "planar three_rrr", "cylindrical", "loop HPUS", "translation PUS",
-                "spherical HUS", "arm RPRHRR"]  # fmt: skip
+SECOND_ORDER = [
+    "zhang2009",
+    "gluon_6l3",
+    "zhao2000",
+    "delta",
+    "3 RPS",
+    "planar three_rrr",
+    "cylindrical",
+    "loop HPUS",
+    "translation PUS",
+    "spherical HUS",
+    "arm RPRHRR",
+]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SECOND_ORDER)
 def test_second_order_equals_differences(name):
-    """dJ/dq_k along the closure by differences of J at solved configurations, to 1e-7 of the largest entry of J and its
-    derivative; dJ/dt is their sum with the rates, given all rates or the actuated ones."""
+    """dJ/dq_k along the closure by differences of J at solved configurations, to 1e-7 of the
+    largest entry of J and its derivative; dJ/dt is their sum with the rates, given all rates or the
+    actuated ones.
+    """
     case = cases.case(name)
     matrices = velocity_equations(case.mechanism).at(case.values)
     rates = np.random.default_rng(0).normal(size=matrices.actuated.shape[1])
-    full = np.concatenate([rates, matrices.passive_jacobian @ rates, matrices.direct_jacobian @ rates])
+    full = np.concatenate(
+        [rates, matrices.passive_jacobian @ rates, matrices.direct_jacobian @ rates]
+    )
     for kind in _kinds(case):
         symbolic = jacobian(case.mechanism, kind)
         hessian = symbolic.hessian_at(case.values)
@@ -83,12 +109,19 @@ def test_second_order_equals_differences(name):
         for k in range(len(rates)):
             unit = cases.step_of(case, k)
             scale = max(np.max(np.abs(hessian[k])), np.max(np.abs(symbolic.at(case.values))) / unit)
-            errors = (np.max(np.abs(_rates_of(symbolic, case, k, h * unit) - hessian[k])) for h in (1e-3, 1e-4, 1e-5))
+            errors = (
+                np.max(np.abs(_rates_of(symbolic, case, k, h * unit) - hessian[k]))
+                for h in (1e-3, 1e-4, 1e-5)
+            )
             assert any(error < 1e-7 * scale for error in errors)
         total = np.einsum("k,krc->rc", rates, hessian)
         bound = 1e-9 * max(np.max(np.abs(hessian)) * np.sum(np.abs(rates)), 1e-300)
-        np.testing.assert_allclose(symbolic.time_derivative_at(case.values, rates), total, rtol=0, atol=bound)
-        np.testing.assert_allclose(symbolic.time_derivative_at(case.values, full), total, rtol=0, atol=bound)
+        np.testing.assert_allclose(
+            symbolic.time_derivative_at(case.values, rates), total, rtol=0, atol=bound
+        )
+        np.testing.assert_allclose(
+            symbolic.time_derivative_at(case.values, full), total, rtol=0, atol=bound
+        )
 
 
 def _rates_of(symbolic, case, k, step):
@@ -97,21 +130,34 @@ def _rates_of(symbolic, case, k, step):
 
 @pytest.mark.parametrize("name", ["zhang2009", "zhao2000", "gluon_6l3", "three_rps"])
 def test_geometry_may_stay_symbols(name):
-    """With `parameters`, the nominal geometry gives the bound Jacobian, and another geometry that of another mechanism."""
+    """With `parameters`, the nominal geometry gives the bound Jacobian, and another geometry that
+    of another mechanism.
+    """
     case = cases.case(name)
     for kind in ("direct", "inverse"):
-        open_, bound = jacobian(case.mechanism, kind, parameters=True), jacobian(case.mechanism, kind)
+        open_, bound = (
+            jacobian(case.mechanism, kind, parameters=True),
+            jacobian(case.mechanism, kind),
+        )
         expected = bound.at(case.values)
-        np.testing.assert_allclose(open_.at(case.values), expected, rtol=0, atol=1e-11 * np.max(np.abs(expected)))
+        np.testing.assert_allclose(
+            open_.at(case.values), expected, rtol=0, atol=1e-11 * np.max(np.abs(expected))
+        )
         assert open_.parameters
         assert not bound.parameters
         other = 1.001 * case.closure.parameter_values
-        numeric = getattr(velocity_equations(case.mechanism).at(case.values, other), f"{kind}_jacobian")
-        np.testing.assert_allclose(open_.at(case.values, other), numeric, rtol=0, atol=1e-8 * np.max(np.abs(numeric)))
+        numeric = getattr(
+            velocity_equations(case.mechanism).at(case.values, other), f"{kind}_jacobian"
+        )
+        np.testing.assert_allclose(
+            open_.at(case.values, other), numeric, rtol=0, atol=1e-8 * np.max(np.abs(numeric))
+        )
 
 
 def test_six_rods_have_the_closed_form():
-    """Row i of the inverse Jacobian of six rods is (d, s x d) / length, d the rod, s = R a; no other operation is left."""
+    """Row i of the inverse Jacobian of six rods is (d, s x d) / length, d the rod, s = R a; no
+    other operation is left.
+    """
     mechanism = symkin.load("zhang2009")
     case = cases.case("zhang2009")
     inverse = jacobian(mechanism, "inverse")
@@ -127,9 +173,14 @@ def test_six_rods_have_the_closed_form():
 
 
 def test_names_are_identifiers():
-    """Inputs are named after coordinates; what no identifier allows becomes _, and names stay different."""
+    """Inputs are named after coordinates; what no identifier allows becomes _, and names stay
+    different.
+    """
     limbs = [
-        symkin.Limb("a", [samples.turning("x", 0.0, 0.0, actuated=True), samples.turning("my joint", 0.0, 60.0)]),
+        symkin.Limb(
+            "a",
+            [samples.turning("x", 0.0, 0.0, actuated=True), samples.turning("my joint", 0.0, 60.0)],
+        ),
         symkin.Limb(
             "b",
             [
@@ -139,7 +190,9 @@ def test_names_are_identifiers():
             ],
         ),
     ]
-    mechanism = symkin.Mechanism("odd", limbs, platform_position=(50.0, 120.0, 0.0), motion="planar")
+    mechanism = symkin.Mechanism(
+        "odd", limbs, platform_position=(50.0, 120.0, 0.0), motion="planar"
+    )
     names = [v.name for v in jacobian(mechanism, "direct", parameters=True).inputs]
     assert all(name.isidentifier() for name in names)
     assert len(set(names)) == len(names)
@@ -147,7 +200,9 @@ def test_names_are_identifiers():
 
 
 def test_what_is_not_defined_is_refused_in_a_sentence():
-    """Unknown kinds, passive joints that there are not, too few or no actuated joints, rates of a wrong number."""
+    """Unknown kinds, passive joints that there are not, too few or no actuated joints, rates of a
+    wrong number.
+    """
     platform = symkin.load("zhang2009")
     with pytest.raises(InputError, match="allowed: direct, inverse, analytic, passive"):
         jacobian(platform, "forward")

@@ -19,7 +19,9 @@ NAMES = {"R": [""], "P": [""], "H": [""], "C": [".angle", ".slide"], "U": [".1",
 @pytest.mark.parametrize("kind", JOINT_TYPES)
 @given(rng=seeds)
 def test_coordinates_carry_the_freedom(kind, rng):
-    """The coordinates' freedoms sum to the joint's: 1 for R, P and H, 2 for C and U, 3 for S; names as documented."""
+    """The coordinates' freedoms sum to the joint's: 1 for R, P and H, 2 for C and U, 3 for S; names
+    as documented.
+    """
     joint = random_joint(rng, kind, "j")
     assert sum(c.freedom for c in joint.coordinates) == joint.freedom == FREEDOMS[kind]
     assert [c.name for c in joint.coordinates] == ["j" + suffix for suffix in NAMES[kind]]
@@ -30,10 +32,15 @@ def test_coordinates_carry_the_freedom(kind, rng):
 
 @given(st.tuples(*[st.floats(-1e3, 1e3)] * 3).filter(lambda v: math.hypot(*v) > 1e-3))
 def test_axes_are_normalised_and_stay_so(axis):
-    """|axis| = 1, the direction stays, and normalising again changes no bit (files come back equal)."""
+    """|axis| = 1, the direction stays, and normalising again changes no bit (files come back
+    equal).
+    """
     once = Joint("j", "R", axis=axis).axis
     assert math.isclose(math.hypot(*once), 1.0, rel_tol=1e-15)
-    assert all(math.isclose(a * math.hypot(*axis), b, rel_tol=1e-12, abs_tol=1e-12) for a, b in zip(once, axis, strict=True))
+    assert all(
+        math.isclose(a * math.hypot(*axis), b, rel_tol=1e-12, abs_tol=1e-12)
+        for a, b in zip(once, axis, strict=True)
+    )
     assert Joint("j", "R", axis=once).axis == once
 
 
@@ -62,8 +69,14 @@ BAD = {
     "axis2 of a revolute": ({"axis2": X}, ["axis2", "R"]),
     "universal without axis2": ({"type": "U"}, ["axis2", "missing", "U"]),
     "universal with parallel axes": ({"type": "U", "axis2": [0, 0, -2]}, ["axis2", "parallel"]),
-    "actuated ball": ({"type": "S", "axis": None, "actuated": True}, ["actuated", "R, P, H, C and U", "S"]),
-    "actuated weld": ({"type": "weld", "axis": None, "actuated": True}, ["actuated", "R, P, H, C and U", "weld"]),
+    "actuated ball": (
+        {"type": "S", "axis": None, "actuated": True},
+        ["actuated", "R, P, H, C and U", "S"],
+    ),
+    "actuated weld": (
+        {"type": "weld", "axis": None, "actuated": True},
+        ["actuated", "R, P, H, C and U", "weld"],
+    ),
     "zero of a cylinder": ({"type": "C", "zero": 1.0}, ["zero", "R, P, H"]),
     "limits of a cylinder": ({"type": "C", "limits": [0, 1]}, ["limits", "R, P, H"]),
     "pitch of a revolute": ({"pitch": 2.0}, ["pitch", "H", "R"]),

@@ -1,4 +1,6 @@
-"""Laws of machines whose limbs are of unlike kinds, held against a closure in plain NumPy and its roots from random starts."""
+"""Laws of machines whose limbs are of unlike kinds, held against a closure in plain NumPy and its
+roots from random starts.
+"""
 
 import tomllib
 
@@ -19,7 +21,9 @@ def plain_of(mechanism: Mechanism) -> PlainMechanism:
 
 
 def same_lists(mechanism: Mechanism, known: np.ndarray, found: Modes, starts: int = 120) -> bool:
-    """The modes are the regular roots of the plain closure, one to one, with the coordinates at places of `found` as given."""
+    """The modes are the regular roots of the plain closure, one to one, with the coordinates at
+    places of `found` as given.
+    """
     plain = plain_of(mechanism)
     role = "actuated" if found.problem.kind == "direct" else "pose"
     free = [i for i, n in enumerate(plain.numbers) if n.role != role]
@@ -44,10 +48,15 @@ def vector(plain: PlainMechanism, mode: Solution) -> np.ndarray:
 def us_limbs(centre: list[Joint], motion: str = "spatial") -> Mechanism:
     """Two limbs U P S with driven slides beside a limb of other joints."""
     limbs = [Limb("centre", centre)]
-    for k, (foot, end) in enumerate([((90, 10, 0), (30, 5, 95)), ((-20, 80, 5), (-10, 40, 110))], start=1):
+    for k, (foot, end) in enumerate(
+        [((90, 10, 0), (30, 5, 95)), ((-20, 80, 5), (-10, 40, 110))], start=1
+    ):
         along = np.subtract(end, foot) / np.linalg.norm(np.subtract(end, foot))
         first = np.cross(along, X)
-        joints = [Joint(f"u{k}", "U", foot, first, np.cross(along, first)), Joint(f"p{k}", "P", foot, along, actuated=True)]
+        joints = [
+            Joint(f"u{k}", "U", foot, first, np.cross(along, first)),
+            Joint(f"p{k}", "P", foot, along, actuated=True),
+        ]
         limbs.append(Limb(f"limb{k}", [*joints, Joint(f"s{k}", "S", end)]))
     return Mechanism("us_limbs", limbs, platform_position=(0, 0, 100), motion=motion)
 
@@ -64,7 +73,9 @@ def us_limbs(centre: list[Joint], motion: str = "spatial") -> Mechanism:
     ids=["a passive slide", "spherical", "spherical limb, spatial"],
 )
 def test_limbs_made_distances_stand_beside_limbs_that_keep_passive_joints(centre, motion):
-    """The angles of universal joints that a distance replaced come back at every pose, with all their combinations."""
+    """The angles of universal joints that a distance replaced come back at every pose, with all
+    their combinations.
+    """
     machine = us_limbs(centre, motion)
     found = symkin.modes(machine, joints=[4.0, -3.0])
     plain = plain_of(machine)
@@ -80,7 +91,13 @@ def spherical_rrr(motion: str) -> Mechanism:
     rng = np.random.default_rng(3)
     axes = rng.normal(size=(3, 3, 3))
     limbs = [
-        Limb(f"limb{k}", [Joint(f"{letter}{k}", "R", (0, 0, 0), axes[k, i], actuated=i == 0) for i, letter in enumerate("abc")])
+        Limb(
+            f"limb{k}",
+            [
+                Joint(f"{letter}{k}", "R", (0, 0, 0), axes[k, i], actuated=i == 0)
+                for i, letter in enumerate("abc")
+            ],
+        )
         for k in range(3)
     ]
     return Mechanism("spherical_rrr", limbs, motion=motion)
@@ -89,8 +106,9 @@ def spherical_rrr(motion: str) -> Mechanism:
 @pytest.mark.slow
 @pytest.mark.long
 def test_spherical_machines_need_no_declared_motion():
-    """With joint points and platform origin in one point, modes are those of the declared motion: eight at most (Gosselin
-    1994), the position zero."""
+    """With joint points and platform origin in one point, modes are those of the declared motion:
+    eight at most (Gosselin 1994), the position zero.
+    """
     declared = symkin.modes(spherical_rrr("spherical"), joints=[0.1, -0.1, 0.05])
     free = symkin.modes(spherical_rrr("spatial"), joints=[0.1, -0.1, 0.05])
     assert declared.complex_count == free.complex_count == 8
@@ -111,9 +129,14 @@ ARMS = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_arms_whose_joints_do_not_meet_in_a_row_have_their_one_inverse(name):
-    """The joints that made a pose are its only mode, also where each of them is told by rows of its own."""
+    """The joints that made a pose are its only mode, also where each of them is told by rows of its
+    own.
+    """
     spec = ARMS[name]
-    joints = [Joint(f"q{k}", kind, (10.0 * k, 3.0, 0.0), axis, actuated=True) for k, (kind, axis) in enumerate(spec)]
+    joints = [
+        Joint(f"q{k}", kind, (10.0 * k, 3.0, 0.0), axis, actuated=True)
+        for k, (kind, axis) in enumerate(spec)
+    ]
     arm = Mechanism("arm", [Limb("arm", joints)], serial=True, platform_position=(50.0, 20.0, 10.0))
     values = [0.3 * (k + 1) for k in range(len(spec))]
     found = symkin.modes(arm, pose=symkin.solve(arm, joints=values).solution.pose)
@@ -122,13 +145,22 @@ def test_arms_whose_joints_do_not_meet_in_a_row_have_their_one_inverse(name):
 
 
 def test_a_part_that_no_given_value_enters_has_its_own_redundant_rows_and_no_quadratic_form():
-    """Limbs P S under schoenflies motion: two rows tell the height, whatever the driven slide does, and one is redundant;
-    the four rows of the other part are independent."""
+    """Limbs P S under schoenflies motion: two rows tell the height, whatever the driven slide does,
+    and one is redundant; the four rows of the other part are independent.
+    """
     limbs = [
         Limb("a", [Joint("p1", "P", (0, 0, 0), (1, 1, 0)), Joint("s1", "S", (-40, -130, -95))]),
-        Limb("b", [Joint("p2", "P", (0, 0, 0), (-1, -1, 0), actuated=True), Joint("s2", "S", (42, 131, -95))]),
+        Limb(
+            "b",
+            [
+                Joint("p2", "P", (0, 0, 0), (-1, -1, 0), actuated=True),
+                Joint("s2", "S", (42, 131, -95)),
+            ],
+        ),
     ]
-    problem = build_problem(Mechanism("slides", limbs, platform_position=(85, 68, -180), motion="schoenflies"), "direct")
+    problem = build_problem(
+        Mechanism("slides", limbs, platform_position=(85, 68, -180), motion="schoenflies"), "direct"
+    )
     height, plane = sorted(problem.blocks, key=lambda block: len(block.unknowns))
     assert [c.name for c in height.unknowns] == ["pose.z"]
     assert quadratic_form(system_of(problem, height)) is None
@@ -136,10 +168,18 @@ def test_a_part_that_no_given_value_enters_has_its_own_redundant_rows_and_no_qua
 
 
 def test_firmware_is_refused_where_a_pose_leaves_a_limb_free(tmp_path):
-    """A driven joint before a spherical one at the platform's centre of rotation is no function of the pose."""
+    """A driven joint before a spherical one at the platform's centre of rotation is no function of
+    the pose.
+    """
     limbs = [
         Limb("a", [Joint("free", "R", (0, 0, 0), X, actuated=True), Joint("ball", "S", (0, 0, 0))]),
-        Limb("b", [Joint(f"q{k}", "R", (0, 0, 0), axis, actuated=True) for k, axis in enumerate((Z, X, Y))]),
+        Limb(
+            "b",
+            [
+                Joint(f"q{k}", "R", (0, 0, 0), axis, actuated=True)
+                for k, axis in enumerate((Z, X, Y))
+            ],
+        ),
     ]
     machine = Mechanism("loose", limbs, motion="spherical")
     from helpers.inside import Options, write_folder

@@ -1,6 +1,8 @@
-"""At the limits of reach: no mode that does not exist, none lost, and of two that meet within rounding one, named double.
+"""At the limits of reach: no mode that does not exist, none lost, and of two that meet within
+rounding one, named double.
 
-The short form of `tests/campaigns/limits_of_reach.py`, which counts solutions in 60 digits; and the laws of the judgement.
+The short form of `tests/campaigns/limits_of_reach.py`, which counts solutions in 60 digits; and the
+laws of the judgement.
 """
 
 from __future__ import annotations
@@ -28,10 +30,12 @@ TOP = -math.sqrt(344.0**2 - ((457.3 - 115.0) / (2.0 * math.sqrt(3.0))) ** 2)
 """Height at which the delta's three arms are stretched (mm)."""
 
 
-# --- machines against 60 digits -------------------------------------------------------------------------------------
+# --- machines against 60 digits -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", [*QUICK, *(pytest.param(n, marks=[pytest.mark.slow, pytest.mark.long]) for n in SLOW)])
+@pytest.mark.parametrize(
+    "name", [*QUICK, *(pytest.param(n, marks=[pytest.mark.slow, pytest.mark.long]) for n in SLOW)]
+)
 def test_modes_appear_and_vanish_where_sixty_digits_say_so(name, tmp_path, monkeypatch, capsys):
     """Inside and outside of each limit, by the default way."""
     monkeypatch.setattr(campaign, "OFFSETS", OFFSETS)
@@ -41,15 +45,23 @@ def test_modes_appear_and_vanish_where_sixty_digits_say_so(name, tmp_path, monke
 
 @pytest.mark.parametrize("beyond", [1e-3, 3e-7, 1e-8, 1e-10])
 def test_a_pose_beyond_reach_has_no_mode_and_its_distance_is_told(beyond):
-    """A delta's pose below its lowest: none, by each way of listing and by `solve`; the loops stay open by what the stretched arms
-    lack, a closed form."""
+    """A delta's pose below its lowest: none, by each way of listing and by `solve`; the loops stay
+    open by what the stretched arms lack, a closed form.
+    """
     pose = [0.0, 0.0, TOP - beyond, 1.0, 0.0, 0.0, 0.0]
     lacking = math.hypot((457.3 - 115.0) / (2.0 * math.sqrt(3.0)), pose[2]) - 344.0
     ways = [{}, {"method": "continuation"}, {"method": "multistart", "starts": 200}]
-    for found in [*(symkin.modes(DELTA, pose=pose, **way) for way in ways), symkin.solve(DELTA, pose=pose, check=False)]:
+    for found in [
+        *(symkin.modes(DELTA, pose=pose, **way) for way in ways),
+        symkin.solve(DELTA, pose=pose, check=False),
+    ]:
         assert not getattr(found, "modes", ())
         assert getattr(found, "solution", None) is None
-        (told,) = [float(note.rpartition(" by up to ")[2].split()[0]) for note in found.notes if "come nearest" in note]
+        (told,) = [
+            float(note.rpartition(" by up to ")[2].split()[0])
+            for note in found.notes
+            if "come nearest" in note
+        ]
         assert told == pytest.approx(lacking, rel=0.02, abs=2e-13)
         # what the search has reached, which is no less
         assert 0.98 * lacking <= found.smallest_residual <= 1.5 * lacking
@@ -58,9 +70,14 @@ def test_a_pose_beyond_reach_has_no_mode_and_its_distance_is_told(beyond):
 
 @pytest.mark.parametrize("by", [0.0, 1e3, 1e5])
 def test_a_machine_far_from_the_origin_keeps_its_modes(by):
-    """Numbers that are large and cancel leave larger rounding: two modes all the same, beside the limit and away from it."""
+    """Numbers that are large and cancel leave larger rounding: two modes all the same, beside the
+    limit and away from it.
+    """
     away = np.array([by, by / 3.0, 0.0])
-    joints = [replace(e, joint=replace(e.joint, point=tuple(e.joint.point + away))) for e in FOUR_BAR.link_joints]
+    joints = [
+        replace(e, joint=replace(e.joint, point=tuple(e.joint.point + away)))
+        for e in FOUR_BAR.link_joints
+    ]
     mechanism = replace(FOUR_BAR, link_joints=tuple(joints))
     for follower in (20.0, 53.985, 53.98553):
         assert len(symkin.modes(mechanism, given={"follower": follower})) == 2
@@ -86,7 +103,9 @@ def test_a_double_mode_is_one_and_named(capsys):
 
 @pytest.mark.parametrize("digits", in_gate([7, 8, 9, 10], [7, 10]))
 def test_redundant_rows_of_few_digits_keep_their_modes(digits, tmp_path):
-    """One of a pair of rods longer by a few digits: rows contradict each other, no motion lessens that, and modes stay."""
+    """One of a pair of rods longer by a few digits: rows contradict each other, no motion lessens
+    that, and modes stay.
+    """
     text = (Path(symkin.__file__).parent / "mechanisms" / "delta.toml").read_text()
     end = 'platform = ["115/(2*sqrt(3))", 20, 0.0]'
     file = tmp_path / "delta.toml"
@@ -97,13 +116,19 @@ def test_redundant_rows_of_few_digits_keep_their_modes(digits, tmp_path):
 
 
 def test_a_pose_beyond_the_reach_of_a_tool_on_four_joints_is_not_projected():
-    """What joints tie is projected, what they cannot reach is not: a pose turned by little, and one that lies too far."""
+    """What joints tie is projected, what they cannot reach is not: a pose turned by little, and one
+    that lies too far.
+    """
     arm = symkin.load("scara")
-    stretched = symkin.solve(arm, joints=[20.0, 0.0, *[0.0] * (len(arm.actuated) - 2)]).solution.pose
+    stretched = symkin.solve(
+        arm, joints=[20.0, 0.0, *[0.0] * (len(arm.actuated) - 2)]
+    ).solution.pose
     bent = symkin.solve(arm, joints=[20.0, 70.0, *[0.0] * (len(arm.actuated) - 2)]).solution.pose
     outward = np.array([*(stretched.position[:2] / np.hypot(*stretched.position[:2])), 0.0])
     for beyond in (1e-3, 1e-5, 1e-7):
-        found = symkin.modes(arm, pose=symkin.Pose(stretched.position + beyond * outward, stretched.quaternion))
+        found = symkin.modes(
+            arm, pose=symkin.Pose(stretched.position + beyond * outward, stretched.quaternion)
+        )
         assert not len(found)
         assert any("lies" in note or "reach" in note for note in found.notes)
     tilted = symkin.Pose(bent.position, bent.quaternion + np.array([0.0, 1e-6, 0.0, 0.0]))
@@ -113,14 +138,16 @@ def test_a_pose_beyond_the_reach_of_a_tool_on_four_joints_is_not_projected():
 
 
 def test_certified_is_false_where_a_proof_was_tried():
-    """Of structure groups too, where no mode has a certificate: double ones, and those of redundant rows."""
+    """Of structure groups too, where no mode has a certificate: double ones, and those of redundant
+    rows.
+    """
     found = symkin.modes(DELTA, given={"motor1": 10.0, "motor2": 20.0, "motor3": 30.0})
     assert len(found)
     assert {mode.certified for mode in found} <= {True, False}
     assert symkin.modes(FOUR_BAR, given={"follower": 53.98553763182445})[0].certified is False
 
 
-# --- the judgement --------------------------------------------------------------------------------------------------
+# --- the judgement --------------------------------------------------------------------------------
 
 
 def parabola(copies: int, misfit: float, size: float, bend: float) -> System:
@@ -135,22 +162,30 @@ def parabola(copies: int, misfit: float, size: float, bend: float) -> System:
     each_once([1e-6, 1.0, 1e3], [0.3, 1.0, 4.0], [1, 2], kept=[(1.0, 0.3, 2), (1e3, 1.0, 1)]),
 )
 def test_a_parabola_has_two_roots_one_double_one_or_none(size, bend, copies):
-    """bend x^2 = d size: two roots for d above rounding, however little, a double one within, none below; from any start near."""
+    """bend x^2 = d size: two roots for d above rounding, however little, a double one within, none
+    below; from any start near.
+    """
     system = parabola(copies, 0.0, size, bend)
     starts = size * np.array([-0.3, -1e-2, -1e-5, 2e-9, 3e-7, 2e-4, 0.1])[:, None]
-    for share, count in [(s * 10.0**-k, 2 if s > 0 else 0) for k in range(3, 14) for s in (1, -1)] + [(0.0, 1), (1e-15, 1)]:
+    for share, count in [
+        (s * 10.0**-k, 2 if s > 0 else 0) for k in range(3, 14) for s in (1, -1)
+    ] + [(0.0, 1), (1e-15, 1)]:
         known = np.array([share * size])
         found = polished_roots(system, starts, known)
         points = found.points[unite(system, found.points, known)[0]]
         assert len(points) == count, share
         assert are_double(system, points, known).tolist() == [count == 1] * count
         if count == 2:
-            assert sorted(points[:, 0]) == pytest.approx([s * size * math.sqrt(share / bend) for s in (-1, 1)], rel=1e-2)
+            assert sorted(points[:, 0]) == pytest.approx(
+                [s * size * math.sqrt(share / bend) for s in (-1, 1)], rel=1e-2
+            )
 
 
 @pytest.mark.parametrize("misfit", [1e-12, 1e-11, 1e-10])
 def test_rows_that_contradict_each_other_are_no_root_beyond_reach(misfit):
-    """Two parabolas that differ by digits: two roots well inside, none outside, wherever Newton's method stops."""
+    """Two parabolas that differ by digits: two roots well inside, none outside, wherever Newton's
+    method stops.
+    """
     system, starts = parabola(2, misfit, 1.0, 1.0), np.linspace(-0.3, 0.3, 40)[:, None]
     for d, count in [(1e-3, 2), (1e-2, 2), (-1e-3, 0), (-1e-6, 0), (-1e-8, 0)]:
         found = polished_roots(system, starts, np.array([d]))

@@ -1,11 +1,20 @@
-"""Where links are and what joints read, those that the closure leaves out included, against the rows of a solver in maximal
-coordinates that shares nothing with symkin."""
+"""Where links are and what joints read, those that the closure leaves out included, against the
+rows of a solver in maximal coordinates that shares nothing with symkin.
+"""
 
 import numpy as np
 import pytest
 
 import symkin
-from helpers.inside import Closure, Partition, build_closure, closed_configurations, joint_readings, link_poses, wrapped
+from helpers.inside import (
+    Closure,
+    Partition,
+    build_closure,
+    closed_configurations,
+    joint_readings,
+    link_poses,
+    wrapped,
+)
 from helpers.shipped import GRAPHS
 from oracle.plain_check import MECHANISMS, plain_gap
 
@@ -54,8 +63,13 @@ name = "end"
 links = ["e", "base"]
 point = [60, 20, 40]
 """
-ENDS = {"R": 'axis = [1, 0, 1]\ntype = "R"\nzero = 15\n', "C": 'axis = [1, 0, 1]\ntype = "C"\n', "P": 'axis = [1, 0, 1]\ntype = "P"\nzero = -3\n',
-        "U": 'axis = [1, 0, 1]\naxis2 = [0, 1, 0.2]\ntype = "U"\n', "S": 'type = "S"\n'}  # fmt: skip
+ENDS = {
+    "R": 'axis = [1, 0, 1]\ntype = "R"\nzero = 15\n',
+    "C": 'axis = [1, 0, 1]\ntype = "C"\n',
+    "P": 'axis = [1, 0, 1]\ntype = "P"\nzero = -3\n',
+    "U": 'axis = [1, 0, 1]\naxis2 = [0, 1, 0.2]\ntype = "U"\n',
+    "S": 'type = "S"\n',
+}
 
 
 def _assert_same(closure: Closure, values: np.ndarray, read: dict[str, np.ndarray]) -> None:
@@ -74,7 +88,9 @@ def _assert_same(closure: Closure, values: np.ndarray, read: dict[str, np.ndarra
 
 @pytest.mark.parametrize("name", GRAPHS)
 def test_links_and_joints_fit_every_row_of_the_plain_graph(name: str) -> None:
-    """At closed configurations near the reference, for the closure as it is and with each joint kept in turn."""
+    """At closed configurations near the reference, for the closure as it is and with each joint
+    kept in turn.
+    """
     mechanism = symkin.load(name)
     closure = build_closure(mechanism)
     values = np.array(closed_configurations(closure, 0))
@@ -83,12 +99,23 @@ def test_links_and_joints_fit_every_row_of_the_plain_graph(name: str) -> None:
 
 @pytest.mark.parametrize("kind", ENDS)
 def test_a_cut_joint_of_any_type_reads_what_it_reads_when_it_is_kept(kind: str, tmp_path) -> None:
-    """Each joint of a loop of all types but one is kept in turn, so that another is cut; all readings are the same."""
+    """Each joint of a loop of all types but one is kept in turn, so that another is cut; all
+    readings are the same.
+    """
     path = tmp_path / "m.toml"
     path.write_text(LOOP + ENDS[kind])
     mechanism = symkin.load(path)
-    names = [c.name for joint in mechanism.all_joints for c in joint.coordinates if c.kind != "quaternion"]
-    partitions = [Partition(), *(Partition(frozenset([name])) for name in names), Partition(frozenset(names))]
+    names = [
+        c.name
+        for joint in mechanism.all_joints
+        for c in joint.coordinates
+        if c.kind != "quaternion"
+    ]
+    partitions = [
+        Partition(),
+        *(Partition(frozenset([name])) for name in names),
+        Partition(frozenset(names)),
+    ]
     for partition in partitions:
         closure = build_closure(mechanism, partition)
         values = np.array(closed_configurations(closure, 0))
@@ -110,12 +137,20 @@ def test_readings_of_joints_that_the_closure_holds_are_its_coordinates(name: str
 
 
 def test_links_between_two_balls_meet_them_and_do_not_spin(tmp_path) -> None:
-    """A leg of S, P, S joints: its two links lie on the line of the balls' centres, the slide apart, and turn by the shortest way."""
+    """A leg of S, P, S joints: its two links lie on the line of the balls' centres, the slide
+    apart, and turn by the shortest way.
+    """
     path = tmp_path / "m.toml"
     text = 'format = 1\nname = "m"\nlength_unit = "mm"\nangle_unit = "deg"\n'
-    text += '[[joint]]\nname = "r"\ntype = "R"\nlinks = ["base", "arm"]\npoint = [100, 0, 0]\naxis = [0, 1, 0]\nactuated = true\n'
+    text += (
+        '[[joint]]\nname = "r"\ntype = "R"\nlinks = ["base", "arm"]\npoint = [100, 0, 0]\n'
+        "axis = [0, 1, 0]\nactuated = true\n"
+    )
     text += '[[joint]]\nname = "s1"\ntype = "S"\nlinks = ["base", "low"]\npoint = [0, 0, 0]\n'
-    text += '[[joint]]\nname = "slide"\ntype = "P"\nlinks = ["up", "low"]\npoint = [0, 0, 0]\naxis = [0, 0, -1]\n'
+    text += (
+        '[[joint]]\nname = "slide"\ntype = "P"\nlinks = ["up", "low"]\npoint = [0, 0, 0]\n'
+        "axis = [0, 0, -1]\n"
+    )
     text += '[[joint]]\nname = "s2"\ntype = "S"\nlinks = ["up", "arm"]\npoint = [0, 0, 200]\n'
     path.write_text(text)
     mechanism = symkin.load(path)

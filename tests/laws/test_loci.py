@@ -1,4 +1,6 @@
-"""Singularity loci against closed forms: every point a true zero, every boundary of the number of modes on a curve."""
+"""Singularity loci against closed forms: every point a true zero, every boundary of the number of
+modes on a curve.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,16 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.inside import build_problem, classify, figure_of_loci, has_self_motion, locus_systems, main, make_solution, plane_of
+from helpers.inside import (
+    build_problem,
+    classify,
+    figure_of_loci,
+    has_self_motion,
+    locus_systems,
+    main,
+    make_solution,
+    plane_of,
+)
 from helpers.samples import (
     RRR_BASE,
     RRR_LINKS,
@@ -27,7 +38,10 @@ from symkin import InputError, Loci, singular_loci
 
 
 def loci_of(mechanism: symkin.Mechanism, plane: tuple[str, str], **options: object) -> Loci:
-    joints = [mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0] for c in mechanism.actuated]
+    joints = [
+        mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
+        for c in mechanism.actuated
+    ]
     return singular_loci(symkin.solve(mechanism, joints=joints).solution, plane, **options)  # type: ignore[arg-type]
 
 
@@ -47,15 +61,18 @@ def rrr_inputs() -> Loci:
 
 
 def elbows_apart(points: np.ndarray) -> np.ndarray:
-    """Distance of the five-bar's elbows (bases 100 apart, cranks 60) for inputs (n, 2) in degrees."""
+    """Distance of the five-bar's elbows (bases 100 apart, cranks 60) for inputs (n, 2) in
+    degrees.
+    """
     one, two = np.radians(points).T
     return np.hypot(100 + 60 * np.cos(two) - 60 * np.cos(one), 60 * np.sin(two) - 60 * np.sin(one))
 
 
 @pytest.mark.slow
 def test_five_bar_loci_are_its_closed_form(bars: Loci) -> None:
-    """Type 2 (a closure that is not square): couplers of 80 in one line, elbows 160 apart; or elbows in one place, where the
-    tip turns freely: 120 cos q = 100."""
+    """Type 2 (a closure that is not square): couplers of 80 in one line, elbows 160 apart; or
+    elbows in one place, where the tip turns freely: 120 cos q = 100.
+    """
     curves = [c for c in bars.curves if not c.is_point]
     assert curves
     assert max(np.abs(elbows_apart(c.points) - 160).max() for c in curves) < 1e-8
@@ -65,11 +82,15 @@ def test_five_bar_loci_are_its_closed_form(bars: Loci) -> None:
     assert len(free) == 2
     assert all(c.self_motion for c in bars.curves if c.is_point)
     for place in expected:
-        assert min(np.abs(np.remainder(point - place + 180, 360) - 180).max() for point in free) < 1e-6
+        assert (
+            min(np.abs(np.remainder(point - place + 180, 360) - 180).max() for point in free) < 1e-6
+        )
 
 
 def test_the_whole_closed_form_is_found(bars: Loci) -> None:
-    """Every point at which the elbows are 160 apart has a point of the curves beside it: none is missed."""
+    """Every point at which the elbows are 160 apart has a point of the curves beside it: none is
+    missed.
+    """
     points = np.vstack([c.points for c in bars.curves])
     grid = np.linspace(-90, 269, 300)
     for one in grid[::10]:
@@ -80,7 +101,9 @@ def test_the_whole_closed_form_is_found(bars: Loci) -> None:
 
 @pytest.mark.slow
 def test_type_1_of_a_3_rrr_is_four_circles_a_limb(rrr_poses: Loci) -> None:
-    """A limb of two links is stretched or folded: its platform joint is 125 or 5 from its base joint."""
+    """A limb of two links is stretched or folded: its platform joint is 125 or 5 from its base
+    joint.
+    """
     for k, limb in enumerate(("limb1", "limb2", "limb3")):
         angle = math.pi / 2 + 2 * math.pi * k / 3
         middle = (RRR_BASE - RRR_PLATFORM) * np.array([math.cos(angle), math.sin(angle)])
@@ -88,18 +111,24 @@ def test_type_1_of_a_3_rrr_is_four_circles_a_limb(rrr_poses: Loci) -> None:
         assert curves
         for curve in curves:
             reach = np.linalg.norm(curve.points - middle, axis=1)
-            nearest = np.minimum(np.abs(reach - sum(RRR_LINKS)), np.abs(reach - (RRR_LINKS[1] - RRR_LINKS[0])))
+            nearest = np.minimum(
+                np.abs(reach - sum(RRR_LINKS)), np.abs(reach - (RRR_LINKS[1] - RRR_LINKS[0]))
+            )
             assert nearest.max() < 1e-8
 
 
 @pytest.mark.slow
 def test_type_2_of_a_3_rrr_is_three_lines_through_a_point(rrr_poses: Loci) -> None:
-    """The forces along the second links (lines through elbow and platform joint) meet or are parallel: their determinant
-    vanishes, by matrices of the test's own."""
+    """The forces along the second links (lines through elbow and platform joint) meet or are
+    parallel: their determinant vanishes, by matrices of the test's own.
+    """
     assert rrr_poses.of("type 2")
     for curve in rrr_poses.of("type 2"):
         for point, configuration in zip(curve.points, curve.configurations, strict=True):
-            assert abs(lines_determinant(point, dict(zip(curve.names, configuration, strict=True)))) < 1e-9
+            assert (
+                abs(lines_determinant(point, dict(zip(curve.names, configuration, strict=True))))
+                < 1e-9
+            )
 
 
 def lines_determinant(point: np.ndarray, values: dict[str, float]) -> float:
@@ -109,18 +138,26 @@ def lines_determinant(point: np.ndarray, values: dict[str, float]) -> float:
         angle = math.pi / 2 + 2 * math.pi * k / 3
         radial = np.array([math.cos(angle), math.sin(angle)])
         q = values[f"q{k + 1}"]
-        elbow, end = RRR_BASE * radial + RRR_LINKS[0] * np.array([math.cos(q), math.sin(q)]), point + RRR_PLATFORM * radial
+        elbow, end = (
+            RRR_BASE * radial + RRR_LINKS[0] * np.array([math.cos(q), math.sin(q)]),
+            point + RRR_PLATFORM * radial,
+        )
         d = (end - elbow) / np.linalg.norm(end - elbow)
         rows.append([*d, (end[0] * d[1] - end[1] * d[0]) / 100])
     return float(np.linalg.det(rows))
 
 
 def test_points_of_the_working_mode_are_marked(rrr_poses: Loci) -> None:
-    """`in_mode` where all elbows are on the side of the configuration's: the sign of the cross product of a limb's links."""
+    """`in_mode` where all elbows are on the side of the configuration's: the sign of the cross
+    product of a limb's links.
+    """
     reference = [float(rrr_poses.solution.values[f"q{k}"]) for k in (1, 2, 3)]
     for curve in rrr_poses.of("type 2"):
         sides = np.array(
-            [elbow_sides(p, c[: len(curve.names)], curve.names) for p, c in zip(curve.points, curve.configurations, strict=True)]
+            [
+                elbow_sides(p, c[: len(curve.names)], curve.names)
+                for p, c in zip(curve.points, curve.configurations, strict=True)
+            ]
         )
         own = elbow_sides(np.zeros(2), np.array([*reference]), ("q1", "q2", "q3"))
         expected = np.all(np.sign(sides) == np.sign(own), axis=1)
@@ -128,12 +165,16 @@ def test_points_of_the_working_mode_are_marked(rrr_poses: Loci) -> None:
         assert np.array_equal(curve.in_mode[clear], expected[clear])
 
 
-def elbow_sides(point: np.ndarray, configuration: np.ndarray, names: tuple[str, ...]) -> list[float]:
+def elbow_sides(
+    point: np.ndarray, configuration: np.ndarray, names: tuple[str, ...]
+) -> list[float]:
     values, sides = dict(zip(names, configuration, strict=False)), []
     for k in range(3):
         angle = math.pi / 2 + 2 * math.pi * k / 3
         radial = np.array([math.cos(angle), math.sin(angle)])
-        first = RRR_LINKS[0] * np.array([math.cos(values[f"q{k + 1}"]), math.sin(values[f"q{k + 1}"])])
+        first = RRR_LINKS[0] * np.array(
+            [math.cos(values[f"q{k + 1}"]), math.sin(values[f"q{k + 1}"])]
+        )
         second = point + RRR_PLATFORM * radial - RRR_BASE * radial - first
         sides.append(float(first[0] * second[1] - first[1] * second[0]) / 1e4)
     return sides
@@ -141,20 +182,27 @@ def elbow_sides(point: np.ndarray, configuration: np.ndarray, names: tuple[str, 
 
 @pytest.mark.slow
 def test_the_number_of_modes_changes_at_the_locus_and_nowhere_else(rrr_inputs: Loci) -> None:
-    """Beside a point of the locus (not near a cusp) the numbers of real modes, by complete enumeration, differ by two."""
+    """Beside a point of the locus (not near a cusp) the numbers of real modes, by complete
+    enumeration, differ by two.
+    """
     mechanism, rng = three_rrr("planar"), np.random.default_rng(3)
     q3 = rrr_inputs.solution.actuated_values[2]
     curve = max(rrr_inputs.curves, key=lambda c: len(c.points))
     for k in rng.choice(np.arange(5, len(curve.points) - 5), 6, replace=False):
         along = curve.points[k + 1] - curve.points[k - 1]
         across = 1e-4 * np.array([-along[1], along[0]]) / np.linalg.norm(along)
-        counts = [len(symkin.modes(mechanism, joints=[*(curve.points[k] + side * across), q3])) for side in (1, -1)]
+        counts = [
+            len(symkin.modes(mechanism, joints=[*(curve.points[k] + side * across), q3]))
+            for side in (1, -1)
+        ]
         assert abs(counts[0] - counts[1]) == 2
 
 
 @pytest.mark.slow
 def test_cusps_are_where_three_modes_meet(rrr_inputs: Loci) -> None:
-    """On a small circle about a cusp three modes are near its pose in the wedge, and one elsewhere."""
+    """On a small circle about a cusp three modes are near its pose in the wedge, and one
+    elsewhere.
+    """
     cusps = np.vstack([c.cusps for c in rrr_inputs.curves])
     assert len(cusps) == 4
     mechanism = three_rrr("planar")
@@ -165,7 +213,10 @@ def test_cusps_are_where_three_modes_meet(rrr_inputs: Loci) -> None:
             pose = curve.configurations[k, [place["pose.x"], place["pose.y"], place["pose.gamma"]]]
             counts = set()
             for turn in np.linspace(0, 2 * math.pi, 40, endpoint=False):
-                joints = [*(cusp + 0.03 * np.array([math.cos(turn), math.sin(turn)])), rrr_inputs.solution.actuated_values[2]]
+                joints = [
+                    *(cusp + 0.03 * np.array([math.cos(turn), math.sin(turn)])),
+                    rrr_inputs.solution.actuated_values[2],
+                ]
                 modes = symkin.modes(mechanism, joints=joints)
                 near = [np.linalg.norm(mode.position[:2] - pose[:2]) < 15 for mode in modes]
                 counts.add(sum(near))
@@ -174,7 +225,9 @@ def test_cusps_are_where_three_modes_meet(rrr_inputs: Loci) -> None:
 
 @pytest.mark.slow
 def test_wrist_of_an_arm_over_two_joints() -> None:
-    """Over q4, q5 the arm with a z-y-z wrist is singular where q5 is a multiple of a half turn, whatever q4."""
+    """Over q4, q5 the arm with a z-y-z wrist is singular where q5 is a multiple of a half turn,
+    whatever q4.
+    """
     arm = pieper()
     solution = symkin.solve(arm, joints=[0.3, 0.4, 0.9, 0.2, 0.7, 0.1]).solution
     loci = singular_loci(solution, ("q4", "q5"), ranges=((-3, 3), (-4, 4)), starts=40)
@@ -186,9 +239,17 @@ def test_wrist_of_an_arm_over_two_joints() -> None:
 
 @pytest.mark.slow
 def test_turns_of_a_hexapod_about_two_axes() -> None:
-    """rx, ry turn about base axes through the platform origin: a locus over x, rz has the closed form gamma = +-90 at x = 0."""
-    base, platform = np.radians([10, 110, 130, 230, 250, 350]), np.radians([30, 90, 150, 210, 270, 330])
-    ring = [np.column_stack([r * np.cos(t), r * np.sin(t), np.zeros(6)]) for r, t in ((200, base), (120, platform))]
+    """rx, ry turn about base axes through the platform origin: a locus over x, rz has the closed
+    form gamma = +-90 at x = 0.
+    """
+    base, platform = (
+        np.radians([10, 110, 130, 230, 250, 350]),
+        np.radians([30, 90, 150, 210, 270, 330]),
+    )
+    ring = [
+        np.column_stack([r * np.cos(t), r * np.sin(t), np.zeros(6)])
+        for r, t in ((200, base), (120, platform))
+    ]
     mechanism = hexapod([tuple(b) for b in ring[0]], [tuple(a) for a in ring[1]], 120.0)
     loci = loci_of(mechanism, ("x", "rz"), ranges=((-50, 50), (-2, 2)), starts=40)
     curves = loci.of("type 2")
@@ -201,10 +262,13 @@ def test_turns_of_a_hexapod_about_two_axes() -> None:
 
 @pytest.mark.long
 @pytest.mark.slow
-@pytest.mark.parametrize("limbs", [("pUS", "pUS", "pUS", "SPS", "SPS", "SPS"), ("rPS", "rHS", "pSR")], ids="-".join)
+@pytest.mark.parametrize(
+    "limbs", [("pUS", "pUS", "pUS", "SPS", "SPS", "SPS"), ("rPS", "rHS", "pSR")], ids="-".join
+)
 def test_loci_of_random_mechanisms_are_zeros(limbs: tuple[str, ...]) -> None:
-    """P, H, U and S joints: a point of a locus over two inputs is classified as the locus says (type 2, or passive joints
-    alone)."""
+    """P, H, U and S joints: a point of a locus over two inputs is classified as the locus says
+    (type 2, or passive joints alone).
+    """
     mechanism = random_mechanism(np.random.default_rng(1), limbs)
     problem = build_problem(mechanism, "direct")
     solution = make_solution(problem, problem.closure.reference)
@@ -224,7 +288,9 @@ def test_loci_of_random_mechanisms_are_zeros(limbs: tuple[str, ...]) -> None:
 
 @pytest.mark.slow
 def test_a_platform_of_fewer_freedoms_has_no_plane_of_poses() -> None:
-    """The five-bar's coupler has two freedoms of six: x and y alone cannot vary in an undeclared motion."""
+    """The five-bar's coupler has two freedoms of six: x and y alone cannot vary in an undeclared
+    motion.
+    """
     with pytest.raises(InputError, match="2 freedoms of 6"):
         loci_of(five_bar(), ("x", "y"))
 
@@ -234,13 +300,17 @@ def test_a_freedom_without_an_actuator_has_no_curves() -> None:
     mechanism = random_mechanism(np.random.default_rng(9), ("rS", "rS"))
     problem = build_problem(mechanism, "direct")
     names = [c.name for c in mechanism.actuated]
-    loci = singular_loci(make_solution(problem, problem.closure.reference), names, kinds=("type 2",), starts=10)
+    loci = singular_loci(
+        make_solution(problem, problem.closure.reference), names, kinds=("type 2",), starts=10
+    )
     assert loci.curves == ()
     assert any("everywhere" in note for note in loci.notes)
 
 
 def near_double() -> list[symkin.Solution]:
-    """Two isolated modes of the tilted 3-RPS that almost meet, where curves of its two operation modes nearly touch."""
+    """Two isolated modes of the tilted 3-RPS that almost meet, where curves of its two operation
+    modes nearly touch.
+    """
     mechanism = tilted_rps()
     joints = [317.135906, 99.664134, mechanism.actuated[2].reference[0]]
     return [mode for mode in symkin.modes(mechanism, joints=joints) if mode.condition > 1e6]
@@ -248,7 +318,9 @@ def near_double() -> list[symkin.Solution]:
 
 @pytest.mark.slow
 def test_curves_that_nearly_touch_are_no_self_motion() -> None:
-    """Where every mode is certified to be isolated, no motion with the inputs held is claimed from any of them."""
+    """Where every mode is certified to be isolated, no motion with the inputs held is claimed from
+    any of them.
+    """
     modes = near_double()
     assert len(modes) >= 2
     assert all(mode.certified for mode in modes)
@@ -259,7 +331,9 @@ def test_curves_that_nearly_touch_are_no_self_motion() -> None:
 
 @pytest.mark.parametrize(("off", "moves"), [(0.0, True), (1e-7, True), (1e-3, False)])
 def test_a_self_motion_is_shown_from_an_inexact_point(bars: Loci, off: float, moves: bool) -> None:
-    """Five-bar, elbows in one place: the tip turns, also from inputs (radians) known to 1e-7 only; 0.06 apart it does not."""
+    """Five-bar, elbows in one place: the tip turns, also from inputs (radians) known to 1e-7 only;
+    0.06 apart it does not.
+    """
     (system,) = locus_systems(bars.plane, ("type 2",))
     for curve in bars.curves:
         if curve.is_point:
@@ -271,17 +345,21 @@ def test_a_self_motion_is_shown_from_an_inexact_point(bars: Loci, off: float, mo
 @pytest.mark.slow
 @pytest.mark.parametrize("window", [((5000, 6000), (0.5, 1.0)), ((1e5, 2e5), (1e5, 2e5))])
 def test_an_empty_window_says_so_in_the_picture(window: tuple) -> None:
-    """No limb reaches there: the picture says so, its axes have the window's sides and are no strip."""
+    """No limb reaches there: the picture says so, its axes have the window's sides and are no
+    strip.
+    """
     mechanism = tilted_rps()
     joints = [c.reference[0] for c in mechanism.actuated]
-    loci = singular_loci(symkin.solve(mechanism, joints=joints).solution, ("d1", "d2"), ranges=window, starts=20)
+    loci = singular_loci(
+        symkin.solve(mechanism, joints=joints).solution, ("d1", "d2"), ranges=window, starts=20
+    )
     (axes,) = figure_of_loci(loci).axes
     assert "no locus was met in this window" in [text.get_text() for text in axes.texts]
     box = axes.get_position()
     assert min(box.width, box.height) > 0.3
 
 
-# --- the border ------------------------------------------------------------------------------------------------------
+# --- the border -----------------------------------------------------------------------------------
 
 
 def test_json_text_and_picture(bars: Loci, tmp_path: Path) -> None:
@@ -341,12 +419,18 @@ def test_command_names_the_singularity(capsys: pytest.CaptureFixture[str]) -> No
         (["zhang2009", "--range", "1:2,3:4"], 2, "belong to --plane"),
         (["zhang2009", "--plane", "leg1"], 2, "two different coordinates"),
         (["zhang2009", "--plane", "x,y", "--range", "1:2:3,4:5"], 2, "is no range"),
-        (["zhang2009", "--plane", "leg1,leg2", "--range=-50:-10,10:20"], 2, "range of leg1 ends at -10 mm"),
+        (
+            ["zhang2009", "--plane", "leg1,leg2", "--range=-50:-10,10:20"],
+            2,
+            "range of leg1 ends at -10 mm",
+        ),
         (["zhang2009", "--joints", "1,1,1,1,1,1"], 3, "infeasible"),
         (["zhang2009", "--plane", "x,y", "--plot", "/nowhere/a.png"], 2, "does not exist"),
     ],
 )
-def test_command_refuses(arguments: list[str], status: int, message: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_refuses(
+    arguments: list[str], status: int, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Exit status 2 for bad input, 3 where no configuration is reached, one line on stderr."""
     assert run(*arguments) == status
     assert message in capsys.readouterr().err

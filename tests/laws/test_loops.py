@@ -1,10 +1,21 @@
-"""Lines and loops that are tracked together: each is what it is alone, and what counts as evidence."""
+"""Lines and loops that are tracked together: each is what it is alone, and what counts as
+evidence.
+"""
 
 import casadi as ca
 import numpy as np
 import pytest
 
-from helpers.inside import AlgebraicSystem, Coordinate, Looping, around, conditions, engine, fibre, within_reach
+from helpers.inside import (
+    AlgebraicSystem,
+    Coordinate,
+    Looping,
+    around,
+    conditions,
+    engine,
+    fibre,
+    within_reach,
+)
 from helpers.inside import monodromy_orbits as orbits
 
 
@@ -19,7 +30,9 @@ def roots_of(degree: int, k: complex) -> np.ndarray:
 
 
 def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
-    return rng.normal(size=1) + 1j * rng.normal(size=1), rng.normal(size=1) + 1j * rng.normal(size=1)
+    return rng.normal(size=1) + 1j * rng.normal(size=1), rng.normal(size=1) + 1j * rng.normal(
+        size=1
+    )
 
 
 @pytest.mark.parametrize("own", ["numpy", ""])
@@ -28,7 +41,10 @@ def test_lines_together_are_lines_alone(own, monkeypatch):
     monkeypatch.setenv("SYMKIN_ENGINE", own)
     system, rng = power(4), np.random.default_rng(0)
     lines = [(rng.normal(size=1) + 1j, rng.normal(size=1) - 2j) for _ in range(5)]
-    roots = [roots_of(4, begin[0])[:, :count] for (begin, _), count in zip(lines, (4, 0, 1, 3, 4), strict=True)]
+    roots = [
+        roots_of(4, begin[0])[:, :count]
+        for (begin, _), count in zip(lines, (4, 0, 1, 3, 4), strict=True)
+    ]
     together = engine.track_lines(system, roots, lines)
     for z, (begin, end), found in zip(roots, lines, together, strict=True):
         alone = engine.track(system, z, begin, end)
@@ -46,7 +62,9 @@ def test_loops_end_where_they_begin():
     turned, kept = around(power(degree), roots_of(degree, 1.0), [about, beside])
     assert turned.arrived.all()
     assert kept.arrived.all()
-    np.testing.assert_allclose(turned.z, roots_of(degree, 1.0) * np.exp(2j * np.pi / degree), atol=1e-9)
+    np.testing.assert_allclose(
+        turned.z, roots_of(degree, 1.0) * np.exp(2j * np.pi / degree), atol=1e-9
+    )
     np.testing.assert_allclose(kept.z, roots_of(degree, 1.0), atol=1e-9)
 
 
@@ -60,17 +78,25 @@ def test_all_roots_are_found_from_one(degree):
     np.testing.assert_allclose(found.z**degree, np.full((1, degree), found.k[0]), atol=1e-9)
     assert not found.orbits.any()
     assert degree == 1 or found.evidence >= 6.0
-    assert not orbits(power(degree), found.z, found.k, lambda: 2.0 * points(np.random.default_rng(1), True)[0]).any()
+    assert not orbits(
+        power(degree), found.z, found.k, lambda: 2.0 * points(np.random.default_rng(1), True)[0]
+    ).any()
 
 
 def test_orbits_that_few_loops_connect_are_one():
-    """z1^2 = k1, z2^2 = k2: loops about k1 = 0 move every root, and only the thirteenth goes about k2 = 0 too and connects
-    the two pairs; that all roots move is no evidence that the pairs are two operation modes."""
+    """z1^2 = k1, z2^2 = k2: loops about k1 = 0 move every root, and only the thirteenth goes about
+    k2 = 0 too and connects the two pairs; that all roots move is no evidence that the pairs are two
+    operation modes.
+    """
     z, k = ca.SX.sym("z", 2), ca.SX.sym("k", 2)
     unknowns = tuple(Coordinate(name, "length", "passive") for name in ("z1", "z2"))
     system = AlgebraicSystem(1.0, unknowns, z, k, z**2 - k, ())
-    about = iter(np.exp(2j * np.pi * corner / 3) * np.array([1.0, 1.0 if loop == 12 else 0.0]) + [0.0, loop != 12]
-                 for loop in range(200) for corner in (1, 2))  # fmt: skip
+    about = iter(
+        np.exp(2j * np.pi * corner / 3) * np.array([1.0, 1.0 if loop == 12 else 0.0])
+        + [0.0, loop != 12]
+        for loop in range(200)
+        for corner in (1, 2)
+    )
     roots = np.array([[1, 1, -1, -1], [1, -1, 1, -1]], dtype=complex)
     assert not orbits(system, roots, np.ones(2, dtype=complex), lambda: next(about)).any()
 
@@ -97,13 +123,17 @@ def test_angles_of_a_loop_stay_within_reach():
 
 @pytest.mark.parametrize("shape", [(9, 9), (11, 9), (5, 8)])
 def test_conditions_are_ratios_of_singular_values(shape):
-    """From 1 to 1e13, to the digits that rounding leaves; infinite for a matrix without full rank or with entries not finite."""
+    """From 1 to 1e13, to the digits that rounding leaves; infinite for a matrix without full rank
+    or with entries not finite.
+    """
     rng = np.random.default_rng(0)
     wanted, small = 10.0 ** np.arange(0, 14), min(shape)
     matrices = []
     for condition in wanted:
         left, right = (np.linalg.qr(rng.normal(size=(n, n)))[0] for n in shape)
-        matrices.append(left[:, :small] @ np.diag(np.geomspace(condition, 1.0, small)) @ right[:small])
+        matrices.append(
+            left[:, :small] @ np.diag(np.geomspace(condition, 1.0, small)) @ right[:small]
+        )
     found = conditions(np.array([*matrices, np.zeros(shape), np.full(shape, np.nan)]))
     np.testing.assert_allclose(found[:-2], wanted, rtol=1e-2)
     np.testing.assert_allclose(found[:5], wanted[:5], rtol=1e-10)

@@ -35,7 +35,9 @@ def known_of(name, given):
     ],
 )
 def test_many_inputs_have_the_modes_of_each(name, ranges):
-    """Counts, values, residuals and statements of each input are those that it has alone, solvable or not."""
+    """Counts, values, residuals and statements of each input are those that it has alone, solvable
+    or not.
+    """
     rng = np.random.default_rng(1)
     given = {n: rng.uniform(low, high, 12) for n, (low, high) in ranges.items()}
     problem, known, rows = known_of(name, given)
@@ -50,11 +52,15 @@ def test_many_inputs_have_the_modes_of_each(name, ranges):
 
 
 def test_counts_are_those_of_a_triangle():
-    """A four-bar's follower can stand where crank pin and follower pin are a coupler's length apart: two modes within the crank's
-    and the coupler's reach of the follower's end, none beyond."""
+    """A four-bar's follower can stand where crank pin and follower pin are a coupler's length
+    apart: two modes within the crank's and the coupler's reach of the follower's end, none beyond.
+    """
     mechanism = symkin.load("four_bar")
     at = {one.joint.name: np.array(one.joint.point[:2]) for one in mechanism.link_joints}
-    crank, coupler = (float(np.linalg.norm(at[a] - at[b])) for a, b in (("crank", "crank_pin"), ("crank_pin", "follower_pin")))
+    crank, coupler = (
+        float(np.linalg.norm(at[a] - at[b]))
+        for a, b in (("crank", "crank_pin"), ("crank_pin", "follower_pin"))
+    )
     angles = np.linspace(-180.0, 180.0, 73)
     problem, known, _ = known_of("four_bar", {"follower": angles})
     found = modes_by_groups(problem, known, SEARCH)
@@ -68,14 +74,22 @@ def test_counts_are_those_of_a_triangle():
 
 
 def test_rows_of_joints_are_the_modes_of_each():
-    """`modes` of a graph takes an array of inputs; each input without a solution has its least closure error."""
+    """`modes` of a graph takes an array of inputs; each input without a solution has its least
+    closure error.
+    """
     mechanism = symkin.load("stephenson_six_bar")
     rows = np.array([[3.0], [40.0], [140.0], [200.0]])
     many = symkin.modes(mechanism, joints=rows)
     for row, found in zip(rows, many, strict=True):
         alone = symkin.modes(mechanism, joints=row)
-        assert [mode.joints for mode in found] == [pytest.approx(mode.joints, abs=1e-6) for mode in alone]
-        assert (found.count, found.complex_count, found.completeness) == (alone.count, alone.complex_count, alone.completeness)
+        assert [mode.joints for mode in found] == [
+            pytest.approx(mode.joints, abs=1e-6) for mode in alone
+        ]
+        assert (found.count, found.complex_count, found.completeness) == (
+            alone.count,
+            alone.complex_count,
+            alone.completeness,
+        )
         assert (found.smallest_residual is None) == (len(found) > 0)
         if not len(found):
             assert found.smallest_residual == pytest.approx(alone.smallest_residual, rel=1e-6)
@@ -83,21 +97,35 @@ def test_rows_of_joints_are_the_modes_of_each():
 
 
 def test_columns_by_name_are_many_inputs():
-    """A column for each name, or one value for all; joints of limbs by name too. Columns of different lengths are refused."""
+    """A column for each name, or one value for all; joints of limbs by name too. Columns of
+    different lengths are refused.
+    """
     ankle = symkin.load("ankle")
     many = symkin.modes(ankle, given={"ankle.1": [3.0, 5.0, -2.0], "ankle.2": 4.0})
     for angle, found in zip([3.0, 5.0, -2.0], many, strict=True):
         alone = symkin.modes(ankle, given={"ankle.1": angle, "ankle.2": 4.0})
-        assert [mode.joints for mode in found] == [pytest.approx(mode.joints, abs=1e-8) for mode in alone]
+        assert [mode.joints for mode in found] == [
+            pytest.approx(mode.joints, abs=1e-8) for mode in alone
+        ]
     legs = dict(zip((c.name for c in PLATFORM.actuated), PLATFORM.example.joints, strict=True))
-    assert [len(found) for found in symkin.modes(PLATFORM, given=legs | {"leg1": [legs["leg1"], legs["leg1"] + 1.0]})] == [4, 4]
+    assert [
+        len(found)
+        for found in symkin.modes(
+            PLATFORM, given=legs | {"leg1": [legs["leg1"], legs["leg1"] + 1.0]}
+        )
+    ] == [4, 4]
     with pytest.raises(symkin.InputError, match=r"ankle\.1 2, ankle\.2 3"):
         symkin.modes(ankle, given={"ankle.1": [3.0, 5.0], "ankle.2": [1.0, 2.0, 3.0]})
 
 
 def test_random_starts_of_an_input_do_not_depend_on_others():
-    """Searched from random starts, an input has the same modes alone and among others, bit for bit."""
-    problem, known, _ = known_of("ankle", {"upper_motor": np.array([8.0, -3.0, 5.0]), "lower_motor": np.array([12.0, 4.0, 1.0])})
+    """Searched from random starts, an input has the same modes alone and among others, bit for
+    bit.
+    """
+    problem, known, _ = known_of(
+        "ankle",
+        {"upper_motor": np.array([8.0, -3.0, 5.0]), "lower_motor": np.array([12.0, 4.0, 1.0])},
+    )
     search = Search.of("multistart", starts=60)
     together = modes_by_groups(problem, known, search)
     for i in range(3):

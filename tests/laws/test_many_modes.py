@@ -66,7 +66,9 @@ def check_same(together, alone):
     ids=lambda value: getattr(value, "name", None),
 )
 def test_many_joints_are_each_alone(mechanism, spread):
-    """Direct problems, with limbs of one and of several branches; rows of lists and rows of an array mean the same."""
+    """Direct problems, with limbs of one and of several branches; rows of lists and rows of an
+    array mean the same.
+    """
     joints = joints_about(mechanism, 6, spread)
     together = symkin.modes(mechanism, joints=joints)
     assert len(together) == 6
@@ -77,23 +79,34 @@ def test_many_joints_are_each_alone(mechanism, spread):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mechanism", [symkin.load("yao2020"), three_rrr("planar")], ids=lambda m: m.name)
+@pytest.mark.parametrize(
+    "mechanism", [symkin.load("yao2020"), three_rrr("planar")], ids=lambda m: m.name
+)
 def test_many_poses_are_each_alone(mechanism):
     """Inverse problems of one block and of several, poses as rows and as objects."""
     poses = poses_of(mechanism, joints_about(mechanism, 4, 0.2))
     together = symkin.modes(mechanism, pose=poses)
     objects = [symkin.Pose(row[:3], row[3:]) for row in poses]
-    for row, found, other in zip(poses, together, symkin.modes(mechanism, pose=objects), strict=True):
+    for row, found, other in zip(
+        poses, together, symkin.modes(mechanism, pose=objects), strict=True
+    ):
         check_same(found, symkin.modes(mechanism, pose=list(row)))
         check_same(found, other)
 
 
 @pytest.mark.slow
 def test_inputs_in_doubt_stand_beside_plain_ones():
-    """Inputs without a real mode, with merging modes and with plain ones: each has what it has alone."""
+    """Inputs without a real mode, with merging modes and with plain ones: each has what it has
+    alone.
+    """
     platform = symkin.load("zhang2009")
     legs = np.array(platform.example.joints)
-    rows = [legs, np.full(6, 250.0), legs + 1.0, np.array([100.0, 100.0, 100.0, 100.0, 100.0, 400.0])]
+    rows = [
+        legs,
+        np.full(6, 250.0),
+        legs + 1.0,
+        np.array([100.0, 100.0, 100.0, 100.0, 100.0, 400.0]),
+    ]
     for row, found in zip(rows, symkin.modes(platform, joints=np.array(rows)), strict=True):
         alone = symkin.modes(platform, joints=list(row))
         check_same(found, alone)
@@ -118,7 +131,10 @@ def test_results_do_not_depend_on_neighbours():
     """The same numbers to the last bit, whatever other inputs stand beside."""
     mechanism = five_bar()
     joints = joints_about(mechanism, 5, 0.3)
-    whole, part = symkin.modes(mechanism, joints=joints), symkin.modes(mechanism, joints=joints[2:4])
+    whole, part = (
+        symkin.modes(mechanism, joints=joints),
+        symkin.modes(mechanism, joints=joints[2:4]),
+    )
     for a, b in zip(whole[2:4], part, strict=True):
         for x, y in zip(a, b, strict=True):
             np.testing.assert_allclose(x.position, y.position, rtol=1e-13)
@@ -145,15 +161,21 @@ def test_turns_are_left_out_of_many_inputs_too():
     """Angles of many turns are those without the turns."""
     mechanism = five_bar()
     joints = joints_about(mechanism, 2, 0.2)
-    far = symkin.modes(mechanism, joints=joints + mechanism.angle_out(2 * np.pi) * np.array([[5.0, -3.0]]))
+    far = symkin.modes(
+        mechanism, joints=joints + mechanism.angle_out(2 * np.pi) * np.array([[5.0, -3.0]])
+    )
     for a, b in zip(far, symkin.modes(mechanism, joints=joints), strict=True):
         assert len(a) == len(b)
         for x, y in zip(a, b, strict=True):
-            np.testing.assert_allclose(x.position, y.position, atol=1e-9 * mechanism.characteristic_length)
+            np.testing.assert_allclose(
+                x.position, y.position, atol=1e-9 * mechanism.characteristic_length
+            )
 
 
 def test_solutions_are_made_when_asked_for():
-    """The list behaves as a tuple of solutions: length, slices, negative places, one object for one place."""
+    """The list behaves as a tuple of solutions: length, slices, negative places, one object for one
+    place.
+    """
     found = symkin.modes(symkin.load("zhang2009"))
     assert len(found.modes) == len(list(found)) == 4
     assert found[-1] is found[3]

@@ -39,7 +39,13 @@ def vars_of(mechanism):
 def test_text_names_mechanism_and_limbs(rng):
     """str holds the name, every limb and its type, and the units."""
     mechanism = random_mechanism(rng, LIMBS)
-    for fragment in ["sample", "mm", "rad", *(limb.name for limb in mechanism.limbs), *(limb.type for limb in mechanism.limbs)]:
+    for fragment in [
+        "sample",
+        "mm",
+        "rad",
+        *(limb.name for limb in mechanism.limbs),
+        *(limb.type for limb in mechanism.limbs),
+    ]:
         assert fragment in str(mechanism)
 
 
@@ -49,13 +55,22 @@ def test_actuated_coordinates_stand_in_file_order(name):
     mechanism = symkin.load(name)
     order = []
     for limb in mechanism.limbs:
-        order += [limb.name] if isinstance(limb, RodLimb) else [j.name for j in limb.joints if j.actuated]
-    order += [c.name for entry in mechanism.link_joints if entry.joint.actuated for c in entry.joint.coordinates]
+        order += (
+            [limb.name]
+            if isinstance(limb, RodLimb)
+            else [j.name for j in limb.joints if j.actuated]
+        )
+    order += [
+        c.name
+        for entry in mechanism.link_joints
+        if entry.joint.actuated
+        for c in entry.joint.coordinates
+    ]
     order += [rod.name for rod in mechanism.link_rods if rod.actuated]
     assert [c.name for c in mechanism.actuated] == order
 
 
-# --- size ----------------------------------------------------------------------------------------------------------
+# --- size -----------------------------------------------------------------------------------------
 
 
 @given(seeds)
@@ -68,7 +83,9 @@ def test_size_is_the_largest_distance_between_joint_points(rng):
         if isinstance(limb, RodLimb):
             points += [np.array(limb.base), act(reference, limb.platform)]
     assert math.isclose(
-        mechanism.characteristic_length, max(np.linalg.norm(a - b) for a, b in combinations(points, 2)), rel_tol=1e-12
+        mechanism.characteristic_length,
+        max(np.linalg.norm(a - b) for a, b in combinations(points, 2)),
+        rel_tol=1e-12,
     )
 
 
@@ -78,13 +95,19 @@ def test_size_scales_and_does_not_turn(rng):
     """Twice the lengths: twice the size."""
     ends = [(np.array(point(rng)), np.array(point(rng))) for _ in range(4)]
     sizes = [
-        Mechanism("m", [RodLimb(f"l{k}", s * b, s * p) for k, (b, p) in enumerate(ends)]).characteristic_length
+        Mechanism(
+            "m", [RodLimb(f"l{k}", s * b, s * p) for k, (b, p) in enumerate(ends)]
+        ).characteristic_length
         for s in (1.0, 2.0)
     ]
     assert math.isclose(sizes[1], 2 * sizes[0], rel_tol=1e-12)
     q = unit(rng, 4)
     r = frame((0, 0, 0), q)
-    turned = Mechanism("m", [RodLimb(f"l{k}", act(r, b), p) for k, (b, p) in enumerate(ends)], platform_quaternion=q)
+    turned = Mechanism(
+        "m",
+        [RodLimb(f"l{k}", act(r, b), p) for k, (b, p) in enumerate(ends)],
+        platform_quaternion=q,
+    )
     assert math.isclose(turned.characteristic_length, sizes[0], rel_tol=1e-9)
 
 
@@ -99,12 +122,16 @@ def test_size_of_coinciding_points_is_positive():
 def test_reference_rod_value_is_distance_less_offset(rng):
     """|t + R a - b| - offset at the reference pose."""
     limb = RodLimb("leg", point(rng), point(rng), offset=float(rng.uniform(-5, 5)))
-    mechanism = Mechanism("m", [limb], platform_position=point(rng), platform_quaternion=unit(rng, 4))
+    mechanism = Mechanism(
+        "m", [limb], platform_position=point(rng), platform_quaternion=unit(rng, 4)
+    )
     end = act(frame(mechanism.platform_position, mechanism.platform_quaternion), limb.platform)
-    assert math.isclose(mechanism.actuated[0].reference[0] + limb.offset, np.linalg.norm(end - np.array(limb.base)))
+    assert math.isclose(
+        mechanism.actuated[0].reference[0] + limb.offset, np.linalg.norm(end - np.array(limb.base))
+    )
 
 
-# --- units and quaternions ------------------------------------------------------------------------------------------
+# --- units and quaternions ------------------------------------------------------------------------
 
 
 def test_angle_units_are_inverse():
@@ -131,24 +158,57 @@ BAD = {
     "name": (lambda: Mechanism("3-rps", [LEG]), ["name", "'3-rps'", "C identifier"]),
     "empty name": (lambda: Mechanism("", [LEG]), ["name", "''"]),
     "name with umlaut": (lambda: Mechanism("rüssel", [LEG]), ["name", "'rüssel'"]),
-    "motion": (lambda: Mechanism("m", [LEG], motion="flat"), ["motion", "'flat'", "spatial, schoenflies, planar"]),
-    "length unit": (lambda: Mechanism("m", [LEG], length_unit="inch"), ["length_unit", "'inch'", "m, mm"]),
-    "angle unit": (lambda: Mechanism("m", [LEG], angle_unit="grad"), ["angle_unit", "'grad'", "deg, rad"]),
+    "motion": (
+        lambda: Mechanism("m", [LEG], motion="flat"),
+        ["motion", "'flat'", "spatial, schoenflies, planar"],
+    ),
+    "length unit": (
+        lambda: Mechanism("m", [LEG], length_unit="inch"),
+        ["length_unit", "'inch'", "m, mm"],
+    ),
+    "angle unit": (
+        lambda: Mechanism("m", [LEG], angle_unit="grad"),
+        ["angle_unit", "'grad'", "deg, rad"],
+    ),
     "no limb": (lambda: Mechanism("m", []), ["no limb"]),
     "two limbs of one name": (lambda: Mechanism("m", [LEG, LEG]), ["limbs", "'leg'"]),
-    "two joints of one name": (lambda: Mechanism("m", [Limb("a", [TURN]), Limb("b", [TURN])]), ["joints", "'turn'"]),
+    "two joints of one name": (
+        lambda: Mechanism("m", [Limb("a", [TURN]), Limb("b", [TURN])]),
+        ["joints", "'turn'"],
+    ),
     "joint named as a rod limb": (
         lambda: Mechanism("m", [LEG, Limb("a", [replace(TURN, name="leg")])]),
         ["'leg'", "unique"],
     ),
-    "empty joint name": (lambda: Mechanism("m", [Limb("a", [replace(TURN, name="")])]), ["empty name"]),
-    "platform position": (lambda: Mechanism("m", [LEG], platform_position=(0, 1)), ["platform.position", "three"]),
-    "platform quaternion": (lambda: Mechanism("m", [LEG], platform_quaternion=(1, 0, 0)), ["platform.quaternion", "four"]),
-    "NaN quaternion": (lambda: Mechanism("m", [LEG], platform_quaternion=(math.nan, 0, 0, 1)), ["quaternion", "nan"]),
-    "passive joint of an arm": (lambda: Mechanism("m", [Limb("m", [TURN])], serial=True), ["'turn'", "actuated"]),
+    "empty joint name": (
+        lambda: Mechanism("m", [Limb("a", [replace(TURN, name="")])]),
+        ["empty name"],
+    ),
+    "platform position": (
+        lambda: Mechanism("m", [LEG], platform_position=(0, 1)),
+        ["platform.position", "three"],
+    ),
+    "platform quaternion": (
+        lambda: Mechanism("m", [LEG], platform_quaternion=(1, 0, 0)),
+        ["platform.quaternion", "four"],
+    ),
+    "NaN quaternion": (
+        lambda: Mechanism("m", [LEG], platform_quaternion=(math.nan, 0, 0, 1)),
+        ["quaternion", "nan"],
+    ),
+    "passive joint of an arm": (
+        lambda: Mechanism("m", [Limb("m", [TURN])], serial=True),
+        ["'turn'", "actuated"],
+    ),
     "motion of an arm": (lambda: replace(pieper(), motion="planar"), ["motion", "serial"]),
-    "motion of dh": (lambda: replace(symkin.load("gluon_6l3"), motion="planar"), ["motion", "serial"]),
-    "dh convention": (lambda: DHTable("craig", []), ["dh.convention", "'craig'", "standard, modified"]),
+    "motion of dh": (
+        lambda: replace(symkin.load("gluon_6l3"), motion="planar"),
+        ["motion", "serial"],
+    ),
+    "dh convention": (
+        lambda: DHTable("craig", []),
+        ["dh.convention", "'craig'", "standard, modified"],
+    ),
 }
 
 
@@ -159,11 +219,17 @@ def test_a_mistake_names_offender_value_and_choice(case):
 
 
 def test_coordinate_names_are_unique():
-    """A closure's coordinates are looked up by name: a U joint's 'u.1' must not meet a joint of that name, nor 'pose.x'."""
+    """A closure's coordinates are looked up by name: a U joint's 'u.1' must not meet a joint of
+    that name, nor 'pose.x'.
+    """
     u = Joint("u", "U", axis=(0, 0, 1), axis2=(1, 0, 0))
     for clash in ("u.1", "pose.x"):
         with pytest.raises(MechanismError, match=clash):
-            Mechanism("m", [Limb("a", [u, replace(TURN, name=clash), Joint("s", "S")])], platform_position=(1, 2, 3))
+            Mechanism(
+                "m",
+                [Limb("a", [u, replace(TURN, name=clash), Joint("s", "S")])],
+                platform_position=(1, 2, 3),
+            )
 
 
 def test_samples_are_what_they_say():
@@ -173,7 +239,9 @@ def test_samples_are_what_they_say():
 
 
 def test_an_example_that_cannot_be_taken_is_refused():
-    """An example of the wrong count, or one that makes a rod negative, is refused where the mechanism is made."""
+    """An example of the wrong count, or one that makes a rod negative, is refused where the
+    mechanism is made.
+    """
     rod = RodLimb("leg", (0, 0, 0), (0, 0, 1), offset=-1.0)
     with pytest.raises(MechanismError, match="rod of negative length"):
         Mechanism("sample", [rod], example=Example(joints=(0.0,)))
@@ -183,6 +251,10 @@ def test_an_example_that_cannot_be_taken_is_refused():
 
 def test_a_rod_whose_ends_meet_at_the_reference_is_refused():
     """Its length would be read off the reference, where it is zero."""
-    limb = Limb("arm", [Joint("r", "R", (0, 0, 0), (0, 1, 0), actuated=True)], [Rod((10, 0, 5), (10, 0, -5))])
+    limb = Limb(
+        "arm",
+        [Joint("r", "R", (0, 0, 0), (0, 1, 0), actuated=True)],
+        [Rod((10, 0, 5), (10, 0, -5))],
+    )
     refused_in_one_line(lambda: Mechanism("m", [limb], (0, 0, 10)), ["'arm'", "rod 1", "one point"])
     assert Mechanism("m", [limb], (0, 0, 20)).characteristic_length > 0

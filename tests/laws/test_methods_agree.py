@@ -1,5 +1,6 @@
-"""The modes of the five systems from varied initial guesses are those that continuation lists: a part of them, and all where the
-starts suffice."""
+"""The modes of the five systems from varied initial guesses are those that continuation lists: a
+part of them, and all where the starts suffice.
+"""
 
 from functools import cache
 from typing import Any
@@ -13,24 +14,41 @@ from symkin import Modes, Solution
 
 SEED = 5
 CASES = [
-    ("zhao2000", "direct", 100), ("zhao2000", "inverse", 50), ("zhao2000_links", "direct", 1500), ("zhang2009", "direct", 200),
-    ("zhang2009", "inverse", 20), ("ren2008", "direct", 500), ("ren2008", "inverse", 20), ("ren2008_true", "direct", 500),
-    ("gluon_6l3", "inverse", 200), ("yao2020", "inverse", 200),
-]  # fmt: skip
+    ("zhao2000", "direct", 100),
+    ("zhao2000", "inverse", 50),
+    ("zhao2000_links", "direct", 1500),
+    ("zhang2009", "direct", 200),
+    ("zhang2009", "inverse", 20),
+    ("ren2008", "direct", 500),
+    ("ren2008", "inverse", 20),
+    ("ren2008_true", "direct", 500),
+    ("gluon_6l3", "inverse", 200),
+    ("yao2020", "inverse", 200),
+]
 """Problems that are no formula, and a number of starts that reaches every mode several times."""
 
 
 @cache
 def given(name: str, kind: str) -> dict[str, Any]:
-    """The worked example, or a pose and lengths of which no two are equal; for an inverse problem the first pose of these."""
+    """The worked example, or a pose and lengths of which no two are equal; for an inverse problem
+    the first pose of these.
+    """
     mechanism = symkin.load(name)
     example = mechanism.example
     if name.startswith("ren2008"):
-        lengths = np.array(symkin.solve(mechanism, pose=mechanism.reference_pose).solution.actuated_values)
+        lengths = np.array(
+            symkin.solve(mechanism, pose=mechanism.reference_pose).solution.actuated_values
+        )
         joints = {"joints": tuple(lengths + [0.03, -0.02, 0.05, 0.01, -0.04, 0.02])}
     else:
-        joints = {"joints": example.joints} if example.joints is not None else {"pose": example.pose}
-    return joints if kind == "direct" or "pose" in joints else {"pose": symkin.solve(mechanism, **joints).solution.pose}
+        joints = (
+            {"joints": example.joints} if example.joints is not None else {"pose": example.pose}
+        )
+    return (
+        joints
+        if kind == "direct" or "pose" in joints
+        else {"pose": symkin.solve(mechanism, **joints).solution.pose}
+    )
 
 
 @cache
@@ -49,7 +67,9 @@ def places(sampled: Modes, complete: Modes) -> list[int]:
 
     def place(mode: Solution) -> int:
         near = np.flatnonzero(np.max(np.abs(rows - configuration(mode, size)), axis=1) < 1e-6)
-        assert len(near) == 1, f"a mode at {mode.position} is {len(near)} times in the list of continuation"
+        assert len(near) == 1, (
+            f"a mode at {mode.position} is {len(near)} times in the list of continuation"
+        )
         return int(near[0])
 
     return [place(mode) for mode in sampled]
@@ -60,8 +80,14 @@ def places(sampled: Modes, complete: Modes) -> list[int]:
 def test_varied_guesses_reach_every_mode_that_continuation_lists(name, kind, starts) -> None:
     """Enough starts: each listed mode once, no other, each reached by some start."""
     complete = listed(name, kind)
-    sampled = symkin.modes(symkin.load(name), **given(name, kind), method="multistart", starts=starts, seed=SEED)
-    assert (sampled.method, sampled.completeness, sampled.starts) == ("multistart", "sampled", starts)
+    sampled = symkin.modes(
+        symkin.load(name), **given(name, kind), method="multistart", starts=starts, seed=SEED
+    )
+    assert (sampled.method, sampled.completeness, sampled.starts) == (
+        "multistart",
+        "sampled",
+        starts,
+    )
     found = places(sampled, complete)
     assert len(set(found)) == len(found)
     missed = len(complete) - len(found)
@@ -72,10 +98,13 @@ def test_varied_guesses_reach_every_mode_that_continuation_lists(name, kind, sta
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "kind"), [case[:2] for case in CASES])
 def test_few_guesses_reach_a_part_of_the_list(name, kind) -> None:
-    """Three starts for the mechanism: what they reach is in the list of continuation; where modes are missed, `missed`
-    counts them."""
+    """Three starts for the mechanism: what they reach is in the list of continuation; where modes
+    are missed, `missed` counts them.
+    """
     complete = listed(name, kind)
-    sampled = symkin.modes(symkin.load(name), **given(name, kind), method="multistart", starts=3, seed=SEED)
+    sampled = symkin.modes(
+        symkin.load(name), **given(name, kind), method="multistart", starts=3, seed=SEED
+    )
     found = places(sampled, complete)
     missed = set(range(len(complete))) - set(found)
     assert len(missed) == len(complete) - len(sampled)
@@ -86,16 +115,26 @@ def test_each_solver_reaches_modes_of_the_list_only() -> None:
     """CasADi's rootfinder and IPOPT from the same guesses as well."""
     complete = listed("zhao2000", "direct")
     for solver, starts in (("newton", 40), ("fast_newton", 40), ("ipopt", 25)):
-        sampled = symkin.modes(symkin.load("zhao2000"), **given("zhao2000", "direct"), solver=solver, starts=starts, seed=SEED)
+        sampled = symkin.modes(
+            symkin.load("zhao2000"),
+            **given("zhao2000", "direct"),
+            solver=solver,
+            starts=starts,
+            seed=SEED,
+        )
         assert sampled.method == f"multistart {solver}"
         assert set(places(sampled, complete)) == {0, 1, 2, 3}
 
 
 def test_working_modes_of_the_real_limbs_are_the_product_of_their_branches() -> None:
-    """Continuation has no start system there. A limb's plane of motion may be turned by half a turn, and its elbow may be up or
-    down: four branches in each of three limbs, 64 working modes of a pose within reach."""
+    """Continuation has no start system there. A limb's plane of motion may be turned by half a
+    turn, and its elbow may be up or down: four branches in each of three limbs, 64 working modes of
+    a pose within reach.
+    """
     platform = symkin.load("zhao2000_links")
-    sampled = symkin.modes(platform, **given("zhao2000_links", "inverse"), method="multistart", starts=100, seed=SEED)
+    sampled = symkin.modes(
+        platform, **given("zhao2000_links", "inverse"), method="multistart", starts=100, seed=SEED
+    )
     assert len(sampled) == 4**3
 
 
@@ -104,6 +143,9 @@ def test_the_formula_answers_both_methods() -> None:
     for name in ("gluon_6l3", "yao2020"):
         arm = symkin.load(name)
         joints = [10.0] * len(arm.actuated)
-        one, other = (symkin.modes(arm, joints=joints, method=method) for method in ("continuation", "multistart"))
+        one, other = (
+            symkin.modes(arm, joints=joints, method=method)
+            for method in ("continuation", "multistart")
+        )
         assert one.method == other.method == "forward"
         assert np.array_equal(one[0].position, other[0].position)

@@ -1,4 +1,6 @@
-"""The graph of assembly modes over a slice of two inputs, against what is known of planar mechanisms."""
+"""The graph of assembly modes over a slice of two inputs, against what is known of planar
+mechanisms.
+"""
 
 from __future__ import annotations
 
@@ -32,17 +34,25 @@ def graph_of_the_five_bar() -> ModeGraph:
 
 
 def five_bar_in_its_plane() -> Mechanism:
-    """The five-bar of the samples with its motion declared, so that its rows are as many as its unknowns."""
+    """The five-bar of the samples with its motion declared, so that its rows are as many as its
+    unknowns.
+    """
     whole = five_bar()
     return Mechanism(
-        whole.name, whole.limbs, platform_position=whole.platform_position, motion="planar", angle_unit=whole.angle_unit
+        whole.name,
+        whole.limbs,
+        platform_position=whole.platform_position,
+        motion="planar",
+        angle_unit=whole.angle_unit,
     )
 
 
 @pytest.mark.slow
 def test_the_two_modes_of_a_five_bar_do_not_connect(planar: Mechanism, graph: ModeGraph) -> None:
-    """The two points at which the couplers' circles meet lie on either side of the line of elbows; they are one only on the
-    singularity, which parts them: two sheets, mirror images point by point."""
+    """The two points at which the couplers' circles meet lie on either side of the line of elbows;
+    they are one only on the singularity, which parts them: two sheets, mirror images point by
+    point.
+    """
     assert graph.groups == [[0], [1]]
     assert graph.path(0, 1) is None
     assert len(graph.sheets) == 2
@@ -66,7 +76,9 @@ def test_every_edge_joins_modes_that_a_track_joins(planar: Mechanism, graph: Mod
     for (a, i), (b, j) in graph.edges[::5]:
         back = track(planar, joints=graph.inputs[[b, a]], start=graph.found[b][j], name_modes=False)
         assert back.reached
-        assert same_pose(back.end.solution.pose, graph.found[a][i].pose, planar.characteristic_length, 1e-7)
+        assert same_pose(
+            back.end.solution.pose, graph.found[a][i].pose, planar.characteristic_length, 1e-7
+        )
 
 
 def test_a_path_of_the_graph_stays_on_one_mode(planar: Mechanism, graph: ModeGraph) -> None:
@@ -87,14 +99,24 @@ def test_the_graph_is_drawn_and_printed(graph: ModeGraph, tmp_path) -> None:
 
 @pytest.mark.slow
 def test_modes_of_a_planar_3_rpr_connect_round_a_cusp() -> None:
-    """Six modes at one input, three of each sign of the determinant; two of one sign are joined by a path without singularity
-    that comes back to the same input (Innocenti and Parenti-Castelli 1998), and no edge changes the sign."""
+    """Six modes at one input, three of each sign of the determinant; two of one sign are joined by
+    a path without singularity that comes back to the same input (Innocenti and Parenti-Castelli
+    1998), and no edge changes the sign.
+    """
     mechanism = three_rpr()
-    graph = mode_graph(mechanism, [("l2", 14.0, 17.0), ("l3", 14.0, 32.0)], 3, joints=[14.98, 17.0, 14.0])
-    signs = {(p, k): sign(mode) for p, found in enumerate(graph.found) for k, mode in enumerate(found)}
+    graph = mode_graph(
+        mechanism, [("l2", 14.0, 17.0), ("l3", 14.0, 32.0)], 3, joints=[14.98, 17.0, 14.0]
+    )
+    signs = {
+        (p, k): sign(mode) for p, found in enumerate(graph.found) for k, mode in enumerate(found)
+    }
     assert sorted(signs[len(graph.found) - 1, k] for k in range(6)) == [-1, -1, -1, 1, 1, 1]
     assert all(signs[a] == signs[b] for a, b in graph.edges)
-    assert len({(a, b[0]) for a, b in graph.edges}) == len({(a[0], b) for a, b in graph.edges}) == len(graph.edges)
+    assert (
+        len({(a, b[0]) for a, b in graph.edges})
+        == len({(a[0], b) for a, b in graph.edges})
+        == len(graph.edges)
+    )
     assert graph.unmatched == 0
     joined = [group for group in graph.groups if len(group) > 1]
     assert joined
@@ -105,8 +127,12 @@ def test_modes_of_a_planar_3_rpr_connect_round_a_cusp() -> None:
     followed = track(mechanism, joints=path, start=graph.chosen[begin], name_modes=False)
     assert followed.reached
     assert followed.certified
-    assert same_pose(followed.end.solution.pose, graph.chosen[end].pose, mechanism.characteristic_length, 1e-7)
-    assert not same_pose(graph.chosen[begin].pose, graph.chosen[end].pose, mechanism.characteristic_length, 1e-2)
+    assert same_pose(
+        followed.end.solution.pose, graph.chosen[end].pose, mechanism.characteristic_length, 1e-7
+    )
+    assert not same_pose(
+        graph.chosen[begin].pose, graph.chosen[end].pose, mechanism.characteristic_length, 1e-2
+    )
 
 
 def sign(solution: Solution) -> int:
@@ -118,7 +144,9 @@ def sign(solution: Solution) -> int:
 
 
 def three_rpr() -> Mechanism:
-    """Planar 3-RPR: base joints (0, 0), (15.91, 0), (0, 10), platform triangle of sides 17.04, 16.54, 20.84."""
+    """Planar 3-RPR: base joints (0, 0), (15.91, 0), (0, 10), platform triangle of sides 17.04,
+    16.54, 20.84.
+    """
     base = np.array([[0.0, 0.0], [15.91, 0.0], [0.0, 10.0]])
     a, b, c = 17.04, 16.54, 20.84
     x = (a * a + c * c - b * b) / (2 * a)
@@ -127,7 +155,10 @@ def three_rpr() -> Mechanism:
     for k, (p, q) in enumerate(zip(base, ends, strict=True), start=1):
         along = q - p
         length = float(np.linalg.norm(along))
-        turn, end = Joint(f"a{k}", "R", (*p, 0.0), (0, 0, 1)), Joint(f"c{k}", "R", (*q, 0.0), (0, 0, 1))
+        turn, end = (
+            Joint(f"a{k}", "R", (*p, 0.0), (0, 0, 1)),
+            Joint(f"c{k}", "R", (*q, 0.0), (0, 0, 1)),
+        )
         slide = Joint(f"l{k}", "P", (*p, 0.0), (*(along / length), 0.0), actuated=True, zero=length)
         limbs.append(Limb(f"limb{k}", [turn, slide, end]))
     return Mechanism("three_rpr", limbs, platform_position=(3.0, 12.0, 0.0), motion="planar")

@@ -1,8 +1,8 @@
 """A start where the closure's Jacobian loses rank is moved off it, and the result says so.
 
-Laws: from a singular start every solver reaches a configuration that closes the loops, the note names the rank that finite
-differences of the mechanism's own geometry have there and a start that is not singular; regular starts and starts that solve
-the problem stay as they are.
+Laws: from a singular start every solver reaches a configuration that closes the loops, the note
+names the rank that finite differences of the mechanism's own geometry have there and a start that
+is not singular; regular starts and starts that solve the problem stay as they are.
 """
 
 from __future__ import annotations
@@ -28,9 +28,13 @@ def dh_product(q: np.ndarray) -> np.ndarray:
     """Tool pose of the Gluon-6L3 from its DH table, q in degrees."""
     T = np.eye(4)
     rows = zip(
-        (0.0, -90.0, 0.0, -90.0, 0.0, 0.0), (105.03, 0, 0, 75.66, 80.09, 44.36), (0, -174.42, -174.42, 0, 0, 0),
-        (90, 0, 0, 90, -90, 0), q, strict=True,
-    )  # fmt: skip
+        (0.0, -90.0, 0.0, -90.0, 0.0, 0.0),
+        (105.03, 0, 0, 75.66, 80.09, 44.36),
+        (0, -174.42, -174.42, 0, 0, 0),
+        (90, 0, 0, 90, -90, 0),
+        q,
+        strict=True,
+    )
     for offset, d, a, alpha, value in rows:
         t, u = np.radians(offset + value), np.radians(alpha)
         c, s, x, y = np.cos(t), np.sin(t), np.cos(u), np.sin(u)
@@ -39,7 +43,9 @@ def dh_product(q: np.ndarray) -> np.ndarray:
 
 
 def difference_singular_values(q: np.ndarray) -> np.ndarray:
-    """Singular values of the arm's Jacobian (rotation; position over 400 mm) by central differences, largest 1."""
+    """Singular values of the arm's Jacobian (rotation; position over 400 mm) by central
+    differences, largest 1.
+    """
     columns, R, step = [], dh_product(q)[:3, :3], 1e-3
     for e in step * np.eye(6):
         dT = (dh_product(q + e) - dh_product(q - e)) / np.radians(2 * step)
@@ -58,19 +64,34 @@ def moved(notes: tuple[str, ...]) -> tuple[str, np.ndarray]:
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_example_of_the_gluon_page_from_zero_joints(solver):
-    """The page's numeric inverse begins from zeros, where elbow, wrist and shoulder are singular at once."""
+    """The page's numeric inverse begins from zeros, where elbow, wrist and shoulder are singular at
+    once.
+    """
     arm = symkin.load("gluon_6l3")
     pose = symkin.solve(arm, joints=EXAMPLE).solution.pose
     for start in ([0.0] * 6, None, [1e-3] * 6):
         found = symkin.solve(arm, pose=pose, start=start, solver=solver)
-        assert np.abs(dh_product(np.array(found.solution.actuated_values)) - dh_product(np.array(EXAMPLE))).max() < 1e-6
+        assert (
+            np.abs(
+                dh_product(np.array(found.solution.actuated_values)) - dh_product(np.array(EXAMPLE))
+            ).max()
+            < 1e-6
+        )
 
 
 @pytest.mark.parametrize(
-    ("start", "rank"), [([0] * 6, 3), ([0, 0, 0, 0, 10, 0], 4), ([0, 0, 10, 0, 0, 0], 5), ([40, 20, 0, 30, 40, 10], 5)]
+    ("start", "rank"),
+    [
+        ([0] * 6, 3),
+        ([0, 0, 0, 0, 10, 0], 4),
+        ([0, 0, 10, 0, 0, 0], 5),
+        ([40, 20, 0, 30, 40, 10], 5),
+    ],
 )
 def test_the_note_names_the_rank_and_a_regular_start(start, rank):
-    """The rank is that of finite differences of the DH product; the Jacobian at the start that is named has full rank."""
+    """The rank is that of finite differences of the DH product; the Jacobian at the start that is
+    named has full rank.
+    """
     arm = symkin.load("gluon_6l3")
     pose = symkin.solve(arm, joints=EXAMPLE).solution.pose
     assert np.sum(difference_singular_values(np.array(start, dtype=float)) > 1e-6) == rank
@@ -97,13 +118,20 @@ def test_a_wrist_that_is_stretched(solver):
     arm, rng = pieper(), np.random.default_rng(1)
     for q in rng.uniform(-2, 2, (5, 6)):
         pose = symkin.solve(arm, joints=q).solution.pose
-        assert closes(arm, symkin.solve(arm, pose=pose, start=[0.3, 0.4, 0.5, 0.2, 0.0, 0.1], solver=solver).solution)
+        assert closes(
+            arm,
+            symkin.solve(
+                arm, pose=pose, start=[0.3, 0.4, 0.5, 0.2, 0.0, 0.1], solver=solver
+            ).solution,
+        )
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("name", ["zhang2009", "ren2008"])
 def test_platforms_from_the_plane_of_their_base(name, solver):
-    """Rods in one plane have rank 3 or less of 6 where all their joints lie in it; the solution is the direct problem's."""
+    """Rods in one plane have rank 3 or less of 6 where all their joints lie in it; the solution is
+    the direct problem's.
+    """
     platform = symkin.load(name)
     pose = symkin.solve(platform).solution.pose if name == "zhang2009" else platform.reference_pose
     joints = symkin.solve(platform, pose=pose).solution.actuated_values
@@ -114,7 +142,9 @@ def test_platforms_from_the_plane_of_their_base(name, solver):
 
 
 def test_a_moved_pose_is_named_as_a_pose():
-    """A hexapod flat in its base: three rows of z, alpha, beta vanish, and the pose that is named has a height."""
+    """A hexapod flat in its base: three rows of z, alpha, beta vanish, and the pose that is named
+    has a height.
+    """
     found = symkin.solve(symkin.load("zhang2009"), start=[0, 0, 0, 1, 0, 0, 0])
     note, pose = moved(found.notes)
     assert "rank 3 of 6" in note
@@ -152,11 +182,18 @@ def test_a_regular_start_stays():
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", ["newton", "ipopt"])
 def test_a_pose_out_of_reach_says_that_moves_led_nowhere(solver):
-    """Ten arms away: infeasible whatever the start, and the note says what was tried and what to do."""
+    """Ten arms away: infeasible whatever the start, and the note says what was tried and what to
+    do.
+    """
     arm = symkin.load("gluon_6l3")
-    far = symkin.solve(arm, pose=[4000, 0, 0, 1, 0, 0, 0], start=[0.0] * 6, solver=solver, check=False)
+    far = symkin.solve(
+        arm, pose=[4000, 0, 0, 1, 0, 0, 0], start=[0.0] * 6, solver=solver, check=False
+    )
     assert far.status == "infeasible"
-    assert any(re.search(r"9 starts beside it led to no solution: give another start, or list all", n) for n in far.notes)
+    assert any(
+        re.search(r"9 starts beside it led to no solution: give another start, or list all", n)
+        for n in far.notes
+    )
     with pytest.raises(symkin.SolveError, match="9 starts beside it"):
         symkin.solve(arm, pose=[4000, 0, 0, 1, 0, 0, 0], start=[0.0] * 6, solver=solver)
 
@@ -164,22 +201,37 @@ def test_a_pose_out_of_reach_says_that_moves_led_nowhere(solver):
 def test_moves_keep_limits():
     """A stretched elbow at its limit moves inwards only."""
     joints = [
-        Joint(j.name, "R", j.point, j.axis, actuated=True, limits=(0.0, 1.0) if j.name == "q5" else None)
+        Joint(
+            j.name,
+            "R",
+            j.point,
+            j.axis,
+            actuated=True,
+            limits=(0.0, 1.0) if j.name == "q5" else None,
+        )
         for _, j in pieper().joints
     ]
     arm = Mechanism("arm", [Limb("arm", joints)], serial=True, platform_position=(90.0, 0.0, 220.0))
     problem = build_problem(arm, "inverse")
-    given = given_from(arm, None, symkin.solve(arm, joints=[0.3, 0.2, 0.4, 0.1, 0.5, 0.6]).solution.pose)
+    given = given_from(
+        arm, None, symkin.solve(arm, joints=[0.3, 0.2, 0.4, 0.1, 0.5, 0.6]).solution.pose
+    )
     starts = moved_starts(problem, start_values(problem, given, [0.0] * 6), given.values)
-    (place,) = [s for c, s in zip(problem.system.unknowns, problem.system.slices, strict=True) if c.name == "q5"]
+    (place,) = [
+        s
+        for c, s in zip(problem.system.unknowns, problem.system.slices, strict=True)
+        if c.name == "q5"
+    ]
     assert len(starts) == 9
     assert starts[:, place].min() > 0
     assert starts[:, place].max() <= 1
 
 
 def test_singular_poses_are_classified_where_the_start_means_them():
-    """A pose printed to three digits and the singular joints that it belongs to: `singularities` stays at the stretched elbow and
-    the aligned wrist, though the start is singular; 0.1 deg is what the digits leave."""
+    """A pose printed to three digits and the singular joints that it belongs to: `singularities`
+    stays at the stretched elbow and the aligned wrist, though the start is singular; 0.1 deg is
+    what the digits leave.
+    """
     arm, joints = symkin.load("gluon_6l3"), [0.0, 20.0, 0.0, 30.0, 0.0, 10.0]
     pose = symkin.solve(arm, joints=joints).solution.pose
     printed = np.round([*pose.position, *pose.quaternion], 3)
@@ -194,7 +246,16 @@ def test_the_command_solves_from_zero_joints(solver, capsys):
     pose = symkin.solve(symkin.load("gluon_6l3"), joints=EXAMPLE).solution.pose
     numbers = ",".join(repr(float(v)) for v in (*pose.position, *pose.quaternion))
     with pytest.raises(SystemExit) as stop:
-        main(["solve", "gluon_6l3", f"--pose={numbers}", "--start=0,0,0,0,0,0", f"--solver={solver}", "--json"])
+        main(
+            [
+                "solve",
+                "gluon_6l3",
+                f"--pose={numbers}",
+                "--start=0,0,0,0,0,0",
+                f"--solver={solver}",
+                "--json",
+            ]
+        )
     assert not stop.value.code
     content = json.loads(capsys.readouterr().out)
     joints = np.array([content["solution"]["joints"][f"q{k}"] for k in range(1, 7)])

@@ -1,5 +1,6 @@
-"""The same machine turned as a whole, in another unit of length, with its parts in another order, has the same modes; formulas list as many
-as paths do."""
+"""The same machine turned as a whole, in another unit of length, with its parts in another order,
+has the same modes; formulas list as many as paths do.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +21,9 @@ NAMES = ("four_bar", "pantograph_five_bar", "slider_crank", "watt_six_bar")
 
 def loops(*rows: tuple[str, str, str, str, list[int], list[int]]) -> symkin.Mechanism:
     joints = [symkin.LinkJoint(symkin.Joint(n, kind, p, a), [f, t]) for n, kind, f, t, p, a in rows]
-    return symkin.Mechanism("loops", link_joints=joints, length_unit="m", angle_unit="deg", platform_link=None)
+    return symkin.Mechanism(
+        "loops", link_joints=joints, length_unit="m", angle_unit="deg", platform_link=None
+    )
 
 
 def spherical() -> symkin.Mechanism:
@@ -38,8 +41,16 @@ def spherical() -> symkin.Mechanism:
 
 def one_point() -> symkin.Mechanism:
     """Two spherical loops that share a link."""
-    rows = [("j0", "base", "k1", [-1, 1, -2]), ("j1", "k1", "k2", [1, 1, 1]), ("j2", "k2", "k3", [-1, 1, 0])]
-    rows += [("j3", "k3", "base", [-1, -1, 1]), ("p0", "k1", "p1", [1, 1, 1]), ("p1", "p1", "p2", [1, -1, 0])]
+    rows = [
+        ("j0", "base", "k1", [-1, 1, -2]),
+        ("j1", "k1", "k2", [1, 1, 1]),
+        ("j2", "k2", "k3", [-1, 1, 0]),
+    ]
+    rows += [
+        ("j3", "k3", "base", [-1, -1, 1]),
+        ("p0", "k1", "p1", [1, 1, 1]),
+        ("p1", "p1", "p2", [1, -1, 0]),
+    ]
     rows += [("p2", "p2", "base", [1, 0, 0])]
     return loops(*((name, "R", a, b, v, v) for name, a, b, v in rows))
 
@@ -52,7 +63,10 @@ def at_home(name: str) -> tuple[symkin.Mechanism, dict[str, float]]:
     mechanism = spherical() if name == "spherical" else symkin.load(name)
     if name == "spherical":
         return mechanism, {"p1": 60.0}
-    at = {c.name: mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0] for c in mechanism.actuated}
+    at = {
+        c.name: mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
+        for c in mechanism.actuated
+    }
     return mechanism, {name: value + 0.01 for name, value in at.items()}
 
 
@@ -69,7 +83,9 @@ def test_a_twin_has_the_modes_at_home(name: str, twin: tuple[float, bool]) -> No
     other = symkin.modes(twin, given=scaled_values(mechanism, values, factor))
     assert told(other) == told(home)
     angles = [c.name for c in mechanism.coordinates if c.is_angular]
-    ours, theirs = (np.radians([[mode.joints[n] for n in angles] for mode in found]) for found in (home, other))
+    ours, theirs = (
+        np.radians([[mode.joints[n] for n in angles] for mode in found]) for found in (home, other)
+    )
     apart = np.max(np.abs(np.angle(np.exp(1j * (ours[:, None] - theirs[None])))), axis=2)
     assert np.all(np.min(apart, axis=1) < 1e-6)
 
@@ -87,7 +103,9 @@ def test_a_delta_of_any_size_has_its_modes(factor: float) -> None:
 
 @pytest.mark.parametrize("value", [0.0, 10.0, -25.0, 60.0, 120.0])
 def test_both_values_of_a_choice_are_looked_at(value: float) -> None:
-    """sin p2 is 1 on one branch whatever p1 is, and not on the other: a formula that has seen the first alone loses modes."""
+    """sin p2 is 1 on one branch whatever p1 is, and not on the other: a formula that has seen the
+    first alone loses modes.
+    """
     formulas = symkin.modes(spherical(), given={"p1": value})
     paths = symkin.modes(spherical(), given={"p1": value}, method="continuation")
     assert len(formulas) == len(paths) == (2 if abs(value) < 50.0 else 4)
@@ -102,11 +120,14 @@ def test_lengths_do_not_decide_how_far_angles_are_sampled(factor: float) -> None
 def test_a_linkage_of_micrometres_has_formulas() -> None:
     third = float(np.sqrt(3.0)) / 2.0
     rows = [
-        ("j0", "R", "base", "k1", [0, 3e-5, 0], [0, 0, 1]), ("j1", "P", "k1", "k2", [0, 0, 0], [0, 1, 0]),
-        ("j2", "R", "k2", "k3", [0, 0, 0], [0, 0, 1]), ("j3", "P", "base", "k3", [0, 0, 0], [third, 0.5, 0]),
-        ("j4", "R", "k3", "k4", [2e-5, 2e-5, 0], [0, 0, 1]), ("j5", "R", "k4", "k5", [1e-5, 2e-5, 0], [0, 0, 1]),
+        ("j0", "R", "base", "k1", [0, 3e-5, 0], [0, 0, 1]),
+        ("j1", "P", "k1", "k2", [0, 0, 0], [0, 1, 0]),
+        ("j2", "R", "k2", "k3", [0, 0, 0], [0, 0, 1]),
+        ("j3", "P", "base", "k3", [0, 0, 0], [third, 0.5, 0]),
+        ("j4", "R", "k3", "k4", [2e-5, 2e-5, 0], [0, 0, 1]),
+        ("j5", "R", "k4", "k5", [1e-5, 2e-5, 0], [0, 0, 1]),
         ("j6", "R", "base", "k5", [1e-5, 0, 0], [0, 0, 1]),
-    ]  # fmt: skip
+    ]
     for factor in (1e-3, 1.0, 10.0, 1e8):
         assert len(symkin.modes(scaled(loops(*rows), factor), given={"j3": 0.0})) == 4
 
@@ -125,15 +146,21 @@ def test_formulas_are_used_where_paths_find_as_many(turned: bool) -> None:
 
 
 def test_structure_groups_do_not_depend_on_the_unit_of_length() -> None:
-    """A slide that is nearly along x moves a point up by a hundredth of its stroke: in any unit that is no zero."""
+    """A slide that is nearly along x moves a point up by a hundredth of its stroke: in any unit
+    that is no zero.
+    """
     slope = [float(np.cos(0.0129)), float(np.sin(0.0129)), 0.0]
     z = [0, 0, 1]
     rows = [
-        ("j1", "R", "base", "link1", [-15, -3, 0], z), ("j2", "R", "link1", "link2", [2, 0, 0], z),
-        ("j3", "P", "link2", "link3", [-15, -25, 0], [-0.97, 0.245, 0]), ("j4", "R", "link3", "base", [23, 8, 0], z),
-        ("j5", "P", "link2", "link4", [14, -20, 0], slope), ("j6", "R", "link4", "link5", [9, -24, 0], z),
-        ("j7", "R", "link5", "link6", [14, -26, 0], z), ("j8", "R", "link6", "link3", [6, 24, 0], z),
-    ]  # fmt: skip
+        ("j1", "R", "base", "link1", [-15, -3, 0], z),
+        ("j2", "R", "link1", "link2", [2, 0, 0], z),
+        ("j3", "P", "link2", "link3", [-15, -25, 0], [-0.97, 0.245, 0]),
+        ("j4", "R", "link3", "base", [23, 8, 0], z),
+        ("j5", "P", "link2", "link4", [14, -20, 0], slope),
+        ("j6", "R", "link4", "link5", [9, -24, 0], z),
+        ("j7", "R", "link5", "link6", [14, -26, 0], z),
+        ("j8", "R", "link6", "link3", [6, 24, 0], z),
+    ]
 
     def groups(factor: float) -> list[list[str]]:
         problem = build_problem(scaled(loops(*rows), factor), "given", ("j7", "j2"))

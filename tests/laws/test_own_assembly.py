@@ -1,4 +1,6 @@
-"""Mobility is that of the assembly that a file describes: families of known mobility, branches that meet, and steps that lead away."""
+"""Mobility is that of the assembly that a file describes: families of known mobility, branches that
+meet, and steps that lead away.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,14 @@ import symkin
 
 # the families and their independent judge are those of the campaign
 from campaigns.mobility_families import FAMILIES, Machine, drawn, wrong
-from helpers.inside import build_closure, closed_configurations, describe, own_component, parse, whole_system
+from helpers.inside import (
+    build_closure,
+    closed_configurations,
+    describe,
+    own_component,
+    parse,
+    whole_system,
+)
 from symkin import Joint, Limb, Mechanism
 
 Z = (0.0, 0.0, 1.0)
@@ -19,18 +28,25 @@ Z = (0.0, 0.0, 1.0)
 
 @pytest.mark.parametrize("family", [make.__name__ for make in FAMILIES])
 def test_mobility_is_that_of_theory_whatever_the_seed(family: str) -> None:
-    """Parallel cranks, Bricard's loops and octahedra, equal rods, and their rigid siblings; with random and with round numbers."""
+    """Parallel cranks, Bricard's loops and octahedra, equal rods, and their rigid siblings; with
+    random and with round numbers.
+    """
     for index in range(2):
         machine, placed = drawn(index, 7, family)
         assert wrong(placed.text(), machine, 2) == []
 
 
 def three_cranks(*, last: float = 60.0) -> str:
-    """A lift of round numbers, whose cross-wise assembly least squares from far off finds; the last crank of another length."""
+    """A lift of round numbers, whose cross-wise assembly least squares from far off finds; the last
+    crank of another length.
+    """
     pivots = np.array([[0.0, 0.0, 0.0], [150.0, 50.0, 0.0], [140.0, 40.0, 0.0]])
     joints = []
     for k, (pivot, arm) in enumerate(zip(pivots, (60.0, 60.0, last), strict=True)):
-        joints += [("base", f"c{k}", pivot, np.array(Z)), (f"c{k}", "plate", pivot - [arm, 0.0, 0.0], np.array(Z))]
+        joints += [
+            ("base", f"c{k}", pivot, np.array(Z)),
+            (f"c{k}", "plate", pivot - [arm, 0.0, 0.0], np.array(Z)),
+        ]
     return Machine("cranks", 1, tuple(joints)).text()
 
 
@@ -53,7 +69,9 @@ def test_a_rigid_sibling_is_called_shaky() -> None:
 
 
 def test_other_assemblies_are_told_apart_from_branches() -> None:
-    """The cross-wise assembly of a lift is rigid and does not meet the one that turns: it is told as another assembly, if at all."""
+    """The cross-wise assembly of a lift is rigid and does not meet the one that turns: it is told
+    as another assembly, if at all.
+    """
     machine = parse(three_cranks())
     found = symkin.mobility(machine)
     assert found.mobility == 1
@@ -66,7 +84,11 @@ def four_bar(*across: float) -> Mechanism:
     """Pivots and pins on one line: base, crank pin, coupler pin, base."""
     a, b, c, d = ((x, 0.0, 0.0) for x in across)
     left = Limb("left", [Joint("crank", "R", a, Z, actuated=True), Joint("pin", "R", b, Z)])
-    return Mechanism("flat", [left, Limb("right", [Joint("rocker", "R", d, Z), Joint("top", "R", c, Z)])], platform_position=b)
+    return Mechanism(
+        "flat",
+        [left, Limb("right", [Joint("rocker", "R", d, Z), Joint("top", "R", c, Z)])],
+        platform_position=b,
+    )
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -80,24 +102,34 @@ def test_a_folded_parallelogram_moves(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_stretched_chain_is_rigid(seed: int) -> None:
-    """Crank, coupler and rocker as long together as the base: nothing moves, in whatever direction first order would let it."""
+    """Crank, coupler and rocker as long together as the base: nothing moves, in whatever direction
+    first order would let it.
+    """
     found = symkin.mobility(four_bar(0.0, 1.0, 2.5, 4.0), seed=seed)
     assert found.mobility == 0
     assert found.infinitesimal == found.freedoms - found.rank.value > 0
 
 
-@pytest.mark.parametrize("name", ["four_bar", "bennett", "zhao2000_links", "delta", "jansen_leg", "ur5e"])
+@pytest.mark.parametrize(
+    "name", ["four_bar", "bennett", "zhao2000_links", "delta", "jansen_leg", "ur5e"]
+)
 def test_configurations_are_closed_apart_and_of_one_rank(name: str) -> None:
-    """Walks end at closed configurations off the reference, no two alike; the rank is the same at all of them."""
+    """Walks end at closed configurations off the reference, no two alike; the rank is the same at
+    all of them.
+    """
     closure = build_closure(symkin.load(name))
     system, points = whole_system(closure), np.array(closed_configurations(closure, 5))
     size = closure.characteristic_length
     assert system.residuals(points, np.zeros(0)).max() < 1e-10 * size
-    away = np.linalg.norm(system.difference(np.tile(closure.reference, (len(points), 1)), points), axis=1)
+    away = np.linalg.norm(
+        system.difference(np.tile(closure.reference, (len(points), 1)), points), axis=1
+    )
     assert away.min() > 0.01 * size
     assert len(np.unique(points.round(9), axis=0)) == len(points) > 12
     values = np.linalg.svd(system.linearise(points, np.zeros(0))[1], compute_uv=False)
-    assert set((values > 1e-8 * values[:, :1]).sum(axis=1)) <= {own_component(closure, 5).rank.value}  # type: ignore[union-attr]
+    assert set((values > 1e-8 * values[:, :1]).sum(axis=1)) <= {
+        own_component(closure, 5).rank.value
+    }  # type: ignore[union-attr]
 
 
 def test_a_result_says_each_note_once() -> None:
@@ -110,6 +142,9 @@ def test_difference_is_the_inverse_of_move() -> None:
     """move(z, difference(z, there)) = there, of lengths, angles and rotations."""
     rng = np.random.default_rng(3)
     system = whole_system(build_closure(symkin.load("zhao2000_links")))
-    z = system.move(np.tile(build_closure(symkin.load("zhao2000_links")).reference, (5, 1)), rng.normal(size=(5, system.freedom)))
+    z = system.move(
+        np.tile(build_closure(symkin.load("zhao2000_links")).reference, (5, 1)),
+        rng.normal(size=(5, system.freedom)),
+    )
     step = rng.normal(size=(5, system.freedom))
     np.testing.assert_allclose(system.difference(z, system.move(z, step)), step, atol=1e-11)

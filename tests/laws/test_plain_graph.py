@@ -1,5 +1,6 @@
-"""Laws of the graph solver of `tests/oracle` that judges modes: derivatives, starts, idle freedoms, forms of a file; and what it
-finds for the shipped graphs, against the table in `data/gallery.json`."""
+"""Laws of the graph solver of `tests/oracle` that judges modes: derivatives, starts, idle freedoms,
+forms of a file; and what it finds for the shipped graphs, against the table in `data/gallery.json`.
+"""
 
 import json
 import tomllib
@@ -91,7 +92,9 @@ def graph(text: str, given: tuple[str, ...] = ()) -> Graph:
 
 
 def test_arithmetic_of_files():
-    """Trigonometry is in the angle unit; a power binds more tightly than a sign and to the right."""
+    """Trigonometry is in the angle unit; a power binds more tightly than a sign and to the
+    right.
+    """
     assert number("2*cos(60) - sqrt(4)/2", np.pi / 180) == pytest.approx(0.0, abs=1e-15)
     assert number("-2^2") == -4
     assert number("2^3^2") == 512
@@ -116,7 +119,9 @@ def test_derivatives_are_finite_differences():
 
 
 def test_starts_of_a_tree_are_closed():
-    """Without loops the links carried along a tree of joints close every row, whichever end of a joint comes first."""
+    """Without loops the links carried along a tree of joints close every row, whichever end of a
+    joint comes first.
+    """
     g = graph(CHAIN)
     for seed in range(5):
         rows, _ = g.closure(random_starts(g, 20, {}, np.random.default_rng(seed)))
@@ -141,15 +146,26 @@ axis = [0, 1, 1]
 
 def rod(actuated: bool) -> str:
     """A rod between the two cranks."""
-    text = '[[rod]]\nname = "rod"\nlinks = ["arm", "rocker"]\nfrom = [0, 40, 0]\nto = [120, 70, 10]\n'
+    text = (
+        '[[rod]]\nname = "rod"\nlinks = ["arm", "rocker"]\nfrom = [0, 40, 0]\nto = [120, 70, 10]\n'
+    )
     return CRANKS + text + ("actuated = true\n" if actuated else "")
 
 
 def strut(kind: str) -> str:
     """The same of a link, or of two with a joint along the line between the spherical ends."""
-    ends = (("near", "arm", "strut", [0, 40, 0]), ("far", "rocker", "strut2" if kind else "strut", [120, 70, 10]))
-    balls = "".join(f'[[joint]]\nname = "{n}"\ntype = "S"\nlinks = ["{a}", "{b}"]\npoint = {p}\n' for n, a, b, p in ends)
-    middle = f'[[joint]]\nname = "middle"\ntype = "{kind}"\nlinks = ["strut", "strut2"]\npoint = [60, 55, 5]\naxis = [12, 3, 1]\n'
+    ends = (
+        ("near", "arm", "strut", [0, 40, 0]),
+        ("far", "rocker", "strut2" if kind else "strut", [120, 70, 10]),
+    )
+    balls = "".join(
+        f'[[joint]]\nname = "{n}"\ntype = "S"\nlinks = ["{a}", "{b}"]\npoint = {p}\n'
+        for n, a, b, p in ends
+    )
+    middle = (
+        f'[[joint]]\nname = "middle"\ntype = "{kind}"\nlinks = ["strut", "strut2"]\n'
+        f"point = [60, 55, 5]\naxis = [12, 3, 1]\n"
+    )
     return CRANKS + balls + (middle if kind else "")
 
 
@@ -162,17 +178,30 @@ def test_a_rod_is_a_link_between_two_spherical_joints():
 
 @pytest.mark.parametrize(
     ("text", "mobility", "idle"),
-    [(rod(False), 1, 0), (strut(""), 1, 1), (rod(True), 2, 0), (strut("P"), 2, 1), (strut("C"), 2, 2), (strut("R"), 1, 2)],
+    [
+        (rod(False), 1, 0),
+        (strut(""), 1, 1),
+        (rod(True), 2, 0),
+        (strut("P"), 2, 1),
+        (strut("C"), 2, 2),
+        (strut("R"), 1, 2),
+    ],
 )
 def test_spins_of_struts_are_idle(text, mobility, idle):
-    """A joint along a strut between spherical ends lets its halves spin alone; its slide is a freedom of the mechanism."""
+    """A joint along a strut between spherical ends lets its halves spin alone; its slide is a
+    freedom of the mechanism.
+    """
     s = structure(graph(text))
     assert (s.mobility, s.idle) == (mobility, idle)
 
 
-@pytest.mark.parametrize(("name", "mobility"), [("zhao2000_links", 4), ("zhao2000", 4), ("ren2008", 6), ("zhang2009", 6)])
+@pytest.mark.parametrize(
+    ("name", "mobility"), [("zhao2000_links", 4), ("zhao2000", 4), ("ren2008", 6), ("zhang2009", 6)]
+)
 def test_limbs_are_graphs(name, mobility):
-    """Limbs of joints and of rods are read as links and joints; the mobility is the published one."""
+    """Limbs of joints and of rods are read as links and joints; the mobility is the published
+    one.
+    """
     assert structure(read(MECHANISMS / f"{name}.toml")).mobility == mobility
 
 
@@ -182,11 +211,15 @@ def test_structure_of_shipped_graphs(name):
     g, entry = read(MECHANISMS / f"{name}.toml"), GALLERY[name]
     assert np.max(np.abs(g.closure(g.reference()[None])[0])) < 1e-12
     s = structure(g)
-    assert {key: getattr(s, key) for key in entry if key != "cases"} == {k: v for k, v in entry.items() if k != "cases"}
+    assert {key: getattr(s, key) for key in entry if key != "cases"} == {
+        k: v for k, v in entry.items() if k != "cases"
+    }
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "case"), in_gate_but(SEARCHED, [("pantograph_five_bar", 1), ("excavator_bucket", 1)]))
+@pytest.mark.parametrize(
+    ("name", "case"), in_gate_but(SEARCHED, [("pantograph_five_bar", 1), ("excavator_bucket", 1)])
+)
 def test_configurations_of_shipped_graphs(name, case):
     """Random starts find the table's number of configurations, all closed and isolated."""
     entry = GALLERY[name]["cases"][case]

@@ -36,7 +36,9 @@ def test_forms_move_points_and_measure_distances(form, seed):
     weight, turn = e @ e, ball_turn(e / np.linalg.norm(e))
     dual = 0.5 * np.asarray(multiply(np.array([0.0, *position]), e))
     q, p, g, point = (ca.SX(ca.DM(v)) for v in (e, position, dual, m))
-    pose = {"study": StudyPose(q, g), "homogeneous": HomogeneousPose(p, q), "unit": UnitPose(p, q)}[form]
+    pose = {"study": StudyPose(q, g), "homogeneous": HomogeneousPose(p, q), "unit": UnitPose(p, q)}[
+        form
+    ]
     there = position + turn @ m
     np.testing.assert_allclose(numbers(pose.weight), weight)
     np.testing.assert_allclose(numbers(pose.point(point)), weight * there, atol=1e-12)
@@ -60,7 +62,9 @@ def test_tilt_and_torsion_are_three_turns(seed):
     )
     given = {"azimuth": azimuth, "tilt": tilt, "torsion": torsion}
     for names in (["azimuth"], ["tilt"], ["torsion"], ["azimuth", "tilt"], list(given)):
-        rows, checks = rotation_conditions(ca.SX(ca.DM(q)), {name: ca.SX(given[name]) for name in names})
+        rows, checks = rotation_conditions(
+            ca.SX(ca.DM(q)), {name: ca.SX(given[name]) for name in names}
+        )
         assert np.max(np.abs(numbers(ca.vertcat(*rows, *checks)))) < 1e-12
         for name in names:
             off = {n: ca.SX(given[n] + (0.3 if n == name else 0.0)) for n in names}

@@ -1,4 +1,6 @@
-"""The short form of `tests/campaigns/random_mechanisms.py`, and the laws of the closure and the search that it judges by."""
+"""The short form of `tests/campaigns/random_mechanisms.py`, and the laws of the closure and the
+search that it judges by.
+"""
 
 import subprocess
 import sys
@@ -22,10 +24,24 @@ SEED, QUICK = 4, (5, 7, 10, 12, 14, 17, 22, 23, 25, 26, 27, 31, 33, 36, 42, 44, 
 def test_random_mechanisms_pass_through_every_verb(tmp_path):
     """No traceback, no mode lost, nothing that does not close, in a process for each mechanism."""
     only = [str(i) for i in QUICK]
-    command = [sys.executable, str(CAMPAIGN), "--seed", str(SEED), "--workers", "2", "-o", str(tmp_path), "--only", *only]
+    command = [
+        sys.executable,
+        str(CAMPAIGN),
+        "--seed",
+        str(SEED),
+        "--workers",
+        "2",
+        "-o",
+        str(tmp_path),
+        "--only",
+        *only,
+    ]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stdout + run.stderr
-    assert f"{len(QUICK)} mechanisms: 0 tracebacks, 0 lost modes, 0 wrong answers, 0 timeouts, 0 crashes" in run.stdout
+    assert (
+        f"{len(QUICK)} mechanisms: 0 tracebacks, 0 lost modes, 0 wrong answers, 0 timeouts, 0 "
+        f"crashes" in run.stdout
+    )
 
 
 @pytest.mark.slow
@@ -36,7 +52,9 @@ def test_the_judging_closure_has_the_derivatives_that_it_states(index):
     m = PlainMechanism(random_file(rng))
     x = m.move(m.reference[None], 0.3 * m.size * rng.normal(size=(1, m.freedom)))
     h = 1e-5 * m.size
-    ahead, behind = (m.closure(m.move(np.tile(x, (m.freedom, 1)), s * h * np.eye(m.freedom)))[0] for s in (1, -1))
+    ahead, behind = (
+        m.closure(m.move(np.tile(x, (m.freedom, 1)), s * h * np.eye(m.freedom)))[0] for s in (1, -1)
+    )
     assert np.allclose((ahead - behind).T / (2 * h), m.closure(x)[1][0], atol=1e-7)
     assert m.residual(m.reference[None])[0] < 1e-12
 

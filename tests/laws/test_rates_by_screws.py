@@ -62,25 +62,40 @@ def _moved(mechanism: Mechanism, quaternion: np.ndarray, factor: float) -> Mecha
     def joint(j: Joint) -> Joint:
         zero = factor * j.zero if j.type == "P" else j.zero
         return replace(
-            j, point=point(j.point), axis=turned(j.axis), axis2=turned(j.axis2), zero=zero, pitch=factor * j.pitch, limits=None
+            j,
+            point=point(j.point),
+            axis=turned(j.axis),
+            axis2=turned(j.axis2),
+            zero=zero,
+            pitch=factor * j.pitch,
+            limits=None,
         )
 
     home = {}
     if graph.platform_link is not None:
         pose = by @ Pose(factor * np.array(graph.platform_position), graph.platform_quaternion)
-        home = {"platform_position": tuple(pose.position), "platform_quaternion": tuple(pose.quaternion)}
+        home = {
+            "platform_position": tuple(pose.position),
+            "platform_quaternion": tuple(pose.quaternion),
+        }
     rods = [
         replace(
-            r, start=point(r.start), end=point(r.end), length=None if r.length is None else factor * r.length,
-            offset=factor * r.offset, limits=None,
+            r,
+            start=point(r.start),
+            end=point(r.end),
+            length=None if r.length is None else factor * r.length,
+            offset=factor * r.offset,
+            limits=None,
         )
         for r in graph.link_rods
-    ]  # fmt: skip
+    ]
     joints = [replace(entry, joint=joint(entry.joint)) for entry in graph.link_joints]
     return replace(graph, link_joints=joints, link_rods=rods, link_points=(), **home)
 
 
-def _names(mechanism: Mechanism, of: list[str] | None, by: list[str] | None) -> tuple[list[str], list[str]]:
+def _names(
+    mechanism: Mechanism, of: list[str] | None, by: list[str] | None
+) -> tuple[list[str], list[str]]:
     """The names of a case; of a linkage of one freedom its first joint drives all others."""
     if of is not None and by is not None:
         return of, by
@@ -101,19 +116,30 @@ def _compare(made: Any, configurations: np.ndarray) -> int:
     mechanism, closure = made.mechanism, made.closure
     size = mechanism.characteristic_length
     units = {c.name: size if c.is_angular else 1.0 for c in closure.coordinates}
-    weights = np.array([[units[row] / units[column] for column in made.columns] for row in made.rows])
+    weights = np.array(
+        [[units[row] / units[column] for column in made.columns] for row in made.rows]
+    )
     count = 0
     for z in configurations:
         solution = make_solution(made.problem, z)
-        values = {name: float(np.ravel(v)[0]) for name, v in solution.all_values.items() if np.size(v) == 1}
-        expected, decided = screw_rates(mechanism, link_poses(closure, z[None]).at(0), values, made.rows, made.columns)
+        values = {
+            name: float(np.ravel(v)[0])
+            for name, v in solution.all_values.items()
+            if np.size(v) == 1
+        }
+        expected, decided = screw_rates(
+            mechanism, link_poses(closure, z[None]).at(0), values, made.rows, made.columns
+        )
         if decided < REGULAR or not np.isfinite(expected).all():
             continue
         count += 1
         found = made.function.call([z[v.index] for v in made.inputs])[0].full()
         tolerance = 1e-9 / decided * max(float(np.abs(weights * expected).max()), 1e-2)
         for matrix in (found, made.at(solution)):
-            assert np.abs(weights * (matrix - expected)).max() < tolerance, (made.rows, made.columns)
+            assert np.abs(weights * (matrix - expected)).max() < tolerance, (
+                made.rows,
+                made.columns,
+            )
     return count
 
 
@@ -127,7 +153,8 @@ def test_rates_are_those_of_screws(name: str, of: list[str] | None, by: list[str
         try:
             made = symkin.jacobian(mechanism, of=of, by=by)
         except symkin.InputError:
-            # x and y of a machine that has turned move together, and limbs of a restricted motion are carried by joints
+            # x and y of a machine that has turned move together, and limbs of a restricted motion
+            # are carried by joints
             assert mechanism is not home
             continue
         assert _compare(made, _configurations(made, 1)) >= 3
@@ -140,7 +167,11 @@ def _bricard() -> tuple[Any, np.ndarray]:
     mechanism = symkin.load("bricard")
     names = [c.name for c in mechanism.coordinates if c.name != "joint2"]
     made = symkin.jacobian(mechanism, of=names, by=["joint2"])
-    modes = [m for v in (109.7809822, 109.780983, 60.0) for m in symkin.modes(mechanism, given={"joint2": v})]
+    modes = [
+        m
+        for v in (109.7809822, 109.780983, 60.0)
+        for m in symkin.modes(mechanism, given={"joint2": v})
+    ]
     return made, np.array([variables_elsewhere(made.closure, mode) for mode in modes])
 
 
@@ -167,10 +198,18 @@ def _three_cranks() -> Mechanism:
     crank = 30.0 * np.array([np.cos(0.7), np.sin(0.7)])
 
     def joint(name: str, at: Any, links: tuple[str, str]) -> LinkJoint:
-        return LinkJoint(Joint(name, "R", (float(at[0]), float(at[1]), 0.0), (0.0, 0.0, 1.0), actuated=name == "a1"), links)
+        return LinkJoint(
+            Joint(
+                name, "R", (float(at[0]), float(at[1]), 0.0), (0.0, 0.0, 1.0), actuated=name == "a1"
+            ),
+            links,
+        )
 
     joints = [joint(f"a{k}", at, ("base", f"crank{k}")) for k, at in enumerate(pivots, 1)]
-    joints += [joint(f"b{k}", np.array(at) + crank, (f"crank{k}", "plate")) for k, at in enumerate(pivots, 1)]
+    joints += [
+        joint(f"b{k}", np.array(at) + crank, (f"crank{k}", "plate"))
+        for k, at in enumerate(pivots, 1)
+    ]
     return Mechanism("cranks", link_joints=joints, length_unit="mm", angle_unit="deg")
 
 
@@ -180,8 +219,12 @@ def test_redundant_rows_carry_through_dead_points_of_their_parts() -> None:
     slopes = {"a": 1.0, "b": -1.0}
     for angle in (0.2, -0.7, np.pi - 0.7):
         z = np.array([slopes[c.name[0]] * angle for c in made.closure.coordinates])
-        assert made.function.call([z[v.index] for v in made.inputs])[0].full() == pytest.approx(np.array([[1.0], [1.0], [-1.0]]))
-        assert made.at(make_solution(made.problem, z)) == pytest.approx(np.array([[1.0], [1.0], [-1.0]]))
+        assert made.function.call([z[v.index] for v in made.inputs])[0].full() == pytest.approx(
+            np.array([[1.0], [1.0], [-1.0]])
+        )
+        assert made.at(make_solution(made.problem, z)) == pytest.approx(
+            np.array([[1.0], [1.0], [-1.0]])
+        )
 
 
 LEVEL = [
@@ -194,24 +237,35 @@ LEVEL = [
 
 
 @pytest.mark.parametrize(("name", "of", "by"), LEVEL)
-def test_a_platform_that_never_tilts_has_no_rate_of_tilt(capsys: pytest.CaptureFixture[str], name: str, of: str, by: str) -> None:
+def test_a_platform_that_never_tilts_has_no_rate_of_tilt(
+    capsys: pytest.CaptureFixture[str], name: str, of: str, by: str
+) -> None:
     """One sentence names the angle; torsion and joints of the same machine are written."""
     status, out, err = run(capsys, "jacobian", name, "--of", of, "--by", by, "--format", "numpy")
     assert (status, out, err.count("\n")) == (2, "", 1)
     angle = "tilt" if "tilt" in of else "azimuth"
     assert f"of: {angle} has no rate" in err
-    assert run(capsys, "jacobian", name, "--of", "torsion,z", "--by", by, "--format", "numpy")[0] == 0
+    assert (
+        run(capsys, "jacobian", name, "--of", "torsion,z", "--by", by, "--format", "numpy")[0] == 0
+    )
 
 
 @pytest.mark.parametrize("name", ["ankle", "spherical_wrist"])
-def test_a_platform_that_tilts_has_rates_of_tilt(capsys: pytest.CaptureFixture[str], name: str) -> None:
+def test_a_platform_that_tilts_has_rates_of_tilt(
+    capsys: pytest.CaptureFixture[str], name: str
+) -> None:
     by = ",".join(c.name for c in symkin.load(name).actuated)
-    assert run(capsys, "jacobian", name, "--of", "tilt,azimuth", "--by", by, "--format", "numpy")[0] == 0
+    assert (
+        run(capsys, "jacobian", name, "--of", "tilt,azimuth", "--by", by, "--format", "numpy")[0]
+        == 0
+    )
 
 
 def test_c_without_inputs_takes_variables(tmp_path: Path) -> None:
     """Gears turn at rates that depend on nothing: the signature is that of all others."""
     made = symkin.jacobian(symkin.load("planetary_gear"), of=["carrier"], by=["sun", "ring"])
     assert not made.inputs
-    assert "_rates_jacobian(const double variables[], double jacobian[2])" in jacobian_text(made, "c")
+    assert "_rates_jacobian(const double variables[], double jacobian[2])" in jacobian_text(
+        made, "c"
+    )
     assert run_exported(made, "c", [], tmp_path) == pytest.approx(made.function.call([])[0].full())

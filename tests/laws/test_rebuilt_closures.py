@@ -1,4 +1,6 @@
-"""Closures that are built anew, since many others were, have other symbols: what is kept of the first ones goes on to be right."""
+"""Closures that are built anew, since many others were, have other symbols: what is kept of the
+first ones goes on to be right.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,10 @@ from symkin import Mechanism
 
 
 def bench(name: str) -> Mechanism:
-    legs = [symkin.RodLimb(f"leg{k}", [x, y, 0], [0.4 * x, 0.4 * y, 0]) for k, (x, y) in enumerate(_CORNERS)]
+    legs = [
+        symkin.RodLimb(f"leg{k}", [x, y, 0], [0.4 * x, 0.4 * y, 0])
+        for k, (x, y) in enumerate(_CORNERS)
+    ]
     return Mechanism(name, legs, platform_position=[0, 0, 300])
 
 

@@ -10,28 +10,37 @@ from symkin import InputError
 
 def _rotation(q):
     w, x, y, z = q
-    return np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ])  # fmt: skip
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def _points(count, seed, *, flat=False):
     """Joint centres on the base and on the platform, mm, about circles."""
     rng = np.random.default_rng(seed)
     turn = 2 * np.pi * np.arange(count) / count
-    base = np.column_stack([250 * np.cos(turn), 250 * np.sin(turn), 0 * turn]) + rng.uniform(-30, 30, (count, 3))
+    base = np.column_stack([250 * np.cos(turn), 250 * np.sin(turn), 0 * turn]) + rng.uniform(
+        -30, 30, (count, 3)
+    )
     turn = turn + 0.5 * (-1) ** np.arange(count)
-    platform = np.column_stack([120 * np.cos(turn), 120 * np.sin(turn), 0 * turn]) + rng.uniform(-20, 20, (count, 3))
+    platform = np.column_stack([120 * np.cos(turn), 120 * np.sin(turn), 0 * turn]) + rng.uniform(
+        -20, 20, (count, 3)
+    )
     return (base * [1, 1, 0], platform * [1, 1, 0]) if flat else (base, platform)
 
 
 def _machine(base, platform, name="rods"):
     limbs = [
-        symkin.RodLimb(f"leg{i}", base=tuple(b), platform=tuple(p)) for i, (b, p) in enumerate(zip(base, platform, strict=True))
+        symkin.RodLimb(f"leg{i}", base=tuple(b), platform=tuple(p))
+        for i, (b, p) in enumerate(zip(base, platform, strict=True))
     ]
-    return symkin.Mechanism(name, limbs, platform_position=(0, 0, 200), length_unit="mm", angle_unit="deg")
+    return symkin.Mechanism(
+        name, limbs, platform_position=(0, 0, 200), length_unit="mm", angle_unit="deg"
+    )
 
 
 def _lengths(base, platform, position, quaternion):
@@ -42,14 +51,18 @@ def _lengths(base, platform, position, quaternion):
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [7, 8, 24])
 def test_the_pose_that_made_the_lengths_is_found(count):
-    """Lengths of a random pose, by the formula |p + R a - b|: the direct problem has that pose, and one that has all."""
+    """Lengths of a random pose, by the formula |p + R a - b|: the direct problem has that pose, and
+    one that has all.
+    """
     base, platform = _points(count, count)
     position, quaternion = (25.0, -31.0, 230.0), np.array([0.95, 0.1, -0.2, 0.15])
     lengths = _lengths(base, platform, position, quaternion)
     found = symkin.modes(_machine(base, platform), joints=lengths.tolist())
     assert found.completeness == "probability one"
     for mode in found:
-        np.testing.assert_allclose(_lengths(base, platform, mode.position, mode.pose.quaternion), lengths, atol=1e-9)
+        np.testing.assert_allclose(
+            _lengths(base, platform, mode.position, mode.pose.quaternion), lengths, atol=1e-9
+        )
     assert len(found) == found.complex_count == 1
     np.testing.assert_allclose(found[0].position, position, atol=1e-7)
     assert abs(abs(found[0].pose.quaternion @ quaternion / np.linalg.norm(quaternion)) - 1) < 1e-12
@@ -58,7 +71,9 @@ def test_the_pose_that_made_the_lengths_is_found(count):
 
 
 def test_a_flat_machine_has_the_mirror_image_too():
-    """With all centres in two planes, the pose reflected at the base's plane has the same eight lengths."""
+    """With all centres in two planes, the pose reflected at the base's plane has the same eight
+    lengths.
+    """
     base, platform = _points(8, 1, flat=True)
     position, quaternion = np.array([25.0, -31.0, 230.0]), np.array([0.95, 0.1, -0.2, 0.15])
     lengths = _lengths(base, platform, position, quaternion)
@@ -79,12 +94,16 @@ def test_lengths_that_contradict_each_other_have_no_pose():
 
 def test_firmware_says_why_it_is_not_for_joints_that_must_agree():
     base, platform = _points(7, 3)
-    with pytest.raises(InputError, match="7 actuated joints move 6 freedoms, so that their values must agree"):
+    with pytest.raises(
+        InputError, match="7 actuated joints move 6 freedoms, so that their values must agree"
+    ):
         folder_files(_machine(base, platform), Options())
 
 
 def test_a_planar_machine_of_four_legs_is_sampled_with_the_reason():
-    """Redundant legs that are no rods: the search for generic solutions, which there are none of, is not begun."""
+    """Redundant legs that are no rods: the search for generic solutions, which there are none of,
+    is not begun.
+    """
     limbs = []
     for i, turn in enumerate(2 * np.pi * np.arange(4) / 4 + 0.1 * np.arange(4)):
         b = np.round([200 * np.cos(turn), 200 * np.sin(turn), 0], 6)
@@ -95,16 +114,24 @@ def test_a_planar_machine_of_four_legs_is_sampled_with_the_reason():
             symkin.Joint(f"c{i}", "R", point=tuple(p), axis=(0, 0, 1)),
         ]
         limbs.append(symkin.Limb(f"leg{i}", joints))
-    machine = symkin.Mechanism("planar", limbs, platform_position=(0, 0, 0), motion="planar", length_unit="mm", angle_unit="deg")
+    machine = symkin.Mechanism(
+        "planar",
+        limbs,
+        platform_position=(0, 0, 0),
+        motion="planar",
+        length_unit="mm",
+        angle_unit="deg",
+    )
     found = symkin.modes(machine, starts=300)
     assert found.completeness == "sampled"
     assert any(
-        "values of the actuated joints must agree with each other: 4 of them for 3 freedoms" in note for note in found.notes
+        "values of the actuated joints must agree with each other: 4 of them for 3 freedoms" in note
+        for note in found.notes
     )
     assert min(np.linalg.norm(mode.position) for mode in found) < 1e-6
 
 
-# --- large numbers ---------------------------------------------------------------------------------------------------
+# --- large numbers --------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -120,9 +147,12 @@ def test_coordinates_of_1e150_make_no_warnings(which):
     else:
         position[1] = 1e150
     limbs = [
-        symkin.RodLimb(f"leg{i}", base=tuple(b), platform=tuple(p)) for i, (b, p) in enumerate(zip(base, platform, strict=True))
+        symkin.RodLimb(f"leg{i}", base=tuple(b), platform=tuple(p))
+        for i, (b, p) in enumerate(zip(base, platform, strict=True))
     ]
-    machine = symkin.Mechanism("far", limbs, platform_position=tuple(position), length_unit="mm", angle_unit="deg")
+    machine = symkin.Mechanism(
+        "far", limbs, platform_position=tuple(position), length_unit="mm", angle_unit="deg"
+    )
     for verb in (
         lambda: symkin.modes(machine),
         lambda: symkin.modes(machine, pose=(*position, 1, 0, 0, 0)),

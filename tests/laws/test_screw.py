@@ -20,7 +20,9 @@ values = st.floats(-6, 6) | st.sampled_from([0.0, 1e-12, 1e-7, 1e-5, 1.1e-5, 1e-
 
 def hat(s):
     """The 4 x 4 matrix of a twist (w; v)."""
-    return np.array([[0, -s[2], s[1], s[3]], [s[2], 0, -s[0], s[4]], [-s[1], s[0], 0, s[5]], [0, 0, 0, 0]])
+    return np.array(
+        [[0, -s[2], s[1], s[3]], [s[2], 0, -s[0], s[4]], [-s[1], s[0], 0, s[5]], [0, 0, 0, 0]]
+    )
 
 
 def matrix_exponential(a):
@@ -41,20 +43,28 @@ def random_screw(rng):
 
 @given(seeds, values, st.floats(-5, 5))
 def test_exponential_of_a_joint_is_its_turn_and_slide(rng, value, pitch):
-    """R and H: turn about the axis through the point, advancing pitch / 2 pi per radian; P: slide along the axis."""
+    """R and H: turn about the axis through the point, advancing pitch / 2 pi per radian; P: slide
+    along the axis.
+    """
     c, a = np.array(point(rng, 2.0)), np.array(unit(rng))
     turned = displacement(axis_turn(a, value), c, pitch * value / (2 * math.pi) * a)
-    assert np.allclose(sc.exponential(sc.revolute_screw(c, a, pitch), value).matrix, turned, atol=1e-10)
+    assert np.allclose(
+        sc.exponential(sc.revolute_screw(c, a, pitch), value).matrix, turned, atol=1e-10
+    )
     slid = displacement(np.eye(3), c, value * a)
     assert np.allclose(sc.exponential(sc.prismatic_screw(a), value).matrix, slid, atol=1e-13)
-    assert np.allclose(sc.turn_about(c, a, value).matrix, displacement(axis_turn(a, value), c), atol=1e-12)
+    assert np.allclose(
+        sc.turn_about(c, a, value).matrix, displacement(axis_turn(a, value), c), atol=1e-12
+    )
 
 
 @given(seeds, st.floats(-2, 2))
 def test_exponential_is_the_matrix_exponential(rng, value):
     """exp(value [s]) of the 4 x 4 twist matrix, for any screw."""
     s = random_screw(rng)
-    assert np.allclose(sc.exponential(s, value).matrix, matrix_exponential(value * hat(s)), atol=1e-8)
+    assert np.allclose(
+        sc.exponential(s, value).matrix, matrix_exponential(value * hat(s)), atol=1e-8
+    )
 
 
 @given(seeds, values, values)
@@ -62,7 +72,9 @@ def test_exponential_adds(rng, a, b):
     """exp(a s) exp(b s) = exp((a + b) s), and exp(0) = 1."""
     s = random_screw(rng)
     s[:3] /= np.linalg.norm(s[:3])
-    assert same_pose(sc.exponential(s, a) @ sc.exponential(s, b), sc.exponential(s, a + b), 10.0, 1e-10)
+    assert same_pose(
+        sc.exponential(s, a) @ sc.exponential(s, b), sc.exponential(s, a + b), 10.0, 1e-10
+    )
     assert np.array_equal(sc.exponential(s, 0.0).matrix, np.eye(4))
 
 
@@ -83,39 +95,60 @@ def test_product_of_exponentials_is_the_product_of_matrices(rng):
         c, a = np.array(point(rng)), np.array(unit(rng))
         slides = rng.random() < 0.4
         screws.append(sc.prismatic_screw(a) if slides else sc.revolute_screw(c, a))
-        matrices.append(displacement(np.eye(3), c, q[k] * a) if slides else displacement(axis_turn(a, q[k]), c))
+        matrices.append(
+            displacement(np.eye(3), c, q[k] * a) if slides else displacement(axis_turn(a, q[k]), c)
+        )
     expected = reduce(np.matmul, matrices) @ frame(home.position, home.quaternion)
-    assert np.allclose(sc.product_of_exponentials(screws, list(q), home).matrix, expected, atol=1e-9)
+    assert np.allclose(
+        sc.product_of_exponentials(screws, list(q), home).matrix, expected, atol=1e-9
+    )
 
 
 @given(seeds, values)
 def test_adjoint_moves_the_screw_with_its_axis(rng, value):
-    """Ad_g of a revolute's screw is that of the moved point and axis; g exp(s) g^-1 = exp(Ad_g s); Ad_gh = Ad_g Ad_h."""
+    """Ad_g of a revolute's screw is that of the moved point and axis; g exp(s) g^-1 = exp(Ad_g s);
+    Ad_gh = Ad_g Ad_h.
+    """
     g, h = (Pose(np.array(point(rng, 2.0)), np.array(unit(rng, 4))) for _ in range(2))
     c, a = np.array(point(rng, 2.0)), np.array(unit(rng))
     s = sc.revolute_screw(c, a, 0.5)
     m = frame(g.position, g.quaternion)
-    assert np.allclose(sc.move_screw(g, s), sc.revolute_screw(act(m, c), m[:3, :3] @ a, 0.5), atol=1e-12)
-    assert same_pose(g @ sc.exponential(s, value) @ g.inverse(), sc.exponential(sc.move_screw(g, s), value), 1.0, 1e-10)
+    assert np.allclose(
+        sc.move_screw(g, s), sc.revolute_screw(act(m, c), m[:3, :3] @ a, 0.5), atol=1e-12
+    )
+    assert same_pose(
+        g @ sc.exponential(s, value) @ g.inverse(),
+        sc.exponential(sc.move_screw(g, s), value),
+        1.0,
+        1e-10,
+    )
     assert np.allclose(sc.move_screw(g @ h, s), sc.move_screw(g, sc.move_screw(h, s)), atol=1e-11)
 
 
 @given(seeds)
 def test_reciprocal_product_is_power_and_does_not_depend_on_the_frame(rng):
-    """f . v + m . w of a force through a point and a twist: the force times the point's velocity; invariant under Ad."""
+    """f . v + m . w of a force through a point and a twist: the force times the point's velocity;
+    invariant under Ad.
+    """
     twist, force, at = random_screw(rng), rng.normal(size=3), rng.normal(size=3)
     wrench = np.concatenate([force, np.cross(at, force)])
     velocity = twist[3:] + np.cross(twist[:3], at)
     power = sc.reciprocal_product(twist, wrench)
     assert math.isclose(power, force @ velocity, rel_tol=1e-10, abs_tol=1e-10)
     g = Pose(rng.normal(size=3), np.array(unit(rng, 4)))
-    assert math.isclose(sc.reciprocal_product(sc.move_screw(g, twist), sc.move_screw(g, wrench)), power, abs_tol=1e-10)
+    assert math.isclose(
+        sc.reciprocal_product(sc.move_screw(g, twist), sc.move_screw(g, wrench)),
+        power,
+        abs_tol=1e-10,
+    )
     assert math.isclose(sc.reciprocal_product(wrench, twist), power, abs_tol=1e-12)
 
 
 @given(seeds, st.integers(0, 6), st.integers(0, 2), st.sampled_from([1.0, 100.0]))
 def test_reciprocal_systems_are_complements(rng, count, repeats, size):
-    """Every product vanishes, the dimensions sum to 6, and reciprocal twice is the system itself."""
+    """Every product vanishes, the dimensions sum to 6, and reciprocal twice is the system
+    itself.
+    """
     screws = rng.normal(size=(count, 6)) * [1, 1, 1, size, size, size]
     if count:
         screws = np.vstack([screws, rng.normal(size=(repeats, count)) @ screws])
@@ -124,10 +157,15 @@ def test_reciprocal_systems_are_complements(rng, count, repeats, size):
     assert len(other) == 6 - count
     for s in screws:
         for w in other:
-            assert abs(sc.reciprocal_product(s, w)) < 1e-8 * np.linalg.norm(s) * np.linalg.norm(w) * 10
+            assert (
+                abs(sc.reciprocal_product(s, w)) < 1e-8 * np.linalg.norm(s) * np.linalg.norm(w) * 10
+            )
     again = reciprocal_system(other, size)
     assert len(again) == count
-    assert np.linalg.matrix_rank(np.vstack([screws, again]) / [1, 1, 1, size, size, size], tol=1e-6) == count
+    assert (
+        np.linalg.matrix_rank(np.vstack([screws, again]) / [1, 1, 1, size, size, size], tol=1e-6)
+        == count
+    )
 
 
 def test_reciprocal_system_of_a_spherical_joint():
@@ -151,7 +189,9 @@ def test_tidy_rows_keep_the_row_space(rng, count):
 @pytest.mark.slow
 @given(seeds, values)
 def test_symbols_evaluate_to_the_same_numbers(rng, value):
-    """The CasADi exponential gives NumPy's, at small angles too, and its derivative there is the screw."""
+    """The CasADi exponential gives NumPy's, at small angles too, and its derivative there is the
+    screw.
+    """
     s, v = ca.SX.sym("s", 6), ca.SX.sym("v")
     made = sc.exponential(s, v)
     function = ca.Function("f", [s, v], [made.matrix, ca.jacobian(ca.vec(made.matrix), v)])

@@ -29,12 +29,14 @@ from symkin import InputError, Joint, Limb, Mechanism, Singularity, SolveError, 
 Z = (0.0, 0.0, 1.0)
 
 
-# --- closed forms ----------------------------------------------------------------------------------------------------
+# --- closed forms ---------------------------------------------------------------------------------
 
 
 def test_four_bar_toggle() -> None:
-    """Coupler and rocker in one line: ground^2 + crank^2 - 2 ground crank cos q = (coupler + rocker)^2 has no solution for
-    a crank that turns fully; with a long crank it has one, type 2, and the coupler then turns about the crank pin."""
+    """Coupler and rocker in one line: ground^2 + crank^2 - 2 ground crank cos q = (coupler +
+    rocker)^2 has no solution for a crank that turns fully; with a long crank it has one, type 2,
+    and the coupler then turns about the crank pin.
+    """
     ground, crank, coupler, rocker = 100.0, 90.0, 60.0, 50.0
     at = math.acos((ground**2 + crank**2 - (coupler + rocker) ** 2) / (2 * ground * crank))
     b = np.array([crank * math.cos(at), crank * math.sin(at)])
@@ -48,7 +50,9 @@ def test_four_bar_toggle() -> None:
         Limb("left", [turning("crank", np.zeros(2), True, at), turning("b", b)]),
         Limb("right", [turning("d", d), turning("c", c)]),
     ]
-    found = singularity(Mechanism("toggle", limbs, platform_position=(*b, 0.0)), pose=planar_pose(*b), start=[at])
+    found = singularity(
+        Mechanism("toggle", limbs, platform_position=(*b, 0.0)), pose=planar_pose(*b), start=[at]
+    )
     assert found.kinds == ("type 2",)
     assert found.conditions == ("RO", "II")
     assert found.distances["type 2"] < 1e-9
@@ -76,12 +80,15 @@ def test_a_regular_four_bar_has_the_lever_of_its_closed_form() -> None:
 
 
 def test_five_bar_type_1() -> None:
-    """The right limb stretched (crank 60 + coupler 80 in one line): the force along it is borne without the cranks, and only
-    that crank moves with the platform (the left coupler) at rest."""
+    """The right limb stretched (crank 60 + coupler 80 in one line): the force along it is borne
+    without the cranks, and only that crank moves with the platform (the left coupler) at rest.
+    """
     along = np.array([math.cos(math.radians(130)), math.sin(math.radians(130))])
     tip = np.array([100.0, 0.0]) + 140.0 * along
     elbow = circles(np.zeros(2), 60.0, tip, 80.0)[0]
-    found = singularity(five_bar(), pose=planar_pose(*tip, _coupler_turn(tip, elbow)), start=[100.0, 130.0])
+    found = singularity(
+        five_bar(), pose=planar_pose(*tip, _coupler_turn(tip, elbow)), start=[100.0, 130.0]
+    )
     assert found.kinds == ("type 1",)
     assert found.conditions == ("RI", "IO")
     assert found.distances["type 1"] < 1e-6 < 0.1 < found.distances["type 2"]
@@ -94,18 +101,23 @@ def test_five_bar_type_1() -> None:
 
 
 def _coupler_turn(tip: np.ndarray, elbow: np.ndarray) -> float:
-    """How far the left coupler from `elbow` to `tip` is turned from the reference, where it begins at (0, 60)."""
+    """How far the left coupler from `elbow` to `tip` is turned from the reference, where it begins
+    at (0, 60).
+    """
     home = circles(np.array([0.0, 60.0]), 80.0, np.array([100.0, 60.0]), 80.0)[0] - [0.0, 60.0]
     return math.atan2(*(tip - elbow)[::-1]) - math.atan2(*home[::-1])
 
 
 def test_five_bar_type_2() -> None:
-    """Couplers in one line: elbows 160 apart; the tip moves across the line with the cranks held, the left coupler about
-    its elbow."""
+    """Couplers in one line: elbows 160 apart; the tip moves across the line with the cranks held,
+    the left coupler about its elbow.
+    """
     half = math.asin((160.0 - 100.0) / 2 / 60.0)
     b1 = np.array([-30.0, 60.0 * math.cos(half)])
     tip = np.array([50.0, b1[1]])
-    found = singularity(five_bar(), pose=planar_pose(*tip, _coupler_turn(tip, b1)), start=[120.0, 60.0])
+    found = singularity(
+        five_bar(), pose=planar_pose(*tip, _coupler_turn(tip, b1)), start=[120.0, 60.0]
+    )
     assert found.kinds == ("type 2",)
     (twist,) = found.twists
     assert twist.name == "rotation"
@@ -117,8 +129,10 @@ def test_five_bar_type_2() -> None:
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_hexagons_turned_by_a_right_angle(sign: int) -> None:
-    """Type 2 at gamma = +-90 degrees on the axis (Fichter 1986): L_i^2 = r_a^2 + r_b^2 + h^2 - 2 r_a r_b cos(gamma +- 20), whose
-    rates by gamma are equal there, so that h h' + r_a r_b cos(20) sin(gamma) gamma' = 0 keeps all lengths: a screw about z."""
+    """Type 2 at gamma = +-90 degrees on the axis (Fichter 1986): L_i^2 = r_a^2 + r_b^2 + h^2 - 2
+    r_a r_b cos(gamma +- 20), whose rates by gamma are equal there, so that h h' + r_a r_b cos(20)
+    sin(gamma) gamma' = 0 keeps all lengths: a screw about z.
+    """
     found = singularity(hexagons(), pose=[0, 0, 120, math.sqrt(0.5), 0, 0, sign * math.sqrt(0.5)])
     assert found.kinds == ("type 2",)
     assert found.conditions == ("RO", "II")
@@ -127,13 +141,16 @@ def test_hexagons_turned_by_a_right_angle(sign: int) -> None:
     assert twist.name == "screw"
     assert np.allclose(twist.direction, Z)
     assert np.allclose(twist.point, 0, atol=1e-6)
-    assert twist.pitch == pytest.approx(-sign * 200 * 120 * math.cos(math.radians(20)) / 120, rel=1e-9)
+    assert twist.pitch == pytest.approx(
+        -sign * 200 * 120 * math.cos(math.radians(20)) / 120, rel=1e-9
+    )
     assert "screw of pitch" in str(found)
 
 
 def test_similar_hexagons_are_singular_everywhere() -> None:
-    """Similar platform and base are architecturally singular (Ma and Angeles 1992): six legs, five independent ones; a
-    configuration is then judged against that rank."""
+    """Similar platform and base are architecturally singular (Ma and Angeles 1992): six legs, five
+    independent ones; a configuration is then judged against that rank.
+    """
     angles = np.radians([10, 110, 130, 230, 250, 350])
     base = 200 * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(6)])
     found = singularity(hexapod([tuple(b) for b in base], [tuple(0.6 * b) for b in base], 120.0))
@@ -143,7 +160,9 @@ def test_similar_hexagons_are_singular_everywhere() -> None:
 
 @pytest.mark.slow
 def test_delta_type_1() -> None:
-    """Arm and rods in one plane normal to the arm's motion: r . (axis x arm) = 0; here arm 1 stretched level."""
+    """Arm and rods in one plane normal to the arm's motion: r . (axis x arm) = 0; here arm 1
+    stretched level.
+    """
     d = DELTA
     outward, _ = delta_directions(0)
     reach = d["base"] + d["arm"] - d["platform"]
@@ -164,8 +183,10 @@ def test_delta_type_1() -> None:
 
 
 def test_delta_type_2() -> None:
-    """Rods of all limbs level (in one plane): the platform moves up and down with the arms held; arms such that the rods
-    are level have height 100 sin(q) and radius 220 + 40 - 120 = 100 cos(q) - no: 140 > 100, so arms 180 long are taken."""
+    """Rods of all limbs level (in one plane): the platform moves up and down with the arms held;
+    arms such that the rods are level have height 100 sin(q) and radius 220 + 40 - 120 = 100
+    cos(q) - no: 140 > 100, so arms 180 long are taken.
+    """
     mechanism = level_delta()
     found = singularity(mechanism)
     assert found.kinds == ("type 2",)
@@ -175,19 +196,33 @@ def test_delta_type_2() -> None:
 
 
 def level_delta() -> Mechanism:
-    """A delta whose rods are level at the reference: base circle 120, arms straight down 50, rods inward to a circle of 30."""
+    """A delta whose rods are level at the reference: base circle 120, arms straight down 50, rods
+    inward to a circle of 30.
+    """
     limbs = []
     for k in range(3):
         outward, tangent = delta_directions(k)
         pivot, tip = 120 * outward, 120 * outward - np.array([0, 0, 50.0])
-        rods = [symkin.Rod(tuple(tip + s * 20 * tangent), tuple(30 * outward + s * 20 * tangent)) for s in (-1, 1)]
-        limbs.append(Limb(f"limb{k + 1}", [Joint(f"q{k + 1}", "R", tuple(pivot), tuple(tangent), actuated=True)], rods))
-    return Mechanism("level_delta", limbs, platform_position=(0.0, 0.0, -50.0), motion="translation")
+        rods = [
+            symkin.Rod(tuple(tip + s * 20 * tangent), tuple(30 * outward + s * 20 * tangent))
+            for s in (-1, 1)
+        ]
+        limbs.append(
+            Limb(
+                f"limb{k + 1}",
+                [Joint(f"q{k + 1}", "R", tuple(pivot), tuple(tangent), actuated=True)],
+                rods,
+            )
+        )
+    return Mechanism(
+        "level_delta", limbs, platform_position=(0.0, 0.0, -50.0), motion="translation"
+    )
 
 
 def three_upu(inclined: float = 40.0) -> Mechanism:
-    """SNU 3-UPU: the outer axes of the universal joints meet in the middle of base and platform, the inner ones are
-    tangents; limbs lean by `inclined` (Zlatanov, Bonev and Gosselin 2002)."""
+    """SNU 3-UPU: the outer axes of the universal joints meet in the middle of base and platform,
+    the inner ones are tangents; limbs lean by `inclined` (Zlatanov, Bonev and Gosselin 2002).
+    """
     limbs = []
     for k, angle in enumerate(np.radians([0, 120, 240]), start=1):
         r, t = (math.cos(angle), math.sin(angle), 0.0), (-math.sin(angle), math.cos(angle), 0.0)
@@ -204,8 +239,10 @@ def three_upu(inclined: float = 40.0) -> Mechanism:
 
 @pytest.mark.slow
 def test_three_upu_at_home() -> None:
-    """Each limb bears one couple, normal to its universal joints' axes: all three are vertical at home, so that the platform
-    has five freedoms, two of them with the actuators held; elsewhere three (Zlatanov, Bonev and Gosselin 2002)."""
+    """Each limb bears one couple, normal to its universal joints' axes: all three are vertical at
+    home, so that the platform has five freedoms, two of them with the actuators held; elsewhere
+    three (Zlatanov, Bonev and Gosselin 2002).
+    """
     found = singularity(three_upu(), pose=[0, 0, 200, 1, 0, 0, 0])
     assert set(found.kinds) == {"constraint", "type 2"}
     assert set(found.conditions) == {"IIM", "RO"}
@@ -216,17 +253,21 @@ def test_three_upu_at_home() -> None:
 
 
 def test_three_rps_constraint_singularity_is_named() -> None:
-    """A 3-RPS whose limbs bear three forces through S parallel to R: forces in the plane of the S joints; rank 3 at home."""
+    """A 3-RPS whose limbs bear three forces through S parallel to R: forces in the plane of the S
+    joints; rank 3 at home.
+    """
     found = singularity(three_rps())
     assert found.kinds == ()
     assert found.generic.constraints == 3
 
 
-# --- arms ------------------------------------------------------------------------------------------------------------
+# --- arms -----------------------------------------------------------------------------------------
 
 
 def joint_screws(mechanism: Mechanism, found: Singularity) -> np.ndarray:
-    """Twists of the joints of an arm of revolutes at a configuration, by matrices (rows; base origin)."""
+    """Twists of the joints of an arm of revolutes at a configuration, by matrices (rows; base
+    origin).
+    """
     frame, screws = np.eye(4), []
     for _, joint in mechanism.joints:
         point, axis = act(frame, joint.point), frame[:3, :3] @ np.array(joint.axis)
@@ -244,8 +285,10 @@ def joint_screws(mechanism: Mechanism, found: Singularity) -> np.ndarray:
     ids=["wrist", "elbow"],
 )
 def test_gluon_wrist_and_elbow(joints: list[float], moving: set[str]) -> None:
-    """Three parallel axes 2, 3, 4 in one plane (elbow), axes 4 and 6 parallel (wrist, with 2 and 3): type 1; joints move with
-    the tool at rest, and the wrench that is borne does no work on any joint's twist."""
+    """Three parallel axes 2, 3, 4 in one plane (elbow), axes 4 and 6 parallel (wrist, with 2 and
+    3): type 1; joints move with the tool at rest, and the wrench that is borne does no work on any
+    joint's twist.
+    """
     arm = symkin.load("gluon_6l3")
     found = singularity(arm, joints=joints)
     assert found.kinds == ("type 1",)
@@ -261,7 +304,9 @@ def test_gluon_wrist_and_elbow(joints: list[float], moving: set[str]) -> None:
 
 @pytest.mark.slow
 def test_gluon_shoulder() -> None:
-    """The wrist's centre on axis 1 (a root of a cos-sum in q2 for the other joints given): type 1."""
+    """The wrist's centre on axis 1 (a root of a cos-sum in q2 for the other joints given): type
+    1.
+    """
     arm = symkin.load("gluon_6l3")
 
     def reach(q2: float) -> float:
@@ -276,15 +321,20 @@ def test_gluon_shoulder() -> None:
 
 
 def test_pieper_wrist_is_named() -> None:
-    """Axes 4 and 6 in line: they turn against each other, and a couple normal to axes 4 and 5 is borne."""
+    """Axes 4 and 6 in line: they turn against each other, and a couple normal to axes 4 and 5 is
+    borne.
+    """
     found = singularity(pieper(), joints=[0.1, 0.2, 0.3, 0.4, 0.0, 0.5])
     (rates,), (wrench,) = found.inputs, found.wrenches
     assert set(rates) == {"q4", "q6"}
     assert rates["q4"] == pytest.approx(-rates["q6"])
-    assert max(abs(reciprocal_product(s, wrench.vector)) for s in joint_screws(pieper(), found)) < 1e-9 * 200
+    assert (
+        max(abs(reciprocal_product(s, wrench.vector)) for s in joint_screws(pieper(), found))
+        < 1e-9 * 200
+    )
 
 
-# --- the border ------------------------------------------------------------------------------------------------------
+# --- the border -----------------------------------------------------------------------------------
 
 
 def test_json_holds_no_infinity() -> None:
@@ -303,8 +353,9 @@ def test_bad_tolerance_is_refused() -> None:
 
 
 def test_an_assembly_whose_limbs_constrain_less_is_not_singular_for_that() -> None:
-    """A limb U R S that is locked into one plane near the reference, and not here: the rows of the closure are as independent as
-    they are there, so that the platform has not gained a freedom."""
+    """A limb U R S that is locked into one plane near the reference, and not here: the rows of the
+    closure are as independent as they are there, so that the platform has not gained a freedom.
+    """
     limb = Limb(
         "limb",
         [
@@ -322,9 +373,13 @@ def test_an_assembly_whose_limbs_constrain_less_is_not_singular_for_that() -> No
         ],
     )
     mechanism = Mechanism("m", [limb, centre], (-50, -100, -100), angle_unit="deg")
-    found = symkin.singularity(mechanism, joints=[-0.0003193318838098015, 47.870721155946576, 19.238547928492995])
+    found = symkin.singularity(
+        mechanism, joints=[-0.0003193318838098015, 47.870721155946576, 19.238547928492995]
+    )
     system = whole_system(build_closure(mechanism))
-    _, jacobian = system.linearise_one(variables_of(build_closure(mechanism), found.solution), np.zeros(0))
+    _, jacobian = system.linearise_one(
+        variables_of(build_closure(mechanism), found.solution), np.zeros(0)
+    )
     assert np.linalg.svd(jacobian, compute_uv=False)[-1] > 1e-4
     assert "constraint" not in found.kinds
     assert found.distances.get("constraint", 1.0) > 0.01

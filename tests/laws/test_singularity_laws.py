@@ -29,7 +29,9 @@ from symkin import Mechanism, Singularity, SolveError, singularity
 
 @pytest.mark.parametrize("seed", range(3))
 def test_wrenches_of_a_random_singular_arm_do_no_work(seed: int) -> None:
-    """At a wrist singularity with any other joints five twists are feasible, and the wrench does no work on them."""
+    """At a wrist singularity with any other joints five twists are feasible, and the wrench does no
+    work on them.
+    """
     q = np.random.default_rng(seed).uniform(-2, 2, 6)
     found = singularity(pieper(), joints=[*q[:4], 0.0, q[5]])
     assert len(found.feasible_twists) == 5
@@ -37,13 +39,24 @@ def test_wrenches_of_a_random_singular_arm_do_no_work(seed: int) -> None:
     assert_wrenches_do_no_work(found)
 
 
-MECHANISMS = [four_bar()[0], five_bar(), three_rrr(), three_rrr("planar"), delta(), three_rps(), pieper(), hexagons()]
+MECHANISMS = [
+    four_bar()[0],
+    five_bar(),
+    three_rrr(),
+    three_rrr("planar"),
+    delta(),
+    three_rps(),
+    pieper(),
+    hexagons(),
+]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mechanism", MECHANISMS, ids=lambda m: f"{m.name}-{m.motion}")
 def test_distances_do_not_depend_on_the_length_unit(mechanism: Mechanism) -> None:
-    """The same machine in metres has the same distances, condition and (angles times the size) manipulability."""
+    """The same machine in metres has the same distances, condition and (angles times the size)
+    manipulability.
+    """
     metres = scaled(mechanism, 1e-3)
     a, b = classify(reference_solution(mechanism)), classify(reference_solution(metres))
     assert a.kinds == b.kinds
@@ -53,12 +66,19 @@ def test_distances_do_not_depend_on_the_length_unit(mechanism: Mechanism) -> Non
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mechanism", [m for m in MECHANISMS if m.motion == "spatial"], ids=lambda m: m.name)
+@pytest.mark.parametrize(
+    "mechanism", [m for m in MECHANISMS if m.motion == "spatial"], ids=lambda m: m.name
+)
 def test_distances_do_not_depend_on_the_base_frame(mechanism: Mechanism) -> None:
-    """A machine moved as a whole in its base frame has the same distances and the same direct map (a declared motion is along
-    the axes of the base frame, so that it is left out)."""
-    moved = displaced(mechanism, symkin.Pose(np.array([30.0, -70.0, 110.0]), np.array([0.5, 0.5, -0.5, 0.5])))
-    tilted = displaced(mechanism, symkin.Pose(np.array([3.0, 7.0, -1.0]), np.array([0.8, 0.0, 0.36, 0.48])))
+    """A machine moved as a whole in its base frame has the same distances and the same direct map
+    (a declared motion is along the axes of the base frame, so that it is left out).
+    """
+    moved = displaced(
+        mechanism, symkin.Pose(np.array([30.0, -70.0, 110.0]), np.array([0.5, 0.5, -0.5, 0.5]))
+    )
+    tilted = displaced(
+        mechanism, symkin.Pose(np.array([3.0, 7.0, -1.0]), np.array([0.8, 0.0, 0.36, 0.48]))
+    )
     a = classify(reference_solution(mechanism))
     for other in (moved, tilted):
         b = classify(reference_solution(other))
@@ -69,16 +89,24 @@ def test_distances_do_not_depend_on_the_base_frame(mechanism: Mechanism) -> None
 
 
 RANDOM = (
-    ("rRS", "rRS", "rRS"), ("pUS", "pUS", "pUS", "SPS", "SPS", "SPS"), ("hRRRRR", "SPS", "SPS", "SPS", "SPS", "SPS"),
-    ("UpU", "UpU", "UpU"), ("CpC", "SPS", "rUS", "SPS"), ("rPS", "rHS", "pSR"), ("rRRR",), ("rS", "rS"),
-)  # fmt: skip
+    ("rRS", "rRS", "rRS"),
+    ("pUS", "pUS", "pUS", "SPS", "SPS", "SPS"),
+    ("hRRRRR", "SPS", "SPS", "SPS", "SPS", "SPS"),
+    ("UpU", "UpU", "UpU"),
+    ("CpC", "SPS", "rUS", "SPS"),
+    ("rPS", "rHS", "pSR"),
+    ("rRRR",),
+    ("rS", "rS"),
+)
 
 
 @pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("limbs", RANDOM, ids="-".join)
 def test_random_mechanisms_in_other_units_and_frames(limbs: tuple[str, ...]) -> None:
-    """Every joint type: distances and kinds of a random mechanism are those of the same one in metres and placed elsewhere."""
+    """Every joint type: distances and kinds of a random mechanism are those of the same one in
+    metres and placed elsewhere.
+    """
     mechanism = random_mechanism(np.random.default_rng(len(limbs)), limbs)
     a = classify(reference_solution(mechanism))
     where = symkin.Pose(np.array([30.0, -70.0, 110.0]), np.array([0.5, -0.5, 0.5, 0.5]))
@@ -90,8 +118,9 @@ def test_random_mechanisms_in_other_units_and_frames(limbs: tuple[str, ...]) -> 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS, ids=lambda m: f"{m.name}-{m.motion}")
 def test_limb_rows_are_orthonormal_and_hold_on_closed_motions(mechanism: Mechanism) -> None:
-    """a a^T + b b^T = 1 limb by limb, and the direct map times the inverse map is the identity: their singular values are
-    reciprocal."""
+    """a a^T + b b^T = 1 limb by limb, and the direct map times the inverse map is the identity:
+    their singular values are reciprocal.
+    """
     found = classify(reference_solution(mechanism))
     for limb in found.equations.limbs:
         rows = np.hstack([limb.twist, limb.rates])
@@ -101,7 +130,9 @@ def test_limb_rows_are_orthonormal_and_hold_on_closed_motions(mechanism: Mechani
 
 
 def test_the_distance_is_that_to_the_nearest_singular_rows() -> None:
-    """Eckart and Young: some change of the rows of that 2-norm makes them singular, and no smaller one does."""
+    """Eckart and Young: some change of the rows of that 2-norm makes them singular, and no smaller
+    one does.
+    """
     found = singularity(symkin.load("zhang2009"))
     left, singular, right = np.linalg.svd(found.equations.twist)
     change = singular[-1] * np.outer(left[:, -1], right[-1])
@@ -110,18 +141,34 @@ def test_the_distance_is_that_to_the_nearest_singular_rows() -> None:
 
 
 def test_generic_ranks_of_shipped_mechanisms() -> None:
-    """Platforms and arms of six freedoms have six motions, the 3-TRT + SPS four, with two independent constraints."""
-    ranks = {name: generic_ranks(symkin.load(name)) for name in ("zhang2009", "gluon_6l3", "zhao2000_links")}
+    """Platforms and arms of six freedoms have six motions, the 3-TRT + SPS four, with two
+    independent constraints.
+    """
+    ranks = {
+        name: generic_ranks(symkin.load(name))
+        for name in ("zhang2009", "gluon_6l3", "zhao2000_links")
+    }
     assert [r.motions for r in ranks.values()] == [6, 6, 4]
     assert [r.constraints for r in ranks.values()] == [0, 0, 2]
 
 
 @pytest.mark.parametrize("first", [True, False])
-def test_a_singular_configuration_among_others_changes_no_generic_rank(first: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """An arm with its wrist stretched, where its joints' screws depend on each other, before or behind a regular configuration."""
+def test_a_singular_configuration_among_others_changes_no_generic_rank(
+    first: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An arm with its wrist stretched, where its joints' screws depend on each other, before or
+    behind a regular configuration.
+    """
     arm = replace(pieper(), name=f"arm_{first}")
-    bent, stretched = (symkin.solve(arm, joints=[0.3, 0.5, 0.7, 0.9, wrist, 1.1]).solution.variables for wrist in (1.0, 0.0))
-    monkeypatch.setattr(motion_ranks, "closed_configurations", lambda *_: [stretched, bent] if first else [bent, stretched])
+    bent, stretched = (
+        symkin.solve(arm, joints=[0.3, 0.5, 0.7, 0.9, wrist, 1.1]).solution.variables
+        for wrist in (1.0, 0.0)
+    )
+    monkeypatch.setattr(
+        motion_ranks,
+        "closed_configurations",
+        lambda *_: [stretched, bent] if first else [bent, stretched],
+    )
     assert generic_ranks(arm).rates == 6
     monkeypatch.setattr(motion_ranks, "closed_configurations", lambda *_: [stretched])
     assert generic_ranks(replace(arm, name=f"stretched_{first}")).rates < 6
@@ -138,13 +185,17 @@ def assert_verdict_and_distances_agree(found: Singularity) -> None:
 def test_verdict_and_distances_agree_near_type_2(turn: float) -> None:
     """Hexagons turned near 90 degrees pass through the tolerance."""
     assert_verdict_and_distances_agree(
-        singularity(hexagons(), pose=planar_pose(0, 0, turn)[:2] + [120, *planar_pose(0, 0, turn)[3:]])
+        singularity(
+            hexagons(), pose=planar_pose(0, 0, turn)[:2] + [120, *planar_pose(0, 0, turn)[3:]]
+        )
     )
 
 
 @pytest.mark.parametrize("off", np.geomspace(1e-9, 1e-2, 15))
 def test_verdict_and_distances_agree_near_two_kinds(off: float) -> None:
-    """A 3-RPS on its way to a type 2 singularity beside a constraint singularity, where ranks of motions alone miss it."""
+    """A 3-RPS on its way to a type 2 singularity beside a constraint singularity, where ranks of
+    motions alone miss it.
+    """
     mechanism = tilted_rps()
     start = [-76.717, 64.144, 92.210, 0, -0.34119, 0.93999, 0]
     joints = [317.135906, 99.664134 + off, mechanism.actuated[2].reference[0]]

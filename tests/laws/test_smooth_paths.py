@@ -1,4 +1,6 @@
-"""Random smooth paths of a hexapod, each checked at both ends against all modes and against an independent continuation."""
+"""Random smooth paths of a hexapod, each checked at both ends against all modes and against an
+independent continuation.
+"""
 
 from __future__ import annotations
 
@@ -29,8 +31,9 @@ def benchmark() -> ModuleType:
 @pytest.mark.slow
 @pytest.mark.usefixtures("kept_starts")
 def test_no_random_path_changes_its_mode_unnoticed() -> None:
-    """Each path is certified and reaches its end or stops at a singular configuration; at both ends the complete enumeration
-    holds the followed mode, and small Newton steps come to the same one."""
+    """Each path is certified and reaches its end or stops at a singular configuration; at both ends
+    the complete enumeration holds the followed mode, and small Newton steps come to the same one.
+    """
     tracking = benchmark()
     counts, _ = tracking.run(symkin.load("zhang2009"), 10, 8, 20.0, np.random.default_rng(0))
     assert counts["certified"] == 10
@@ -46,7 +49,9 @@ def test_the_check_notices_a_changed_mode() -> None:
     mechanism = symkin.load("zhang2009")
     rng = np.random.default_rng(2)
     every = symkin.modes(mechanism)
-    path = np.array(every[0].actuated_values) + np.linspace(0.0, 2.0, 3)[:, None] * rng.normal(size=6)
+    path = np.array(every[0].actuated_values) + np.linspace(0.0, 2.0, 3)[:, None] * rng.normal(
+        size=6
+    )
     found = tracking.track(mechanism, joints=path, start=every[0], name_modes=False)
     other = tracking.track(mechanism, joints=path, start=every[1], name_modes=False)
     assert tracking.faults(found, path) == []

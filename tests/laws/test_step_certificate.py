@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.inside import Cubic, Interval, build_problem, coefficients, make_trajectory, on_plane, path_systems
+from helpers.inside import (
+    Cubic,
+    Interval,
+    build_problem,
+    coefficients,
+    make_trajectory,
+    on_plane,
+    path_systems,
+)
 from helpers.laws import same_angle
 from helpers.samples import (
     COUPLER,
@@ -22,7 +30,9 @@ from helpers.samples import (
 
 
 def test_tube_holds_one_branch_and_not_the_other():
-    """The closed form's branch lies in the proved tube at every crank angle of the step, the other branch outside."""
+    """The closed form's branch lies in the proved tube at every crank angle of the step, the other
+    branch outside.
+    """
     mechanism = bars(GROUND, CRANK, COUPLER, ROCKER)
     problem = build_problem(mechanism, "direct")
     system = path_systems(problem)[0]
@@ -31,14 +41,23 @@ def test_tube_holds_one_branch_and_not_the_other():
     interval = Interval(system, coefficients(problem, *trajectory.samples))
     ends = []
     for angle in (1.0, 1.05):
-        mode = next(m for m in symkin.modes(mechanism, joints=[angle]) if _on(m.joints["d"], angle, 0))
-        ends.append(np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns]) / system.scale)
+        mode = next(
+            m for m in symkin.modes(mechanism, joints=[angle]) if _on(m.joints["d"], angle, 0)
+        )
+        ends.append(
+            np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns])
+            / system.scale
+        )
     slopes = [_slope(interval, np.append(z, u)) for z, u in zip(ends, (0.0, 1.0), strict=True)]
-    curve = Cubic.hermite(np.append(ends[0], 0.0), slopes[0], np.append(ends[1], 1.0), slopes[1], 1.0)
+    curve = Cubic.hermite(
+        np.append(ends[0], 0.0), slopes[0], np.append(ends[1], 1.0), slopes[1], 1.0
+    )
     tube = interval.tube(curve, np.append(np.zeros(len(ends[0])), 1.0))
     assert tube is not None
     for u in np.linspace(0, 1, 21):
-        own, other = (rocker_angle(1.0 + 0.05 * u, k) - rocker_angle(math.pi / 3, 0) for k in (0, 1))
+        own, other = (
+            rocker_angle(1.0 + 0.05 * u, k) - rocker_angle(math.pi / 3, 0) for k in (0, 1)
+        )
         assert abs(own - curve.at(u)[index]) < tube.half[index] < abs(other - curve.at(u)[index])
 
 
@@ -52,12 +71,17 @@ def _slope(interval: Interval, y: np.ndarray) -> np.ndarray:
 
 
 def test_no_tube_over_a_fold_or_off_the_branch():
-    """No tube is proved over crank angles beyond the toggle, nor about a curve that is off the branch."""
+    """No tube is proved over crank angles beyond the toggle, nor about a curve that is off the
+    branch.
+    """
     mechanism = bars(GROUND, CRANK, COUPLER, ROCKER)
     problem = build_problem(mechanism, "direct")
     system = path_systems(problem)[0]
     mode = symkin.modes(mechanism, joints=[TOGGLE - 1e-3])[0]
-    z = np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns]) / system.scale
+    z = (
+        np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns])
+        / system.scale
+    )
     for end, shift in ((TOGGLE + 1e-3, 0.0), (TOGGLE - 0.99e-3, 0.3)):
         trajectory = make_trajectory(mechanism, joints=[[TOGGLE - 1e-3], [end]])
         interval = Interval(system, coefficients(problem, *trajectory.samples))
@@ -67,17 +91,23 @@ def test_no_tube_over_a_fold_or_off_the_branch():
         assert interval.tube(curve, np.append(np.zeros(len(z)), 1.0)) is None
 
 
-@pytest.mark.parametrize(("path", "folds"), [((TOGGLE - 1e-2, TOGGLE), True), ((TOGGLE, TOGGLE - 1e-2), False)])
+@pytest.mark.parametrize(
+    ("path", "folds"), [((TOGGLE - 1e-2, TOGGLE), True), ((TOGGLE, TOGGLE - 1e-2), False)]
+)
 def test_curvature_of_the_path_parameter_is_proved_at_a_fold(path, folds):
-    """Through the toggle the crank angle has a maximum over the arc of the branch: u curves down where it grows to the
-    toggle, and up where it grows away from it."""
+    """Through the toggle the crank angle has a maximum over the arc of the branch: u curves down
+    where it grows to the toggle, and up where it grows away from it.
+    """
     mechanism = bars(GROUND, CRANK, COUPLER, ROCKER)
     problem = build_problem(mechanism, "direct")
     system = path_systems(problem)[0]
     trajectory = make_trajectory(mechanism, joints=[[v] for v in path])
     interval = Interval(system, coefficients(problem, *trajectory.samples))
     mode = symkin.modes(mechanism, joints=[TOGGLE - 1e-6])[0]
-    z = np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns]) / system.scale
+    z = (
+        np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns])
+        / system.scale
+    )
     y = np.append(z, (TOGGLE - 1e-6 - path[0]) / (path[1] - path[0]))
     null = np.linalg.svd(interval.evaluate(y)[1][:, :-1])[2][-1]
     direction = np.append(null, 0.0)

@@ -1,4 +1,6 @@
-"""Generic roots that all blocks of one structure share: found once, and the same solutions as from a block's own."""
+"""Generic roots that all blocks of one structure share: found once, and the same solutions as from
+a block's own.
+"""
 
 from __future__ import annotations
 
@@ -28,9 +30,18 @@ HEAD = 'format = 1\nname = "bars"\nlength_unit = "mm"\nangle_unit = "deg"\n'
 
 
 def joint(
-    name: str, links: tuple[str, str], point: np.ndarray, *, actuated: bool = False, kind: str = "R", axis: str = "0, 0, 1"
+    name: str,
+    links: tuple[str, str],
+    point: np.ndarray,
+    *,
+    actuated: bool = False,
+    kind: str = "R",
+    axis: str = "0, 0, 1",
 ) -> str:
-    text = f'[[joint]]\nname = "{name}"\ntype = "{kind}"\nlinks = ["{links[0]}", "{links[1]}"]\npoint = {point.tolist()}\naxis = [{axis}]\n'
+    text = (
+        f'[[joint]]\nname = "{name}"\ntype = "{kind}"\nlinks = ["{links[0]}", "{links[1]}"]\n'
+        f"point = {point.tolist()}\naxis = [{axis}]\n"
+    )
     return text + ("actuated = true\n" if actuated else "")
 
 
@@ -38,11 +49,17 @@ def four_bar(points: np.ndarray) -> symkin.Mechanism:
     """A crank and a dyad whose joints lie anywhere in the plane."""
     p = np.column_stack([points, np.zeros(4)])
     links = (("base", "crank"), ("crank", "coupler"), ("coupler", "follower"), ("follower", "base"))
-    return parse(HEAD + "".join(joint(f"j{k}", pair, p[k], actuated=k == 0) for k, pair in enumerate(links)))
+    return parse(
+        HEAD + "".join(joint(f"j{k}", pair, p[k], actuated=k == 0) for k, pair in enumerate(links))
+    )
 
 
 def groups(mechanism: symkin.Mechanism) -> list:
-    return list(structure_groups(build_problem(mechanism, "given", tuple(c.name for c in mechanism.actuated))))
+    return list(
+        structure_groups(
+            build_problem(mechanism, "given", tuple(c.name for c in mechanism.actuated))
+        )
+    )
 
 
 def drawn(seed: int) -> symkin.Mechanism:
@@ -58,12 +75,16 @@ def _empty_cache(tmp_path, monkeypatch):
     monkeypatch.setattr(group_roots, "closed_block", lambda _group, _number: None)
 
 
-# --- the polynomials -----------------------------------------------------------------------------------------------
+# --- the polynomials ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["jansen_leg", "stephenson_six_bar", "ankle", "parallel_gripper", "klann_leg"])
+@pytest.mark.parametrize(
+    "name", ["jansen_leg", "stephenson_six_bar", "ankle", "parallel_gripper", "klann_leg"]
+)
 def test_the_structures_rows_are_those_of_the_block_at_complex_points(name):
-    """F(z, k) of the block is F(z, C(k)) of its structure, at random complex unknowns and known values."""
+    """F(z, k) of the block is F(z, C(k)) of its structure, at random complex unknowns and known
+    values.
+    """
     rng = np.random.default_rng(5)
     looked = 0
     for group in groups(symkin.load(name)):
@@ -72,7 +93,9 @@ def test_the_structures_rows_are_those_of_the_block_at_complex_points(name):
         if found is None:
             continue
         z = complex_normal(4 * system.width, rng).reshape(system.width, 4)
-        k = np.array([known_values(group, random_known(group, rng, near=False)) for _ in range(4)]).T
+        k = np.array(
+            [known_values(group, random_known(group, rng, near=False)) for _ in range(4)]
+        ).T
         own, shared = system.linearise(z, k)[0], found.system.linearise(z, found.known(k))[0]
         assert np.max(np.abs(own - shared)) < 1e-9 * np.max(np.abs(own))
         looked += 1
@@ -86,16 +109,22 @@ def test_blocks_that_are_no_such_polynomials_have_no_structure():
         assert structure_of(first, system_of(first, first.blocks[0])) is None
 
 
-# --- one search ----------------------------------------------------------------------------------------------------
+# --- one search -----------------------------------------------------------------------------------
 
 
 @pytest.mark.usefixtures("_empty_cache")
 def test_a_dyad_is_never_searched_twice(monkeypatch):
-    """The second four-bar, of other lengths at other places, finds its roots without a search, also in a new process's memory."""
+    """The second four-bar, of other lengths at other places, finds its roots without a search, also
+    in a new process's memory.
+    """
     searched = []
     search = structure._searched
-    monkeypatch.setattr(structure, "_searched", lambda system: searched.append(system) or search(system))
-    monkeypatch.setattr(group_roots, "start_of", lambda *_: pytest.fail("the block's own roots were sought"))
+    monkeypatch.setattr(
+        structure, "_searched", lambda system: searched.append(system) or search(system)
+    )
+    monkeypatch.setattr(
+        group_roots, "start_of", lambda *_: pytest.fail("the block's own roots were sought")
+    )
     for seed in (1, 2, 3):
         (group,) = groups(drawn(seed))
         paths = group_paths(group)
@@ -112,18 +141,38 @@ def test_shared_roots_give_the_modes_that_own_ones_give(seed, monkeypatch):
     shared = symkin.modes(mechanism, joints=[7.0 * seed])
     monkeypatch.setattr(group_roots, "structure_of", lambda *_: None)
     own = symkin.modes(mechanism, joints=[7.0 * seed])
-    assert (len(shared), shared.complex_count, shared.completeness) == (len(own), own.complex_count, own.completeness)
+    assert (len(shared), shared.complex_count, shared.completeness) == (
+        len(own),
+        own.complex_count,
+        own.completeness,
+    )
     for a, b in zip(shared, own, strict=True):
-        assert [float(v) for v in a.joints.values()] == pytest.approx([float(v) for v in b.joints.values()], abs=1e-8)
+        assert [float(v) for v in a.joints.values()] == pytest.approx(
+            [float(v) for v in b.joints.values()], abs=1e-8
+        )
 
 
 @pytest.mark.usefixtures("_empty_cache")
 def test_a_part_that_nothing_moves_is_complete_too():
-    """A frame of three bars carries a four-bar: the frame's two forms do not depend on the crank, and both are found."""
+    """A frame of three bars carries a four-bar: the frame's two forms do not depend on the crank,
+    and both are found.
+    """
     a, b, c = np.array([0.0, 0, 0]), np.array([100.0, 0, 0]), np.array([30.0, 80, 0])
-    frame = joint("f1", ("base", "bar1"), a) + joint("f2", ("bar1", "bar2"), c) + joint("f3", ("bar2", "base"), b)
-    loop = joint("crank", ("base", "arm"), a - [40, 0, 0], actuated=True) + joint("g1", ("arm", "coupler"), a + [-40, 30, 0])
-    text = HEAD + frame + loop + joint("g2", ("coupler", "follower"), c + [0, 60, 0]) + joint("g3", ("follower", "bar1"), c / 4)
+    frame = (
+        joint("f1", ("base", "bar1"), a)
+        + joint("f2", ("bar1", "bar2"), c)
+        + joint("f3", ("bar2", "base"), b)
+    )
+    loop = joint("crank", ("base", "arm"), a - [40, 0, 0], actuated=True) + joint(
+        "g1", ("arm", "coupler"), a + [-40, 30, 0]
+    )
+    text = (
+        HEAD
+        + frame
+        + loop
+        + joint("g2", ("coupler", "follower"), c + [0, 60, 0])
+        + joint("g3", ("follower", "bar1"), c / 4)
+    )
     found = symkin.modes(parse(text), joints=[0.0])
     assert found.completeness == "probability one"
     turns = {round(abs(mode.joints["f1"]), 6) for mode in found}
@@ -133,9 +182,13 @@ def test_a_part_that_nothing_moves_is_complete_too():
 
 @pytest.mark.usefixtures("_empty_cache")
 def test_a_block_with_fewer_roots_than_its_structure_is_searched_for_itself(monkeypatch):
-    """Where a path of the structure's roots does not arrive at a generic instance, the block's own roots are sought."""
+    """Where a path of the structure's roots does not arrive at a generic instance, the block's own
+    roots are sought.
+    """
     (group,) = groups(drawn(1))
-    monkeypatch.setattr(structure, "plain_instances", lambda *_: (np.zeros((1, 2, 2)), np.array([False])))
+    monkeypatch.setattr(
+        structure, "plain_instances", lambda *_: (np.zeros((1, 2, 2)), np.array([False]))
+    )
     paths = group_paths(group)
     assert paths is not None
     assert paths.shared is None
@@ -143,21 +196,28 @@ def test_a_block_with_fewer_roots_than_its_structure_is_searched_for_itself(monk
 
 
 def test_coefficients_are_those_of_the_rows_for_a_circle():
-    """Of a dyad's rows each product has the coefficient that the rows have there: two of each angle, one constant a row."""
+    """Of a dyad's rows each product has the coefficient that the rows have there: two of each
+    angle, one constant a row.
+    """
     (group,) = groups(drawn(4))
     found = structure_of(group, system_of(group, group.blocks[0]))
     assert found is not None
     assert (found.system.count, found.system.width) == (2, 2)
-    code, numbers = vectorise(found.data), np.zeros((1, int(found.system.k.shape[0]), 1), dtype=complex)
+    code, numbers = (
+        vectorise(found.data),
+        np.zeros((1, int(found.system.k.shape[0]), 1), dtype=complex),
+    )
     code(np.ones((1, 1), dtype=complex), numbers)
     assert np.isfinite(numbers).all()
 
 
-# --- bodies on six distances ---------------------------------------------------------------------------------------
+# --- bodies on six distances ----------------------------------------------------------------------
 
 
 def test_a_platform_on_a_platform_is_held_by_six_distances():
-    """Each of the two has 40 complex solutions, the most that there are (Ronga and Vust 1992), on a base that moves too."""
+    """Each of the two has 40 complex solutions, the most that there are (Ronga and Vust 1992), on a
+    base that moves too.
+    """
     for group in groups(symkin.load("hexapod_stack")):
         system = system_of(group, group.blocks[0])
         found = structure_of(group, system)
@@ -168,7 +228,9 @@ def test_a_platform_on_a_platform_is_held_by_six_distances():
 
 
 def test_distances_of_a_moving_base_are_those_between_the_points():
-    """L, b and m that are read from the rows at a real pose of the lower platform: b is where the rod stands on it."""
+    """L, b and m that are read from the rows at a real pose of the lower platform: b is where the
+    rod stands on it.
+    """
     mechanism = symkin.load("hexapod_stack")
     group = groups(mechanism)[1]
     found = structure_of(group, system_of(group, group.blocks[0]))
@@ -177,7 +239,9 @@ def test_distances_of_a_moving_base_are_those_between_the_points():
     for values in closed_configurations(group.closure, 0)[:3]:
         known = group.select_values(values, group.known_coordinates)
         k = found.known(known_values(group, known)[:, None])[:, 0].real.reshape(6, 7)
-        solution = make_solution(build_problem(mechanism, "given", tuple(c.name for c in mechanism.actuated)), values)
+        solution = make_solution(
+            build_problem(mechanism, "given", tuple(c.name for c in mechanism.actuated)), values
+        )
         rods = [rod for rod in mechanism.link_rods if rod.name.startswith("upper")]
         poses = link_poses(group.closure, values[None]).at(0)
         for row, rod in zip(k, rods, strict=True):

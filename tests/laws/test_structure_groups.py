@@ -58,21 +58,28 @@ def legs(count: int) -> symkin.Mechanism:
 
 
 def joint(name: str, a: str, b: str, x: float, y: float, *, actuated: bool = False) -> str:
-    text = f'[[joint]]\nname = "{name}"\ntype = "R"\nlinks = ["{a}", "{b}"]\npoint = [{x}, {y}, 0]\naxis = [0, 0, 1]\n'
+    text = (
+        f'[[joint]]\nname = "{name}"\ntype = "R"\nlinks = ["{a}", "{b}"]\npoint = [{x}, {y}, 0]\n'
+        f"axis = [0, 0, 1]\n"
+    )
     return text + ("actuated = true\n" if actuated else "")
 
 
-# --- bodies and branches -------------------------------------------------------------------------------------------
+# --- bodies and branches --------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", sorted(GALLERY))
 def test_every_joint_stands_in_one_branch_and_every_body_is_placed(name):
-    """The elements of all branches are the joints and rods, each once; a branch begins at a body that is placed before it."""
+    """The elements of all branches are the joints and rods, each once; a branch begins at a body
+    that is placed before it.
+    """
     mechanism = symkin.load(name)
     for pose in (False, True):
         layout = layout_of(mechanism, frozenset(), pose=pose)
         elements = [element.name for branch in layout.branches for element in branch.elements]
-        expected = [j.name for j in mechanism.all_joints] + [rod.name for rod in mechanism.link_rods]
+        expected = [j.name for j in mechanism.all_joints] + [
+            rod.name for rod in mechanism.link_rods
+        ]
         assert sorted(elements) == sorted(expected)
         placed = {BASE, *layout.floating}
         for branch in layout.branches:
@@ -85,22 +92,32 @@ def test_a_welded_link_is_one_with_its_partner():
     """A coupler cut in two and welded: the same modes."""
     text = FOUR_BAR.read_text()
     plain = symkin.modes(parse(text), given={"crank": 60})
-    coupler = next(j for j in symkin.load("four_bar").link_joints if "coupler" in j.links[0] or "coupler" in j.links[1])
+    coupler = next(
+        j
+        for j in symkin.load("four_bar").link_joints
+        if "coupler" in j.links[0] or "coupler" in j.links[1]
+    )
     other = "half"
-    halves = text.replace(f'"{coupler.links[0]}", "{coupler.links[1]}"', f'"{coupler.links[0]}", "{other}"', 1)
-    halves += f'\n[[joint]]\nname = "seam"\ntype = "weld"\nlinks = ["{other}", "{coupler.links[1]}"]\n'
+    halves = text.replace(
+        f'"{coupler.links[0]}", "{coupler.links[1]}"', f'"{coupler.links[0]}", "{other}"', 1
+    )
+    halves += (
+        f'\n[[joint]]\nname = "seam"\ntype = "weld"\nlinks = ["{other}", "{coupler.links[1]}"]\n'
+    )
     welded = symkin.modes(parse(halves), given={"crank": 60})
     assert len(welded) == len(plain)
     for mine, theirs in zip(welded, plain, strict=True):
         assert mine.joints["follower"] == pytest.approx(theirs.joints["follower"], abs=1e-9)
 
 
-# --- groups --------------------------------------------------------------------------------------------------------
+# --- groups ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("name", "k"), CASES)
 def test_groups_are_solved_in_order_and_determined(name, k):
-    """Each reads what is given and what is found before; at a closed configuration its rows have the rank of its unknowns."""
+    """Each reads what is given and what is found before; at a closed configuration its rows have
+    the rank of its unknowns.
+    """
     mechanism, groups = groups_of(name, k)
     problem = problem_of(mechanism, given_by_name(mechanism, GALLERY[name]["cases"][k]["given"]))
     known = {c.name for c in problem.known_coordinates}
@@ -108,27 +125,38 @@ def test_groups_are_solved_in_order_and_determined(name, k):
     for group in groups:
         assert {c.name for c in group.known_coordinates} <= known
         known |= {c.name for c in group.system.unknowns}
-        jacobians = group.system.linearise(values[:, group.unknown_places], values[:, group.known_places])[1]
+        jacobians = group.system.linearise(
+            values[:, group.unknown_places], values[:, group.known_places]
+        )[1]
         assert max(Rank.of(j).value for j in jacobians) == group.system.freedom
     assert known == {c.name for c in problem.closure.coordinates}
 
 
 @pytest.mark.parametrize(
     ("name", "k", "sizes"),
-    [("watt_six_bar", 0, [2, 2]), ("stephenson_six_bar", 0, [2, 2]), ("stephenson_six_bar", 2, [4]), ("jansen_leg", 0, [2, 2, 2]),
-     ("excavator_bucket", 0, [2, 2, 2, 2])],
-)  # fmt: skip
+    [
+        ("watt_six_bar", 0, [2, 2]),
+        ("stephenson_six_bar", 0, [2, 2]),
+        ("stephenson_six_bar", 2, [4]),
+        ("jansen_leg", 0, [2, 2, 2]),
+        ("excavator_bucket", 0, [2, 2, 2, 2]),
+    ],
+)
 def test_groups_are_the_assur_groups_of_textbooks(name, k, sizes):
-    """Dyads of two unknown angles; a Stephenson linkage driven from its five-bar is a triad of four."""
+    """Dyads of two unknown angles; a Stephenson linkage driven from its five-bar is a triad of
+    four.
+    """
     _, groups = groups_of(name, k)
     assert sorted(group.system.freedom for group in groups) == sizes
 
 
-# --- the tree of choices -------------------------------------------------------------------------------------------
+# --- the tree of choices --------------------------------------------------------------------------
 
 
 def test_independent_parts_do_not_multiply_the_work():
-    """Sixteen legs on one crank: 2^16 modes are counted, each leg's two are listed, any one is reached by its choices."""
+    """Sixteen legs on one crank: 2^16 modes are counted, each leg's two are listed, any one is
+    reached by its choices.
+    """
     walker = legs(16)
     found = symkin.modes(walker, joints=[20.0])
     assert found.total == 2**16
@@ -147,7 +175,9 @@ def test_independent_parts_do_not_multiply_the_work():
 
 
 def test_inputs_with_more_modes_than_are_listed_stand_beside_others():
-    """Of sixteen legs on one crank some modes of each input are listed, the first of all legs with both of one."""
+    """Of sixteen legs on one crank some modes of each input are listed, the first of all legs with
+    both of one.
+    """
     walker = legs(16)
     for found in symkin.modes(walker, joints=[[20.0], [35.0]]):
         assert found.total == 2**16
@@ -156,7 +186,9 @@ def test_inputs_with_more_modes_than_are_listed_stand_beside_others():
 
 
 def test_points_with_more_modes_than_are_listed_are_counted_as_such():
-    """A sweep's point of sixteen legs is "too many to list", one of three legs has its eight modes."""
+    """A sweep's point of sixteen legs is "too many to list", one of three legs has its eight
+    modes.
+    """
     for count, expected, said in ((16, -1, "too many to list"), (3, 8, "probability one")):
         problem = build_problem(legs(count), "given", ("crank",))
         finder = make_finder(problem, starts=100, seed=0, certify=False)
@@ -180,7 +212,12 @@ def test_choices_and_the_whole_list_agree():
     listed = symkin.modes(walker, joints=[20.0])
     parts = independent_parts(structure_groups(listed.problem))
     assert len(parts) == 3
-    chosen = [symkin.modes(walker, joints=[20.0], choose=[i, j, k])[0] for i in (0, 1) for j in (0, 1) for k in (0, 1)]
+    chosen = [
+        symkin.modes(walker, joints=[20.0], choose=[i, j, k])[0]
+        for i in (0, 1)
+        for j in (0, 1)
+        for k in (0, 1)
+    ]
     names = [f"b{k}" for k in range(3)]
     assert len(listed) == 8
     assert {tuple(round(m.joints[n], 6) for n in names) for m in listed} == {
@@ -190,7 +227,12 @@ def test_choices_and_the_whole_list_agree():
 
 @pytest.mark.parametrize(
     ("choose", "words"),
-    [([2], "has 2 solutions here"), ([0, 0, 0, 0], "4 numbers for 3 blocks"), ([-1], "whole numbers"), ([0.5], "whole")],
+    [
+        ([2], "has 2 solutions here"),
+        ([0, 0, 0, 0], "4 numbers for 3 blocks"),
+        ([-1], "whole numbers"),
+        ([0.5], "whole"),
+    ],
 )
 def test_choices_that_nothing_has_are_refused(choose, words):
     with pytest.raises(InputError, match=words):
@@ -218,7 +260,7 @@ def test_a_part_with_too_many_modes_names_the_remedy(monkeypatch):
     assert len(symkin.modes(mechanism, given={"crank": 40}, choose=[0, 1])) == 2
 
 
-# --- against a solver of its own -----------------------------------------------------------------------------------
+# --- against a solver of its own ------------------------------------------------------------------
 
 
 @pytest.mark.long
@@ -226,17 +268,34 @@ def test_a_part_with_too_many_modes_names_the_remedy(monkeypatch):
 def test_random_graphs_lose_nothing():
     """No configuration that random starts of an independent solver find is missing."""
     script = ROOT / "tests" / "campaigns" / "random_graphs.py"
-    command = [sys.executable, str(script), "--starts", "150", "--only", "0", "2", "5", "7", "9", "17", "19", "22", "53"]
+    command = [
+        sys.executable,
+        str(script),
+        "--starts",
+        "150",
+        "--only",
+        "0",
+        "2",
+        "5",
+        "7",
+        "9",
+        "17",
+        "19",
+        "22",
+        "53",
+    ]
     told = subprocess.run(command, capture_output=True, text=True, check=False)
     assert told.returncode == 0, told.stdout + told.stderr
 
 
-# --- couplings -----------------------------------------------------------------------------------------------------
+# --- couplings ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("shaft", [10.0, 170.0, 400.0, -1000.0])
 def test_gears_advance_by_more_than_a_turn(shaft):
-    """Law of a bevel differential: the carrier turns by the mean of both wheels, whole turns included."""
+    """Law of a bevel differential: the carrier turns by the mean of both wheels, whole turns
+    included.
+    """
     (mode,) = symkin.modes(symkin.load("differential"), given={"shaft": shaft, "left": -170.0})
     assert mode.residual < 1e-9
     assert mode.joints["shaft"] == pytest.approx(shaft)
@@ -245,7 +304,9 @@ def test_gears_advance_by_more_than_a_turn(shaft):
 
 @pytest.mark.parametrize("turns", [0, 1, -2])
 def test_whole_turns_of_equal_gears_make_no_modes(turns):
-    """Two fingers on one pair of equal gears: a whole turn of the driver is the same configuration."""
+    """Two fingers on one pair of equal gears: a whole turn of the driver is the same
+    configuration.
+    """
     gripper = symkin.load("parallel_gripper")
     plain = symkin.modes(gripper, given={"left": 40.0})
     turned = symkin.modes(gripper, given={"left": 40.0 + 360.0 * turns})
@@ -255,7 +316,9 @@ def test_whole_turns_of_equal_gears_make_no_modes(turns):
 
 
 def test_a_strut_whose_point_is_told_may_turn(tmp_path):
-    """A link between two balls spins about them: that is a freedom where a point off its axis is told, and none where none is."""
+    """A link between two balls spins about them: that is a freedom where a point off its axis is
+    told, and none where none is.
+    """
     balls = [
         '[[joint]]\nname = "s"\ntype = "S"\nlinks = ["arm", "strut"]\npoint = [40, 0, 0]\n',
         '[[joint]]\nname = "t"\ntype = "S"\nlinks = ["strut", "base"]\npoint = [40, 90, 30]\n',
@@ -264,13 +327,17 @@ def test_a_strut_whose_point_is_told_may_turn(tmp_path):
         "crank", "base", "arm", 0, 0, actuated=True
     )
     plain = parse(head + "".join(balls))
-    told = parse(head + "".join(balls) + '[[link]]\nname = "strut"\npoints = { pin = [45, 50, 30] }\n')
+    told = parse(
+        head + "".join(balls) + '[[link]]\nname = "strut"\npoints = { pin = [45, 50, 30] }\n'
+    )
     assert symkin.mobility(told).mobility == symkin.mobility(plain).mobility + 1
 
 
 @pytest.mark.parametrize(("name", "k"), in_gate(CASES, FEW))
 def test_something_is_proved_of_every_mode_of_the_gallery(name, k):
-    """A certificate; where rows are redundant, an exact point of independent rows, and a bound of the others that is rounding."""
+    """A certificate; where rows are redundant, an exact point of independent rows, and a bound of
+    the others that is rounding.
+    """
     case = GALLERY[name]["cases"][k]
     mechanism = symkin.load(name)
     found = symkin.modes(mechanism, given=case["given"])

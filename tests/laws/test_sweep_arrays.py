@@ -1,4 +1,6 @@
-"""What a sweep passes as arrays is what the same points give one by one, and its files are those that Zarr writes."""
+"""What a sweep passes as arrays is what the same points give one by one, and its files are those
+that Zarr writes.
+"""
 
 import numpy as np
 import pytest
@@ -22,7 +24,9 @@ def test_known_values_are_those_of_single_inputs(name):
     space = make_space(mechanism, ranges, sample=30, seed=1)
     points = space.points((slice(0, 30),))
     known, off = space.known_values(points)
-    one_by_one = [given_from(mechanism, space.given(point)["joints"], None).values for point in points]
+    one_by_one = [
+        given_from(mechanism, space.given(point)["joints"], None).values for point in points
+    ]
     np.testing.assert_allclose(known, one_by_one, rtol=1e-13)
     assert not off.any()
 
@@ -44,9 +48,14 @@ def test_known_values_of_poses_are_those_of_single_poses(name, ranges, at):
     known, off = space.known_values(points)
     givens = [given_from(mechanism, None, space.given(point)["pose"]) for point in points]
     np.testing.assert_allclose(
-        known, [given.values for given in givens], rtol=1e-12, atol=1e-12 * mechanism.characteristic_length
+        known,
+        [given.values for given in givens],
+        rtol=1e-12,
+        atol=1e-12 * mechanism.characteristic_length,
     )
-    np.testing.assert_allclose(off, [given.off_motion for given in givens], atol=1e-12 * mechanism.characteristic_length)
+    np.testing.assert_allclose(
+        off, [given.off_motion for given in givens], atol=1e-12 * mechanism.characteristic_length
+    )
 
 
 def test_poses_are_one_of_two_things_swept_over(tmp_path):
@@ -57,21 +66,33 @@ def test_poses_are_one_of_two_things_swept_over(tmp_path):
     sweep(mechanism, grid, tmp_path / "over", over="poses", workers=0)
     sweep(mechanism, grid, tmp_path / "poses", poses=True, workers=0)
     assert same_files(tmp_path / "over", tmp_path / "poses")
-    with pytest.raises(InputError, match=r"over = 'joints' is unknown \(do you mean 'inputs'\?\); allowed: inputs, poses"):
+    with pytest.raises(
+        InputError,
+        match=r"over = 'joints' is unknown \(do you mean 'inputs'\?\); allowed: inputs, poses",
+    ):
         sweep(mechanism, grid, tmp_path / "none", over="joints", workers=0)
 
 
-@pytest.mark.parametrize(("dtype", "fill"), [("float64", np.nan), ("int32", -1), ("uint8", 0), ("int8", -1)])
+@pytest.mark.parametrize(
+    ("dtype", "fill"), [("float64", np.nan), ("int32", -1), ("uint8", 0), ("int8", -1)]
+)
 @pytest.mark.parametrize("shape", [(3, 5), (2, 4), (3, 1)])
 def test_a_chunk_is_written_as_zarr_writes_it(dtype, fill, shape, tmp_path):
-    """Values with edges that fill no whole file, files that hold nothing but the fill value, and files that were there before."""
+    """Values with edges that fill no whole file, files that hold nothing but the fill value, and
+    files that were there before.
+    """
     rng = np.random.default_rng(0)
     values = rng.integers(0, 100, (*shape, 11)).astype(dtype)
     values[..., 4:8] = fill
     codec = zarr.codecs.ZstdCodec(level=COMPRESSION_LEVEL)
     for name in ("zarr", "own"):
         array = zarr.create_array(
-            tmp_path / name, shape=(6, 10, 11), chunks=(3, 5, 4), dtype=dtype, fill_value=fill, compressors=codec
+            tmp_path / name,
+            shape=(6, 10, 11),
+            chunks=(3, 5, 4),
+            dtype=dtype,
+            fill_value=fill,
+            compressors=codec,
         )
         array[3 : 3 + shape[0], 5 : 5 + shape[1]] = rng.integers(1, 9, (*shape, 11)).astype(dtype)
         if name == "zarr":
@@ -82,4 +103,6 @@ def test_a_chunk_is_written_as_zarr_writes_it(dtype, fill, shape, tmp_path):
     files = write_chunk(tmp_path / "own", (1, 1), values, (3, 5, 4), fill)
     assert same_files(tmp_path / "zarr", tmp_path / "own")
     assert [path.name for path in files] == ["0", "2"]
-    np.testing.assert_array_equal(zarr.open_array(tmp_path / "own")[3 : 3 + shape[0], 5 : 5 + shape[1]], values)
+    np.testing.assert_array_equal(
+        zarr.open_array(tmp_path / "own")[3 : 3 + shape[0], 5 : 5 + shape[1]], values
+    )

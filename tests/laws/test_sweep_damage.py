@@ -1,4 +1,6 @@
-"""Files of a sweep's folder that were lost or damaged are noticed when it is opened, and what they held is computed again."""
+"""Files of a sweep's folder that were lost or damaged are noticed when it is opened, and what they
+held is computed again.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,11 @@ def swept(folder: Path) -> Swept:
 
 
 def content(folder: Path) -> dict[str, bytes]:
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
 
 
 @pytest.fixture(scope="module")
@@ -52,14 +58,28 @@ def blank(path: Path) -> None:
     path.write_bytes(bytes(path.stat().st_size))
 
 
-ARRAYS = ["count", "completeness", "position", "quaternion", "joints", "residual", "done", "digest", "leg1", "joint", "axis"]
+ARRAYS = [
+    "count",
+    "completeness",
+    "position",
+    "quaternion",
+    "joints",
+    "residual",
+    "done",
+    "digest",
+    "leg1",
+    "joint",
+    "axis",
+]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("array", ARRAYS)
 @pytest.mark.parametrize("harm", [lose, cut, empty, blank], ids=lambda harm: harm.__name__)
 def test_a_harmed_file_is_written_anew(array, harm, whole, tmp_path) -> None:
-    """Whatever file is harmed and however, the folder holds the same bytes afterwards, and no count is a fill value."""
+    """Whatever file is harmed and however, the folder holds the same bytes afterwards, and no count
+    is a fill value.
+    """
     folder = tmp_path / "s"
     shutil.copytree(whole, folder)
     files = sorted(path for path in (folder / array / "c").rglob("*") if path.is_file())
@@ -114,7 +134,9 @@ def test_a_lost_description_is_said(whole, tmp_path) -> None:
         ("count", "chunk_grid", {"name": "regular", "configuration": {"chunk_shape": [1, 1]}}),
     ],
 )
-def test_a_description_that_says_something_else_is_said(whole, tmp_path, array: str, key: str, value: object) -> None:
+def test_a_description_that_says_something_else_is_said(
+    whole, tmp_path, array: str, key: str, value: object
+) -> None:
     """Numbers are not read as what they are not."""
     folder = tmp_path / "s"
     shutil.copytree(whole, folder)
@@ -131,7 +153,16 @@ def test_the_command_says_what_was_lost(whole, tmp_path, capsys) -> None:
     folder = tmp_path / "s"
     shutil.copytree(whole, folder)
     shutil.rmtree(folder / "count" / "c")
-    options = ["--grid", "leg1=100:160:4,leg2=320:370:3", "-o", str(folder), "--workers", "0", "--chunk", str(CHUNK)]
+    options = [
+        "--grid",
+        "leg1=100:160:4,leg2=320:370:3",
+        "-o",
+        str(folder),
+        "--workers",
+        "0",
+        "--chunk",
+        str(CHUNK),
+    ]
     with pytest.raises(SystemExit) as stop:
         main(["sweep", "zhang2009", *options])
     printed = capsys.readouterr().out

@@ -1,5 +1,6 @@
-"""Sweeps over coordinates told by name: of graphs of links and of limbs, passive joints and poses, with named points, tables and
-pictures."""
+"""Sweeps over coordinates told by name: of graphs of links and of limbs, passive joints and poses,
+with named points, tables and pictures.
+"""
 
 from __future__ import annotations
 
@@ -45,10 +46,12 @@ def command(capsys, *arguments):
 
 def close_turns(one, other):
     """Whether angles in degrees are equal but for whole turns."""
-    return np.allclose(np.exp(1j * np.radians(one)), np.exp(1j * np.radians(other)), rtol=0, atol=1e-7)
+    return np.allclose(
+        np.exp(1j * np.radians(one)), np.exp(1j * np.radians(other)), rtol=0, atol=1e-7
+    )
 
 
-# --- the modes of each point -----------------------------------------------------------------------------------------
+# --- the modes of each point ----------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -57,13 +60,18 @@ def close_turns(one, other):
         ("jansen_leg", {"crank": np.linspace(0, 330, 4)}),
         ("ankle", {"ankle.1": np.linspace(-40, 40, 5), "ankle.2": np.linspace(-40, 40, 4)}),
         ("ankle", {"upper_motor": [0.0, 9.0], "ankle.2": 4.0}),
-        ("excavator_bucket", {"boom": [5.0, 10.0], "stick_cylinder": 60.0, "bucket": [-20.0, 20.0]}),
+        (
+            "excavator_bucket",
+            {"boom": [5.0, 10.0], "stick_cylinder": 60.0, "bucket": [-20.0, 20.0]},
+        ),
         ("pantograph_leg", {"x": [90.0, 100.0], "y": 240.0}),
         ("four_bar", {"follower": np.linspace(-90, 90, 13)}),
     ],
 )
 def test_points_have_the_modes_that_they_have_alone(tmp_path, name, given):
-    """Count, all joints, named points, pose, residual and condition of `symkin.modes` at each point."""
+    """Count, all joints, named points, pose, residual and condition of `symkin.modes` at each
+    point.
+    """
     mechanism = symkin.load(name)
     data = sweep(mechanism, directory=tmp_path / "s", given=given, chunk=7, workers=0).open().load()
     space = make_space_by_name(mechanism, given)
@@ -82,7 +90,9 @@ def test_points_have_the_modes_that_they_have_alone(tmp_path, name, given):
             assert close_turns(flat["joints"][i, k][angular], joints[angular])
             assert np.allclose(flat["joints"][i, k][~angular], joints[~angular], rtol=0, atol=1e-6)
             if mode.points:
-                assert np.allclose(flat["points"][i, k], list(mode.points.values()), rtol=0, atol=1e-6)
+                assert np.allclose(
+                    flat["points"][i, k], list(mode.points.values()), rtol=0, atol=1e-6
+                )
             if mode.has_platform:
                 assert np.allclose(flat["position"][i, k], mode.position, rtol=0, atol=1e-6)
             assert flat["residual"][i, k] < 1e-9 * mechanism.characteristic_length
@@ -90,24 +100,31 @@ def test_points_have_the_modes_that_they_have_alone(tmp_path, name, given):
 
 
 def test_counts_are_those_of_an_independent_solver(tmp_path):
-    """As many modes as random starts in maximal coordinates reach, at points with two, one pair and none."""
+    """As many modes as random starts in maximal coordinates reach, at points with two, one pair and
+    none.
+    """
     angles = [-80.0, -20.0, 10.0, 45.0, 70.0]
-    data = sweep(symkin.load("four_bar"), directory=tmp_path / "s", given={"follower": angles}, workers=0).open()
+    data = sweep(
+        symkin.load("four_bar"), directory=tmp_path / "s", given={"follower": angles}, workers=0
+    ).open()
     graph = read(MECHANISMS / "four_bar.toml", ["follower"])
     for angle, count in zip(angles, data["count"].values.tolist(), strict=True):
         assert len(configurations(graph, {"follower": angle}, 60).x) == count
 
 
 def test_a_tracer_keeps_its_distances(tmp_path):
-    """A point of the coupler is as far from the crank's pin, where that is by the crank's angle, as at the reference, and the
-    coupler curve is closed: a whole turn ends where it began."""
+    """A point of the coupler is as far from the crank's pin, where that is by the crank's angle, as
+    at the reference, and the coupler curve is closed: a whole turn ends where it began.
+    """
     mechanism = symkin.load(four_bar_with_tracer(tmp_path))
     angles = np.linspace(0.0, 360.0, 73)
     data = sweep(mechanism, {"crank": angles}, tmp_path / "s", workers=0).open().load()
     assert data["named_point"].values.tolist() == ["tracer"]
     assert (data["count"].values == 2).all()
     tracer = data["points"].values[:, :, 0]
-    pin = 40.0 * np.stack([np.cos(np.radians(angles)), np.sin(np.radians(angles)), 0 * angles], axis=1)
+    pin = 40.0 * np.stack(
+        [np.cos(np.radians(angles)), np.sin(np.radians(angles)), 0 * angles], axis=1
+    )
     assert np.allclose(np.linalg.norm(tracer - pin[:, None], axis=2), math.dist((40, 95), (0, 40)))
     assert np.allclose(tracer[0], tracer[-1])
 
@@ -116,22 +133,33 @@ def test_all_actuated_joints_by_name_are_the_direct_problem(tmp_path):
     """Of limbs, the arrays of --given with every leg and of --grid are the same."""
     platform = symkin.load("zhang2009")
     legs = dict(zip((c.name for c in platform.actuated), platform.example.joints, strict=True))
-    by_name = sweep(platform, directory=tmp_path / "given", given=legs | {"leg2": [340.0, 345.0]}, workers=0).open().load()
+    by_name = (
+        sweep(
+            platform, directory=tmp_path / "given", given=legs | {"leg2": [340.0, 345.0]}, workers=0
+        )
+        .open()
+        .load()
+    )
     inputs = sweep(platform, {"leg2": [340.0, 345.0]}, tmp_path / "grid", workers=0).open().load()
     assert by_name.attrs["problem"] == inputs.attrs["problem"] == "direct"
     for v in inputs.data_vars:
-        assert np.array_equal(by_name[v].values, inputs[v].values, equal_nan=v not in ("count", "completeness"))
+        assert np.array_equal(
+            by_name[v].values, inputs[v].values, equal_nan=v not in ("count", "completeness")
+        )
 
 
 @pytest.mark.slow
 def test_limbs_are_swept_by_coordinates_of_their_pose(tmp_path):
-    """A 3-RPS by height, azimuth and tilt: every mode has the pose that is told, and the legs' lengths are distances of its ends."""
+    """A 3-RPS by height, azimuth and tilt: every mode has the pose that is told, and the legs'
+    lengths are distances of its ends.
+    """
     given = {"z": [290.0, 300.0], "azimuth": [0.5, 1.5], "tilt": 0.2}
     data = sweep(three_rps(), directory=tmp_path / "s", given=given, workers=0).open().load()
     assert (data["count"].values > 0).all()
     there = np.arange(data.sizes["mode"]) < data["count"].values[..., None]
     assert np.allclose(
-        data["position"].values[..., 2][there], np.broadcast_to(data["z"].values[:, None, None], there.shape)[there]
+        data["position"].values[..., 2][there],
+        np.broadcast_to(data["z"].values[:, None, None], there.shape)[there],
     )
     x, y = (data["quaternion"].values[..., k] for k in (1, 2))
     tilt = np.arccos(np.clip(1.0 - 2.0 * (x * x + y * y), -1.0, 1.0))
@@ -140,17 +168,30 @@ def test_limbs_are_swept_by_coordinates_of_their_pose(tmp_path):
 
 @pytest.mark.slow
 def test_points_that_close_to_the_digits_of_a_file_only(tmp_path):
-    """A Bennett linkage written with six digits: at each point the configuration of least squares, said as sampled, as `modes` has it."""
+    """A Bennett linkage written with six digits: at each point the configuration of least squares,
+    said as sampled, as `modes` has it.
+    """
     text = (MECHANISMS / "bennett.toml").read_text()
     path = tmp_path / "nearly.toml"
     path.write_text(
-        re.sub(r"(point = \[)([-\d.]+)", lambda m: f"{m[1]}{float(m[2]) + (3e-4 if float(m[2]) == 20.0 else 0.0)}", text)
+        re.sub(
+            r"(point = \[)([-\d.]+)",
+            lambda m: f"{m[1]}{float(m[2]) + (3e-4 if float(m[2]) == 20.0 else 0.0)}",
+            text,
+        )
     )
     nearly = symkin.load(path)
-    data = sweep(nearly, directory=tmp_path / "s", given={"input": [20.0, 40.0]}, workers=0).open().load()
+    data = (
+        sweep(nearly, directory=tmp_path / "s", given={"input": [20.0, 40.0]}, workers=0)
+        .open()
+        .load()
+    )
     alone = symkin.modes(nearly, given={"input": 40.0})
     assert data["count"].values.tolist() == [1, 1]
-    assert data["completeness"].attrs["flag_meanings"][int(data["completeness"][1])] == alone.completeness
+    assert (
+        data["completeness"].attrs["flag_meanings"][int(data["completeness"][1])]
+        == alone.completeness
+    )
     assert float(data["residual"][1, 0]) == pytest.approx(alone[0].residual, rel=1e-6)
     assert alone[0].residual > 1e-6
 
@@ -159,15 +200,23 @@ def test_points_that_close_to_the_digits_of_a_file_only(tmp_path):
 def test_poses_of_a_graph_are_swept(tmp_path):
     """A spherical wrist by rotation vectors: eight working modes at each, with that orientation."""
     grid = {"rx": [-8.0, 8.0], "rz": [0.0, 5.0, 10.0]}
-    data = sweep(symkin.load("spherical_wrist"), grid, tmp_path / "s", poses=True, workers=0).open().load()
+    data = (
+        sweep(symkin.load("spherical_wrist"), grid, tmp_path / "s", poses=True, workers=0)
+        .open()
+        .load()
+    )
     assert (data["count"].values == 8).all()
-    turn = np.radians(np.stack(np.meshgrid(grid["rx"], [0.0], grid["rz"], indexing="ij"), axis=-1)[:, 0])
+    turn = np.radians(
+        np.stack(np.meshgrid(grid["rx"], [0.0], grid["rz"], indexing="ij"), axis=-1)[:, 0]
+    )
     half = 0.5 * np.linalg.norm(turn, axis=-1)
     assert np.allclose(data["quaternion"].values[..., 0], np.cos(half)[..., None])
 
 
 def test_a_sweep_goes_on_and_does_not_depend_on_chunks_done_before(tmp_path):
-    """A chunk that is removed is computed again to the same bytes; a sweep with another held value is refused."""
+    """A chunk that is removed is computed again to the same bytes; a sweep with another held value
+    is refused.
+    """
     ankle, given = symkin.load("ankle"), {"ankle.1": np.linspace(-10, 10, 6), "ankle.2": 3.0}
     sweep(ankle, directory=tmp_path / "a", given=given, chunk=2, workers=0)
     sweep(ankle, directory=tmp_path / "b", given=given, chunk=2, workers=0)
@@ -183,7 +232,9 @@ def test_a_sweep_goes_on_and_does_not_depend_on_chunks_done_before(tmp_path):
 
 @pytest.mark.slow
 def test_processes_compute_the_same_arrays(tmp_path):
-    """Two workers and this process write the same files, of a structure that is solved by groups."""
+    """Two workers and this process write the same files, of a structure that is solved by
+    groups.
+    """
     leg, given = symkin.load("jansen_leg"), {"crank": np.linspace(0, 350, 36)}
     sweep(leg, directory=tmp_path / "here", given=given, chunk=9, workers=0)
     sweep(leg, directory=tmp_path / "there", given=given, chunk=9, workers=2)
@@ -192,27 +243,39 @@ def test_processes_compute_the_same_arrays(tmp_path):
 
 @pytest.mark.parametrize("quantity", ["conditioning", "reach"])
 def test_other_quantities_of_a_graph(tmp_path, quantity):
-    """Conditions and distances from singularities are those of the modes; where the follower cannot stand nothing is reached."""
+    """Conditions and distances from singularities are those of the modes; where the follower cannot
+    stand nothing is reached.
+    """
     four_bar, angles = symkin.load("four_bar"), [-80.0, 10.0, 45.0]
-    data = sweep(four_bar, directory=tmp_path / "s", given={"follower": angles}, quantity=quantity, workers=0).open()
+    data = sweep(
+        four_bar, directory=tmp_path / "s", given={"follower": angles}, quantity=quantity, workers=0
+    ).open()
     if quantity == "reach":
         assert data["reached"].values.tolist() == [0, 1, 1]
         return
     alone = symkin.modes(four_bar, given={"follower": 45.0})
     for place, mode in enumerate(alone):
         alone_there = symkin.singularity(mode, given=["follower"]).distances
-        assert float(data["distance_type_2"][2, place]) == pytest.approx(alone_there["type 2"], rel=1e-6)
-        assert float(data["distance_increased"][2, place]) == pytest.approx(alone_there["increased"], rel=1e-6)
+        assert float(data["distance_type_2"][2, place]) == pytest.approx(
+            alone_there["type 2"], rel=1e-6
+        )
+        assert float(data["distance_increased"][2, place]) == pytest.approx(
+            alone_there["increased"], rel=1e-6
+        )
     assert np.isnan(data["distance_type_1"].values).all()
-    assert float(data["least_condition"][2]) == pytest.approx(min(mode.condition for mode in alone), rel=1e-6)
+    assert float(data["least_condition"][2]) == pytest.approx(
+        min(mode.condition for mode in alone), rel=1e-6
+    )
     assert np.isnan(float(data["least_condition"][0]))
 
 
-# --- what a user writes ----------------------------------------------------------------------------------------------
+# --- what a user writes ---------------------------------------------------------------------------
 
 
 def test_given_values_as_text():
-    """NAME=LOW:HIGH:COUNT is swept, NAME=VALUE held, a pose has seven numbers, and a sample takes the ends."""
+    """NAME=LOW:HIGH:COUNT is swept, NAME=VALUE held, a pose has seven numbers, and a sample takes
+    the ends.
+    """
     read_values = read_given("crank=0:90:4,knee=sqrt(4),pose=1,2,3,1,0,0,0", angle_unit="deg")
     assert read_values["crank"].tolist() == [0.0, 30.0, 60.0, 90.0]
     assert read_values["knee"] == 2.0
@@ -223,22 +286,50 @@ def test_given_values_as_text():
 @pytest.mark.parametrize(
     ("mechanism", "arguments", "said"),
     [
-        ("four_bar", [], "nothing is swept"), ("four_bar", ["--given", "crank=10"], "nothing is swept"),
-        ("four_bar", ["--given", "crnk=0:9:3"], "do you mean 'crank'?"), ("four_bar", ["--given", "crank=0:9"], "allowed: NAME=LOW:HIGH:COUNT"),
-        ("four_bar", ["--given", "crank=0:9:2,crank=1"], "twice"), ("four_bar", ["--given", "crank"], "not of the form"),
-        ("four_bar", ["--grid", "follower=0:9:3"], "--given follower"), ("four_bar", ["--given", "crank=0:9:2", "--at", "5"], "at is given"),
-        ("four_bar", ["--given", "crank=0:9:2", "--grid", "crank=0:9:2"], "both"), ("four_bar", ["--given", "crank=0:9:2", "--poses"], "--poses"),
-        ("four_bar", ["--given", "crank=0:9:2,follower=3"], "mobility is 1"), ("four_bar", ["--grid", "x=0:9:2", "--poses"], "no platform link"),
-        ("ankle", ["--given", "ankle.1=0:9:2"], "leaves ankle 1 freedom"), ("ankle", ["--grid", "x=0:9:2", "--poses"], "tie the coordinates"),
+        ("four_bar", [], "nothing is swept"),
+        ("four_bar", ["--given", "crank=10"], "nothing is swept"),
+        ("four_bar", ["--given", "crnk=0:9:3"], "do you mean 'crank'?"),
+        ("four_bar", ["--given", "crank=0:9"], "allowed: NAME=LOW:HIGH:COUNT"),
+        ("four_bar", ["--given", "crank=0:9:2,crank=1"], "twice"),
+        ("four_bar", ["--given", "crank"], "not of the form"),
+        ("four_bar", ["--grid", "follower=0:9:3"], "--given follower"),
+        ("four_bar", ["--given", "crank=0:9:2", "--at", "5"], "at is given"),
+        ("four_bar", ["--given", "crank=0:9:2", "--grid", "crank=0:9:2"], "both"),
+        ("four_bar", ["--given", "crank=0:9:2", "--poses"], "--poses"),
+        ("four_bar", ["--given", "crank=0:9:2,follower=3"], "mobility is 1"),
+        ("four_bar", ["--grid", "x=0:9:2", "--poses"], "no platform link"),
+        ("ankle", ["--given", "ankle.1=0:9:2"], "leaves ankle 1 freedom"),
+        ("ankle", ["--grid", "x=0:9:2", "--poses"], "tie the coordinates"),
         ("ankle", ["--given", "ankle.1=0:9:2,ankle.2=1,pose=0,0,0,1,0,0,0"], "are 6"),
-        ("four_bar", ["--given", "crank=0:9:2", "--plot", "a.png", "--of", "folower"], "do you mean 'follower'?"),
+        (
+            "four_bar",
+            ["--given", "crank=0:9:2", "--plot", "a.png", "--of", "folower"],
+            "do you mean 'follower'?",
+        ),
         ("four_bar", ["--given", "crank=0:9:2", "--of", "follower"], "--plot"),
-        ("four_bar", ["--given", "crank=0:9:2", "--plot", "a.png", "--of", "follower", "--quantity", "reach"], "quantity = 'modes'"),
-        ("jansen_leg", ["--given", "crank=0:9:2", "--plot", "a.png", "--of", "foot,knee"], "points and joints"),
+        (
+            "four_bar",
+            [
+                "--given",
+                "crank=0:9:2",
+                "--plot",
+                "a.png",
+                "--of",
+                "follower",
+                "--quantity",
+                "reach",
+            ],
+            "quantity = 'modes'",
+        ),
+        (
+            "jansen_leg",
+            ["--given", "crank=0:9:2", "--plot", "a.png", "--of", "foot,knee"],
+            "points and joints",
+        ),
         ("jansen_leg", ["--given", "crank=0:9:2", "--csv", "no/such/folder.csv"], "folder"),
         ("excavator_bucket", ["--given", "boom=0:9:2,stick=nan,bucket=1"], "nan"),
     ],
-)  # fmt: skip
+)
 def test_wrong_input_is_one_line(capsys, tmp_path, monkeypatch, mechanism, arguments, said):
     """Status 2, one line that names the mistake, and no folder."""
     monkeypatch.chdir(tmp_path)
@@ -258,13 +349,24 @@ def test_a_mechanism_and_nothing_else_is_refused():
         sweep(symkin.load("four_bar"), given={"crank": [1.0, 0.0]}, directory="s")
 
 
-# --- tables and pictures ---------------------------------------------------------------------------------------------
+# --- tables and pictures --------------------------------------------------------------------------
 
 
 def test_a_table_has_a_row_a_mode(capsys, tmp_path):
     """The foot's path as a CSV file: what is swept, the mode, the point, the joints, once each."""
     folder, table = tmp_path / "s", tmp_path / "foot.csv"
-    code, out, _ = command(capsys, "jansen_leg", "--given", "crank=0:90:4", "-o", folder, "--workers", "0", "--csv", table)
+    code, out, _ = command(
+        capsys,
+        "jansen_leg",
+        "--given",
+        "crank=0:90:4",
+        "-o",
+        folder,
+        "--workers",
+        "0",
+        "--csv",
+        table,
+    )
     assert code == 0
     data = xarray.open_zarr(folder).load()
     rows = list(csv.DictReader(table.read_text().splitlines()))
@@ -280,10 +382,24 @@ def test_a_table_has_a_row_a_mode(capsys, tmp_path):
 
 def test_a_table_of_what_each_point_has(capsys, tmp_path):
     table = tmp_path / "reach.csv"
-    options = ["--quantity", "reach", "-o", tmp_path / "s", "--workers", "0", "--csv", table, "--json"]
+    options = [
+        "--quantity",
+        "reach",
+        "-o",
+        tmp_path / "s",
+        "--workers",
+        "0",
+        "--csv",
+        table,
+        "--json",
+    ]
     code, out, _ = command(capsys, "four_bar", "--given", "follower=-80:40:3", *options)
     assert (code, out[0]) == (0, "{")
-    assert [row["reached"] for row in csv.DictReader(table.read_text().splitlines())] == ["0", "1", "1"]
+    assert [row["reached"] for row in csv.DictReader(table.read_text().splitlines())] == [
+        "0",
+        "1",
+        "1",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -291,11 +407,21 @@ def test_a_table_of_what_each_point_has(capsys, tmp_path):
     [
         ("jansen_leg", {"crank": np.linspace(0, 360, 121)}, ["foot"], ("x [mm]", "y [mm]")),
         ("ankle", {"ankle.1": np.linspace(-9, 9, 5), "ankle.2": 2.0}, ["toe", "heel"], None),
-        ("ankle", {"ankle.1": np.linspace(-9, 9, 5), "ankle.2": np.linspace(0, 9, 3)}, ["upper_motor"], ("ankle.1 [deg]", "upper_motor [deg]")),
-        ("four_bar", {"follower": np.linspace(-80, 80, 9)}, "crank", ("follower [deg]", "crank [deg]")),
+        (
+            "ankle",
+            {"ankle.1": np.linspace(-9, 9, 5), "ankle.2": np.linspace(0, 9, 3)},
+            ["upper_motor"],
+            ("ankle.1 [deg]", "upper_motor [deg]"),
+        ),
+        (
+            "four_bar",
+            {"follower": np.linspace(-80, 80, 9)},
+            "crank",
+            ("follower [deg]", "crank [deg]"),
+        ),
         ("four_bar", {"follower": [-85.0, -80.0]}, "crank", ("follower [deg]", "crank [deg]")),
     ],
-)  # fmt: skip
+)
 def test_pictures_of_points_and_joints(tmp_path, name, given, of, axes):
     """Every mode is drawn, and the assembly that the file describes as a line."""
     swept = sweep(symkin.load(name), directory=tmp_path / "s", given=given, workers=0)
@@ -314,15 +440,23 @@ def test_pictures_of_points_and_joints(tmp_path, name, given, of, axes):
 
 
 def test_a_map_says_what_is_held(tmp_path):
-    """The default picture of two ranges: counts over them, the title with what is given, the held value below it."""
+    """The default picture of two ranges: counts over them, the title with what is given, the held
+    value below it.
+    """
     given = {"boom": np.linspace(0, 10, 3), "stick": np.linspace(-20, 0, 3), "bucket": 20.0}
-    figure = sweep(symkin.load("excavator_bucket"), directory=tmp_path / "s", given=given, workers=0).plot()
+    figure = sweep(
+        symkin.load("excavator_bucket"), directory=tmp_path / "s", given=given, workers=0
+    ).plot()
     assert "given boom, stick, bucket" in figure.get_suptitle()
     assert figure.axes[0].get_title() == "at bucket = 20 deg"
 
 
 def test_a_folder_of_another_form_is_kept(tmp_path):
-    """The path of a sweep's table is written whole or not at all; a sweep's folder is never a table."""
-    swept = sweep(symkin.load("four_bar"), directory=tmp_path / "s", given={"crank": [0.0, 9.0]}, workers=0)
+    """The path of a sweep's table is written whole or not at all; a sweep's folder is never a
+    table.
+    """
+    swept = sweep(
+        symkin.load("four_bar"), directory=tmp_path / "s", given={"crank": [0.0, 9.0]}, workers=0
+    )
     with pytest.raises(InputError, match="cannot be written"):
         swept.write_csv(Path(tmp_path / "s"))

@@ -1,4 +1,6 @@
-"""Ctrl-C within a call of Zarr waits for it, and processes that are being started do not hear it."""
+"""Ctrl-C within a call of Zarr waits for it, and processes that are being started do not hear
+it.
+"""
 
 import os
 import signal
@@ -33,11 +35,16 @@ def ctrl_c():
 
 
 def test_a_chunk_is_written_whole_when_ctrl_c_comes_meanwhile(tmp_path, monkeypatch):
-    """Ctrl-C in the middle of the first of a chunk's arrays: the chunk and its mark are written, then the sweep is
-    interrupted. (Cut short, Zarr's thread went on into the end of the process and complained there.)"""
+    """Ctrl-C in the middle of the first of a chunk's arrays: the chunk and its mark are written,
+    then the sweep is interrupted. (Cut short, Zarr's thread went on into the end of the process and
+    complained there.)
+    """
     local = pytest.importorskip("zarr.storage._local")
     mechanism = symkin.load("zhao2000")
-    plan = make_plan(make_space(mechanism, {"op": np.linspace(90, 120, 4)}, at=[81.6, 202.8, 330.6, 105.2]), chunk=4)
+    plan = make_plan(
+        make_space(mechanism, {"op": np.linspace(90, 120, 4)}, at=[81.6, 202.8, 330.6, 105.2]),
+        chunk=4,
+    )
     finder = plan.finder()
     pinned = plan.pinned(finder)
     store: Store = open_store(tmp_path / "s", plan, pinned, finder.bound)
@@ -75,7 +82,9 @@ def interrupted_twice(reached):
 
 
 def test_interrupts_wait_once():
-    """The block ends before the first Ctrl-C is heard; the second is heard at once; afterwards all is as before."""
+    """The block ends before the first Ctrl-C is heard; the second is heard at once; afterwards all
+    is as before.
+    """
     former = signal.getsignal(signal.SIGINT)
     for function, expected in ((interrupted_once, ["end"]), (interrupted_twice, ["middle"])):
         reached = []
@@ -106,10 +115,16 @@ def interrupted_while_starting(reached):
 
 
 def test_started_processes_do_not_hear_ctrl_c():
-    """A process started in the block lives through SIGINT; one that comes to this process meanwhile is heard after it."""
+    """A process started in the block lives through SIGINT; one that comes to this process meanwhile
+    is heard after it.
+    """
     with interrupts_kept_from_children():
         child = subprocess.Popen(
-            [sys.executable, "-c", "import time; print('up', flush=True); time.sleep(0.5); print('alive')"],
+            [
+                sys.executable,
+                "-c",
+                "import time; print('up', flush=True); time.sleep(0.5); print('alive')",
+            ],
             stdout=subprocess.PIPE,
             text=True,
         )

@@ -1,5 +1,6 @@
-"""Loci over the map of a sweep: where neighbouring cells have other counts of modes a curve passes between them; another plane is
-refused."""
+"""Loci over the map of a sweep: where neighbouring cells have other counts of modes a curve passes
+between them; another plane is refused.
+"""
 
 from functools import cache
 from itertools import pairwise
@@ -17,18 +18,31 @@ from symkin import InputError
 
 HERE = [81.6, 202.8, 330.6, 105.2]
 CASES = {
-    "zhao2000": {"grid": {"theta1": np.linspace(40.0, 130.0, 19), "op": np.linspace(10.0, 170.0, 17)}},
-    "ankle": {"given": {"upper_motor": np.linspace(-60.0, 60.0, 13), "lower_motor": np.linspace(-60.0, 60.0, 13)}},
+    "zhao2000": {
+        "grid": {"theta1": np.linspace(40.0, 130.0, 19), "op": np.linspace(10.0, 170.0, 17)}
+    },
+    "ankle": {
+        "given": {
+            "upper_motor": np.linspace(-60.0, 60.0, 13),
+            "lower_motor": np.linspace(-60.0, 60.0, 13),
+        }
+    },
 }
 
 
 @cache
 def swept(name):
-    return symkin.sweep(symkin.load(name), directory=Path(mkdtemp()) / "s", workers=0, **CASES[name])
+    return symkin.sweep(
+        symkin.load(name), directory=Path(mkdtemp()) / "s", workers=0, **CASES[name]
+    )
 
 
 def curves_of(figure):
-    return [line.get_xydata() for line in figure.axes[0].get_lines() if str(line.get_gid()).startswith("locus")]
+    return [
+        line.get_xydata()
+        for line in figure.axes[0].get_lines()
+        if str(line.get_gid()).startswith("locus")
+    ]
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -58,12 +72,16 @@ def test_given_loci_are_drawn_in_either_order_of_their_plane():
     ranges = {"theta1": (40.0, 130.0), "op": (10.0, 170.0)}
     found = {}
     for names in (("theta1", "op"), ("op", "theta1")):
-        loci = symkin.singular_loci(here, names, ranges=[ranges[n] for n in names], kinds=("type 2",), starts=60)
+        loci = symkin.singular_loci(
+            here, names, ranges=[ranges[n] for n in names], kinds=("type 2",), starts=60
+        )
         figure = figure_of_sweep(swept("zhao2000"), loci=loci)
         points = np.vstack(curves_of(figure))
         for column, (low, high) in zip(points.T, ranges.values(), strict=True):
             # curves are traced to their first point beyond the window
-            assert low - 0.05 * (high - low) < column.min() < column.max() < high + 0.05 * (high - low)
+            assert (
+                low - 0.05 * (high - low) < column.min() < column.max() < high + 0.05 * (high - low)
+            )
         found[names] = len(curves_of(figure))
         assert [text.get_text() for text in figure.legends[0].get_texts()] == ["singular, type 2"]
     assert len(set(found.values())) == 1
@@ -80,8 +98,14 @@ def test_loci_of_another_plane_are_refused():
             symkin.singular_loci(here, ("theta1", "theta2"), starts=2),
             "the loci are over theta1, theta2 and the map over theta1, op",
         ),
-        (symkin.singular_loci(moved, ("theta1", "op"), ranges=window, starts=2), "other values than the map"),
-        (symkin.singular_loci(other, ("upper_motor", "lower_motor"), starts=2), "the loci are of ankle and the map of zhao2000"),
+        (
+            symkin.singular_loci(moved, ("theta1", "op"), ranges=window, starts=2),
+            "other values than the map",
+        ),
+        (
+            symkin.singular_loci(other, ("upper_motor", "lower_motor"), starts=2),
+            "the loci are of ankle and the map of zhao2000",
+        ),
     ):
         with pytest.raises(InputError, match="plot: ") as caught:
             swept("zhao2000").plot(loci=loci)
@@ -93,18 +117,31 @@ def test_loci_of_another_plane_are_refused():
 def test_over_one_value_loci_are_lines(tmp_path):
     """The dead centres of a four-bar linkage, where its follower drives."""
     found = symkin.sweep(
-        symkin.load("four_bar"), given={"follower": np.linspace(0.0, 180.0, 19)}, directory=tmp_path / "s", workers=0
+        symkin.load("four_bar"),
+        given={"follower": np.linspace(0.0, 180.0, 19)},
+        directory=tmp_path / "s",
+        workers=0,
     )
     places = sorted(float(points[0, 0]) for points in curves_of(figure_of_sweep(found, loci=True)))
     data = found.open()
     count, follower = data["count"].values, data["follower"].values
     changes = np.flatnonzero(np.diff(count))
     assert len(places) == len(changes) == 2
-    assert all(follower[k] <= place <= follower[k + 1] for k, place in zip(changes, places, strict=True))
+    assert all(
+        follower[k] <= place <= follower[k + 1] for k, place in zip(changes, places, strict=True)
+    )
 
 
 def test_loci_over_poses_of_a_graph_are_refused_before_the_sweep(tmp_path, capsys):
-    words = ["sweep", "delta_parallelograms", "--poses", "--grid", "x=-10:10:3,y=-10:10:3", "-o", tmp_path / "s"]
+    words = [
+        "sweep",
+        "delta_parallelograms",
+        "--poses",
+        "--grid",
+        "x=-10:10:3,y=-10:10:3",
+        "-o",
+        tmp_path / "s",
+    ]
     status, _, err = run(capsys, *words, "--plot", tmp_path / "a.png", "--loci")
     assert status == 2
     assert "whose loci are traced over joints" in err
@@ -112,7 +149,9 @@ def test_loci_over_poses_of_a_graph_are_refused_before_the_sweep(tmp_path, capsy
 
 
 def test_points_of_the_loci_are_named(tmp_path):
-    """A five-bar with equal rods turns as one where both cranks' ends meet (two points of the plane of its cranks)."""
+    """A five-bar with equal rods turns as one where both cranks' ends meet (two points of the plane
+    of its cranks).
+    """
     mechanism = five_bar()
     axes = {"q1": np.linspace(-180.0, 180.0, 13), "q2": np.linspace(-180.0, 180.0, 13)}
     figure = figure_of_sweep(symkin.sweep(mechanism, axes, tmp_path / "s", workers=0), loci=True)
@@ -121,7 +160,16 @@ def test_points_of_the_loci_are_named(tmp_path):
 
 
 def test_the_command_lays_them_over(tmp_path, capsys):
-    words = ["sweep", "ankle", "--given", "upper_motor=-60:60:9,lower_motor=-60:60:9", "-o", tmp_path / "s", "--workers", "0"]
+    words = [
+        "sweep",
+        "ankle",
+        "--given",
+        "upper_motor=-60:60:9,lower_motor=-60:60:9",
+        "-o",
+        tmp_path / "s",
+        "--workers",
+        "0",
+    ]
     status, text, _ = run(capsys, *words, "--plot", tmp_path / "a.pdf", "--loci")
     assert status == 0
     assert "a.pdf" in text

@@ -26,7 +26,9 @@ def test_chunks_cover_every_point_once(shape, chunk):
 
 @given(st.lists(st.integers(1, 5), min_size=2, max_size=2), st.integers(1, 30))
 def test_grid_points_are_the_product_of_the_axes(counts, chunk):
-    """Point (i, j) of a grid has the i-th value of the first axis and the j-th of the second, however it is cut."""
+    """Point (i, j) of a grid has the i-th value of the first axis and the j-th of the second,
+    however it is cut.
+    """
     first, second = (np.linspace(0, 10, n) if n > 1 else np.array([5.0]) for n in counts)
     space = make_space(five_bar(), {"q1": first, "q2": second})
     blocks, made = Blocks(space.shape, chunk), np.full((*space.shape, 2), np.nan)
@@ -38,38 +40,63 @@ def test_grid_points_are_the_product_of_the_axes(counts, chunk):
 
 
 def test_random_points_do_not_depend_on_chunks():
-    """A random point depends on the seed and its place; all lie within the bounds and differ between seeds."""
+    """A random point depends on the seed and its place; all lie within the bounds and differ
+    between seeds.
+    """
     space = make_space(five_bar(), {"q1": (-10, 10), "q2": (5, 6)}, sample=50, seed=3)
     whole = space.points((slice(0, 50),))
     assert np.array_equal(
-        np.concatenate([space.points((slice(i, i + 7 if i < 49 else 50),)) for i in range(0, 50, 7)])[:50], whole
+        np.concatenate(
+            [space.points((slice(i, i + 7 if i < 49 else 50),)) for i in range(0, 50, 7)]
+        )[:50],
+        whole,
     )
     assert (whole >= [-10, 5]).all()
     assert (whole <= [10, 6]).all()
     assert not np.array_equal(
-        whole, make_space(five_bar(), {"q1": (-10, 10), "q2": (5, 6)}, sample=50, seed=4).points((slice(0, 50),))
+        whole,
+        make_space(five_bar(), {"q1": (-10, 10), "q2": (5, 6)}, sample=50, seed=4).points(
+            (slice(0, 50),)
+        ),
     )
 
 
 def test_what_is_not_swept_keeps_its_value():
-    """Inputs that are not swept have the value of `at`, else the example's, else the reference's."""
+    """Inputs that are not swept have the value of `at`, else the example's, else the
+    reference's.
+    """
     platform = symkin.load("zhang2009")
     legs = list(platform.example.joints)
-    assert make_space(platform, {"leg2": [5.0]}).given([7.0]) == {"joints": [legs[0], 7.0, *legs[2:]]}
-    assert make_space(platform, {"leg2": [5.0]}, at=[1, 2, 3, 4, 5, 6]).given([7.0]) == {"joints": [1, 7, 3, 4, 5, 6]}
-    assert make_space(five_bar(), {"q1": [5.0]}).given([7.0])["joints"] == pytest.approx([7.0, 90.0])
+    assert make_space(platform, {"leg2": [5.0]}).given([7.0]) == {
+        "joints": [legs[0], 7.0, *legs[2:]]
+    }
+    assert make_space(platform, {"leg2": [5.0]}, at=[1, 2, 3, 4, 5, 6]).given([7.0]) == {
+        "joints": [1, 7, 3, 4, 5, 6]
+    }
+    assert make_space(five_bar(), {"q1": [5.0]}).given([7.0])["joints"] == pytest.approx(
+        [7.0, 90.0]
+    )
 
 
 @given(st.lists(st.floats(-200, 200), min_size=3, max_size=3))
 def test_rotation_vectors_turn_the_pose_in_the_base_frame(turn):
     """R = exp([r]) R_at, with r in the file's angle unit; x, y, z replace those of `at`."""
     at = [1, 2, 3, 0.5, -0.5, 0.5, 0.5]
-    space = make_space(symkin.load("zhang2009"), {"y": [0.0], "rx": [0.0], "ry": [0.0], "rz": [0.0]}, poses=True, at=at)
+    space = make_space(
+        symkin.load("zhang2009"),
+        {"y": [0.0], "rx": [0.0], "ry": [0.0], "rz": [0.0]},
+        poses=True,
+        at=at,
+    )
     pose = space.given([9.0, *turn])["pose"]
     r = np.radians(turn)
     angle = float(np.linalg.norm(r))
     k = np.array([[0, -r[2], r[1]], [r[2], 0, -r[0]], [-r[1], r[0], 0]])
-    exp = np.eye(3) + np.sinc(angle / math.pi) * k + 0.5 * np.sinc(angle / (2 * math.pi)) ** 2 * (k @ k)
+    exp = (
+        np.eye(3)
+        + np.sinc(angle / math.pi) * k
+        + 0.5 * np.sinc(angle / (2 * math.pi)) ** 2 * (k @ k)
+    )
     assert np.allclose(pose.position, [1, 9, 3])
     assert np.allclose(pose.rotation, exp @ ball_turn(at[3:]), atol=1e-12)
 
@@ -85,23 +112,33 @@ def test_ranges_as_text():
 
 
 def test_ranges_may_be_arithmetic():
-    """Bounds and values are the numbers of mechanism files: sin, cos and tan in the file's angle unit."""
+    """Bounds and values are the numbers of mechanism files: sin, cos and tan in the file's angle
+    unit.
+    """
     found = read_ranges("a=-pi/2:2*pi:5,b=sqrt(16)", angle_unit="rad")
     assert np.array_equal(found["a"], np.linspace(-math.pi / 2, 2 * math.pi, 5))
     assert found["b"] == [4.0]
-    assert read_ranges("a=cos(60):sin(90)", sampled=True, angle_unit="deg")["a"] == pytest.approx([0.5, 1.0])
+    assert read_ranges("a=cos(60):sin(90)", sampled=True, angle_unit="deg")["a"] == pytest.approx(
+        [0.5, 1.0]
+    )
     assert read_values("a=2*sin(pi/6)", "slice", angle_unit="rad") == pytest.approx({"a": 1.0})
 
 
 @pytest.mark.parametrize(
     ("slices", "sampled", "said"),
     [
-        ({"a": 70.0}, False, "a = 70 lies outside.*0 to 10"), ({"a": -1e-6}, False, "outside"), ({"b": 1.0}, False, "'b' is not swept.*a, c"),
-        ({"c": 4.0}, False, "outside.*allowed: 5$"), ({"a": float("nan")}, False, "outside"), ({"a": 1.0}, True, "no slices"),
+        ({"a": 70.0}, False, "a = 70 lies outside.*0 to 10"),
+        ({"a": -1e-6}, False, "outside"),
+        ({"b": 1.0}, False, "'b' is not swept.*a, c"),
+        ({"c": 4.0}, False, "outside.*allowed: 5$"),
+        ({"a": float("nan")}, False, "outside"),
+        ({"a": 1.0}, True, "no slices"),
     ],
-)  # fmt: skip
+)
 def test_slices_that_are_refused(slices, sampled, said):
-    """A slice lies on a swept axis, within its values; the last digits of arithmetic do not matter."""
+    """A slice lies on a swept axis, within its values; the last digits of arithmetic do not
+    matter.
+    """
     swept = {"a": np.array([0.0, 5.0, 10.0]), "c": np.array([5.0])}
     with pytest.raises(InputError, match=said):
         check_slices(slices, swept, sampled=sampled)
@@ -111,12 +148,25 @@ def test_slices_that_are_refused(slices, sampled, said):
 @pytest.mark.parametrize(
     ("text", "sampled", "said"),
     [
-        ("a=2:1:5", False, "reversed"), ("a=2:1", True, "reversed"), ("a=1:2:0", False, "0 values"), ("a=1:2:-3", False, "-3 values"),
-        ("a=1:2:1", False, "one value"), ("a=1:1:4", False, "one value"), ("a=1:2:2.5", False, "whole number"),
-        ("a=nan:2:3", False, "finite"), ("a=inf", False, "finite"), ("a=x", False, "not a number"), ("a=1/0", False, "no value"), ("a=1:2", False, "COUNT"),
-        ("a=1:2:3", True, "NAME=LOW:HIGH"), ("a", False, "form"), ("", False, "form"), ("=1", False, "form"), ("a=1,a=2", False, "twice"),
+        ("a=2:1:5", False, "reversed"),
+        ("a=2:1", True, "reversed"),
+        ("a=1:2:0", False, "0 values"),
+        ("a=1:2:-3", False, "-3 values"),
+        ("a=1:2:1", False, "one value"),
+        ("a=1:1:4", False, "one value"),
+        ("a=1:2:2.5", False, "whole number"),
+        ("a=nan:2:3", False, "finite"),
+        ("a=inf", False, "finite"),
+        ("a=x", False, "not a number"),
+        ("a=1/0", False, "no value"),
+        ("a=1:2", False, "COUNT"),
+        ("a=1:2:3", True, "NAME=LOW:HIGH"),
+        ("a", False, "form"),
+        ("", False, "form"),
+        ("=1", False, "form"),
+        ("a=1,a=2", False, "twice"),
     ],
-)  # fmt: skip
+)
 def test_ranges_that_are_refused(text, sampled, said):
     """Each mistake is a sentence that names it."""
     with pytest.raises(InputError, match=said):
@@ -126,15 +176,25 @@ def test_ranges_that_are_refused(text, sampled, said):
 @pytest.mark.parametrize(
     ("ranges", "options", "said"),
     [
-        ({"leg9": [1.0]}, {}, "no 'leg9'.*leg1, leg2"), ({"x": [1.0]}, {}, "--poses"), ({"leg1": [1.0]}, {"poses": True}, "x, y, z, rx"),
-        ({}, {}, "nothing is swept"), ({"leg1": []}, {}, "no values"), ({"leg1": [1, float("nan")]}, {}, "not finite"),
-        ({"leg1": [2, 1]}, {}, "do not rise"), ({"leg1": [1, 1]}, {}, "do not rise"), ({"leg1": [-1, 1]}, {}, "length -1"),
-        ({"leg1": ["a"]}, {}, "no list of numbers"), ({"leg1": [1, 2, 3]}, {"sample": 4}, "least and the largest"),
-        ({"leg1": [1, 2]}, {"sample": 0}, "random = 0"), ({"leg1": [1, 2]}, {"seed": -1}, "seed"), ({"leg1": [2, 1]}, {"sample": 4}, "reversed"),
-        ({"leg1": [1]}, {"at": [1, 2]}, "at: 2 values"), ({"x": [1]}, {"at": [1, 2], "poses": True}, "at: 2 values"),
+        ({"leg9": [1.0]}, {}, "no 'leg9'.*leg1, leg2"),
+        ({"x": [1.0]}, {}, "--poses"),
+        ({"leg1": [1.0]}, {"poses": True}, "x, y, z, rx"),
+        ({}, {}, "nothing is swept"),
+        ({"leg1": []}, {}, "no values"),
+        ({"leg1": [1, float("nan")]}, {}, "not finite"),
+        ({"leg1": [2, 1]}, {}, "do not rise"),
+        ({"leg1": [1, 1]}, {}, "do not rise"),
+        ({"leg1": [-1, 1]}, {}, "length -1"),
+        ({"leg1": ["a"]}, {}, "no list of numbers"),
+        ({"leg1": [1, 2, 3]}, {"sample": 4}, "least and the largest"),
+        ({"leg1": [1, 2]}, {"sample": 0}, "random = 0"),
+        ({"leg1": [1, 2]}, {"seed": -1}, "seed"),
+        ({"leg1": [2, 1]}, {"sample": 4}, "reversed"),
+        ({"leg1": [1]}, {"at": [1, 2]}, "at: 2 values"),
+        ({"x": [1]}, {"at": [1, 2], "poses": True}, "at: 2 values"),
         ({"leg1": np.arange(1e5), "leg2": np.arange(1e5)}, {}, "10000000000 points"),
     ],
-)  # fmt: skip
+)
 def test_spaces_that_are_refused(ranges, options, said):
     """Each mistake is a sentence that names it, before anything is computed."""
     with pytest.raises(InputError, match=said):
@@ -142,12 +202,17 @@ def test_spaces_that_are_refused(ranges, options, said):
 
 
 def test_joints_may_have_the_names_of_arrays():
-    """Labels of axes are distinct, no array's or dimension's own, and hold no separator of paths."""
+    """Labels of axes are distinct, no array's or dimension's own, and hold no separator of
+    paths.
+    """
     made = labels(["count", "leg1", "a/b", "a b", ".x", "joint.count"])
     assert made[:2] == ["joint.count", "leg1"]
     assert len(set(made)) == 6
     assert not any("/" in name or name.startswith(".") for name in made)
     arm = Mechanism(
-        "arm", [Limb("l", [Joint("mode", "R", (0, 0, 0), Z, actuated=True)])], serial=True, platform_position=(1, 0, 0)
+        "arm",
+        [Limb("l", [Joint("mode", "R", (0, 0, 0), Z, actuated=True)])],
+        serial=True,
+        platform_position=(1, 0, 0),
     )
     assert make_space(arm, {"mode": [0.0, 1.0]}).shape == (2,)

@@ -1,4 +1,6 @@
-"""The folder of a sweep: labelled arrays that hold what `symkin.modes` finds, resumed bit for bit, never overwritten."""
+"""The folder of a sweep: labelled arrays that hold what `symkin.modes` finds, resumed bit for bit,
+never overwritten.
+"""
 
 import errno
 import math
@@ -59,7 +61,9 @@ class Backwards(ThreadPoolExecutor):
 
 
 def test_arrays_hold_the_modes(tmp_path):
-    """At each grid point the arrays have the count, poses and joints of `symkin.modes`, and NaN beyond."""
+    """At each grid point the arrays have the count, poses and joints of `symkin.modes`, and NaN
+    beyond.
+    """
     swept = sweep(PLATFORM, GRID, tmp_path / "s", workers=0, chunk=7)
     data = swept.open().load()
     assert data["count"].dims == ("leg1", "leg2")
@@ -69,7 +73,9 @@ def test_arrays_hold_the_modes(tmp_path):
     assert swept.points == sum(swept.points_by_count.values()) == 40
     for i, j in [(0, 0), (3, 2), (7, 4)]:
         point = data.isel(leg1=i, leg2=j)
-        alone = symkin.modes(PLATFORM, joints=[GRID["leg1"][i], GRID["leg2"][j], *PLATFORM.example.joints[2:]])
+        alone = symkin.modes(
+            PLATFORM, joints=[GRID["leg1"][i], GRID["leg2"][j], *PLATFORM.example.joints[2:]]
+        )
         assert int(point["count"]) == len(alone)
         for k, mode in enumerate(alone):
             assert np.allclose(point.position[k], mode.position, atol=1e-8)
@@ -95,8 +101,9 @@ def test_opening_gives_no_warning(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize(("after", "engine"), [(1, ""), (4, "numpy")])
 def test_interrupted_sweeps_go_on_bit_for_bit(tmp_path, monkeypatch, after, engine):
-    """A sweep that stopped goes on with the chunks that are left, and its files equal an uninterrupted one's, with either
-    engine."""
+    """A sweep that stopped goes on with the chunks that are left, and its files equal an
+    uninterrupted one's, with either engine.
+    """
     monkeypatch.setenv("SYMKIN_ENGINE", engine)
     sweep(PLATFORM, GRID, tmp_path / "whole", workers=0, chunk=7)
     with pytest.raises(KeyboardInterrupt):
@@ -109,7 +116,9 @@ def test_interrupted_sweeps_go_on_bit_for_bit(tmp_path, monkeypatch, after, engi
 
 
 def test_half_written_chunks_are_computed_again(tmp_path):
-    """Data without its mark, leftovers of a write and arrays of unequal length are what a kill can leave: all is mended."""
+    """Data without its mark, leftovers of a write and arrays of unequal length are what a kill can
+    leave: all is mended.
+    """
     import zarr
 
     sweep(PLATFORM, GRID, tmp_path / "whole", workers=0, chunk=7)
@@ -122,11 +131,15 @@ def test_half_written_chunks_are_computed_again(tmp_path):
     (leftover.parent / "0.abc.partial").write_bytes(b"half")
     assert sweep(PLATFORM, GRID, tmp_path / "torn", workers=0, chunk=7).computed == 2
     assert same_files(tmp_path / "whole" / "position", tmp_path / "torn" / "position")
-    assert (tmp_path / "whole" / "zarr.json").read_bytes() == (tmp_path / "torn" / "zarr.json").read_bytes()
+    assert (tmp_path / "whole" / "zarr.json").read_bytes() == (
+        tmp_path / "torn" / "zarr.json"
+    ).read_bytes()
 
 
 def test_order_of_completion_leaves_no_trace(tmp_path):
-    """Chunks that are done in another order, and the growth of the array of modes with them, give the same files."""
+    """Chunks that are done in another order, and the growth of the array of modes with them, give
+    the same files.
+    """
     grid = {"leg1": np.linspace(110, 150, 6), "leg2": [347.0, 350.0]}
     sweep(PLATFORM, grid, tmp_path / "a", workers=0, chunk=1)
     sweep(PLATFORM, grid, tmp_path / "b", executor=Backwards(), chunk=1)
@@ -139,65 +152,99 @@ def test_one_point_and_axes_of_one_value(tmp_path):
     """A sweep of one point is a sweep; an axis of one value keeps its dimension."""
     data = sweep(PLATFORM, ONE, tmp_path / "one", workers=0).open()
     assert data["count"].shape == (1,)
-    data = sweep(PLATFORM, {"leg1": [140.0], "leg2": [340.0, 347.0]}, tmp_path / "two", workers=0).open()
+    data = sweep(
+        PLATFORM, {"leg1": [140.0], "leg2": [340.0, 347.0]}, tmp_path / "two", workers=0
+    ).open()
     assert data["count"].dims == ("leg1", "leg2")
     assert data["count"].shape == (1, 2)
 
 
 def test_samples_are_labelled_by_point(tmp_path):
     """A random sample has the dimension `point`, and the swept values as its coordinates."""
-    data = sweep(PLATFORM, {"leg1": (140, 150), "leg2": (340, 350)}, tmp_path / "s", random=9, seed=1, workers=0).open().load()
+    data = (
+        sweep(
+            PLATFORM,
+            {"leg1": (140, 150), "leg2": (340, 350)},
+            tmp_path / "s",
+            random=9,
+            seed=1,
+            workers=0,
+        )
+        .open()
+        .load()
+    )
     assert data["count"].dims == ("point",)
     assert {"leg1", "leg2"} <= set(data.coords)
     assert np.allclose(data.joints.sel(joint="leg1").values[:, 0], data.leg1.values)
 
 
 def test_points_without_solution_and_off_the_motion(tmp_path):
-    """Out of reach, or off a restricted motion, the count is 0, and completeness tells them apart."""
+    """Out of reach, or off a restricted motion, the count is 0, and completeness tells them
+    apart.
+    """
     beyond = sweep(PLATFORM, {"leg1": [140.0, 1000.0]}, tmp_path / "a", workers=0).open().load()
     assert beyond["count"].values.tolist() == [4, 0]
     assert set(np.array(COMPLETENESS)[beyond.completeness.values]) == {"probability one"}
     restricted = symkin.load("zhao2000")
-    turned = sweep(restricted, {"rz": [0.0, 90.0]}, tmp_path / "b", poses=True, workers=0).open().load()
+    turned = (
+        sweep(restricted, {"rz": [0.0, 90.0]}, tmp_path / "b", poses=True, workers=0).open().load()
+    )
     assert turned["count"].values.tolist() == [8, 8]
     assert set(np.array(COMPLETENESS)[turned.completeness.values]) == {"probability one"}
     assert turned.rz.attrs["units"] == "deg"
     tilted = Pose(np.array([0.0, 0.0, 100.0]), np.array([math.cos(0.2), math.sin(0.2), 0.0, 0.0]))
-    found = make_plan(make_space(restricted, {"z": [100.0]}, poses=True)).finder().enumerate([{"pose": tilted}])
+    found = (
+        make_plan(make_space(restricted, {"z": [100.0]}, poses=True))
+        .finder()
+        .enumerate([{"pose": tilted}])
+    )
     assert found.count.tolist() == [0]
     assert [COMPLETENESS[code] for code in found.completeness] == ["off the motion"]
 
 
 def test_conditioning_and_reach(tmp_path):
-    """Each mode's distances from singularities are those of its own configuration, the best and worst condition those of the
-    listed modes; an input is reached where some mode lies within limits."""
+    """Each mode's distances from singularities are those of its own configuration, the best and
+    worst condition those of the listed modes; an input is reached where some mode lies within
+    limits.
+    """
     grid = {"leg1": [120.0, 140.0, 1000.0]}
     whole = sweep(PLATFORM, grid, tmp_path / "m", workers=0).open().load()
     best = sweep(PLATFORM, grid, tmp_path / "c", quantity="conditioning", workers=0).open().load()
-    assert np.array_equal(whole.condition.min("mode").values, best.least_condition.values, equal_nan=True)
-    assert np.array_equal(whole.condition.max("mode").values, best.largest_condition.values, equal_nan=True)
+    assert np.array_equal(
+        whole.condition.min("mode").values, best.least_condition.values, equal_nan=True
+    )
+    assert np.array_equal(
+        whole.condition.max("mode").values, best.largest_condition.values, equal_nan=True
+    )
     assert "position" not in best
     for k in range(4):
         alone = symkin.modes(PLATFORM, joints=[140.0, *PLATFORM.example.joints[1:]])[k]
         for kind, expected in classify(alone).distances.items():
-            assert float(best[f"distance_{kind.replace(' ', '_')}"][1, k]) == pytest.approx(expected, abs=1e-9)
+            assert float(best[f"distance_{kind.replace(' ', '_')}"][1, k]) == pytest.approx(
+                expected, abs=1e-9
+            )
     assert np.isnan(best.distance_type_2.values[2]).all()
     reach = sweep(PLATFORM, grid, tmp_path / "r", quantity="reach", workers=0).open().load()
     assert np.array_equal(reach.reached.values == 1, whole["count"].values > 0)
     assert np.array_equal(reach.count_within_limits.values, whole["count"].values)
 
 
-# --- refusals ----------------------------------------------------------------------------------------------------
+# --- refusals -------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"chunk": 8}, "chunk is 7 there and 8 here"), ({"seed": 1}, "seed is 0 there and 1 here"), ({"quantity": "reach"}, "quantity"),
-        ({"certify": True}, "certify"), ({"at": [1, 2, 3, 4, 5, 6]}, "base"), ({"random": 4}, "axes"), ({"starts": 5}, "starts is 2000"),
+        ({"chunk": 8}, "chunk is 7 there and 8 here"),
+        ({"seed": 1}, "seed is 0 there and 1 here"),
+        ({"quantity": "reach"}, "quantity"),
+        ({"certify": True}, "certify"),
+        ({"at": [1, 2, 3, 4, 5, 6]}, "base"),
+        ({"random": 4}, "axes"),
+        ({"starts": 5}, "starts is 2000"),
     ],
-)  # fmt: skip
+)
 def test_other_options_are_refused(tmp_path, options, said):
     """Another sweep in the folder is refused by what differs, and the folder left as it was."""
     grid = {"leg1": [140.0, 150.0], "leg2": [340.0, 347.0]}
@@ -215,7 +262,9 @@ def test_changed_mechanisms_and_axes_are_refused(tmp_path, monkeypatch):
     changed = replace(PLATFORM, platform_position=(0.0, 0.0, 1.0))
     with pytest.raises(InputError, match="the file of zhang2009 has changed"):
         sweep(changed, grid, tmp_path / "s", workers=0)
-    with pytest.raises(InputError, match=r"axes are leg1 \(2 values from 140.0 to 150.0\).*to 151.0"):
+    with pytest.raises(
+        InputError, match=r"axes are leg1 \(2 values from 140.0 to 150.0\).*to 151.0"
+    ):
         sweep(PLATFORM, {"leg1": [140.0, 151.0]}, tmp_path / "s", workers=0)
     with pytest.raises(InputError, match="mechanism is zhang2009 there and other here"):
         sweep(replace(PLATFORM, name="other"), ONE, tmp_path / "s", workers=0)
@@ -226,7 +275,9 @@ def test_changed_mechanisms_and_axes_are_refused(tmp_path, monkeypatch):
 
 
 def test_folders_that_hold_something_else_are_left_alone(tmp_path):
-    """A folder with other files, a file, and a Zarr group of others are refused and unchanged; an empty folder is taken."""
+    """A folder with other files, a file, and a Zarr group of others are refused and unchanged; an
+    empty folder is taken.
+    """
     import zarr
 
     other, file, group, empty = (tmp_path / name for name in ("other", "file", "group", "empty"))
@@ -263,7 +314,9 @@ def test_a_full_disk_is_a_sentence_and_the_sweep_goes_on(tmp_path, monkeypatch):
     assert same_files(tmp_path / "whole", tmp_path / "s")
 
 
-@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write anywhere")
+@pytest.mark.skipif(
+    not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write anywhere"
+)
 def test_folders_without_permission(tmp_path):
     """A folder that may not be written is a sentence."""
     (tmp_path / "closed").mkdir(mode=0o500)
@@ -295,7 +348,9 @@ def test_two_runs_do_not_share_a_folder(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("there", [False, True])
 def test_runs_that_begin_a_folder_together(tmp_path, there):
-    """Each ends with all points, or says that another run writes; the folder is whole, and nothing is left beside it."""
+    """Each ends with all points, or says that another run writes; the folder is whole, and nothing
+    is left beside it.
+    """
     folder, said, begin = tmp_path / "s", [], threading.Barrier(4)
     if there:
         folder.mkdir()
@@ -313,14 +368,18 @@ def test_runs_that_begin_a_folder_together(tmp_path, there):
     for thread in threads:
         thread.join()
     assert 2 in said
-    assert all(answer == 2 or "another run is writing into this folder" in answer for answer in said), said
+    assert all(
+        answer == 2 or "another run is writing into this folder" in answer for answer in said
+    ), said
     assert [path.name for path in tmp_path.iterdir()] == ["s"]
     assert not list(folder.glob(".*"))
     assert sweep(PLATFORM, {"leg1": [140.0, 150.0]}, folder, workers=0).points == 2
 
 
 def test_a_folder_that_comes_while_its_sweep_is_made(tmp_path, monkeypatch):
-    """The run that is second goes on with the first one's folder, or finds it in use; a folder of something else is left alone."""
+    """The run that is second goes on with the first one's folder, or finds it in use; a folder of
+    something else is left alone.
+    """
     made = store.create_arrays
 
     def first(folder, *arguments):
@@ -343,14 +402,23 @@ def test_a_folder_that_comes_while_its_sweep_is_made(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"quantity": "speed"}, "modes, conditioning, reach"), ({"chunk": 0}, "chunk = 0"), ({"starts": 0}, "starts = 0"),
-        ({"workers": -1}, "workers = -1"), ({"workers": 1, "dask": "tcp://x"}, "together"),
+        ({"quantity": "speed"}, "modes, conditioning, reach"),
+        ({"chunk": 0}, "chunk = 0"),
+        ({"starts": 0}, "starts = 0"),
+        ({"workers": -1}, "workers = -1"),
+        ({"workers": 1, "dask": "tcp://x"}, "together"),
     ],
-)  # fmt: skip
+)
 def test_options_that_are_refused(tmp_path, options, said):
     """Each mistake is a sentence, and nothing is created."""
     with pytest.raises(InputError, match=said):
-        sweep(PLATFORM, ONE, tmp_path / "s", **({"workers": 0} if "workers" not in options else {}), **options)
+        sweep(
+            PLATFORM,
+            ONE,
+            tmp_path / "s",
+            **({"workers": 0} if "workers" not in options else {}),
+            **options,
+        )
     assert not (tmp_path / "s").exists()
 
 

@@ -1,4 +1,6 @@
-"""Workers of every kind give the same bits, and a kill of one, or of the driver, loses the chunks under way only."""
+"""Workers of every kind give the same bits, and a kill of one, or of the driver, loses the chunks
+under way only.
+"""
 
 import json
 import multiprocessing
@@ -85,20 +87,27 @@ def children(pid):
 @pytest.mark.usefixtures("heard_interrupts")
 @pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGINT])
 def test_a_killed_or_interrupted_driver_loses_nothing(whole, tmp_path, sign):
-    """After kill -9 or Ctrl-C of the command its workers end, what is marked is kept, and the same command goes on to the
-    same files. Ctrl-C ends with one line that says so and status 130, or by the signal, which a shell calls 130 too: Python may
-    end so after the interrupt has passed through source text that it was executing."""
+    """After kill -9 or Ctrl-C of the command its workers end, what is marked is kept, and the same
+    command goes on to the same files. Ctrl-C ends with one line that says so and status 130, or by
+    the signal, which a shell calls 130 too: Python may end so after the interrupt has passed
+    through source text that it was executing.
+    """
     process = started(tmp_path / "cut", "--workers", "2")
     wait_for(lambda: marks(tmp_path / "cut") >= 2 or process.poll() is not None)
     workers = children(process.pid)
     process.send_signal(sign)
     _, said = process.communicate(timeout=60)
-    assert process.returncode in ((130, -signal.SIGINT) if sign == signal.SIGINT else (-signal.SIGKILL,)), said
+    assert process.returncode in (
+        (130, -signal.SIGINT) if sign == signal.SIGINT else (-signal.SIGKILL,)
+    ), said
     assert "Traceback" not in said
     if sign == signal.SIGINT:
         assert said.startswith("symkin: interrupted")
         assert said.count("\n") == 1
-        assert all(words in said for words in (str(tmp_path / "cut"), "chunks are kept", "the same command goes on"))
+        assert all(
+            words in said
+            for words in (str(tmp_path / "cut"), "chunks are kept", "the same command goes on")
+        )
     wait_for(lambda: not any(os.path.exists(f"/proc/{pid}") for pid in workers))
     done = marks(tmp_path / "cut")
     assert 2 <= done < 130
@@ -109,7 +118,9 @@ def test_a_killed_or_interrupted_driver_loses_nothing(whole, tmp_path, sign):
 
 @pytest.mark.slow
 def test_a_killed_worker_is_replaced(whole, tmp_path):
-    """kill -9 of a worker process while others work: the pool is built anew and the files are the same."""
+    """kill -9 of a worker process while others work: the pool is built anew and the files are the
+    same.
+    """
     killed = []
 
     def kill(done, total):
@@ -150,7 +161,7 @@ def test_chunks_under_way_are_bounded():
     assert count == 50
 
 
-# --- Dask --------------------------------------------------------------------------------------------------------
+# --- Dask -----------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -166,7 +177,9 @@ def cluster():
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_dask_gives_the_same_files_though_a_worker_is_killed(whole, tmp_path, cluster):
-    """Two worker processes of a scheduler on loopback, one of them killed on the way: the same files."""
+    """Two worker processes of a scheduler on loopback, one of them killed on the way: the same
+    files.
+    """
     killed = []
 
     def kill(done, total):
@@ -174,7 +187,9 @@ def test_dask_gives_the_same_files_though_a_worker_is_killed(whole, tmp_path, cl
             killed.append(next(iter(cluster.workers.values())).pid)
             os.kill(killed[0], signal.SIGKILL)
 
-    swept = sweep(PLATFORM, GRID, tmp_path / "s", dask=cluster.scheduler_address, chunk=CHUNK, progress=kill)
+    swept = sweep(
+        PLATFORM, GRID, tmp_path / "s", dask=cluster.scheduler_address, chunk=CHUNK, progress=kill
+    )
     assert killed
     assert swept.computed == len(GRID["leg1"])
     assert same_files(whole, tmp_path / "s")
@@ -199,17 +214,27 @@ def test_dask_addresses_that_do_not_answer(tmp_path, monkeypatch):
 def processes(tmp_path):
     """A scheduler and a worker as processes of their own: the scheduler and its address."""
     pytest.importorskip("distributed")
-    file, quiet = str(tmp_path / "scheduler.json"), {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    file, quiet = (
+        str(tmp_path / "scheduler.json"),
+        {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL},
+    )
     run = [sys.executable, "-m"]
     options = ["--scheduler-file", file, "--no-dashboard"]
     scheduler = subprocess.Popen(
-        [*run, "distributed.cli.dask_scheduler", *options, "--port", "0", "--host", "127.0.0.1"], **quiet
+        [*run, "distributed.cli.dask_scheduler", *options, "--port", "0", "--host", "127.0.0.1"],
+        **quiet,
     )
-    worker = subprocess.Popen([*run, "distributed.cli.dask_worker", *options, "--nworkers", "1", "--nthreads", "1"], **quiet)
+    worker = subprocess.Popen(
+        [*run, "distributed.cli.dask_worker", *options, "--nworkers", "1", "--nthreads", "1"],
+        **quiet,
+    )
     end = time.monotonic() + 60
     while not (tmp_path / "scheduler.json").exists() and time.monotonic() < end:
         time.sleep(0.1)
-    yield scheduler, json.loads((tmp_path / "scheduler.json").read_text(encoding="utf-8"))["address"]
+    yield (
+        scheduler,
+        json.loads((tmp_path / "scheduler.json").read_text(encoding="utf-8"))["address"],
+    )
     for process in (worker, scheduler):
         process.kill()
         process.wait()
@@ -219,7 +244,9 @@ def processes(tmp_path):
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_killed_dask_scheduler_is_one_sentence(whole, tmp_path, processes, monkeypatch, capfd):
-    """What Dask's threads say of it is not shown, and the same sweep goes on elsewhere, to the same files."""
+    """What Dask's threads say of it is not shown, and the same sweep goes on elsewhere, to the same
+    files.
+    """
     monkeypatch.setattr(inside.executors, "_PATIENCE_S", 30.0)
     scheduler, address = processes
 
@@ -227,7 +254,9 @@ def test_a_killed_dask_scheduler_is_one_sentence(whole, tmp_path, processes, mon
         if done:
             scheduler.kill()
 
-    with pytest.raises(InputError, match=r"the Dask scheduler at .* has ended.*what is done is kept"):
+    with pytest.raises(
+        InputError, match=r"the Dask scheduler at .* has ended.*what is done is kept"
+    ):
         sweep(PLATFORM, GRID, tmp_path / "s", dask=address, chunk=CHUNK, progress=kill)
     assert "Traceback" not in capfd.readouterr().err
     sweep(PLATFORM, GRID, tmp_path / "s", workers=0, chunk=CHUNK)

@@ -1,4 +1,6 @@
-"""Symmetries: maps that keep the rows, orbits that partition the roots, and the reflection of flat platforms."""
+"""Symmetries: maps that keep the rows, orbits that partition the roots, and the reflection of flat
+platforms.
+"""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -61,7 +63,9 @@ def case(name: str) -> tuple[AlgebraicSystem, Symmetries, object]:
 NAMES = ["zhang2009", "zhao2000", "zhao2000 limb", "three_rrr", "pieper"]
 
 
-def random_rows(system: AlgebraicSystem, symmetries: Symmetries, draw, rng: np.random.Generator) -> np.ndarray:
+def random_rows(
+    system: AlgebraicSystem, symmetries: Symmetries, draw, rng: np.random.Generator
+) -> np.ndarray:
     """Rows (maps, rows) at the images of a random complex point."""
     z = rng.normal(size=system.width) + 1j * rng.normal(size=system.width)
     known = int(system.k.shape[0])
@@ -70,18 +74,22 @@ def random_rows(system: AlgebraicSystem, symmetries: Symmetries, draw, rng: np.r
     return system.linearise(images, np.repeat(k[:, None], images.shape[1], axis=1))[0]
 
 
-# --- maps that keep the rows ---------------------------------------------------------------------------------------
+# --- maps that keep the rows ----------------------------------------------------------------------
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @given(rng=seeds)
 def test_every_row_keeps_its_absolute_value(name, rng):
-    """F_i(S z, k) = F_i(z, k) or -F_i(z, k) at any point, and there is a map besides the identity."""
+    """F_i(S z, k) = F_i(z, k) or -F_i(z, k) at any point, and there is a map besides the
+    identity.
+    """
     system, symmetries, draw = case(name)
     rows = random_rows(system, symmetries, draw, rng)
     assert len(symmetries) > 1
-    assert np.all(np.minimum(np.abs(rows - rows[0]), np.abs(rows + rows[0])) < 1e-10 * np.max(np.abs(rows)))
+    assert np.all(
+        np.minimum(np.abs(rows - rows[0]), np.abs(rows + rows[0])) < 1e-10 * np.max(np.abs(rows))
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -127,10 +135,12 @@ def test_nullspaces_over_two_elements(rng):
     basis = binary_null_space(a)
     assert 2 ** len(basis) == solutions.sum()
     assert not (basis.astype(int) @ a.T.astype(int) % 2).any()
-    assert len(np.unique(everything[:, : len(basis)].astype(int) @ basis.astype(int) % 2, axis=0)) == 2 ** len(basis)
+    assert len(
+        np.unique(everything[:, : len(basis)].astype(int) @ basis.astype(int) % 2, axis=0)
+    ) == 2 ** len(basis)
 
 
-# --- flat platforms -------------------------------------------------------------------------------------------------
+# --- flat platforms -------------------------------------------------------------------------------
 
 
 def flat_data(rng: np.random.Generator) -> np.ndarray:
@@ -140,13 +150,17 @@ def flat_data(rng: np.random.Generator) -> np.ndarray:
     for columns in (slice(1, 4), slice(4, 7)):
         q = rng.normal(size=4)
         flat = np.concatenate([rng.uniform(-1, 1, (6, 2)), np.zeros((6, 1))], axis=1)
-        data[:, columns] = flat @ matrix_from_quaternion(q / np.linalg.norm(q)).T + rng.normal(size=3)
+        data[:, columns] = flat @ matrix_from_quaternion(q / np.linalg.norm(q)).T + rng.normal(
+            size=3
+        )
     return data
 
 
 @given(rng=seeds)
 def test_frames_of_flat_points(rng):
-    """In their frames the points lie in z = 0, at the same distances from each other; the frames are right-handed."""
+    """In their frames the points lie in z = 0, at the same distances from each other; the frames
+    are right-handed.
+    """
     points = flat_data(rng)[:, 1:4]
     frame = plane_frame(points)
     inside = frame.coordinates(points)
@@ -159,8 +173,9 @@ def test_frames_of_flat_points(rng):
 @pytest.mark.slow
 @given(rng=seeds)
 def test_the_reflection_keeps_the_distances(rng):
-    """In any frames the reflection of flat base and platform keeps the rows of six distances, is its own inverse on
-    rays, and becomes a change of signs between the planes' frames."""
+    """In any frames the reflection of flat base and platform keeps the rows of six distances, is
+    its own inverse on rays, and becomes a change of signs between the planes' frames.
+    """
     data, system = flat_data(rng), universal_system()
     frames = distance_frames(data)
     mirror = reflection(frames)
@@ -178,7 +193,9 @@ def test_the_reflection_keeps_the_distances(rng):
 @pytest.mark.slow
 @given(rng=seeds)
 def test_the_reflection_is_found_among_others(rng):
-    """Given as a matrix, it is taken where it holds, and refused at the points of another platform."""
+    """Given as a matrix, it is taken where it holds, and refused at the points of another
+    platform.
+    """
     data, system = flat_data(rng), universal_system()
     mirror = reflection(distance_frames(data))
 
@@ -202,14 +219,22 @@ def test_a_point_off_the_plane_leaves_no_mirror(off):
     assert isinstance(first, RodLimb)
     x, y, z = first.platform
     bent = replace(
-        flat, name="bent", limbs=(replace(first, platform=(x, y, z + off * flat.characteristic_length)), *flat.limbs[1:])
+        flat,
+        name="bent",
+        limbs=(
+            replace(first, platform=(x, y, z + off * flat.characteristic_length)),
+            *flat.limbs[1:],
+        ),
     )
     assert len(find_symmetries(universal_system(), lengths_only(flat))) == 2
     assert len(find_symmetries(universal_system(), lengths_only(bent))) == 1
-    assert distance_frames(known_values(build_problem(bent, "direct"), np.ones(6)).real.reshape(6, 7)) is None
+    assert (
+        distance_frames(known_values(build_problem(bent, "direct"), np.ones(6)).real.reshape(6, 7))
+        is None
+    )
 
 
-# --- orbits ---------------------------------------------------------------------------------------------------------
+# --- orbits ---------------------------------------------------------------------------------------
 
 
 @lru_cache
@@ -221,7 +246,9 @@ def flat_start():
 
 
 def test_orbits_partition_the_roots():
-    """28 roots of the flat hexapod are 14 pairs; the roots that stand for the orbits unfold to all roots, in order."""
+    """28 roots of the flat hexapod are 14 pairs; the roots that stand for the orbits unfold to all
+    roots, in order.
+    """
     _, system, start, found = flat_start()
     assert found.whole
     assert np.array_equal(np.bincount(found.labels), np.full(14, 2))
@@ -231,7 +258,9 @@ def test_orbits_partition_the_roots():
 
 
 def test_orbits_say_what_is_missing():
-    """Without one root of a pair its image is among no roots, and the pair's other root stands alone."""
+    """Without one root of a pair its image is among no roots, and the pair's other root stands
+    alone.
+    """
     _, system, start, found = flat_start()
     less = orbits(system, case("zhang2009")[1], start.z[:, 1:])
     assert not less.whole
@@ -255,14 +284,18 @@ def test_unfolding_keeps_what_paths_came_to():
     _, _, _, found = flat_start()
     arrived = np.arange(14) % 3 > 0
     unfolded = found.unfold_tracked(
-        tracker.Tracked(np.ones((8, 14), dtype=complex), arrived, np.linspace(0, 1, 14), np.full(14, 5))
+        tracker.Tracked(
+            np.ones((8, 14), dtype=complex), arrived, np.linspace(0, 1, 14), np.full(14, 5)
+        )
     )
     assert np.array_equal(unfolded.arrived, arrived[found.labels])
     assert np.array_equal(unfolded.s, np.linspace(0, 1, 14)[found.labels])
 
 
 def test_the_mirror_permutes_the_modes():
-    """The real modes of the flat hexapod are two and their reflections: z -> -z, and the rotation's axis x, y -> -x, -y."""
+    """The real modes of the flat hexapod are two and their reflections: z -> -z, and the rotation's
+    axis x, y -> -x, -y.
+    """
     problem, system, _, _ = flat_start()
     found = symkin.modes(problem.mechanism)
     points = []
@@ -274,11 +307,15 @@ def test_the_mirror_permutes_the_modes():
     assert np.array_equal(np.bincount(grouped.labels), [2, 2])
     for orbit in range(2):
         a, b = (found[int(i)].position for i in np.flatnonzero(grouped.labels == orbit))
-        np.testing.assert_allclose(a * np.array([1, 1, -1]), b, atol=1e-8 * problem.mechanism.characteristic_length)
+        np.testing.assert_allclose(
+            a * np.array([1, 1, -1]), b, atol=1e-8 * problem.mechanism.characteristic_length
+        )
 
 
 def test_planar_roots_are_their_own_mirror_images():
-    """The reference of a planar mechanism lies in the plane of reflection: an orbit of one, which unfolds to itself."""
+    """The reference of a planar mechanism lies in the plane of reflection: an orbit of one, which
+    unfolds to itself.
+    """
     problem = build_problem(three_rrr(), "direct")
     system, symmetries, _ = case("three_rrr")
     closure = problem.closure

@@ -1,4 +1,6 @@
-"""`symkin track`: its JSON, its files, its exit status, and that every mistake is one line that leaves files alone."""
+"""`symkin track`: its JSON, its files, its exit status, and that every mistake is one line that
+leaves files alone.
+"""
 
 from __future__ import annotations
 
@@ -20,25 +22,49 @@ EXAMPLE = "144.6,347.0,110.3,178.6,277.6,269.4"
 NEAR = "154.6,340.0,115.3,180.6,270.6,269.4"
 BEYOND = "204.6,425.0,206.3,292.6,409.6,419.4"
 KEYS = {
-    "mechanism", "problem", "given", "length_unit", "angle_unit", "reached", "statement", "stop", "certified", "ground",
-    "followed_to", "steps", "nearest", "samples", "elapsed_s", "notes",
-}  # fmt: skip
+    "mechanism",
+    "problem",
+    "given",
+    "length_unit",
+    "angle_unit",
+    "reached",
+    "statement",
+    "stop",
+    "certified",
+    "ground",
+    "followed_to",
+    "steps",
+    "nearest",
+    "samples",
+    "elapsed_s",
+    "notes",
+}
 
 
 def test_reached_path_has_all_its_samples(capsys):
-    """Status 0; the first and the last sample have the given joint values, each is proved within its radius."""
-    status, found = run_json(capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", NEAR, "--samples", "5")
+    """Status 0; the first and the last sample have the given joint values, each is proved within
+    its radius.
+    """
+    status, found = run_json(
+        capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", NEAR, "--samples", "5"
+    )
     assert (status, set(found), len(found["samples"])) == (0, KEYS, 5)
     assert found["reached"]
     assert found["certified"]
     assert list(found["samples"][0]["joints"].values()) == [float(v) for v in EXAMPLE.split(",")]
-    assert list(found["samples"][-1]["joints"].values()) == pytest.approx([float(v) for v in NEAR.split(",")])
+    assert list(found["samples"][-1]["joints"].values()) == pytest.approx(
+        [float(v) for v in NEAR.split(",")]
+    )
     assert all(0 < sample["radius"] < 1e-9 for sample in found["samples"])
 
 
 def test_stopped_path_has_status_3_and_says_where(capsys):
-    """A fold on the way: status 3, the JSON is written, the last sample is the place, the modes that meet are numbered."""
-    status, found = run_json(capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", BEYOND, "--samples", "3")
+    """A fold on the way: status 3, the JSON is written, the last sample is the place, the modes
+    that meet are numbered.
+    """
+    status, found = run_json(
+        capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", BEYOND, "--samples", "3"
+    )
     assert status == 3
     assert not found["reached"]
     assert found["stop"]["kind"] == "turning point"
@@ -57,7 +83,19 @@ def test_start_chooses_the_mode(capsys):
     ends = []
     for z in ("100", "-100"):
         start = f"0,0,{z},1,0,0,0"
-        _, found = run_json(capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", NEAR, "--samples", "2", "--start", start)
+        _, found = run_json(
+            capsys,
+            "track",
+            "zhang2009",
+            "--from",
+            EXAMPLE,
+            "--to",
+            NEAR,
+            "--samples",
+            "2",
+            "--start",
+            start,
+        )
         ends.append(found["samples"][-1]["pose"]["position"])
     assert ends[0] == pytest.approx([ends[1][0], ends[1][1], -ends[1][2]])
 
@@ -65,14 +103,27 @@ def test_start_chooses_the_mode(capsys):
 def test_poses_make_the_inverse_problem(capsys):
     """With --poses the end is a pose, and its joints close the loops there."""
     poses = ("0,0,100,1,0,0,0", "20,10,120,0.98,0.1,0.1,0.1")
-    status, found = run_json(capsys, "track", "zhang2009", "--poses", "--from", poses[0], "--to", poses[1], "--samples", "4")
+    status, found = run_json(
+        capsys,
+        "track",
+        "zhang2009",
+        "--poses",
+        "--from",
+        poses[0],
+        "--to",
+        poses[1],
+        "--samples",
+        "4",
+    )
     assert (status, found["problem"], len(found["samples"])) == (0, "inverse", 4)
     assert found["samples"][-1]["pose"]["position"] == pytest.approx([20, 10, 120])
     assert found["samples"][-1]["residual"] < 1e-9
 
 
 def test_written_track_can_be_read_again(tmp_path, capsys):
-    """-o writes the rows that --csv reads; joints and poses of the second track are those of the first, times are kept."""
+    """-o writes the rows that --csv reads; joints and poses of the second track are those of the
+    first, times are kept.
+    """
     times = "\n".join(f"{k * 250},{144.6 + k},347,110.3,178.6,277.6,269.4" for k in range(4))
     source, one, two = tmp_path / "in.csv", tmp_path / "one.csv", tmp_path / "two.csv"
     legs = ",".join(f"leg{k}[mm]" for k in range(1, 7))
@@ -80,20 +131,34 @@ def test_written_track_can_be_read_again(tmp_path, capsys):
     assert run(capsys, "track", "zhang2009", "--csv", str(source), "-o", str(one))[0] == 0
     assert run(capsys, "track", "zhang2009", "--csv", str(one), "--poses", "-o", str(two))[0] == 0
     first, second = read_table(one), read_table(two)
-    assert first.numbers("t", "time", "s") == second.numbers("t", "time", "s") == [0.0, 0.25, 0.5, 0.75]
+    assert (
+        first.numbers("t", "time", "s")
+        == second.numbers("t", "time", "s")
+        == [0.0, 0.25, 0.5, 0.75]
+    )
     for name in [f"leg{k}" for k in range(1, 7)]:
-        assert first.numbers(name, "length", "mm") == pytest.approx(second.numbers(name, "length", "mm"), abs=1e-9)
+        assert first.numbers(name, "length", "mm") == pytest.approx(
+            second.numbers(name, "length", "mm"), abs=1e-9
+        )
 
 
 def test_a_spreadsheets_trajectory_is_the_same(tmp_path, capsys):
-    """Semicolons, decimal commas, capitals, parentheses and a column of remarks: the same samples, and notes that say so."""
+    """Semicolons, decimal commas, capitals, parentheses and a column of remarks: the same samples,
+    and notes that say so.
+    """
     legs = [f"leg{k}" for k in range(1, 7)]
     header = ",".join(f"{name}[mm]" for name in legs)
     (tmp_path / "own.csv").write_text(f"{header}\n{EXAMPLE}\n{NEAR}\n")
     lines = [";".join([*(f"{name.capitalize()} (mm)" for name in legs), "Remark"])]
-    lines += [";".join([*row.replace(".", "_").replace(",", ";").replace("_", ",").split(";"), "1.5"]) for row in (EXAMPLE, NEAR)]
+    lines += [
+        ";".join([*row.replace(".", "_").replace(",", ";").replace("_", ",").split(";"), "1.5"])
+        for row in (EXAMPLE, NEAR)
+    ]
     (tmp_path / "other.csv").write_bytes(("\ufeff" + "\r\n".join(lines)).encode())
-    own, other = (run_json(capsys, "track", "zhang2009", "--csv", str(tmp_path / f"{n}.csv"))[1] for n in ("own", "other"))
+    own, other = (
+        run_json(capsys, "track", "zhang2009", "--csv", str(tmp_path / f"{n}.csv"))[1]
+        for n in ("own", "other")
+    )
     assert other["samples"] == own["samples"]
     assert not own["notes"]
     for words in ("semicolons", "decimal commas", "'Leg1 (mm)' as leg1[mm]", "left out: 'Remark'"):
@@ -101,7 +166,9 @@ def test_a_spreadsheets_trajectory_is_the_same(tmp_path, capsys):
 
 
 def test_angles_of_a_file_are_those_of_pose(tmp_path, capsys):
-    """Roll, pitch and yaw, and Euler angles of a sequence in the header, are the poses that `Pose.from_euler` makes."""
+    """Roll, pitch and yaw, and Euler angles of a sequence in the header, are the poses that
+    `Pose.from_euler` makes.
+    """
     mechanism, rows = symkin.load("zhang2009"), [(5, -5, 100, 3, -2, 4), (8, -2, 104, 6, 1, -5)]
     for header, sequence in (
         ("Roll[deg],pitch[deg],yaw[deg]", "xyz"),
@@ -126,18 +193,40 @@ def test_positions_alone_are_poses_of_a_platform_that_keeps_its_orientation(tmp_
 def test_orientations_that_a_file_leaves_open_are_refused(tmp_path, capsys):
     for mechanism, header, row, part in (
         ("zhang2009", "x[mm],y[mm],z[mm]", "1,2,3", "no columns of the orientation"),
-        ("zhang2009", "x[mm],y[mm],z[mm],roll[deg],pitch[deg]", "1,2,3,4,5", "no columns of the orientation"),
-        ("zhang2009", "x[mm],y[mm],z[mm],roll[deg],pitch[deg],yaw[deg],qw", "1,2,3,4,5,6,1", "stands twice"),
+        (
+            "zhang2009",
+            "x[mm],y[mm],z[mm],roll[deg],pitch[deg]",
+            "1,2,3,4,5",
+            "no columns of the orientation",
+        ),
+        (
+            "zhang2009",
+            "x[mm],y[mm],z[mm],roll[deg],pitch[deg],yaw[deg],qw",
+            "1,2,3,4,5,6,1",
+            "stands twice",
+        ),
         ("zhang2009", "x[mm],y[mm],z[mm],roll,pitch,yaw", "1,2,3,4,5,6", "unit of angle"),
-        ("zhang2009", "x[mm],y[mm],z[mm],euler_ZYX_1[deg],euler_ZYX_2[deg]", "1,2,3,4,5", "euler_ZYX_3"),
+        (
+            "zhang2009",
+            "x[mm],y[mm],z[mm],euler_ZYX_1[deg],euler_ZYX_2[deg]",
+            "1,2,3,4,5",
+            "euler_ZYX_3",
+        ),
         ("zhang2009", "x[mm],y[mm],z[mm],euler_ZZX_1[deg]", "1,2,3,4", "neighbours different"),
-        ("zhang2009", "x[mm],y[mm],z[mm],euler_xyz_1[deg],roll[deg],pitch[deg],yaw[deg]", "1,2,3,4,5,6,7", "both mean"),
+        (
+            "zhang2009",
+            "x[mm],y[mm],z[mm],euler_xyz_1[deg],roll[deg],pitch[deg],yaw[deg]",
+            "1,2,3,4,5,6,7",
+            "both mean",
+        ),
     ):
         (tmp_path / "poses.csv").write_text(f"{header}\n{row}\n")
         status, _, err = run(capsys, "track", mechanism, "--csv", tmp_path / "poses.csv")
         assert (status, err.count("\n")) == (2, 1)
         assert part in err
-    status, _, err = run(capsys, "track", "zhang2009", "--poses", "--euler", "rpy", "--csv", tmp_path / "poses.csv")
+    status, _, err = run(
+        capsys, "track", "zhang2009", "--poses", "--euler", "rpy", "--csv", tmp_path / "poses.csv"
+    )
     assert (status, "header" in err) == (2, True)
 
 
@@ -152,7 +241,9 @@ def test_passive_joints_of_every_kind_are_written(tmp_path):
     unit = {"deg": "angle", "mm": "length"}
     for name, value in found.end.joints.items():
         if isinstance(value, list):
-            assert [table.numbers(f"{name}.{part}")[-1] for part in ("qw", "qx", "qy", "qz")] == value
+            assert [
+                table.numbers(f"{name}.{part}")[-1] for part in ("qw", "qx", "qy", "qz")
+            ] == value
         else:
             column = table.columns[name]
             assert table.numbers(name, unit[column.unit], column.unit)[-1] == value
@@ -231,14 +322,18 @@ def test_wrong_tables_leave_the_output_alone(tmp_path, capsys, text, words):
 
 def test_no_start_has_status_3(capsys):
     """Inputs that no pose takes: status 3, no samples, and the reason."""
-    status, found = run_json(capsys, "track", "zhang2009", "--from", "1,1,1,1,1,1", "--to", "2,2,2,2,2,2")
+    status, found = run_json(
+        capsys, "track", "zhang2009", "--from", "1,1,1,1,1,1", "--to", "2,2,2,2,2,2"
+    )
     assert (status, found["samples"], found["stop"]["kind"]) == (3, [], "no start")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("problem", ["direct", "inverse"])
 def test_picture_is_written(tmp_path, problem):
-    """The robot at start and end; panels of what moves and of distances over the inputs; a stop is marked in all panels."""
+    """The robot at start and end; panels of what moves and of distances over the inputs; a stop is
+    marked in all panels.
+    """
     from helpers.inside import figure_of_track
 
     mechanism = symkin.load("zhang2009")
@@ -246,10 +341,14 @@ def test_picture_is_written(tmp_path, problem):
         rows = [[float(v) for v in text.split(",")] for text in (EXAMPLE, BEYOND)]
         found = track(mechanism, joints=rows, samples=5, name_modes=False)
     else:
-        found = track(mechanism, poses=[[0, 0, 100, 1, 0, 0, 0], [0, 0, 120, 1, 0, 0, 0]], samples=5)
+        found = track(
+            mechanism, poses=[[0, 0, 100, 1, 0, 0, 0], [0, 0, 120, 1, 0, 0, 0]], samples=5
+        )
     figure = figure_of_track(found)
     panels = [ax for ax in figure.axes if ax.name == "rectilinear"]
-    assert [sum(line.get_gid() == "stop" for line in ax.get_lines()) for ax in panels] == [int(not found.reached)] * len(panels)
+    assert [sum(line.get_gid() == "stop" for line in ax.get_lines()) for ax in panels] == [
+        int(not found.reached)
+    ] * len(panels)
     labels = " ".join(ax.get_ylabel() for ax in panels)
     assert "distance to\nsingularity" in labels
     assert ("turned" in labels) == (problem == "direct")
@@ -264,15 +363,18 @@ def test_picture_is_written(tmp_path, problem):
 
 @pytest.mark.parametrize("name", ["ren2008", "ankle", "gluon_6l3"])
 def test_texts_of_the_picture_lie_apart_and_within(name):
-    """No text of a track's picture meets another or the edge; every curve has a name, and limits a panel where there are some."""
+    """No text of a track's picture meets another or the edge; every curve has a name, and limits a
+    panel where there are some.
+    """
     from itertools import combinations
 
     from helpers.inside import figure_of_track
 
     ends = {
-        "ren2008": [[0.2, 0.25, 0.2, 0.22, 0.3, 0.25], [0.4, 0.25, 0.2, 0.22, 0.6, 0.25]], "ankle": [[0.0, 0.0], [80.0, 60.0]],
+        "ren2008": [[0.2, 0.25, 0.2, 0.22, 0.3, 0.25], [0.4, 0.25, 0.2, 0.22, 0.6, 0.25]],
+        "ankle": [[0.0, 0.0], [80.0, 60.0]],
         "gluon_6l3": [[15.0] * 6, [40.0, 20.0, 30.0, -15.0, 15.0, 15.0]],
-    }[name]  # fmt: skip
+    }[name]
     mechanism = symkin.load(name)
     found = track(mechanism, joints=ends, samples=21, name_modes=False)
     figure = figure_of_track(found)
@@ -281,10 +383,19 @@ def test_texts_of_the_picture_lie_apart_and_within(name):
     texts = [*figure.texts, *(text for ax in figure.axes for text in ax.texts)]
     for ax in figure.axes:
         if ax.name == "rectilinear" and ax.axison:
-            texts += [ax.xaxis.label, ax.yaxis.label, *ax.get_xticklabels(), *ax.get_legend().get_texts()]
-    boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in texts if text.get_text()]
+            texts += [
+                ax.xaxis.label,
+                ax.yaxis.label,
+                *ax.get_xticklabels(),
+                *ax.get_legend().get_texts(),
+            ]
+    boxes = [
+        (text.get_text(), text.get_window_extent(renderer)) for text in texts if text.get_text()
+    ]
     for text, box in boxes:
-        assert min(box.x0, box.y0, figure.bbox.width - box.x1, figure.bbox.height - box.y1) >= 0, text
+        assert min(box.x0, box.y0, figure.bbox.width - box.x1, figure.bbox.height - box.y1) >= 0, (
+            text
+        )
     assert [(a, b) for (a, one), (b, other) in combinations(boxes, 2) if one.overlaps(other)] == []
     has_limits = any(c.limits is not None for c in mechanism.coordinates)
     assert any("distance to limits" in ax.get_ylabel() for ax in figure.axes) == has_limits
@@ -294,14 +405,20 @@ def test_curves_that_are_one_have_all_their_names():
     """A level platform that rises: six rods move alike, in one line with six names."""
     from helpers.inside import panels_of
 
-    found = track(symkin.load("zhang2009"), poses=[[0, 0, 100, 1, 0, 0, 0], [0, 0, 120, 1, 0, 0, 0]], samples=5)
+    found = track(
+        symkin.load("zhang2009"),
+        poses=[[0, 0, 100, 1, 0, 0, 0], [0, 0, 120, 1, 0, 0, 0]],
+        samples=5,
+    )
     (curve,) = next(panels_of(found)).curves
     assert all(f"leg{k}" in curve.name for k in range(1, 7))
     assert curve.name.endswith(f"from {found.samples[0].joints['leg1']:.5g}")
 
 
 def test_a_curve_that_another_covers_is_seen():
-    """Law: of curves that lie on each other the earlier is wider there; of curves that only cross none is."""
+    """Law: of curves that lie on each other the earlier is wider there; of curves that only cross
+    none is.
+    """
     from matplotlib.figure import Figure
 
     from helpers.inside import Curve, CurvePanel, _draw_curves
@@ -319,7 +436,9 @@ def test_a_curve_that_another_covers_is_seen():
 
 def test_text_is_a_short_table(capsys):
     """At most eleven rows, then the statement and its ground."""
-    status, out, _ = run(capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", NEAR, "--samples", "40")
+    status, out, _ = run(
+        capsys, "track", "zhang2009", "--from", EXAMPLE, "--to", NEAR, "--samples", "40"
+    )
     lines = out.splitlines()
     assert (status, len(lines)) == (0, 2 + 11 + 4)
     assert lines[-3].startswith("nearest to a singularity at ")
@@ -328,8 +447,12 @@ def test_text_is_a_short_table(capsys):
 
 
 def test_nothing_is_printed_as_0():
-    """Coordinates that are zero but for rounding are printed as 0, without a sign, and columns are aligned."""
-    found = track(bars(100.0, 40.0, 100.0, 40.0, "spatial"), joints=[[1.0], [-1.0]], name_modes=False)
+    """Coordinates that are zero but for rounding are printed as 0, without a sign, and columns are
+    aligned.
+    """
+    found = track(
+        bars(100.0, 40.0, 100.0, 40.0, "spatial"), joints=[[1.0], [-1.0]], name_modes=False
+    )
     header, *rows = str(found).splitlines()[1:4]
     assert all(len(row) == len(header) for row in rows)
     assert rows[-1].split()[2:-1] == ["0", "0", "1.00000", "0.00000", "0.00000", "0.00000", "0"]
@@ -339,27 +462,55 @@ def test_far_starts_are_noted(capsys):
     """A start far from the mode that it led to is followed with a note; a near one without."""
     arguments = ("track", "zhang2009", "--from", EXAMPLE, "--to", NEAR, "--samples", "2", "--start")
     _, far = run_json(capsys, *arguments, "500,500,500,1,0,0,0")
-    _, near = run_json(capsys, *arguments, ",".join(str(v) for v in far["samples"][0]["pose"]["position"]) + ",1,0,0,0.1")
+    _, near = run_json(
+        capsys,
+        *arguments,
+        ",".join(str(v) for v in far["samples"][0]["pose"]["position"]) + ",1,0,0,0.1",
+    )
     assert any("the start lies" in note for note in far["notes"])
-    assert far["samples"][0]["pose"]["position"] == pytest.approx(near["samples"][0]["pose"]["position"])
+    assert far["samples"][0]["pose"]["position"] == pytest.approx(
+        near["samples"][0]["pose"]["position"]
+    )
 
 
 def test_limits_may_be_ignored(tmp_path, capsys):
     """--ignore-limits goes on where a limit would stop."""
-    text = symkin.load("zhang2009").to_toml().replace('name = "leg1"', 'name = "leg1"\nlimits = [100.0, 150.0]', 1)
+    text = (
+        symkin.load("zhang2009")
+        .to_toml()
+        .replace('name = "leg1"', 'name = "leg1"\nlimits = [100.0, 150.0]', 1)
+    )
     path = Path(tmp_path) / "limited.toml"
     path.write_text(text)
-    stopped = run_json(capsys, "track", str(path), "--from", EXAMPLE, "--to", NEAR, "--samples", "2")
+    stopped = run_json(
+        capsys, "track", str(path), "--from", EXAMPLE, "--to", NEAR, "--samples", "2"
+    )
     assert (stopped[0], stopped[1]["stop"]["limit"]) == (3, "leg1")
     assert stopped[1]["samples"][-1]["joints"]["leg1"] == pytest.approx(150.0, abs=1e-6)
-    assert run_json(capsys, "track", str(path), "--from", EXAMPLE, "--to", NEAR, "--samples", "2", "--ignore-limits")[0] == 0
+    assert (
+        run_json(
+            capsys,
+            "track",
+            str(path),
+            "--from",
+            EXAMPLE,
+            "--to",
+            NEAR,
+            "--samples",
+            "2",
+            "--ignore-limits",
+        )[0]
+        == 0
+    )
 
 
 def test_a_start_beyond_a_limit_is_said_to_be(capsys, tmp_path):
     """A joint that begins outside its limits does not meet them."""
     mechanism = bars(100.0, 40.0, 100.0, 40.0, limits=(-0.5, 0.5))
     (tmp_path / "bars.toml").write_text(mechanism.to_toml())
-    status, found = run_json(capsys, "track", str(tmp_path / "bars.toml"), "--from", "1", "--to", "0")
+    status, found = run_json(
+        capsys, "track", str(tmp_path / "bars.toml"), "--from", "1", "--to", "0"
+    )
     assert status == 3
     assert "lies beyond its limit 0.5 rad at the start" in found["statement"]
 
@@ -367,6 +518,10 @@ def test_a_start_beyond_a_limit_is_said_to_be(capsys, tmp_path):
 @pytest.mark.parametrize("verb", [symkin.solve, symkin.modes, symkin.jacobian, symkin.track])
 @pytest.mark.parametrize("wrong", ["zhang2009", 3])
 def test_a_name_is_no_mechanism(verb, wrong):
-    """The verbs of Python refuse what is not a mechanism in a sentence, which names `load` for a name."""
-    with pytest.raises(InputError, match=r"symkin\.load\('zhang2009'\)" if wrong == "zhang2009" else "int"):
+    """The verbs of Python refuse what is not a mechanism in a sentence, which names `load` for a
+    name.
+    """
+    with pytest.raises(
+        InputError, match=r"symkin\.load\('zhang2009'\)" if wrong == "zhang2009" else "int"
+    ):
         verb(wrong)

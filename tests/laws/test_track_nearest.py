@@ -16,7 +16,9 @@ Z = (0.0, 0.0, 1.0)
 
 
 def parallelogram(gap: float) -> Mechanism:
-    """Bases 100 apart, crank and rocker 40, the coupler 100 and a gap; it is flat where the crank lies along the bases."""
+    """Bases 100 apart, crank and rocker 40, the coupler 100 and a gap; it is flat where the crank
+    lies along the bases.
+    """
     angle, coupler = math.radians(60), 100.0 + gap
     b = 40.0 * np.array([math.cos(angle), math.sin(angle)])
     away = np.array([100.0, 0.0]) - b
@@ -25,14 +27,19 @@ def parallelogram(gap: float) -> Mechanism:
     u = away / r
     c = b + along * u - math.sqrt(coupler**2 - along**2) * np.array([u[1], -u[0]])
     crank = Joint("crank", "R", (0.0, 0.0, 0.0), Z, actuated=True, zero=angle)
-    limbs = [Limb("left", [crank, turning("b", *b)]), Limb("right", [turning("d", 100.0, 0.0), turning("c", *c)])]
+    limbs = [
+        Limb("left", [crank, turning("b", *b)]),
+        Limb("right", [turning("d", 100.0, 0.0), turning("c", *c)]),
+    ]
     return Mechanism("parallelogram", limbs, motion="planar", platform_position=(b[0], b[1], 0.0))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("gap", [1e-9, 1e-10, 1e-11, 1e-12, -1e-12, -1e-11, -1e-10])
 def test_a_near_miss_is_no_bifurcation(gap: float) -> None:
-    """Beside the fold of a parallelogram by 1e-9 to 1e-12 of a millimetre: folded, passed or unproved, but no branches meet."""
+    """Beside the fold of a parallelogram by 1e-9 to 1e-12 of a millimetre: folded, passed or
+    unproved, but no branches meet.
+    """
     found = track(parallelogram(gap), joints=[[1.0], [-1.0]], name_modes=False)
     kind = None if found.stop is None else found.stop.kind
     assert kind in (("turning point", "unproved") if gap > 0 else (None, "unproved"))
@@ -52,8 +59,10 @@ def test_branches_that_meet_are_a_bifurcation() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("gap", [-1e-6, -1e-3, -0.1])
 def test_the_nearest_place_is_where_the_closed_form_says(gap: float) -> None:
-    """Crank along the bases is the middle of the path; the distance of type 2 there, of coupler and rocker nearly in line, is
-    the least of a dense sampling, though only the ends of the path are samples."""
+    """Crank along the bases is the middle of the path; the distance of type 2 there, of coupler and
+    rocker nearly in line, is the least of a dense sampling, though only the ends of the path are
+    samples.
+    """
     mechanism = parallelogram(gap)
     found = track(mechanism, joints=[[1.0], [-1.0]])
     dense = track(mechanism, joints=[[0.05], [-0.05]], samples=401, start=None)
@@ -67,11 +76,16 @@ def test_the_nearest_place_is_where_the_closed_form_says(gap: float) -> None:
 
 @pytest.mark.parametrize("kind", ["joints", "poses"])
 def test_the_nearest_place_of_any_path(kind: str) -> None:
-    """Not above the least of a hundred samples, and one of them is near it; direct and inverse, limbs with steps of their own."""
+    """Not above the least of a hundred samples, and one of them is near it; direct and inverse,
+    limbs with steps of their own.
+    """
     mechanism = three_rrr("planar")
     rest = symkin.solve(mechanism).solution
     if kind == "joints":
-        rows = [list(rest.actuated_values), [v + d for v, d in zip(rest.actuated_values, (0.25, -0.1, 0.15), strict=True)]]
+        rows = [
+            list(rest.actuated_values),
+            [v + d for v, d in zip(rest.actuated_values, (0.25, -0.1, 0.15), strict=True)],
+        ]
     else:
         pose = [*rest.position, *rest.quaternion]
         rows = [pose, [pose[0] + 12.0, pose[1] - 9.0, *pose[2:]]]
@@ -92,28 +106,41 @@ def test_the_summary_and_the_json_name_it() -> None:
 
 
 def three_rpr() -> Mechanism:
-    """Base and platform are similar triangles of radius 100 and 40: at the reference all three rods meet in the centre."""
+    """Base and platform are similar triangles of radius 100 and 40: at the reference all three rods
+    meet in the centre.
+    """
     limbs = []
     for k in range(3):
-        outward = np.array([math.cos(2 * math.pi * k / 3 + 0.3), math.sin(2 * math.pi * k / 3 + 0.3), 0.0])
+        outward = np.array(
+            [math.cos(2 * math.pi * k / 3 + 0.3), math.sin(2 * math.pi * k / 3 + 0.3), 0.0]
+        )
         base, end = tuple((100.0 * outward).tolist()), tuple((40.0 * outward).tolist())
         rod = Joint(f"rod{k}", "P", base, tuple((-outward).tolist()), actuated=True)
-        limbs.append(Limb(f"limb{k}", [Joint(f"turn{k}", "R", base, Z), rod, Joint(f"end{k}", "R", end, Z)]))
+        limbs.append(
+            Limb(f"limb{k}", [Joint(f"turn{k}", "R", base, Z), rod, Joint(f"end{k}", "R", end, Z)])
+        )
     return Mechanism("three_rpr", limbs, motion="planar")
 
 
 def test_a_path_of_poses_tells_where_its_motors_hold_the_pose_no_longer() -> None:
-    """Rods that meet in a point leave the platform a turn about it: type 2, at the middle of the path, where the joints' own problem
-    is regular and the track goes on."""
+    """Rods that meet in a point leave the platform a turn about it: type 2, at the middle of the
+    path, where the joints' own problem is regular and the track goes on.
+    """
     half = math.radians(10.0)
-    ends = [[0.0, 0.0, 0.0, math.cos(half), 0.0, 0.0, turn] for turn in (-math.sin(half), math.sin(half))]
+    ends = [
+        [0.0, 0.0, 0.0, math.cos(half), 0.0, 0.0, turn]
+        for turn in (-math.sin(half), math.sin(half))
+    ]
     found = track(three_rpr(), poses=ends, samples=21)
     assert found.reached
-    assert "of 21 samples the one at 0.5 of the path is nearest to where the motors no longer tell the pose: type 2 " in str(
-        found
+    assert (
+        "of 21 samples the one at 0.5 of the path is nearest to where the motors no longer tell "
+        "the pose: type 2 " in str(found)
     )
     assert symkin.singularity(found.samples[10].solution).distances["type 2"] < 1e-12
-    assert "no longer tell the pose" not in str(track(three_rrr("planar"), joints=[[0.0] * 3, [0.1] * 3]))
+    assert "no longer tell the pose" not in str(
+        track(three_rrr("planar"), joints=[[0.0] * 3, [0.1] * 3])
+    )
 
 
 def test_an_arm_whose_pose_is_a_formula_has_none() -> None:

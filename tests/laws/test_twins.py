@@ -1,4 +1,6 @@
-"""Twins find what differs between two checkouts, and the third method says who is right; a child that hangs or crashes ends alone."""
+"""Twins find what differs between two checkouts, and the third method says who is right; a child
+that hangs or crashes ends alone.
+"""
 
 import copy
 
@@ -32,7 +34,11 @@ def test_a_hang_and_a_crash_are_entries_and_no_end():
 
 
 def test_arithmetic_of_files_is_worked_out_and_names_are_left():
-    data = {"angle_unit": "deg", "joint": [{"name": "pi", "type": "R", "point": ["3*cos(60)", 0, 1]}], "of": "pi"}
+    data = {
+        "angle_unit": "deg",
+        "joint": [{"name": "pi", "type": "R", "point": ["3*cos(60)", 0, 1]}],
+        "of": "pi",
+    }
     read = numbers_only(data)
     assert read["joint"][0]["point"] == [pytest.approx(1.5), 0, 1]
     assert read["joint"][0]["name"] == read["of"] == "pi"
@@ -66,10 +72,15 @@ def test_equal_answers_have_no_difference(entry):
         assert list(differences(name, one, copy.deepcopy(one))) == []
 
 
-@pytest.mark.parametrize(("name", "key"), [("shipped four_bar", "direct 0"), ("shipped gluon_6l3", "inverse 0")])
+@pytest.mark.parametrize(
+    ("name", "key"), [("shipped four_bar", "direct 0"), ("shipped gluon_6l3", "inverse 0")]
+)
 def test_a_lost_mode_is_found_and_old_is_right(entry, name, key):
     found = faulty(entry, name, key, drop_mode)
-    assert {kind: who for kind, (who, _) in found.items()} == {"count": "old is right", "modes": "old is right"}
+    assert {kind: who for kind, (who, _) in found.items()} == {
+        "count": "old is right",
+        "modes": "old is right",
+    }
 
 
 def test_a_mode_that_does_not_close_is_found_and_old_is_right(entry):
@@ -104,12 +115,20 @@ def test_claims_and_counts_are_judged_by_the_independent_closure(entry):
         answer["completeness"] = "sampled"
 
     found = faulty(entry, "shipped four_bar", "direct 0", weaken)
-    assert {kind: who for kind, (who, _) in found.items()} == {"certified": "old is right", "completeness": "old is right"}
-    assert faulty(entry, "shipped four_bar", "mobility", lambda a: a.update(mobility=2))["mobility"][0] == "old is right"
+    assert {kind: who for kind, (who, _) in found.items()} == {
+        "certified": "old is right",
+        "completeness": "old is right",
+    }
+    assert (
+        faulty(entry, "shipped four_bar", "mobility", lambda a: a.update(mobility=2))["mobility"][0]
+        == "old is right"
+    )
 
 
 def test_the_identified_rank_is_judged_by_differences(entry):
-    found = faulty(entry, "shipped gluon_6l3", "calibration", lambda a: a.update(rank=a["rank"] - 1))
+    found = faulty(
+        entry, "shipped gluon_6l3", "calibration", lambda a: a.update(rank=a["rank"] - 1)
+    )
     assert found["rank"][0] == "old is right"
 
 

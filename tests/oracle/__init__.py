@@ -1,1 +1,3 @@
-"""Independent accounts of mechanisms that judge symkin's: closures, graphs, searches, other tools."""
+"""Independent accounts of mechanisms that judge symkin's: closures, graphs, searches, other
+tools.
+"""

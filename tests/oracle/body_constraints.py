@@ -1,5 +1,7 @@
-"""The constraints of a graph on its links as free bodies: what each joint, rod and coupling forbids at the reference, and how many of
-these rows others imply. No loops are chosen, no motion is declared, and nothing is taken from symkin but the description."""
+"""The constraints of a graph on its links as free bodies: what each joint, rod and coupling forbids
+at the reference, and how many of these rows others imply. No loops are chosen, no motion is
+declared, and nothing is taken from symkin but the description.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,11 @@ def redundant_rows(mechanism: symkin.Mechanism) -> int:
         rows += list(_complement(screws) @ between)
         names = [c.name for c in entry.joint.coordinates]
         # of a slide, and of a cylinder the second, the rate is a length over the size
-        rates |= dict(zip(names, np.linalg.pinv(screws.T) @ between, strict=False)) if len(screws) == len(names) else {}
+        rates |= (
+            dict(zip(names, np.linalg.pinv(screws.T) @ between, strict=False))
+            if len(screws) == len(names)
+            else {}
+        )
     for rod in graph.link_rods:
         along = np.subtract(rod.end, rod.start)
         wrench = np.concatenate([np.cross(rod.start, along) / size, along]) / np.linalg.norm(along)
@@ -33,9 +39,16 @@ def redundant_rows(mechanism: symkin.Mechanism) -> int:
     for coupling in graph.couplings:
         slopes = dict(coupling.terms) if coupling.polynomial is None else {}
         for name in coupling.names if coupling.polynomial is not None else ():
-            slopes[name] = float(np.polynomial.Polynomial(coupling.polynomial).deriv()(kinds[name].reference[0]))
-        unit = {name: size if kinds[name].kind == "length" else 1.0 for name in (coupling.joint, *slopes)}
-        row = unit[coupling.joint] * rates[coupling.joint] - sum(f * unit[n] * rates[n] for n, f in slopes.items())
+            slopes[name] = float(
+                np.polynomial.Polynomial(coupling.polynomial).deriv()(kinds[name].reference[0])
+            )
+        unit = {
+            name: size if kinds[name].kind == "length" else 1.0
+            for name in (coupling.joint, *slopes)
+        }
+        row = unit[coupling.joint] * rates[coupling.joint] - sum(
+            f * unit[n] * rates[n] for n, f in slopes.items()
+        )
         rows.append(row / np.linalg.norm(row))
     if not rows:
         return 0
@@ -62,7 +75,9 @@ def _complement(screws: np.ndarray) -> np.ndarray:
 
 
 def _screws(joint: symkin.Joint, size: float) -> np.ndarray:
-    """Twists (angular velocity; velocity at the origin over the size) of a joint at the reference."""
+    """Twists (angular velocity; velocity at the origin over the size) of a joint at the
+    reference.
+    """
 
     def turn(axis: object) -> np.ndarray:
         return np.concatenate([axis, np.cross(joint.point, axis) / size])

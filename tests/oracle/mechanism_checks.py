@@ -1,9 +1,10 @@
-"""Every verb on one mechanism file through the command line, each answer judged by the plain closure.
+"""Every verb on one mechanism file through the command line, each answer judged by the plain
+closure.
 
-A finding has a kind: "traceback" (anything on stderr but the one line of a refusal and those of progress, a status that is not of
-the contract, output that is no JSON), "lost mode" (the plain search finds a regular mode that a proved list, or one of
-probability one, has not), "wrong answer" (what does not close, is listed twice, ends on no mode, or differs from differences of
-the closure).
+A finding has a kind: "traceback" (anything on stderr but the one line of a refusal and those of
+progress, a status that is not of the contract, output that is no JSON), "lost mode" (the plain
+search finds a regular mode that a proved list, or one of probability one, has not), "wrong answer"
+(what does not close, is listed twice, ends on no mode, or differs from differences of the closure).
 """
 
 from __future__ import annotations
@@ -45,10 +46,20 @@ CLOSED = 1e-7
 SAME = 1e-5
 """Largest difference of features of equal modes."""
 SHARES = {
-    "random": 0.4, "multistart": 0.3, "solve": 0.7, "ipopt": 0.1, "latex": 0.15,
-    "singularities": 0.6, "jacobians": 0.6, "language": 0.15, "track": 0.5, "firmware": 0.3,
-}  # fmt: skip
-"""In what share of mechanisms a verb or an option is tried, so that one mechanism takes about three seconds."""
+    "random": 0.4,
+    "multistart": 0.3,
+    "solve": 0.7,
+    "ipopt": 0.1,
+    "latex": 0.15,
+    "singularities": 0.6,
+    "jacobians": 0.6,
+    "language": 0.15,
+    "track": 0.5,
+    "firmware": 0.3,
+}
+"""In what share of mechanisms a verb or an option is tried, so that one mechanism takes about three
+seconds.
+"""
 COMPLETE = ("proved", "probability one")
 
 
@@ -101,7 +112,7 @@ class Checks:
         self.actuated, self.pose = self.plain.places("actuated"), self.plain.places("pose")
         self.closed = np.zeros((0, self.plain.reference.size))
 
-    # --- running ----------------------------------------------------------------------------------------------------
+    # --- running ----------------------------------------------------------------------------------
 
     def run(self, *arguments: str) -> Run | None:
         """A command of the contract; None where it was refused, or is a finding."""
@@ -120,11 +131,18 @@ class Checks:
         ]
         if run.status == 2:
             if len(lines) != 1 or not lines[0].startswith("symkin: ") or run.out:
-                self.found("traceback", f"status 2 with {len(lines)} lines on stderr: {_short(run.error)}", run)
+                self.found(
+                    "traceback",
+                    f"status 2 with {len(lines)} lines on stderr: {_short(run.error)}",
+                    run,
+                )
             elif re.search(r"Error\b|Exception|object at 0x|Traceback|NoneType", lines[0]):
                 self.found("traceback", f"a message that is none: {_short(lines[0])}", run)
             else:
-                self.refusals.append(f"{arguments[0]}: " + re.sub(r"-?\d[\d.e+-]*", "#", lines[0].replace(str(self.file), "F")))
+                self.refusals.append(
+                    f"{arguments[0]}: "
+                    + re.sub(r"-?\d[\d.e+-]*", "#", lines[0].replace(str(self.file), "F"))
+                )
             return None
         told = run.status == 3 and len(lines) == 1 and lines[0].startswith("symkin: ")
         if lines and not told:
@@ -144,7 +162,7 @@ class Checks:
     def found(self, kind: str, text: str, run: Run) -> None:
         self.findings.append(Finding(kind, text, run.command))
 
-    # --- all verbs --------------------------------------------------------------------------------------------------
+    # --- all verbs --------------------------------------------------------------------------------
 
     def all(self) -> None:
         m = self.plain
@@ -181,13 +199,19 @@ class Checks:
             return
         # another assembly may be of another mobility; the statement is about that of the reference
         if stated and int(stated[1]) not in mobilities and "H" not in _types(self.data):
-            self.found("wrong answer", f"mobility {stated[1]}, by the plain closure {set(mobilities)}", run)
+            self.found(
+                "wrong answer", f"mobility {stated[1]}, by the plain closure {set(mobilities)}", run
+            )
 
     def position(self, kind: str, x: np.ndarray, feasible: bool) -> None:
         """Modes by both methods and a solution, at the joints or the pose of a configuration."""
         m = self.plain
         given = self.joints_text(x) if kind == "joints" else self.pose_text(x)
-        free = [i for i in range(len(m.numbers)) if i not in (self.actuated if kind == "joints" else self.pose)]
+        free = [
+            i
+            for i in range(len(m.numbers))
+            if i not in (self.actuated if kind == "joints" else self.pose)
+        ]
         brute = solutions(m, x, free, STARTS, self.rng)
         if feasible:
             brute.append(found_at(m, x, free))
@@ -196,7 +220,9 @@ class Checks:
         formula = m.serial and kind == "joints"
         if self.sometimes("multistart"):
             starts = [] if formula else ["--starts", "100"]
-            again = self.run("modes", f"--{kind}={given}", "--json", "--method", "multistart", *starts)
+            again = self.run(
+                "modes", f"--{kind}={given}", "--json", "--method", "multistart", *starts
+            )
             if again is not None:
                 some = self.judge_modes(again, x, kind, brute, complete=False)
                 if lists and lists[0] is not None and some is not None:
@@ -208,17 +234,27 @@ class Checks:
         if solved is not None:
             solution = solved.json()["solution"]
             if (solved.status == 0) != (solution is not None):
-                self.found("wrong answer", f"status {solved.status} with solution {solution is not None}", solved)
+                self.found(
+                    "wrong answer",
+                    f"status {solved.status} with solution {solution is not None}",
+                    solved,
+                )
             if solution is not None:
                 self.judge_closed(solved, solution, x, kind)
 
-    # --- judges -----------------------------------------------------------------------------------------------------
+    # --- judges -----------------------------------------------------------------------------------
 
-    def judge_modes(self, run: Run, x: np.ndarray, kind: str, brute: list[Found], *, complete: bool | None) -> np.ndarray | None:
-        """Every mode closes, none twice; a complete list holds every regular root of the plain search. Returns the modes."""
+    def judge_modes(
+        self, run: Run, x: np.ndarray, kind: str, brute: list[Found], *, complete: bool | None
+    ) -> np.ndarray | None:
+        """Every mode closes, none twice; a complete list holds every regular root of the plain
+        search. Returns the modes.
+        """
         m, result = self.plain, run.json()
         if (run.status == 0) != bool(result["modes"] or _positive(result)):
-            self.found("wrong answer", f"status {run.status} with {len(result['modes'])} modes", run)
+            self.found(
+                "wrong answer", f"status {run.status} with {len(result['modes'])} modes", run
+            )
         closed = [self.judge_closed(run, mode, x, kind) for mode in result["modes"]]
         if any(c is None for c in closed):
             return None
@@ -226,57 +262,94 @@ class Checks:
         if listed is None:
             listed = named_places(m)
         f = features(m, np.array(closed).reshape(len(closed), m.reference.size), listed)
-        apart = np.max(np.abs(f[:, None] - f[None]), axis=2) + np.eye(len(f)) if len(f) else np.ones((0, 0))
+        apart = (
+            np.max(np.abs(f[:, None] - f[None]), axis=2) + np.eye(len(f))
+            if len(f)
+            else np.ones((0, 0))
+        )
         if (apart < 1e-9).any():
             self.found("wrong answer", "a mode is listed twice", run)
         claims = result["completeness"] in COMPLETE if complete is None else complete
         if _positive(result) and not result["modes"] and any(b.regular for b in brute):
-            self.found("lost mode", "a set that is not isolated is said to be all, the plain search finds a regular mode", run)
+            self.found(
+                "lost mode",
+                "a set that is not isolated is said to be all, the plain search finds a regular "
+                "mode",
+                run,
+            )
         regular = [b for b in brute if b.regular]
         self.compared += claims
         self.sampled += not claims
         if claims and regular:
             theirs = features(m, np.array([b.x for b in regular]), listed)
-            missing = [t for t in theirs if not len(f) or np.min(np.max(np.abs(f - t), axis=1)) > SAME]
+            missing = [
+                t for t in theirs if not len(f) or np.min(np.max(np.abs(f - t), axis=1)) > SAME
+            ]
             if missing:
                 self.found(
                     "lost mode",
-                    f"{len(missing)} regular modes are not among the {len(f)} of a list said to be {result['completeness']}",
+                    f"{len(missing)} regular modes are not among the {len(f)} of a list said to "
+                    f"be {result['completeness']}",
                     run,
                 )
         return f if claims else None
 
     def judge_contained(self, run: Run | None, complete: np.ndarray, some: np.ndarray) -> None:
-        lost = [t for t in some if not len(complete) or np.min(np.max(np.abs(complete - t), axis=1)) > SAME]
+        lost = [
+            t
+            for t in some
+            if not len(complete) or np.min(np.max(np.abs(complete - t), axis=1)) > SAME
+        ]
         if lost and run is not None:
-            self.found("lost mode", f"{len(lost)} modes of multistart are not in the complete list", run)
+            self.found(
+                "lost mode", f"{len(lost)} modes of multistart are not in the complete list", run
+            )
 
-    def judge_closed(self, run: Run, mode: dict[str, Any], x: np.ndarray, kind: str) -> np.ndarray | None:
-        """The whole configuration of a printed one: given values kept, cut joints fitted; a finding where it does not close."""
+    def judge_closed(
+        self, run: Run, mode: dict[str, Any], x: np.ndarray, kind: str
+    ) -> np.ndarray | None:
+        """The whole configuration of a printed one: given values kept, cut joints fitted; a finding
+        where it does not close.
+        """
         m = self.plain
         y, cut = self.configuration(mode)
         if kind == "joints":
             off = max((self._apart(i, y, x) for i in self.actuated), default=0.0)
             if off > 1e-9:
-                self.found("wrong answer", f"a mode has other joint values than those given, by {off:.1g}", run)
+                self.found(
+                    "wrong answer",
+                    f"a mode has other joint values than those given, by {off:.1g}",
+                    run,
+                )
         else:
             off = float(np.max(np.abs(features(m, y[None], [])[0] - features(m, x[None], [])[0])))
             if off > CLOSED + self.told_projection(run):
-                self.found("wrong answer", f"a mode has another pose than the one given, by {off:.1g}", run)
+                self.found(
+                    "wrong answer", f"a mode has another pose than the one given, by {off:.1g}", run
+                )
         fitted = y[None]
         if cut:
-            begin = np.concatenate([y[None], random_configurations(m, np.tile(y, (12, 1)), cut, np.random.default_rng(0))])
+            begin = np.concatenate(
+                [
+                    y[None],
+                    random_configurations(m, np.tile(y, (12, 1)), cut, np.random.default_rng(0)),
+                ]
+            )
             steps = 40 + int(2 * np.max(np.abs(y)) / m.size)  # a step is no longer than the size
             fitted = solve(m, begin, m.tangent(cut), min(steps, 4000))
         left = m.residual(fitted)
         best = int(np.argmin(left))
         if not left[best] < CLOSED:
-            self.found("wrong answer", f"a mode does not close, by {left[best]:.1g} of the size", run)
+            self.found(
+                "wrong answer", f"a mode does not close, by {left[best]:.1g} of the size", run
+            )
             return None
         return np.asarray(fitted[best])
 
     def told_projection(self, run: Run) -> float:
-        """How far, over the size, the answer says that the given pose was projected; twice that in features."""
+        """How far, over the size, the answer says that the given pose was projected; twice that in
+        features.
+        """
         told = re.search(r"the pose was projected onto [^,\"]*, by ([\d.e+-]+)", run.out)
         return 2.0 * float(told[1]) / self.plain.size if told else 0.0
 
@@ -290,10 +363,14 @@ class Checks:
         return abs(gap) / (self.plain.size if kind == "length" else 1.0)
 
     def configuration(self, mode: dict[str, Any]) -> tuple[np.ndarray, list[int]]:
-        """Values of a printed configuration, and the places of coordinates that it does not print."""
+        """Values of a printed configuration, and the places of coordinates that it does not
+        print.
+        """
         m = self.plain
         pose = mode["pose"]
-        x = m.with_pose(m.reference[None], np.array(pose["position"]), np.array(pose["quaternion"]))[0]
+        x = m.with_pose(
+            m.reference[None], np.array(pose["position"]), np.array(pose["quaternion"])
+        )[0]
         cut = []
         for i, number in enumerate(m.numbers):
             if number.role == "pose":
@@ -309,12 +386,16 @@ class Checks:
         if not modes:
             return None
         # idle coordinates make no mode
-        return [i for i in named_places(self.plain) if self.plain.numbers[i].name in modes[0]["joints"]]
+        return [
+            i for i in named_places(self.plain) if self.plain.numbers[i].name in modes[0]["joints"]
+        ]
 
-    # --- other verbs ------------------------------------------------------------------------------------------------
+    # --- other verbs ------------------------------------------------------------------------------
 
     def singularities(self, x: np.ndarray) -> None:
-        kind, given = ("joints", self.joints_text(x)) if self.actuated else ("pose", self.pose_text(x))
+        kind, given = (
+            ("joints", self.joints_text(x)) if self.actuated else ("pose", self.pose_text(x))
+        )
         run = self.run("singularities", f"--{kind}={given}", "--json")
         if run is None or run.status != 0:
             return
@@ -334,25 +415,50 @@ class Checks:
         held = "type 2" in result["kinds"] or "type 2" in result["everywhere"]
         says = held or "constraint" in result["kinds"]
         if moves and not says:
-            self.found("wrong answer", f"the platform moves with joints held, singularities says {result['kinds']}", run)
+            self.found(
+                "wrong answer",
+                f"the platform moves with joints held, singularities says {result['kinds']}",
+                run,
+            )
         if held and not len(null) and len(s) and s[-1] > 1e-4 * s[0]:
-            self.found("wrong answer", f"{result['kinds']}, everywhere {result['everywhere']}, where joints determine all", run)
+            self.found(
+                "wrong answer",
+                f"{result['kinds']}, everywhere {result['everywhere']}, where joints determine all",
+                run,
+            )
         if "constraint" in result["kinds"] and self.has_generic_rank(y):
-            self.found("wrong answer", f"{result['kinds']} where the rows are as independent as elsewhere", run)
+            self.found(
+                "wrong answer",
+                f"{result['kinds']} where the rows are as independent as elsewhere",
+                run,
+            )
 
     def has_generic_rank(self, x: np.ndarray) -> bool:
-        """Whether the rows, every coordinate free, are far from losing the rank that they have at some closed configuration."""
-        shares = [np.linalg.svd(self.plain.closure(c[None])[1][0], compute_uv=False) for c in (*self.closed, x)]
+        """Whether the rows, every coordinate free, are far from losing the rank that they have at
+        some closed configuration.
+        """
+        shares = [
+            np.linalg.svd(self.plain.closure(c[None])[1][0], compute_uv=False)
+            for c in (*self.closed, x)
+        ]
         shares = [s / max(float(s[0]), 1e-300) for s in shares if len(s)]
         rank = max((int(np.sum(s > 1e-8)) for s in shares), default=0)
         return rank > 0 and bool(shares[-1][rank - 1] > 1e-4)
 
     def jacobians(self, x: np.ndarray) -> None:
-        """The NumPy file of one kind, at a closed configuration, beside differences of the closure."""
+        """The NumPy file of one kind, at a closed configuration, beside differences of the
+        closure.
+        """
         kind = str(self.rng.choice(["direct", "inverse", "analytic", "passive"]))
         run = self.run("jacobian", "--kind", kind, "--format", "numpy")
         if self.sometimes("language"):
-            self.run("jacobian", "--kind", kind, "--format", str(self.rng.choice(["c", "casadi", "sympy", "latex"])))
+            self.run(
+                "jacobian",
+                "--kind",
+                kind,
+                "--format",
+                str(self.rng.choice(["c", "casadi", "sympy", "latex"])),
+            )
         if run is None:
             return
         m = self.plain
@@ -371,16 +477,23 @@ class Checks:
         if kind == "direct":
             off = np.max(np.abs((matrix @ q - twist) * scale[:, None]), initial=0.0)
         elif kind == "inverse":
-            units = np.array([m.size if m.numbers[i].kind == "length" else 1.0 for i in self.actuated])
+            units = np.array(
+                [m.size if m.numbers[i].kind == "length" else 1.0 for i in self.actuated]
+            )
             off = np.max(np.abs((matrix @ twist - q) / units[:, None]), initial=0.0)
         else:
             return
         if not off < 1e-6:
-            self.found("wrong answer", f"the {kind} Jacobian differs from differences of the closure by {off:.1g}", run)
+            self.found(
+                "wrong answer",
+                f"the {kind} Jacobian differs from differences of the closure by {off:.1g}",
+                run,
+            )
 
     def rates(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """Feasible rates of actuated joints, and twists, as columns, by differences; None where joints or pose do not
-        determine each other clearly."""
+        """Feasible rates of actuated joints, and twists, as columns, by differences; None where
+        joints or pose do not determine each other clearly.
+        """
         m = self.plain
         h = 1e-6 * m.size
         steps = h * np.eye(m.freedom)
@@ -415,14 +528,20 @@ class Checks:
             values = x[m.slices[i]]
             stem = re.sub(r"[^0-9A-Za-z]+", "_", number.name.removeprefix("pose."))
             if number.kind == "quaternion":
-                parts = ["qw", "qx", "qy", "qz"] if number.role == "pose" else [f"{stem}_{c}" for c in "wxyz"]
+                parts = (
+                    ["qw", "qx", "qy", "qz"]
+                    if number.role == "pose"
+                    else [f"{stem}_{c}" for c in "wxyz"]
+                )
                 known |= dict(zip(parts, values.tolist(), strict=True))
             else:
                 known[stem] = float(values[0])
         return [known[name] for name in names] if all(name in known for name in names) else None
 
     def track(self, x: np.ndarray) -> None:
-        """From the configuration's joints to those of a closed one nearby; the end is one of the modes there."""
+        """From the configuration's joints to those of a closed one nearby; the end is one of the
+        modes there.
+        """
         m = self.plain
         step = 0.1 * m.size * self.rng.normal(size=(1, m.freedom))
         end = solve(m, m.move(x[None], step), np.arange(m.freedom), 40)[0]
@@ -455,10 +574,17 @@ class Checks:
             flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O0"]
             for source in Path(folder, "out").glob("*.c"):
                 built = subprocess.run(
-                    ["cc", *flags, "-c", str(source), "-o", f"{folder}/x.o"], capture_output=True, text=True, check=False
+                    ["cc", *flags, "-c", str(source), "-o", f"{folder}/x.o"],
+                    capture_output=True,
+                    text=True,
+                    check=False,
                 )
                 if built.returncode:
-                    self.found("wrong answer", f"{source.name} does not compile: {_short(built.stderr)}", run)
+                    self.found(
+                        "wrong answer",
+                        f"{source.name} does not compile: {_short(built.stderr)}",
+                        run,
+                    )
 
     def swept(self, x: np.ndarray) -> None:
         i = self.actuated[int(self.rng.integers(len(self.actuated)))]
@@ -472,14 +598,19 @@ class Checks:
             at = [] if len(self.actuated) == 1 else [f"--at={self.joints_text(x)}"]
             self.run("sweep", grid, *at, "-o", f"{folder}/map", "--workers", "0", *starts)
 
-    # --- texts ------------------------------------------------------------------------------------------------------
+    # --- texts ------------------------------------------------------------------------------------
 
     def _out(self, i: int, value: float) -> float:
-        return value / self.plain.unit if self.plain.numbers[i].kind in ("angle", "turns") else value
+        return (
+            value / self.plain.unit if self.plain.numbers[i].kind in ("angle", "turns") else value
+        )
 
     def joints_text(self, x: np.ndarray) -> str:
         values = [self._out(i, float(x[self.plain.slices[i]][0])) for i in self.actuated]
-        return ",".join(repr(abs(v) if self._is_rod(i) else v) for i, v in zip(self.actuated, values, strict=True))
+        return ",".join(
+            repr(abs(v) if self._is_rod(i) else v)
+            for i, v in zip(self.actuated, values, strict=True)
+        )
 
     def _is_rod(self, i: int) -> bool:
         """Whether a coordinate is a rod's length, whose sign the plain closure does not tell."""
@@ -493,12 +624,17 @@ class Checks:
 
 
 def _positive(result: dict[str, Any]) -> bool:
-    return any("positive-dimensional" in note or "not isolated" in note or "set of solutions" in note for note in result["notes"])
+    return any(
+        "positive-dimensional" in note or "not isolated" in note or "set of solutions" in note
+        for note in result["notes"]
+    )
 
 
 def _types(data: dict[str, Any]) -> str:
     joints = [j for limb in data.get("limb", []) for j in limb.get("joint", [])]
-    return "".join(j["type"] for j in [*joints, *data.get("joint", []), *data.get("dh", {}).get("rows", [])])
+    return "".join(
+        j["type"] for j in [*joints, *data.get("joint", []), *data.get("dh", {}).get("rows", [])]
+    )
 
 
 def _short(text: str) -> str:
@@ -506,7 +642,7 @@ def _short(text: str) -> str:
     return " | ".join(lines[-6:])[:600]
 
 
-# --- a command in this process ------------------------------------------------------------------------------------------
+# --- a command in this process --------------------------------------------------------------------
 
 
 def command_line(arguments: list[str], command: str) -> Run:

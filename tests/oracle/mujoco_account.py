@@ -1,4 +1,6 @@
-"""MuJoCo as an independent account of a mechanism that is written as MJCF: its links, loops and freedoms at symkin's configurations."""
+"""MuJoCo as an independent account of a mechanism that is written as MJCF: its links, loops and
+freedoms at symkin's configurations.
+"""
 
 from __future__ import annotations
 
@@ -24,22 +26,29 @@ class MujocoAccount:
 
         self.mujoco, self.mechanism = mujoco, mechanism
         self.model = mujoco.MjModel.from_xml_path(str(path))
-        self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
+        self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(
+            mujoco.mjtDisableBit.mjDSBL_LIMIT
+        )
         self.reference = mujoco.MjData(self.model)
         mujoco.mj_resetDataKeyframe(self.model, self.reference, 0)
         mujoco.mj_forward(self.model, self.reference)
         np.testing.assert_array_equal(self.reference.qpos, self.model.qpos0)
 
     def check(self) -> list[int]:
-        """At the reference and at closed configurations: links and closed equalities. What the rank leaves free at each of them, idle
-        spins among it."""
+        """At the reference and at closed configurations: links and closed equalities. What the rank
+        leaves free at each of them, idle spins among it.
+        """
         freedoms = []
         for links, values, balls in configurations(self.mechanism):
             data = self._data_at(values, balls)
             self._check_links(data, links)
             errors, jacobian = equality_rows(self.mujoco, self.model, data)
             assert np.abs(errors).max(initial=0.0) <= POSE
-            rank = int(np.linalg.matrix_rank(jacobian, tol=1e-8 * np.linalg.norm(jacobian, 2))) if jacobian.size else 0
+            rank = (
+                int(np.linalg.matrix_rank(jacobian, tol=1e-8 * np.linalg.norm(jacobian, 2)))
+                if jacobian.size
+                else 0
+            )
             freedoms.append(self.model.nv - rank)
         return freedoms
 
@@ -50,7 +59,9 @@ class MujocoAccount:
             joint, body = self.model.joint(j), self.model.body(int(self.model.jnt_bodyid[j]))
             value = values.get(joint.name)
             if int(self.model.jnt_type[j]) == int(self.mujoco.mjtJoint.mjJNT_BALL):
-                value = balls[joint.name] * (1.0 if self._leads_to(joint.name, body.name) else np.array([1.0, -1, -1, -1]))
+                value = balls[joint.name] * (
+                    1.0 if self._leads_to(joint.name, body.name) else np.array([1.0, -1, -1, -1])
+                )
             data.qpos[joint.qposadr[0] : joint.qposadr[0] + np.size(value)] = value
         self.mujoco.mj_forward(self.model, data)
         return data
@@ -67,7 +78,14 @@ class MujocoAccount:
         for link, pose in links.items():
             if link != "base":
                 assert link in names
-                expected = pose @ Pose(self.reference.body(link).xpos, self.reference.body(link).xquat)
-                np.testing.assert_allclose(data.body(link).xpos, expected.position, atol=POSE, err_msg=link)
-                turn = min(np.abs(data.body(link).xquat - sign * expected.quaternion).max() for sign in (1, -1))
+                expected = pose @ Pose(
+                    self.reference.body(link).xpos, self.reference.body(link).xquat
+                )
+                np.testing.assert_allclose(
+                    data.body(link).xpos, expected.position, atol=POSE, err_msg=link
+                )
+                turn = min(
+                    np.abs(data.body(link).xquat - sign * expected.quaternion).max()
+                    for sign in (1, -1)
+                )
                 assert turn <= POSE, link

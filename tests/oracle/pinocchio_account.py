@@ -1,4 +1,6 @@
-"""Pinocchio as an independent account of a mechanism that is written as URDF: its links and loops at symkin's configurations."""
+"""Pinocchio as an independent account of a mechanism that is written as URDF: its links and loops
+at symkin's configurations.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ POSE = 1e-10
 
 
 class PinocchioAccount:
-    """Pinocchio's tree of a file, and the file's loops, beside the mechanism of which it was written."""
+    """Pinocchio's tree of a file, and the file's loops, beside the mechanism of which it was
+    written.
+    """
 
     def __init__(self, mechanism: symkin.Mechanism, path: Path) -> None:
         import pinocchio
@@ -27,7 +31,9 @@ class PinocchioAccount:
         self.root = ElementTree.parse(path).getroot()
 
     def check(self) -> None:
-        """At the reference and at closed configurations; where all joints are 0, frames are parallel to the base's."""
+        """At the reference and at closed configurations; where all joints are 0, frames are
+        parallel to the base's.
+        """
         for pose in self._poses({}).values():
             np.testing.assert_allclose(pose[:3, :3], np.eye(3), atol=1e-12)
         start: dict[str, np.ndarray] = {}
@@ -35,7 +41,9 @@ class PinocchioAccount:
             found = self._poses(self._values(values, balls))
             start = start or {link: found[link] for link in links}
             for link, pose in links.items():
-                np.testing.assert_allclose(found[link], _matrix(pose) @ start[link], atol=POSE, err_msg=link)
+                np.testing.assert_allclose(
+                    found[link], _matrix(pose) @ start[link], atol=POSE, err_msg=link
+                )
             for loop in self.root.iter("loop"):
                 self._check_loop(loop, found)
 
@@ -55,10 +63,14 @@ class PinocchioAccount:
             if number and values:
                 joint = self.model.joints[number]
                 angle = values[name]
-                q[joint.idx_q : joint.idx_q + joint.nq] = [angle] if joint.nq == 1 else [np.cos(angle), np.sin(angle)]
+                q[joint.idx_q : joint.idx_q + joint.nq] = (
+                    [angle] if joint.nq == 1 else [np.cos(angle), np.sin(angle)]
+                )
         data = self.model.createData()
         self.pin.framesForwardKinematics(self.model, data, q)
-        frames = [(k, f) for k, f in enumerate(self.model.frames) if f.type == self.pin.FrameType.BODY]
+        frames = [
+            (k, f) for k, f in enumerate(self.model.frames) if f.type == self.pin.FrameType.BODY
+        ]
         return {frame.name: data.oMf[k].homogeneous.copy() for k, frame in frames}
 
     def _check_loop(self, loop: ElementTree.Element, found: dict[str, np.ndarray]) -> None:
@@ -67,8 +79,14 @@ class PinocchioAccount:
         for tag in ("predecessor", "successor"):
             end = loop.find(tag)
             origin = end.find("origin")
-            xyz, rpy = (np.array([float(v) for v in origin.get(key, "0 0 0").split()]) for key in ("xyz", "rpy"))
-            ends.append(found[end.get("link")] @ self.pin.SE3(self.pin.rpy.rpyToMatrix(rpy), xyz).homogeneous)
+            xyz, rpy = (
+                np.array([float(v) for v in origin.get(key, "0 0 0").split()])
+                for key in ("xyz", "rpy")
+            )
+            ends.append(
+                found[end.get("link")]
+                @ self.pin.SE3(self.pin.rpy.rpyToMatrix(rpy), xyz).homogeneous
+            )
         away = np.linalg.inv(ends[0]) @ ends[1]
         kind, name = loop.get("type"), loop.get("name")
         if kind in ("ball", "revolute", "fixed"):

@@ -1,9 +1,11 @@
-"""The loop closure of a mechanism file in plain NumPy, and its solutions from random starts: nothing here is symkin's.
+"""The loop closure of a mechanism file in plain NumPy, and its solutions from random starts:
+nothing here is symkin's.
 
-Every joint keeps all its coordinates and no joint is cut: each limb carries the platform's frame by a product of
-exponentials, and its residual is the difference from the platform's own frame. All functions take many configurations at
-once, as rows of an array. Steps are tangent: lengths, angles times the size, and rotation vectors (before the joint; in the
-base frame for the platform) times the size for quaternions.
+Every joint keeps all its coordinates and no joint is cut: each limb carries the platform's frame by
+a product of exponentials, and its residual is the difference from the platform's own frame. All
+functions take many configurations at once, as rows of an array. Steps are tangent: lengths, angles
+times the size, and rotation vectors (before the joint; in the base frame for the platform) times
+the size for quaternions.
 """
 
 from __future__ import annotations
@@ -27,7 +29,9 @@ POSE = {
 
 @dataclass(frozen=True)
 class Number:
-    """One coordinate: `kind` is length, angle, turns or quaternion; `value` that at the reference, radians."""
+    """One coordinate: `kind` is length, angle, turns or quaternion; `value` that at the reference,
+    radians.
+    """
 
     name: str
     kind: str
@@ -41,7 +45,9 @@ class Number:
 
 @dataclass(frozen=True)
 class Step:
-    """A displacement of a limb: fixed (`matrix`), or a screw or ball at `place` among the coordinates."""
+    """A displacement of a limb: fixed (`matrix`), or a screw or ball at `place` among the
+    coordinates.
+    """
 
     matrix: np.ndarray | None = None
     place: int = -1
@@ -53,7 +59,9 @@ class Step:
 
 @dataclass(frozen=True)
 class Chain:
-    """A limb: its steps, its rods (start, platform point, length), or one actuated rod (base, platform point, offset)."""
+    """A limb: its steps, its rods (start, platform point, length), or one actuated rod (base,
+    platform point, offset).
+    """
 
     name: str
     steps: tuple[Step, ...] = ()
@@ -73,23 +81,31 @@ class PlainMechanism:
         self.serial = "limb" not in data
         frame = data.get("tool" if self.serial else "platform", {})
         self.position = np.array(frame.get("position", (0.0, 0.0, 0.0)), dtype=float)
-        self.quaternion = _unit(np.array(frame.get("quaternion", (1.0, 0.0, 0.0, 0.0)), dtype=float))
+        self.quaternion = _unit(
+            np.array(frame.get("quaternion", (1.0, 0.0, 0.0, 0.0)), dtype=float)
+        )
         self.motion = frame.get("motion", "spatial")
         if "dh" in data:
             self.chains.append(self._dh(data["dh"]))
-        for limb in data.get("limb", [{"name": "arm", "joint": data["joint"]}] if "joint" in data else []):
+        for limb in data.get(
+            "limb", [{"name": "arm", "joint": data["joint"]}] if "joint" in data else []
+        ):
             self.chains.append(self._limb(limb))
         self._declare_pose()
         self.names = [n.name for n in self.numbers]
         widths = [len(n.value) for n in self.numbers]
-        self.slices = [slice(e - w, e) for e, w in zip(np.cumsum(widths).tolist(), widths, strict=True)]
+        self.slices = [
+            slice(e - w, e) for e, w in zip(np.cumsum(widths).tolist(), widths, strict=True)
+        ]
         freedoms = [n.freedom for n in self.numbers]
-        self.columns = [slice(e - f, e) for e, f in zip(np.cumsum(freedoms).tolist(), freedoms, strict=True)]
+        self.columns = [
+            slice(e - f, e) for e, f in zip(np.cumsum(freedoms).tolist(), freedoms, strict=True)
+        ]
         self.freedom = sum(freedoms)
         self.size = self._size()
         self.reference = self._reference()
 
-    # --- from the file ----------------------------------------------------------------------------------------------
+    # --- from the file ----------------------------------------------------------------------------
 
     def _declare(self, name: str, kind: str, role: str, value: Sequence[float]) -> int:
         self.numbers.append(Number(name, kind, role, tuple(value)))
@@ -97,14 +113,25 @@ class PlainMechanism:
 
     def _limb(self, limb: dict[str, Any]) -> Chain:
         if "base" in limb:
-            base, end, offset = np.array(limb["base"]), np.array(limb["platform"]), limb.get("offset", 0.0)
-            place = self._declare(limb["name"], "length", "actuated", [np.linalg.norm(self._carried(end) - base) - offset])
+            base, end, offset = (
+                np.array(limb["base"]),
+                np.array(limb["platform"]),
+                limb.get("offset", 0.0),
+            )
+            place = self._declare(
+                limb["name"],
+                "length",
+                "actuated",
+                [np.linalg.norm(self._carried(end) - base) - offset],
+            )
             return Chain(limb["name"], leg=(base, end, offset, place))
         steps = [step for joint in limb["joint"] for step in self._joint(joint)]
         rods = []
         for rod in limb.get("rod", []):
             start, end = np.array(rod["from"]), np.array(rod["platform"])
-            rods.append((start, end, rod.get("length", float(np.linalg.norm(self._carried(end) - start)))))
+            rods.append(
+                (start, end, rod.get("length", float(np.linalg.norm(self._carried(end) - start))))
+            )
         balls = [joint["name"] for joint in limb["joint"] if joint["type"] == "S"]
         if len(balls) > 1:
             self.idle |= {balls[0], balls[-1]}
@@ -123,7 +150,9 @@ class PlainMechanism:
             return
         if kind == "C":
             yield Step(None, self._declare(f"{name}.angle", "angle", role, [0.0]), point, axis, 1.0)
-            yield Step(None, self._declare(f"{name}.slide", "length", role, [0.0]), point, axis, 0.0, 1.0)
+            yield Step(
+                None, self._declare(f"{name}.slide", "length", role, [0.0]), point, axis, 0.0, 1.0
+            )
             return
         if kind == "U":
             second = _unit(np.array(joint["axis2"], dtype=float))
@@ -140,12 +169,18 @@ class PlainMechanism:
         z, steps = np.array([0.0, 0.0, 1.0]), []
         for k, row in enumerate(table["rows"], start=1):
             turning = row["type"] == "R"
-            place = self._declare(row.get("name", f"q{k}"), "angle" if turning else "length", "actuated", [0.0])
+            place = self._declare(
+                row.get("name", f"q{k}"), "angle" if turning else "length", "actuated", [0.0]
+            )
             joint = Step(None, place, np.zeros(3), z, float(turning), float(not turning))
             about_z = _screw(z, row.get("theta", 0.0) * self.unit, row.get("d", 0.0))
-            about_x = _screw(np.array([1.0, 0.0, 0.0]), row.get("alpha", 0.0) * self.unit, row.get("a", 0.0))
+            about_x = _screw(
+                np.array([1.0, 0.0, 0.0]), row.get("alpha", 0.0) * self.unit, row.get("a", 0.0)
+            )
             parts = (
-                (joint, Step(about_z @ about_x)) if table["convention"] == "standard" else (Step(about_x), joint, Step(about_z))
+                (joint, Step(about_z @ about_x))
+                if table["convention"] == "standard"
+                else (Step(about_x), joint, Step(about_z))
             )
             steps += list(parts)
         return Chain("arm", tuple(steps))
@@ -168,8 +203,12 @@ class PlainMechanism:
         return x
 
     def _size(self) -> float:
-        """The largest distance between joint points, rods' ends and, where these coincide, the platform origin; or 1."""
-        points = [step.point for chain in self.chains for step in chain.steps if step.matrix is None]
+        """The largest distance between joint points, rods' ends and, where these coincide, the
+        platform origin; or 1.
+        """
+        points = [
+            step.point for chain in self.chains for step in chain.steps if step.matrix is None
+        ]
         for chain in self.chains:
             points += [p for start, end, _ in chain.rods for p in (start, self._carried(end))]
             points += [chain.leg[0], self._carried(chain.leg[1])] if chain.leg else []
@@ -184,7 +223,7 @@ class PlainMechanism:
                 return spread
         return 1.0
 
-    # --- values -----------------------------------------------------------------------------------------------------
+    # --- values -----------------------------------------------------------------------------------
 
     def places(self, *roles: str) -> list[int]:
         return [i for i, n in enumerate(self.numbers) if n.role in roles]
@@ -197,7 +236,10 @@ class PlainMechanism:
     def pose(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions (n, 3) and rotations (n, 3, 3) of the platform."""
         n = len(x)
-        position, rotation = np.tile(self.position, (n, 1)), quaternion_matrix(np.tile(self.quaternion, (n, 1)))
+        position, rotation = (
+            np.tile(self.position, (n, 1)),
+            quaternion_matrix(np.tile(self.quaternion, (n, 1))),
+        )
         for i in self.places("pose"):
             name, values = self.names[i].removeprefix("pose."), x[:, self.slices[i]]
             if name == "quaternion":
@@ -216,7 +258,10 @@ class PlainMechanism:
             if name == "quaternion":
                 x[:, self.slices[i]] = quaternion
             elif name == "gamma":
-                turn = quaternion_matrix(quaternion[None])[0] @ quaternion_matrix(self.quaternion[None])[0].T
+                turn = (
+                    quaternion_matrix(quaternion[None])[0]
+                    @ quaternion_matrix(self.quaternion[None])[0].T
+                )
                 x[:, self.slices[i]] = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
             else:
                 x[:, self.slices[i]] = position["xyz".index(name)]
@@ -229,23 +274,32 @@ class PlainMechanism:
             if number.kind == "quaternion":
                 vector = step[:, column] / self.size
                 angle = np.linalg.norm(vector, axis=1, keepdims=True)
-                half = np.concatenate([np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * vector], axis=1)
+                half = np.concatenate(
+                    [np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * vector], axis=1
+                )
                 moved[:, place] = _unit(_product(half, x[:, place]))
             else:
                 moved[:, place] += step[:, column] / (1.0 if number.kind == "length" else self.size)
         return moved
 
-    # --- closure ----------------------------------------------------------------------------------------------------
+    # --- closure ----------------------------------------------------------------------------------
 
     def closure(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Residuals (n, rows) in lengths, rotations times the size, and their derivatives (n, rows, freedom)."""
+        """Residuals (n, rows) in lengths, rotations times the size, and their derivatives (n, rows,
+        freedom).
+        """
         position, rotation = self.pose(x)
         moved, turned = self._pose_derivatives(rotation)
         rows, derivatives = [], []
         for chain in self.chains:
             if chain.leg is not None:
                 base, end, offset, place = chain.leg
-                r, j = self._distance(position + rotation @ end, self._point_derivative(moved, turned, rotation @ end), base, 0.0)
+                r, j = self._distance(
+                    position + rotation @ end,
+                    self._point_derivative(moved, turned, rotation @ end),
+                    base,
+                    0.0,
+                )
                 j[:, self.columns[place].start] -= 1.0
                 rows.append((r - offset - x[:, self.slices[place]][:, 0])[:, None])
                 derivatives.append(j[:, None])
@@ -254,8 +308,15 @@ class PlainMechanism:
             for start, end, length in chain.rods:
                 here = frame[:, :3, :3] @ start + frame[:, :3, 3]
                 there = position + rotation @ end
-                d_here = twists[:, 3:] + np.cross(twists[:, :3], here[:, :, None], axisb=1, axisa=1, axisc=1)
-                r, j = self._distance(there, self._point_derivative(moved, turned, rotation @ end) - d_here, here, length)
+                d_here = twists[:, 3:] + np.cross(
+                    twists[:, :3], here[:, :, None], axisb=1, axisa=1, axisc=1
+                )
+                r, j = self._distance(
+                    there,
+                    self._point_derivative(moved, turned, rotation @ end) - d_here,
+                    here,
+                    length,
+                )
                 rows.append(r[:, None])
                 derivatives.append(j[:, None])
             if not chain.rods:
@@ -283,7 +344,9 @@ class PlainMechanism:
         return np.asarray(moved + np.cross(turned, arm[:, :, None], axisa=1, axisb=1, axisc=1))
 
     @staticmethod
-    def _distance(a: np.ndarray, da: np.ndarray, b: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
+    def _distance(
+        a: np.ndarray, da: np.ndarray, b: np.ndarray, length: float
+    ) -> tuple[np.ndarray, np.ndarray]:
         gap = a - b
         far = np.linalg.norm(gap, axis=1)
         return far - length, np.einsum("ni,nif->nf", gap / np.maximum(far, 1e-300)[:, None], da)
@@ -302,7 +365,9 @@ class PlainMechanism:
         carried, there = turn @ home, turn @ self.position + frame[:, :3, 3]
         if "dh" in self.data:
             carried, there = turn, frame[:, :3, 3]
-        d_there = twists[:, 3:] + np.cross(twists[:, :3], there[:, :, None], axisa=1, axisb=1, axisc=1)
+        d_there = twists[:, 3:] + np.cross(
+            twists[:, :3], there[:, :, None], axisa=1, axisb=1, axisc=1
+        )
         rows, derivatives = [there - position], [d_there - moved]
         for k in range(3):
             rows.append(self.size * (carried[:, :, k] - rotation[:, :, k]))
@@ -312,22 +377,31 @@ class PlainMechanism:
         return np.concatenate(rows, axis=1), np.concatenate(derivatives, axis=1)
 
     def _carry(self, chain: Chain, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacements (n, 4, 4) of a limb's last link, and its twists (angular velocity; velocity at the base origin)
-        (n, 6, freedom) by the tangent."""
+        """Displacements (n, 4, 4) of a limb's last link, and its twists (angular velocity; velocity
+        at the base origin) (n, 6, freedom) by the tangent.
+        """
         frame = np.tile(np.eye(4), (len(x), 1, 1))
         twists = np.zeros((len(x), 6, self.freedom))
         for step in chain.steps:
             if step.matrix is not None:
                 frame = frame @ step.matrix
                 continue
-            number, values, column = self.numbers[step.place], x[:, self.slices[step.place]], self.columns[step.place]
+            number, values, column = (
+                self.numbers[step.place],
+                x[:, self.slices[step.place]],
+                self.columns[step.place],
+            )
             if number.kind == "quaternion":
                 for k in range(3):
-                    twists[:, :, column.start + k] = _carried_screw(frame, step.point, np.eye(3)[k], 1.0, 0.0) / self.size
+                    twists[:, :, column.start + k] = (
+                        _carried_screw(frame, step.point, np.eye(3)[k], 1.0, 0.0) / self.size
+                    )
                 frame = frame @ _about(quaternion_matrix(values), step.point)
                 continue
             unit = 1.0 if number.kind == "length" else self.size
-            twists[:, :, column.start] = _carried_screw(frame, step.point, step.axis, step.turn, step.slide) / unit
+            twists[:, :, column.start] = (
+                _carried_screw(frame, step.point, step.axis, step.turn, step.slide) / unit
+            )
             amount = values[:, 0] - number.value[0]
             g = _about(turn_matrix(step.axis, step.turn * amount), step.point)
             g[:, :3, 3] += step.slide * amount[:, None] * step.axis
@@ -339,7 +413,7 @@ class PlainMechanism:
         return np.asarray(np.max(np.abs(self.closure(x)[0]), axis=1, initial=0.0) / self.size)
 
 
-# --- rotations ------------------------------------------------------------------------------------------------------
+# --- rotations ------------------------------------------------------------------------------------
 
 
 def _unit(v: np.ndarray) -> np.ndarray:
@@ -348,11 +422,15 @@ def _unit(v: np.ndarray) -> np.ndarray:
 
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     w = a[:, 0] * b[:, 0] - np.sum(a[:, 1:] * b[:, 1:], axis=1)
-    return np.column_stack([w, a[:, :1] * b[:, 1:] + b[:, :1] * a[:, 1:] + np.cross(a[:, 1:], b[:, 1:])])
+    return np.column_stack(
+        [w, a[:, :1] * b[:, 1:] + b[:, :1] * a[:, 1:] + np.cross(a[:, 1:], b[:, 1:])]
+    )
 
 
 def quaternion_matrix(q: np.ndarray) -> np.ndarray:
-    """Rotations (n, 3, 3) of unit quaternions (n, 4): columns are the images of the unit vectors."""
+    """Rotations (n, 3, 3) of unit quaternions (n, 4): columns are the images of the unit
+    vectors.
+    """
     w, u = q[:, :1], q[:, 1:]
     columns = []
     for e in np.eye(3):
@@ -363,12 +441,14 @@ def quaternion_matrix(q: np.ndarray) -> np.ndarray:
 
 def matrix_quaternion(r: np.ndarray) -> np.ndarray:
     """The unit quaternion of a rotation, by the eigenvector of its largest component."""
-    k = np.array([
-        [r[0, 0] + r[1, 1] + r[2, 2], r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]],
-        [0, r[0, 0] - r[1, 1] - r[2, 2], r[0, 1] + r[1, 0], r[0, 2] + r[2, 0]],
-        [0, 0, r[1, 1] - r[0, 0] - r[2, 2], r[1, 2] + r[2, 1]],
-        [0, 0, 0, r[2, 2] - r[0, 0] - r[1, 1]],
-    ])  # fmt: skip
+    k = np.array(
+        [
+            [r[0, 0] + r[1, 1] + r[2, 2], r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]],
+            [0, r[0, 0] - r[1, 1] - r[2, 2], r[0, 1] + r[1, 0], r[0, 2] + r[2, 0]],
+            [0, 0, r[1, 1] - r[0, 0] - r[2, 2], r[1, 2] + r[2, 1]],
+            [0, 0, 0, r[2, 2] - r[0, 0] - r[1, 1]],
+        ]
+    )
     q = np.linalg.eigh(np.triu(k) + np.triu(k, 1).T)[1][:, -1]
     return q if q[0] >= 0 else -q
 
@@ -392,7 +472,9 @@ def _screw(axis: np.ndarray, angle: float, slide: float) -> np.ndarray:
     return g
 
 
-def _carried_screw(frame: np.ndarray, point: np.ndarray, axis: np.ndarray, turn: float, slide: float) -> np.ndarray:
+def _carried_screw(
+    frame: np.ndarray, point: np.ndarray, axis: np.ndarray, turn: float, slide: float
+) -> np.ndarray:
     """The twist (n, 6) of a joint at the reference, carried by the displacements before it."""
     w, direction = turn * (frame[:, :3, :3] @ axis), frame[:, :3, :3] @ axis
     there = frame[:, :3, :3] @ point + frame[:, :3, 3]

@@ -1,4 +1,6 @@
-"""Solutions of a plain closure by damped least squares from random starts, and whether they are isolated."""
+"""Solutions of a plain closure by damped least squares from random starts, and whether they are
+isolated.
+"""
 
 from __future__ import annotations
 
@@ -15,12 +17,16 @@ STEPS = 60
 FREE = 1e-7
 """A singular value below this share of the largest is none."""
 REGULAR = 1e-5
-"""A solution whose least other singular value is above this share of the largest counts as regular."""
+"""A solution whose least other singular value is above this share of the largest counts as
+regular.
+"""
 
 
 @dataclass(frozen=True)
 class Found:
-    """A solution, whether the named coordinates and the pose are determined there, and whether clearly so."""
+    """A solution, whether the named coordinates and the pose are determined there, and whether
+    clearly so.
+    """
 
     x: np.ndarray
     isolated: bool
@@ -28,7 +34,9 @@ class Found:
 
 
 def solve(m: PlainMechanism, x: np.ndarray, columns: np.ndarray, steps: int = STEPS) -> np.ndarray:
-    """Levenberg-Marquardt of all rows in some tangent columns, from all configurations (n, numbers) at once."""
+    """Levenberg-Marquardt of all rows in some tangent columns, from all configurations (n, numbers)
+    at once.
+    """
     damping = np.full(len(x), 1e-2)
     r, j = m.closure(x)
     for _ in range(steps):
@@ -59,10 +67,17 @@ def _solved(normal: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         return np.asarray((np.linalg.pinv(normal, hermitian=True) @ gradient[:, :, None])[:, :, 0])
 
 
-def random_configurations(m: PlainMechanism, x: np.ndarray, free: Sequence[int], rng: np.random.Generator) -> np.ndarray:
-    """Configurations with the coordinates at places `free` anywhere: lengths about the reference, by the mechanism's reach."""
+def random_configurations(
+    m: PlainMechanism, x: np.ndarray, free: Sequence[int], rng: np.random.Generator
+) -> np.ndarray:
+    """Configurations with the coordinates at places `free` anywhere: lengths about the reference,
+    by the mechanism's reach.
+    """
     x = x.copy()
-    reach = 1.5 * m.size + max((abs(x[:, m.slices[i]]).max() for i, n in enumerate(m.numbers) if n.kind == "length"), default=0.0)
+    reach = 1.5 * m.size + max(
+        (abs(x[:, m.slices[i]]).max() for i, n in enumerate(m.numbers) if n.kind == "length"),
+        default=0.0,
+    )
     for i in free:
         number, place = m.numbers[i], m.slices[i]
         if number.kind == "quaternion":
@@ -75,8 +90,12 @@ def random_configurations(m: PlainMechanism, x: np.ndarray, free: Sequence[int],
     return x
 
 
-def solutions(m: PlainMechanism, known: np.ndarray, free: Sequence[int], starts: int, rng: np.random.Generator) -> list[Found]:
-    """Distinct solutions with the coordinates at places `free` unknown, the others as in `known` (numbers,)."""
+def solutions(
+    m: PlainMechanism, known: np.ndarray, free: Sequence[int], starts: int, rng: np.random.Generator
+) -> list[Found]:
+    """Distinct solutions with the coordinates at places `free` unknown, the others as in `known`
+    (numbers,).
+    """
     begin = random_configurations(m, np.tile(known, (starts, 1)), free, rng)
     columns = m.tangent(free)
     ends = solve(m, begin, columns)
@@ -94,7 +113,9 @@ def solutions(m: PlainMechanism, known: np.ndarray, free: Sequence[int], starts:
 
 
 def found_at(m: PlainMechanism, x: np.ndarray, free: Sequence[int]) -> Found:
-    """Whether named coordinates and pose are determined at a solution: no null vector of the rows moves them."""
+    """Whether named coordinates and pose are determined at a solution: no null vector of the rows
+    moves them.
+    """
     columns = m.tangent(free)
     j = m.closure(x[None])[1][0][:, columns]
     _, s, right = np.linalg.svd(j, full_matrices=True)
@@ -103,16 +124,22 @@ def found_at(m: PlainMechanism, x: np.ndarray, free: Sequence[int]) -> Found:
     null = right[s <= FREE * max(s[0], 1e-300)] if len(s) else right
     isolated = not len(null) or float(np.max(np.abs(null[:, named]), initial=0.0)) < 1e-6
     others = s[s > FREE * max(s[0], 1e-300)] if len(s) else s
-    return Found(x, isolated, isolated and (not len(others) or float(others.min() / s[0]) > REGULAR))
+    return Found(
+        x, isolated, isolated and (not len(others) or float(others.min() / s[0]) > REGULAR)
+    )
 
 
 def named_places(m: PlainMechanism) -> list[int]:
-    """All coordinates but those that leave the others alone: spherical joints at both ends of a limb."""
+    """All coordinates but those that leave the others alone: spherical joints at both ends of a
+    limb.
+    """
     return [i for i, n in enumerate(m.numbers) if n.name not in m.idle]
 
 
 def features(m: PlainMechanism, x: np.ndarray, places: Sequence[int]) -> np.ndarray:
-    """Numbers (n, any) in which equal configurations are equal: pose, and the coordinates at some places."""
+    """Numbers (n, any) in which equal configurations are equal: pose, and the coordinates at some
+    places.
+    """
     position, rotation = m.pose(x)
     parts = [position / m.size, rotation.reshape(len(x), 9)]
     for i in places:
@@ -128,8 +155,12 @@ def features(m: PlainMechanism, x: np.ndarray, places: Sequence[int]) -> np.ndar
     return np.concatenate(parts, axis=1)
 
 
-def closed_configurations(m: PlainMechanism, count: int, spread: float, rng: np.random.Generator) -> np.ndarray:
-    """Closed configurations (n, numbers), at most `count`, from random steps off the reference; none where none closes."""
+def closed_configurations(
+    m: PlainMechanism, count: int, spread: float, rng: np.random.Generator
+) -> np.ndarray:
+    """Closed configurations (n, numbers), at most `count`, from random steps off the reference;
+    none where none closes.
+    """
     steps = spread * m.size * rng.normal(size=(count, m.freedom))
     everything = np.arange(m.freedom)
     x = solve(m, m.move(np.tile(m.reference, (count, 1)), steps), everything, 40)
@@ -137,8 +168,10 @@ def closed_configurations(m: PlainMechanism, count: int, spread: float, rng: np.
 
 
 def freedom_at(m: PlainMechanism, x: np.ndarray) -> int | None:
-    """Mobility at a configuration: motions of named coordinates and pose that the rows allow. None where a singular value
-    between 1e-11 and 1e-5 of the largest leaves the rank open, as where every configuration is a multiple one."""
+    """Mobility at a configuration: motions of named coordinates and pose that the rows allow. None
+    where a singular value between 1e-11 and 1e-5 of the largest leaves the rank open, as where
+    every configuration is a multiple one.
+    """
     j = m.closure(x[None])[1][0]
     _, s, right = np.linalg.svd(j, full_matrices=True)
     share = s / max(s[0], 1e-300) if len(s) else s

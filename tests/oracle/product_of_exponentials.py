@@ -1,4 +1,6 @@
-"""What joints do to their links, by matrix exponentials of their screws, from the words of the mechanism file alone."""
+"""What joints do to their links, by matrix exponentials of their screws, from the words of the
+mechanism file alone.
+"""
 
 from __future__ import annotations
 
@@ -21,12 +23,18 @@ def random_values(mechanism: symkin.Mechanism, seed: int) -> dict[str, object]:
     for c in mechanism.coordinates:
         step = rng.normal(size=4 if c.width == 4 else 1)
         scale = mechanism.characteristic_length if c.kind == "length" else 1.0
-        found[c.name] = step / np.linalg.norm(step) if c.width == 4 else float(c.reference[0] + 0.5 * scale * step[0])
+        found[c.name] = (
+            step / np.linalg.norm(step)
+            if c.width == 4
+            else float(c.reference[0] + 0.5 * scale * step[0])
+        )
     return found
 
 
 def displacement(joint: symkin.Joint, values: Values) -> np.ndarray:
-    """The displacement (4, 4) of a joint's second link in its first from the reference, at values of coordinates."""
+    """The displacement (4, 4) of a joint's second link in its first from the reference, at values
+    of coordinates.
+    """
     name, point = joint.name, np.array(joint.point)
     match joint.type:
         case "weld":
@@ -39,10 +47,15 @@ def displacement(joint: symkin.Joint, values: Values) -> np.ndarray:
             return turn
         case "U":
             first, second = (_turn(point, axis) for axis in (joint.axis, joint.axis2))
-            return np.asarray(expm(first * values[f"{name}.1"]) @ expm(second * values[f"{name}.2"]))
+            return np.asarray(
+                expm(first * values[f"{name}.1"]) @ expm(second * values[f"{name}.2"])
+            )
         case "C":
             return np.asarray(
-                expm(_turn(point, joint.axis) * values[f"{name}.angle"] + _slide(joint.axis) * values[f"{name}.slide"])
+                expm(
+                    _turn(point, joint.axis) * values[f"{name}.angle"]
+                    + _slide(joint.axis) * values[f"{name}.slide"]
+                )
             )
         case "P":
             return np.asarray(expm(_slide(joint.axis) * (values[name] - joint.zero)))
@@ -52,11 +65,15 @@ def displacement(joint: symkin.Joint, values: Values) -> np.ndarray:
 
 
 def between_links(mechanism: symkin.Mechanism, values: Values) -> dict[str, tuple[str, np.ndarray]]:
-    """By joint of a graph: the link that comes first in the alphabet, and the other's displacement in it."""
+    """By joint of a graph: the link that comes first in the alphabet, and the other's displacement
+    in it.
+    """
     found = {}
     for entry in mechanism.link_joints:
         moved, (first, second) = displacement(entry.joint, values), entry.links
-        found[entry.joint.name] = (first, moved) if first < second else (second, np.linalg.inv(moved))
+        found[entry.joint.name] = (
+            (first, moved) if first < second else (second, np.linalg.inv(moved))
+        )
     return found
 
 

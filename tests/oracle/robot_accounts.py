@@ -1,4 +1,6 @@
-"""MuJoCo and Pinocchio as independent accounts of the machines of `made_robots`: poses, constraint ranks, motion on the closed set."""
+"""MuJoCo and Pinocchio as independent accounts of the machines of `made_robots`: poses, constraint
+ranks, motion on the closed set.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ from helpers.robot_texts import mjcf
 RANK_SHARE = 1e-8
 """Of the largest singular value."""
 Values = Mapping[str, Any]
-"""Joint values by the names of coordinates, and quaternions (w, x, y, z) of balls by the names of their joints, in the child's frame."""
+"""Joint values by the names of coordinates, and quaternions (w, x, y, z) of balls by the names of
+their joints, in the child's frame.
+"""
 
 
 def rank(jacobian: np.ndarray) -> int:
@@ -41,7 +45,9 @@ class MuJoCo:
             for name in part.coordinates:
                 found[self._address(name)] = values[name]
             if part.joint == "H":
-                found[self._address(f"{part.joint_name}_advance")] = values[part.joint_name] * part.pitch / (2 * np.pi)
+                found[self._address(f"{part.joint_name}_advance")] = (
+                    values[part.joint_name] * part.pitch / (2 * np.pi)
+                )
             if part.joint == "S":
                 start = self._address(part.joint_name)
                 found[start : start + 4] = values[part.joint_name]
@@ -65,11 +71,15 @@ class MuJoCo:
         return equality_rows(self.mujoco, self.model, self.data)
 
     def closed(self, qpos: np.ndarray, held: Mapping[str, float]) -> np.ndarray:
-        """The closed configuration near one, joints `held` at values: Newton's method on MuJoCo's own constraints."""
+        """The closed configuration near one, joints `held` at values: Newton's method on MuJoCo's
+        own constraints.
+        """
         found = np.array(qpos)
         for name, value in held.items():
             found[self._address(name)] = value
-        free = np.array([k for k in range(self.model.nv) if k not in {self._freedom(name) for name in held}])
+        free = np.array(
+            [k for k in range(self.model.nv) if k not in {self._freedom(name) for name in held}]
+        )
         for _ in range(20):
             values, jacobian = self.rows(found)
             step = np.zeros(self.model.nv)
@@ -132,11 +142,16 @@ class Pinocchio:
         (a, b) = closure.parts
         return [
             pin.RigidConstraintModel(
-                kind, self.model, self.number[a], pin.SE3(self.machine.frame(a, at)), self.number[b],
-                pin.SE3(self.machine.frame(b, at)), pin.LOCAL,
+                kind,
+                self.model,
+                self.number[a],
+                pin.SE3(self.machine.frame(a, at)),
+                self.number[b],
+                pin.SE3(self.machine.frame(b, at)),
+                pin.LOCAL,
             )
             for at in points
-        ]  # fmt: skip
+        ]
 
     def place(self, values: Values) -> np.ndarray:
         q = self.pin.neutral(self.model)
@@ -151,20 +166,28 @@ class Pinocchio:
                 q[start : start + 4] = (x, y, z, w)
             for k, number in enumerate(numbers):
                 joint = self.model.joints[self.model.getJointId(f"{name}/{k}")]
-                q[joint.idx_q : joint.idx_q + joint.nq] = number if joint.nq == 1 else (np.cos(number), np.sin(number))
+                q[joint.idx_q : joint.idx_q + joint.nq] = (
+                    number if joint.nq == 1 else (np.cos(number), np.sin(number))
+                )
         return np.asarray(q)
 
     def poses(self, q: np.ndarray) -> dict[str, np.ndarray]:
         """The frames of all parts, by `forwardKinematics`."""
         self.pin.forwardKinematics(self.model, self.data, q)
-        return {part.name: np.array(self.data.oMi[self.number[part.name]].homogeneous) for part in self.machine.parts}
+        return {
+            part.name: np.array(self.data.oMi[self.number[part.name]].homogeneous)
+            for part in self.machine.parts
+        }
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """Constraint Jacobians, with a row for each coupling and screw."""
         pin = self.pin
         pin.computeJointJacobians(self.model, self.data, q)
         pin.updateFramePlacements(self.model, self.data)
-        rows = [pin.getConstraintJacobian(self.model, self.data, c, c.createData()) for c in self.constraints]
+        rows = [
+            pin.getConstraintJacobian(self.model, self.data, c, c.createData())
+            for c in self.constraints
+        ]
         for follower in self.machine.followers:
             row = np.zeros((1, self.model.nv))
             row[0, self.columns[f"q_{follower.part}/0"]] = 1.0
@@ -180,7 +203,9 @@ class Pinocchio:
 
 
 def ball_values(machine: Machine, poses: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The quaternion of every ball for poses of parts: what turns the child from where it stands on its parent."""
+    """The quaternion of every ball for poses of parts: what turns the child from where it stands on
+    its parent.
+    """
     from scipy.spatial.transform import Rotation
 
     found = {}

@@ -50,7 +50,11 @@ class _Rows:
 
 
 def screw_rates(
-    mechanism: Mechanism, poses: Mapping[str, Pose], values: Values, of: Sequence[str], by: Sequence[str]
+    mechanism: Mechanism,
+    poses: Mapping[str, Pose],
+    values: Values,
+    of: Sequence[str],
+    by: Sequence[str],
 ) -> tuple[np.ndarray, float]:
     """of' = J by' (length unit, rad) and the least singular value by which `by` decide the
     motion, at displacements of all links and values of all scalar coordinates (length unit,
@@ -67,7 +71,9 @@ def screw_rates(
     for coupling in mechanism.couplings:
         _add_coupling(rows, coupling, values, scale)
     link = mechanism.platform_link or "platform"
-    if link in poses and any(name in ("x", "y", "z", "tilt", "torsion", "azimuth") for name in (*of, *by)):
+    if link in poses and any(
+        name in ("x", "y", "z", "tilt", "torsion", "azimuth") for name in (*of, *by)
+    ):
         scale |= _add_pose(rows, mechanism, poses[link], link)
     names = [*of, *by]
     places = [rows.place(name, 0) for name in names]
@@ -75,7 +81,11 @@ def screw_rates(
     rank = int(np.sum(singular > 1e-9 * singular[0]))
     motions = right[rank:, places].T
     wanted, told = motions[: len(of)], motions[len(of) :]
-    decided = float(np.linalg.svd(told, compute_uv=False)[len(by) - 1]) if min(told.shape) >= len(by) else 0.0
+    decided = (
+        float(np.linalg.svd(told, compute_uv=False)[len(by) - 1])
+        if min(told.shape) >= len(by)
+        else 0.0
+    )
     jacobian = wanted @ np.linalg.pinv(told, rcond=1e-9)
     left = np.abs(wanted - jacobian @ told).max(axis=1, initial=0.0)
     jacobian[left > 1e-7] = np.nan
@@ -90,7 +100,11 @@ def _with_carriers(graph: Mechanism, poses: Mapping[str, Pose], metres: float) -
     for entry in graph.link_joints:
         if not set(entry.links) <= set(found):
             at = np.array(entry.joint.point) / metres
-            found |= {link: Pose(poses["platform"].apply(at) - at, (1, 0, 0, 0)) for link in entry.links if link not in found}
+            found |= {
+                link: Pose(poses["platform"].apply(at) - at, (1, 0, 0, 0))
+                for link in entry.links
+                if link not in found
+            }
     return found
 
 
@@ -102,7 +116,9 @@ def _add_joint(rows: _Rows, entry: Any, poses: Mapping[str, Pose], metres: float
     joint, (a, b) = entry.joint, entry.links
     size = rows.size
     point = np.asarray(poses[a].apply(np.array(joint.point) / metres))
-    screws: list[tuple[str, int, np.ndarray, np.ndarray]] = []  # name, part, velocity of the origin, size x angular velocity
+    screws: list[
+        tuple[str, int, np.ndarray, np.ndarray]
+    ] = []  # name, part, velocity of the origin, size x angular velocity
 
     def turn(name: str, part: int, axis: np.ndarray, along: float = 0.0) -> None:
         screws.append((name, part, _moment(point, axis) / size + along * axis / size, axis))
@@ -110,7 +126,11 @@ def _add_joint(rows: _Rows, entry: Any, poses: Mapping[str, Pose], metres: float
     def slide(name: str, axis: np.ndarray) -> None:
         screws.append((name, 0, axis, np.zeros(3)))
 
-    first = np.asarray(poses[a].rotation) @ np.array(joint.axis) if joint.axis is not None else np.zeros(3)
+    first = (
+        np.asarray(poses[a].rotation) @ np.array(joint.axis)
+        if joint.axis is not None
+        else np.zeros(3)
+    )
     match joint.type:
         case "R":
             turn(joint.name, 0, first)
@@ -144,9 +164,16 @@ def _velocity(rows: _Rows, link: str, p: np.ndarray, along: np.ndarray) -> tuple
 
 def _add_rod(rows: _Rows, rod: Any, poses: Mapping[str, Pose], metres: float) -> None:
     a, b = rod.links
-    start, end = (np.asarray(poses[link].apply(np.array(p) / metres)) for link, p in ((a, rod.start), (b, rod.end)))
+    start, end = (
+        np.asarray(poses[link].apply(np.array(p) / metres))
+        for link, p in ((a, rod.start), (b, rod.end))
+    )
     along = (end - start) / np.linalg.norm(end - start)
-    terms = [(n, list(w)) for n, w in (_velocity(rows, b, end, along), _velocity(rows, a, start, -along)) if n != "link base"]
+    terms = [
+        (n, list(w))
+        for n, w in (_velocity(rows, b, end, along), _velocity(rows, a, start, -along))
+        if n != "link base"
+    ]
     if rod.actuated:
         terms.append((rod.name, [-1.0]))
     rows.add(*terms)
@@ -157,9 +184,15 @@ def _add_coupling(rows: _Rows, coupling: Any, values: Values, scale: Mapping[str
     slopes = dict(coupling.terms)
     if coupling.polynomial is not None:
         x = values[coupling.names[0]]
-        slopes = {coupling.names[0]: sum(k * c * x ** (k - 1) for k, c in enumerate(coupling.polynomial) if k)}
+        slopes = {
+            coupling.names[0]: sum(
+                k * c * x ** (k - 1) for k, c in enumerate(coupling.polynomial) if k
+            )
+        }
     own = 1.0 / scale[coupling.joint]
-    rows.add((coupling.joint, [own]), *((name, [-slope / scale[name]]) for name, slope in slopes.items()))
+    rows.add(
+        (coupling.joint, [own]), *((name, [-slope / scale[name]]) for name, slope in slopes.items())
+    )
 
 
 def _add_pose(rows: _Rows, mechanism: Mechanism, moved: Pose, link: str) -> dict[str, float]:
@@ -167,7 +200,9 @@ def _add_pose(rows: _Rows, mechanism: Mechanism, moved: Pose, link: str) -> dict
     pose = moved @ mechanism.reference_pose
     p, size = np.asarray(pose.position), rows.size
     for name, along in zip("xyz", np.eye(3), strict=True):
-        rows.add((name, [1.0]), (_velocity(rows, link, p, along)[0], -_velocity(rows, link, p, along)[1]))
+        rows.add(
+            (name, [1.0]), (_velocity(rows, link, p, along)[0], -_velocity(rows, link, p, along)[1])
+        )
     w, x, y, z = (float(v) for v in np.asarray(pose.quaternion))
     # q' = (0, omega) q / 2
     rate = 0.5 * np.array([[-x, -y, -z], [w, z, -y], [-z, w, x], [y, -x, w]])
@@ -175,7 +210,9 @@ def _add_pose(rows: _Rows, mechanism: Mechanism, moved: Pose, link: str) -> dict
     turns = {"torsion": torsion}
     s, c = np.hypot(x, y), np.hypot(w, z)
     if s > 1e-9:
-        turns["tilt"] = 2 * ((x * rate[1] + y * rate[2]) / s * c - s * (w * rate[0] + z * rate[3]) / c)
+        turns["tilt"] = 2 * (
+            (x * rate[1] + y * rate[2]) / s * c - s * (w * rate[0] + z * rate[3]) / c
+        )
         turns["azimuth"] = (-y * rate[1] + x * rate[2]) / (s * s) + 0.5 * torsion
     for name, weights in turns.items():
         rows.add((name, [1.0]), (f"link {link}", [0.0] * 3 + (-weights).tolist()))

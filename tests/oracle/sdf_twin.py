@@ -1,6 +1,8 @@
-"""An account of SDF files of its own, by maximal coordinates: where links are, and the mobility of joints between free bodies.
+"""An account of SDF files of its own, by maximal coordinates: where links are, and the mobility of
+joints between free bodies.
 
-It reads plain files: one model, poses and axes by the version's rules, gears, no includes, mimics or models in models.
+It reads plain files: one model, poses and axes by the version's rules, gears, no includes, mimics
+or models in models.
 """
 
 from __future__ import annotations
@@ -40,21 +42,31 @@ def sdf_agreement(path: Path, robot: Robot) -> str:
     except (NotPlainError, KeyError, AttributeError, ValueError) as reason:
         return f"no plain SDF ({reason})"
     frames = {**dict(robot.links), **{name: pose for name, (_, pose) in robot.merged.items()}}
-    ours = {name: _matrix(np.asarray(pose.rotation), np.asarray(pose.position)) for name, pose in frames.items()}
+    ours = {
+        name: _matrix(np.asarray(pose.rotation), np.asarray(pose.position))
+        for name, pose in frames.items()
+    }
     common = [name for name in ours if name in poses and name != "base"]
     for name in common[1:]:
         first = common[0]
         apart = np.linalg.inv(ours[first]) @ ours[name] - np.linalg.inv(poses[first]) @ poses[name]
         if np.abs(apart).max() > _POSE * max(1.0, np.abs(poses[name]).max()):
-            raise DisagreementError(f"{name} is {np.abs(apart).max():.2g} from where the plain account has it")
-    if len(robot.couplings) != sum(joint.attrib["type"] == "gearbox" for joint in account.joints.values()):
+            raise DisagreementError(
+                f"{name} is {np.abs(apart).max():.2g} from where the plain account has it"
+            )
+    if len(robot.couplings) != sum(
+        joint.attrib["type"] == "gearbox" for joint in account.joints.values()
+    ):
         return f"as the plain account: {len(common)} poses"
     tree = Tree(robot)
     mobility = tree.freedom - rank_at(tree, tree.own)
     theirs = account.mobility(poses)
     if theirs is not None and theirs != mobility:
         raise DisagreementError(f"the mobility is {mobility}, and {theirs} by the plain account")
-    return f"as the plain account: {len(common)} poses{'' if theirs is None else f', mobility {theirs}'}"
+    return (
+        f"as the plain account: {len(common)} "
+        f"poses{'' if theirs is None else f', mobility {theirs}'}"
+    )
 
 
 class _Plain:
@@ -69,8 +81,16 @@ class _Plain:
         (self.model,) = models
         if self.model.find("include") is not None or self.model.find("model") is not None:
             raise NotPlainError("models in models")
-        self.links = {link.attrib["name"]: link for link in self.model.findall("link") if link.attrib["name"] != "world"}
-        self.frames = {frame.attrib["name"]: frame for frame in self.model.findall("frame")} if self.version >= (1, 7) else {}
+        self.links = {
+            link.attrib["name"]: link
+            for link in self.model.findall("link")
+            if link.attrib["name"] != "world"
+        }
+        self.frames = (
+            {frame.attrib["name"]: frame for frame in self.model.findall("frame")}
+            if self.version >= (1, 7)
+            else {}
+        )
         self.joints = {joint.attrib["name"]: joint for joint in self.model.findall("joint")}
         if any(joint.attrib["type"] not in _FREE for joint in self.joints.values()):
             raise NotPlainError("joints of other types")
@@ -84,7 +104,9 @@ class _Plain:
         return {name: self._at(name) for name in self.links}
 
     def mobility(self, poses: dict[str, np.ndarray]) -> int | None:
-        """Freedoms of all bodies less the rank of what joints forbid; None where a part hangs on nothing."""
+        """Freedoms of all bodies less the rank of what joints forbid; None where a part hangs on
+        nothing.
+        """
         bodies = [*poses, "world"] if self.on_world else list(poses)
         solid = [j for j in self.joints.values() if j.attrib["type"] != "gearbox"]
         ends = [(self._link(_text(j, "parent")), self._link(_text(j, "child"))) for j in solid]
@@ -97,7 +119,11 @@ class _Plain:
         place = {body: k for k, body in enumerate(b for b in bodies if b != held)}
         rows = []
         for name, joint in self.joints.items():
-            parts = self._gear(name, joint) if joint.attrib["type"] == "gearbox" else self._both_ends(name, joint)
+            parts = (
+                self._gear(name, joint)
+                if joint.attrib["type"] == "gearbox"
+                else self._both_ends(name, joint)
+            )
             row = np.zeros((len(parts[0][1]), 6 * len(place)))
             for body, block in parts:
                 if body != held:
@@ -109,13 +135,23 @@ class _Plain:
     def _both_ends(self, name: str, joint: ElementTree.Element) -> list[tuple[str, np.ndarray]]:
         """What a joint holds at 0, by the twists of its links."""
         forbidden = self._forbidden(name, joint)
-        return [(self._link(_text(joint, "parent")), -forbidden), (self._link(_text(joint, "child")), forbidden)]
+        return [
+            (self._link(_text(joint, "parent")), -forbidden),
+            (self._link(_text(joint, "child")), forbidden),
+        ]
 
     def _gear(self, name: str, joint: ElementTree.Element) -> list[tuple[str, np.ndarray]]:
-        """theta_2 = -ratio theta_1, the angles of child and parent against the reference body about axis2 and axis."""
+        """theta_2 = -ratio theta_1, the angles of child and parent against the reference body about
+        axis2 and axis.
+        """
         at, ratio = self._at(name), float(_text(joint, "gearbox_ratio"))
-        first, second = (np.concatenate([self._axis(joint, tag, at), np.zeros(3)])[None] for tag in ("axis", "axis2"))
-        parent, child, reference = (self._link(_text(joint, tag)) for tag in ("parent", "child", "gearbox_reference_body"))
+        first, second = (
+            np.concatenate([self._axis(joint, tag, at), np.zeros(3)])[None]
+            for tag in ("axis", "axis2")
+        )
+        parent, child, reference = (
+            self._link(_text(joint, tag)) for tag in ("parent", "child", "gearbox_reference_body")
+        )
         return [(child, second), (parent, ratio * first), (reference, -second - ratio * first)]
 
     def _forbidden(self, name: str, joint: ElementTree.Element) -> np.ndarray:
@@ -177,7 +213,11 @@ class _Plain:
 
 def _lead(joint: ElementTree.Element) -> float:
     new = joint.findtext("screw_thread_pitch")
-    return float(new) / (2 * np.pi) if new is not None else -1.0 / float(joint.findtext("thread_pitch") or "nan")
+    return (
+        float(new) / (2 * np.pi)
+        if new is not None
+        else -1.0 / float(joint.findtext("thread_pitch") or "nan")
+    )
 
 
 def _text(element: ElementTree.Element, tag: str) -> str:
@@ -197,7 +237,9 @@ def _pose(element: ElementTree.Element | None) -> tuple[np.ndarray, str | None]:
 def _about(axis: int, angle: float) -> np.ndarray:
     turn, (i, j) = np.eye(3), [k for k in range(3) if k != axis]
     turn[i, i] = turn[j, j] = np.cos(angle)
-    turn[i, j], turn[j, i] = (np.sin(angle), -np.sin(angle)) if axis == 1 else (-np.sin(angle), np.sin(angle))
+    turn[i, j], turn[j, i] = (
+        (np.sin(angle), -np.sin(angle)) if axis == 1 else (-np.sin(angle), np.sin(angle))
+    )
     return turn
 
 

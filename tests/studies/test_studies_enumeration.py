@@ -1,8 +1,10 @@
-"""The studies of enumeration as a reader runs them: exit 0, picture, and what they compute against theorems and sources.
+"""The studies of enumeration as a reader runs them: exit 0, picture, and what they compute against
+theorems and sources.
 
-Known counts: 40 for six distances (Ronga and Vust 1992), all of them real for Dietmaier's platform (Dietmaier 1998); 16 for the
-general 6R (Primrose 1986), all real for the arm of Manseur and Doty (1989), 8 with three parallel or concurrent axes (Pieper
-1968). Counts of platforms with shared joint centres: see the study.
+Known counts: 40 for six distances (Ronga and Vust 1992), all of them real for Dietmaier's platform
+(Dietmaier 1998); 16 for the general 6R (Primrose 1986), all real for the arm of Manseur and Doty
+(1989), 8 with three parallel or concurrent axes (Pieper 1968). Counts of platforms with shared
+joint centres: see the study.
 """
 
 from __future__ import annotations
@@ -30,7 +32,13 @@ class Study:
     """A study run once as a command: its JSON, by the beginnings of its rows' names."""
 
     def __init__(self, name: str, folder: Path, *options: str) -> None:
-        done = subprocess.run(command(name, folder, *options), capture_output=True, text=True, timeout=300, check=False)
+        done = subprocess.run(
+            command(name, folder, *options),
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
         assert done.returncode == 0, done.stdout + done.stderr
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         content = json.loads((folder / f"{name}.json").read_text())
@@ -53,7 +61,7 @@ def assert_complete(statement: str) -> None:
     assert "0 paths unresolved" in statement
 
 
-# --- 40 real modes -----------------------------------------------------------------------------------------------
+# --- 40 real modes --------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -63,13 +71,19 @@ def dietmaier(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 def test_the_study_has_the_published_numbers():
     """Base, platform and legs are those of the published example."""
-    for ours, published in ((dietmaier1998.BASE, "base"), (dietmaier1998.PLATFORM, "platform"), (dietmaier1998.LEGS, "legs")):
+    for ours, published in (
+        (dietmaier1998.BASE, "base"),
+        (dietmaier1998.PLATFORM, "platform"),
+        (dietmaier1998.LEGS, "legs"),
+    ):
         np.testing.assert_array_equal(ours, DATA[published])
 
 
 @pytest.mark.slow
 def test_all_forty_modes_are_real(dietmaier):
-    """As many real modes as the bound for six distances has complex ones, each at the legs' lengths, no two alike."""
+    """As many real modes as the bound for six distances has complex ones, each at the legs'
+    lengths, no two alike.
+    """
     assert dietmaier["complex solutions"] == dietmaier["real modes"] == 40
     assert_complete(dietmaier["completeness"])
     assert dietmaier["largest leg error, plain arithmetic"] < 1e-12
@@ -77,7 +91,9 @@ def test_all_forty_modes_are_real(dietmaier):
 
 
 def test_certificates_are_reported_as_they_are(dietmaier):
-    """Proved means that every one of the 40 is certified, each in a radius far below the modes' distance."""
+    """Proved means that every one of the 40 is certified, each in a radius far below the modes'
+    distance.
+    """
     certified, radius = dietmaier["certified modes"], dietmaier["largest radius"]
     assert (radius is None) == (certified == 0)
     if dietmaier["completeness"].startswith("proved"):
@@ -91,7 +107,7 @@ def test_rounded_legs_keep_an_even_number(dietmaier):
     assert all(count % 2 == 0 and count <= 40 for count in counts)
 
 
-# --- shared joint centres ----------------------------------------------------------------------------------------
+# --- shared joint centres -------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +118,9 @@ def classes(tmp_path_factory: pytest.TempPathFactory) -> Study:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", list(hexapods.NAMED))
 def test_named_classes_have_their_known_counts(classes, kind):
-    """40 for 6-6, 6-5 and 5-5, 32 for 6-4, 24 for 4-4, 16 for 6-3 and 3-3, with the lists that the study writes out."""
+    """40 for 6-6, 6-5 and 5-5, 32 for 6-4, 24 for 4-4, 16 for 6-3 and 3-3, with the lists that the
+    study writes out.
+    """
     text, count = hexapods.NAMED[kind]
     assert classes[f"{kind}: {from_list(text)}"] == count
 
@@ -122,7 +140,9 @@ def test_classes_are_distinct_graphs_of_six_legs():
     """Each graph once, also after exchanging base and platform; six legs, one to three a point."""
     classes = all_classes()
     both = {
-        max(g.matrix, canonical(tuple(zip(*g.matrix, strict=True)))) if len(g.matrix) == len(g.matrix[0]) else g.matrix
+        max(g.matrix, canonical(tuple(zip(*g.matrix, strict=True))))
+        if len(g.matrix) == len(g.matrix[0])
+        else g.matrix
         for g in classes
     }
     assert len(both) == len(classes)
@@ -135,25 +155,35 @@ def test_classes_are_distinct_graphs_of_six_legs():
 
 
 def test_only_two_stars_do_not_hold_the_platform():
-    """Three legs fix a platform point in the base and three others a base point in the platform: their distance is fixed
-    twice. Every other class is rigid."""
+    """Three legs fix a platform point in the base and three others a base point in the platform:
+    their distance is fixed twice. Every other class is rigid.
+    """
     (loose,) = [graph for graph in all_classes() if not graph.is_rigid]
-    assert sorted(map(sum, loose.matrix)) == sorted(map(sum, zip(*loose.matrix, strict=True))) == [1, 1, 1, 3]
+    assert (
+        sorted(map(sum, loose.matrix))
+        == sorted(map(sum, zip(*loose.matrix, strict=True)))
+        == [1, 1, 1, 3]
+    )
     assert len(loose.legs) == 6
 
 
-@pytest.mark.parametrize(("text", "count"), [("B1P1 B1P2 B2P1 B2P3 B3P4 B4P4", 16), ("B1P1 B1P2 B1P3 B2P1 B3P4 B4P4", 8)])
+@pytest.mark.parametrize(
+    ("text", "count"), [("B1P1 B1P2 B2P1 B2P3 B3P4 B4P4", 16), ("B1P1 B1P2 B1P3 B2P1 B3P4 B4P4", 8)]
+)
 def test_the_count_depends_on_the_incidence_list(text, count):
-    """Other 4-4 platforms than the one of 24: a third or more of the modes is gone. Exchanging base and platform changes no
-    count."""
+    """Other 4-4 platforms than the one of 24: a third or more of the modes is gone. Exchanging base
+    and platform changes no count.
+    """
     graph, rng = from_list(text), np.random.default_rng(8)
     turned = IncidenceClass(tuple(zip(*graph.matrix, strict=True)))
     for g in (graph, turned):
-        found = hexapods.modes_at_random_pose(hexapods.machine(g, *hexapods.random_points(g, rng)), rng)
+        found = hexapods.modes_at_random_pose(
+            hexapods.machine(g, *hexapods.random_points(g, rng)), rng
+        )
         assert (g.type, found.complex_count, found.unresolved_paths) == ("4-4", count, 0)
 
 
-# --- arms --------------------------------------------------------------------------------------------------------
+# --- arms -----------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -163,7 +193,9 @@ def arms(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 @pytest.mark.slow
 def test_sixteen_real_solutions(arms):
-    """The arm of Manseur and Doty: 16 of 16 real, each brought back to the pose by forward kinematics."""
+    """The arm of Manseur and Doty: 16 of 16 real, each brought back to the pose by forward
+    kinematics.
+    """
     assert arms["Manseur and Doty's arm: complex"] == arms["Manseur and Doty's arm: real"] == 16
     assert_complete(arms["its completeness"])
     assert arms["its forward kinematics"] < 1e-10
@@ -171,15 +203,25 @@ def test_sixteen_real_solutions(arms):
 
 
 def test_eight_with_special_axes(arms):
-    """Three parallel axes, and a 5R1P with three concurrent ones: 8, of which an even number is real."""
+    """Three parallel axes, and a 5R1P with three concurrent ones: 8, of which an even number is
+    real.
+    """
     for name in ("gluon_6l3", "yao2020"):
-        (count,) = [row["computed"] for row in arms.all(name) if row["quantity"].endswith("complex solutions")]
-        (real,) = [row["computed"] for row in arms.all(name) if "poses that have so many" in row["quantity"]]
+        (count,) = [
+            row["computed"]
+            for row in arms.all(name)
+            if row["quantity"].endswith("complex solutions")
+        ]
+        (real,) = [
+            row["computed"]
+            for row in arms.all(name)
+            if "poses that have so many" in row["quantity"]
+        ]
         assert count == 8
         assert all(int(part.split(":")[0]) % 2 == 0 for part in real.split(", "))
 
 
-# --- multistart against the complete set -------------------------------------------------------------------------
+# --- multistart against the complete set ----------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -188,7 +230,9 @@ def coverage(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "total"), [("zhang2009", 4), ("dietmaier1998", 40), ("yao2020", 4)])
+@pytest.mark.parametrize(
+    ("name", "total"), [("zhang2009", 4), ("dietmaier1998", 40), ("yao2020", 4)]
+)
 def test_multistart_finds_nothing_more(coverage, name, total):
     """Every mode that any solver reaches from random starts is one of the complete set."""
     assert f"{total} real" in coverage[f"{name}: complete set"]
@@ -217,7 +261,7 @@ def test_coverage_formula_is_the_mean_over_samples():
     assert never(N, h, N) == 0.0
 
 
-# --- near a singularity ------------------------------------------------------------------------------------------
+# --- near a singularity ---------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -234,7 +278,9 @@ def test_the_walk_ends_at_a_type_2_singularity(singular):
 
 
 def test_merging_modes_are_two_d_apart(singular):
-    """Law: a fold. Down to d = 1e-5 both modes are there, 2 d apart, their condition grows as 1 / d."""
+    """Law: a fold. Down to d = 1e-5 both modes are there, 2 d apart, their condition grows as 1 /
+    d.
+    """
     assert singular["smallest d at which both"] <= 1e-5
     rows = [row["computed"] for row in singular.all("d = ") if "apart" in row["quantity"]]
     apart, condition = np.array([[row[0], row[1]] for row in rows[:5]], dtype=float).T
@@ -243,20 +289,25 @@ def test_merging_modes_are_two_d_apart(singular):
 
 
 def test_nothing_is_lost_or_invented_in_silence(singular):
-    """At every d both merging modes are found, or one is flagged, or a path is unresolved; beyond, no complex pair is called
-    real without a flag; modes elsewhere do not change."""
+    """At every d both merging modes are found, or one is flagged, or a path is unresolved; beyond,
+    no complex pair is called real without a flag; modes elsewhere do not change.
+    """
     assert singular["d at which one or both are lost"] == "none"
     assert singular["d at which a complex pair"] == "none"
     assert len(set(singular["modes elsewhere"])) == 1
     assert singular["largest residual over the size"] < 1e-9
 
 
-# --- the papers --------------------------------------------------------------------------------------------------
+# --- the papers -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("name", "real", "complex_count"), [("zhang2009", 4, 28), ("zhao2000", 4, 4)])
+@pytest.mark.parametrize(
+    ("name", "real", "complex_count"), [("zhang2009", 4, 28), ("zhao2000", 4, 4)]
+)
 def test_the_papers_sets_are_complete(name, real, complex_count):
-    """28 complex and 4 real modes of the platform; the four poses of the line model: no path unresolved."""
+    """28 complex and 4 real modes of the platform; the four poses of the line model: no path
+    unresolved.
+    """
     found = symkin.modes(symkin.load(name), joints=symkin.load(name).example.joints)
     assert (len(found), found.complex_count, found.unresolved_paths) == (real, complex_count, 0)
     assert found.completeness in ("proved", "probability one")

@@ -1,4 +1,6 @@
-"""The studies of motion run as a reader runs them, in reduced size; their tables hold what the closed forms demand."""
+"""The studies of motion run as a reader runs them, in reduced size; their tables hold what the
+closed forms demand.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 def study(name: str, folder: Path, *options: str) -> list[dict]:
     """Rows of a study's JSON, once it has run without a warning and its picture is there."""
-    done = subprocess.run(command(name, folder, *options), capture_output=True, text=True, check=False, timeout=600)
+    done = subprocess.run(
+        command(name, folder, *options), capture_output=True, text=True, check=False, timeout=600
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
     return json.loads((folder / f"{name}.json").read_text())["rows"]
@@ -48,7 +52,16 @@ def zhao(tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
 
 @pytest.fixture(scope="module")
 def zhang(tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
-    return study("zhang2009_modes_map", tmp_path_factory.mktemp("zhang"), "--grid", "5", "--starts", "30", "--bisected", "2")
+    return study(
+        "zhang2009_modes_map",
+        tmp_path_factory.mktemp("zhang"),
+        "--grid",
+        "5",
+        "--starts",
+        "30",
+        "--bisected",
+        "2",
+    )
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +76,9 @@ def cusp(tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
 
 @pytest.mark.slow
 def test_zhao_determinant_and_its_factors(zhao: list[dict]) -> None:
-    """det A = its three factors; the circle and gamma = 60 are type 2 with the pole that statics gives."""
+    """det A = its three factors; the circle and gamma = 60 are type 2 with the pole that statics
+    gives.
+    """
     assert_equal_to_paper(zhao, "det A over its factors", 1e-9)
     assert_equal_to_paper(zhao, "every position is singular", 1e-12)
     assert_equal_to_paper(zhao, "largest distance from the circle", 1e-9)
@@ -75,7 +90,9 @@ def test_zhao_determinant_and_its_factors(zhao: list[dict]) -> None:
 
 
 def test_zhao_coefficients_vanish_on_the_circle(zhao: list[dict]) -> None:
-    """A = B = C = 0 on the circle, C^2 = A^2 + B^2 at gamma = 60, and the platform turns with its inputs held."""
+    """A = B = C = 0 on the circle, C^2 = A^2 + B^2 at gamma = 60, and the platform turns with its
+    inputs held.
+    """
     assert_equal_to_paper(zhao, "largest of |A|, |B|, |C|", 1e-12)
     assert_equal_to_paper(zhao, "plus 120, modulo 180", 1e-9)
     assert_equal_to_paper(zhao, "at 200 random positions", 1e-12)
@@ -84,7 +101,9 @@ def test_zhao_coefficients_vanish_on_the_circle(zhao: list[dict]) -> None:
 
 
 def test_zhao_mode_map(zhao: list[dict]) -> None:
-    """Enumeration = closed form at every input of the grid; loci lie on a factor of det A, and wherever the number changes."""
+    """Enumeration = closed form at every input of the grid; loci lie on a factor of det A, and
+    wherever the number changes.
+    """
     assert_equal_to_paper(zhao, "where enumeration = closed form")
     assert_equal_to_paper(zhao, "smallest factor of det A", 1e-9)
     assert_equal_to_paper(zhao, "where the closed-form number changes")
@@ -92,8 +111,9 @@ def test_zhao_mode_map(zhao: list[dict]) -> None:
 
 @pytest.mark.slow
 def test_zhang_boundaries_are_the_loci(zhang: list[dict]) -> None:
-    """The number of modes changes where the independent locus is, to the bisection's 1e-5 mm; the polyline of the
-    picture to the height of its chords."""
+    """The number of modes changes where the independent locus is, to the bisection's 1e-5 mm; the
+    polyline of the picture to the height of its chords.
+    """
     assert_equal_to_paper(zhang, "grid edges along leg 1")
     assert_equal_to_paper(zhang, "bisected on", 0.2)
     assert_equal_to_paper(zhang, "the same less Newton", 1e-5)
@@ -120,7 +140,9 @@ def test_gluon_determinant_factorises(gluon: list[dict]) -> None:
 
 @pytest.mark.slow
 def test_cusp_to_1e_9_and_a_path_around_it(cusp: list[dict]) -> None:
-    """Cusps by two routes to 1e-9; the path closes in the inputs, keeps the sign of det A, and ends on another mode."""
+    """Cusps by two routes to 1e-9; the path closes in the inputs, keeps the sign of det A, and ends
+    on another mode.
+    """
     assert_equal_to_paper(cusp, "on the traced locus less by Newton", 1e-9)
     assert_equal_to_paper(cusp, "largest of the eight equations", 1e-12)
     assert_equal_to_paper(cusp, "inputs at the start and at the end", 1e-12)

@@ -1,8 +1,10 @@
-"""The study of the Gluon page as a reader runs it: rows against page and computation, rows quote what was run.
+"""The study of the Gluon page as a reader runs it: rows against page and computation, rows quote
+what was run.
 
-Computed figures (pose of the example, its two solutions, shares of solutions) were found independently, before the study was
-written; the closed form is held against another project's (EAIK), the symbolic forward transform against symkin's forward on
-arms with parallel, antiparallel and no parallel axes.
+Computed figures (pose of the example, its two solutions, shares of solutions) were found
+independently, before the study was written; the closed form is held against another project's
+(EAIK), the symbolic forward transform against symkin's forward on arms with parallel, antiparallel
+and no parallel axes.
 """
 
 from __future__ import annotations
@@ -43,7 +45,7 @@ def test_gluon_errata(gluon):
         assert (gluon.folder / f"gluon_6l3_{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
-# --- forward -----------------------------------------------------------------------------------------------------
+# --- forward --------------------------------------------------------------------------------------
 
 
 def test_gluon_example(gluon):
@@ -64,8 +66,9 @@ def test_gluon_example(gluon):
 
 
 def test_gluon_transform_is_written_in_sums_of_angles(gluon):
-    """T[i, j] as printed, evaluated as text with the sines and cosines of DH angles, is the example's pose; angles 2, 3, 4 stand
-    in it as sums, and no constant of rounding."""
+    """T[i, j] as printed, evaluated as text with the sines and cosines of DH angles, is the
+    example's pose; angles 2, 3, 4 stand in it as sums, and no constant of rounding.
+    """
     t = np.radians([15, -75, 15, -75, 15, 15])
     names = {"d1": 105.03, "a2": -174.42, "a3": -174.42, "d4": 75.66, "d5": 80.09, "d6": 44.36}
     for sums in ("1", "2", "23", "234", "5", "6"):
@@ -111,9 +114,12 @@ def arm_of(axes: list[tuple[str, tuple[float, float, float]]], seed: int) -> Mec
     """A serial arm with these joints at random points."""
     rng = np.random.default_rng(seed)
     joints = [
-        Joint(f"q{k}", kind, tuple(rng.uniform(-50, 50, 3)), axis, actuated=True) for k, (kind, axis) in enumerate(axes, start=1)
+        Joint(f"q{k}", kind, tuple(rng.uniform(-50, 50, 3)), axis, actuated=True)
+        for k, (kind, axis) in enumerate(axes, start=1)
     ]
-    return Mechanism("arm", [Limb("arm", joints)], serial=True, platform_position=tuple(rng.uniform(-50, 50, 3)))
+    return Mechanism(
+        "arm", [Limb("arm", joints)], serial=True, platform_position=tuple(rng.uniform(-50, 50, 3))
+    )
 
 
 X, Y, Z, MINUS, SLANT = (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -1, 0), (0.6, 0, 0.8)
@@ -123,16 +129,29 @@ ARMS = {
         [[1], [2, 3, 4], [5], [6]],
         {"2-3", "2-34"},
     ),
-    "slide in a run": ([("R", Z), ("R", Z), ("P", X), ("R", Z)], [[1, 2, 3, 4]], {"1", "12", "124"}),
-    "slanted": ([("R", SLANT), ("R", SLANT), ("R", X), ("R", SLANT)], [[1, 2], [3], [4]], {"12", "3", "4"}),
-    "slide first": ([("P", SLANT), ("R", X), ("R", X), ("R", Y)], [[1, 2, 3], [4]], {"2", "23", "4"}),
+    "slide in a run": (
+        [("R", Z), ("R", Z), ("P", X), ("R", Z)],
+        [[1, 2, 3, 4]],
+        {"1", "12", "124"},
+    ),
+    "slanted": (
+        [("R", SLANT), ("R", SLANT), ("R", X), ("R", SLANT)],
+        [[1, 2], [3], [4]],
+        {"12", "3", "4"},
+    ),
+    "slide first": (
+        [("P", SLANT), ("R", X), ("R", X), ("R", Y)],
+        [[1, 2, 3], [4]],
+        {"2", "23", "4"},
+    ),
 }
 
 
 @pytest.mark.parametrize("name", ARMS)
 def test_parallel_axes_add_up(name):
-    """Law: for any serial mechanism the transform is symkin's forward, its runs are those of parallel axes, and sums are
-    named."""
+    """Law: for any serial mechanism the transform is symkin's forward, its runs are those of
+    parallel axes, and sums are named.
+    """
     joints, runs, sums = ARMS[name]
     arm = arm_of(joints, 3)
     found = forward_transform.forward_transform(forward_transform.chain_of(arm))
@@ -143,40 +162,62 @@ def test_parallel_axes_add_up(name):
 
 def test_arms_of_other_studies():
     for arm in (pieper(), symkin.load("yao2020")):
-        assert_is_forward(arm, forward_transform.forward_transform(forward_transform.chain_of(arm)).function())
+        assert_is_forward(
+            arm, forward_transform.forward_transform(forward_transform.chain_of(arm)).function()
+        )
 
 
 def assert_is_forward(arm: Mechanism, function: ca.Function) -> None:
     rng = np.random.default_rng(0)
     for q in rng.uniform(-3, 3, (3, len(arm.actuated))):
-        values = [arm.angle_out(v) if c.is_angular else v for c, v in zip(arm.actuated, q, strict=True)]
+        values = [
+            arm.angle_out(v) if c.is_angular else v for c, v in zip(arm.actuated, q, strict=True)
+        ]
         pose = symkin.solve(arm, joints=values).solution.pose
         assert np.abs(np.asarray(function(q)) - pose.matrix).max() < 1e-10
 
 
-# --- inverse -----------------------------------------------------------------------------------------------------
+# --- inverse --------------------------------------------------------------------------------------
 
 
 def test_gluon_solutions(gluon):
     """The page gives the first; there are exactly two."""
     for k, expected in enumerate(SOLUTIONS, start=1):
-        assert gluon.number(f"inverse, closed form, solution {k}") == pytest.approx(expected, abs=1e-9)
-    assert not [r for r in gluon.content["rows"] if r["quantity"].startswith("inverse, closed form, solution 3")]
+        assert gluon.number(f"inverse, closed form, solution {k}") == pytest.approx(
+            expected, abs=1e-9
+        )
+    assert not [
+        r
+        for r in gluon.content["rows"]
+        if r["quantity"].startswith("inverse, closed form, solution 3")
+    ]
 
 
 def test_gluon_matched_elements(gluon):
-    """The page's elements of A1^-1 T: [3,3] holds q5 alone, [3,4] too, [3,1] and [3,2] q5 and q6, [2,3] q234 and q5."""
-    texts = {row["quantity"][:6]: row["computed"] for row in gluon.rows("B[") if "A2 ... A6" in row["quantity"]}
+    """The page's elements of A1^-1 T: [3,3] holds q5 alone, [3,4] too, [3,1] and [3,2] q5 and q6,
+    [2,3] q234 and q5.
+    """
+    texts = {
+        row["quantity"][:6]: row["computed"]
+        for row in gluon.rows("B[")
+        if "A2 ... A6" in row["quantity"]
+    }
     assert texts == {
-        "B[3,3]": "c5", "B[3,4]": "d4 + c5 d6", "B[3,1]": "s5 c6", "B[3,2]": "-s5 s6", "B[2,3]": "-s234 s5", "B[1,3]": "-c234 s5",
-    }  # fmt: skip
+        "B[3,3]": "c5",
+        "B[3,4]": "d4 + c5 d6",
+        "B[3,1]": "s5 c6",
+        "B[3,2]": "-s5 s6",
+        "B[2,3]": "-s234 s5",
+        "B[1,3]": "-c234 s5",
+    }
     assert gluon.number("solutions with the wrist 50 mm").tolist() == [0, 0]
     assert [row["verdict"] for row in gluon.rows("(q1, q5, q6) left by the check")] == ["refuted"]
 
 
 def test_gluon_from_zero_joints(gluon):
-    """The page's ikine begins from zeros: the Jacobian has rank 3 there; its iteration ends at 15 degrees each, CasADi's
-    rootfinder fails, symkin begins beside and says so."""
+    """The page's ikine begins from zeros: the Jacobian has rank 3 there; its iteration ends at 15
+    degrees each, CasADi's rootfinder fails, symkin begins beside and says so.
+    """
     assert gluon.number("rank of J with zero joints") == 3
     for row in gluon.rows("ikine, the Jacobian's iteration"):
         assert row["computed"] == pytest.approx(SOLUTIONS[0], abs=1e-6)
@@ -188,29 +229,44 @@ def test_gluon_from_zero_joints(gluon):
 
 
 def test_gluon_jacobian(gluon):
-    """Law: the symbolic Jacobian is the derivative, and its determinant the product of the three singularities' factors."""
+    """Law: the symbolic Jacobian is the derivative, and its determinant the product of the three
+    singularities' factors.
+    """
     assert gluon.number("symbolic Jacobian less") < 1e-6
     assert gluon.number("det J") == pytest.approx([1, 1], abs=1e-6)
     assert gluon.number("rank of J with q3 = 0") == 5
 
 
 def test_gluon_closed_form_is_faster(gluon):
-    """Instructions of Newton's steps to one solution over those of the closed form of all, from the rows themselves."""
-    closed, (step, steps) = gluon.number("instructions: closed form"), gluon.number("instructions: Newton, a step")
+    """Instructions of Newton's steps to one solution over those of the closed form of all, from the
+    rows themselves.
+    """
+    closed, (step, steps) = (
+        gluon.number("instructions: closed form"),
+        gluon.number("instructions: Newton, a step"),
+    )
     assert gluon.number("'analytic is much faster") == pytest.approx(step * steps / closed)
     assert step * steps > 10 * closed
 
 
 @pytest.mark.parametrize(("name", "count"), [("example", 2), ("random pose", 8)])
 def test_gluon_solutions_from_varied_guesses(gluon, name, count):
-    """Continuation lists all, certified; each solver meets all from its guesses, and its hits and failures are all its
-    guesses."""
+    """Continuation lists all, certified; each solver meets all from its guesses, and its hits and
+    failures are all its guesses.
+    """
     assert gluon.number(f"{name}: solutions by continuation").tolist() == [count, count]
-    assert f"8 complex solutions, {count} real, {count} certified" in gluon.rows(f"{name}: completeness")[0]["computed"]
+    assert (
+        f"8 complex solutions, {count} real, {count} certified"
+        in gluon.rows(f"{name}: completeness")[0]["computed"]
+    )
     for solver in ("rootfinder", "IPOPT"):
         what = f"{name}, {solver}"
         assert gluon.number(f"{what}: modes met").tolist() == [count, 0]
-        assert gluon.number(f"{what}: hits per mode").sum() + gluon.number(f"{what}: guesses that led to no") == 300
+        assert (
+            gluon.number(f"{what}: hits per mode").sum()
+            + gluon.number(f"{what}: guesses that led to no")
+            == 300
+        )
     for solver, starts in (("batched", 300), ("newton", 300), ("ipopt", 40)):
         (row,) = gluon.rows(f"{name}, symkin.modes by multistart, {solver}: solutions met")
         assert row["computed"] == [count, 0]
@@ -219,7 +275,9 @@ def test_gluon_solutions_from_varied_guesses(gluon, name, count):
 
 
 def test_gluon_random_poses(gluon):
-    """Law: closed form, continuation and multistart list the same solutions at every pose; what multistart misses is counted."""
+    """Law: closed form, continuation and multistart list the same solutions at every pose; what
+    multistart misses is counted.
+    """
     poses, total = gluon.number("random poses, and their solutions")
     assert poses == 20
     assert gluon.number("random poses where closed form = continuation") == 20
@@ -240,12 +298,18 @@ def test_gluon_inverse_is_that_of_eaik(method):
     arm = symkin.load("gluon_6l3")
     table = arm.dh.rows
     offset = np.array([r.theta for r in table])
-    robot = eaik.DhRobot(*(np.array([getattr(r, key) for r in table]) for key in ("alpha", "a", "d")))
+    robot = eaik.DhRobot(
+        *(np.array([getattr(r, key) for r in table]) for key in ("alpha", "a", "d"))
+    )
     rng = np.random.default_rng(25)
     for q in rng.uniform(-180, 180, (25, 6)):
         pose = symkin.solve(arm, joints=q).solution.pose
         answer = robot.IK(np.asarray(pose.matrix))
-        exact = [np.asarray(v) - offset for v, least in zip(answer.Q, answer.is_LS, strict=True) if not least]
+        exact = [
+            np.asarray(v) - offset
+            for v, least in zip(answer.Q, answer.is_LS, strict=True)
+            if not least
+        ]
         options = {"starts": 2000} if method == "multistart" else {}
         modes = symkin.modes(arm, pose=pose, method=method, **options)
         assert modes.method == method

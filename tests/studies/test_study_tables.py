@@ -1,4 +1,6 @@
-"""The tables of the five papers in docs/papers come from the studies, and each row quotes what was run."""
+"""The tables of the five papers in docs/papers come from the studies, and each row quotes what was
+run.
+"""
 
 from pathlib import Path
 

@@ -1,7 +1,8 @@
-"""The study of zhang2009 as a reader runs it: rows against paper and computation, errata named, rows quote what was run.
+"""The study of zhang2009 as a reader runs it: rows against paper and computation, errata named,
+rows quote what was run.
 
-Published figures: Zhang Zhaoyin 2009, section 2.1 and table 1. The computed figures were found independently, before the
-study was written.
+Published figures: Zhang Zhaoyin 2009, section 2.1 and table 1. The computed figures were found
+independently, before the study was written.
 """
 
 from __future__ import annotations
@@ -28,14 +29,22 @@ def zhang(tmp_path_factory) -> Outcome:
 
 
 def test_zhang_errata_and_pictures(zhang):
-    parts = ["called quadratic", "not the fewest unknowns", "B_1 = (0, -125, 0)", "row 3, column 1 of T", "X - C D"]
+    parts = [
+        "called quadratic",
+        "not the fewest unknowns",
+        "B_1 = (0, -125, 0)",
+        "row 3, column 1 of T",
+        "X - C D",
+    ]
     assert_complete(zhang, parts)
     for name in ("figure1", "guesses", "unknowns"):
         assert (zhang.folder / f"zhang2009_{name}.png").stat().st_size > 20_000
 
 
 def test_zhang_inverse_gives_table_1(zhang):
-    """Paper's table 1; reference lengths computed: all six 138.009 mm with the frames coincident."""
+    """Paper's table 1; reference lengths computed: all six 138.009 mm with the frames
+    coincident.
+    """
     assert zhang.number("limb lengths, frames coincident") == pytest.approx([138.009] * 6, abs=5e-4)
     expected = [144.61, 347.00, 110.25, 178.68, 277.61, 269.45]
     for row in ("limb lengths at (119, 88, 72", "the same by symkin"):
@@ -45,16 +54,22 @@ def test_zhang_inverse_gives_table_1(zhang):
 
 
 def test_zhang_geometry(zhang):
-    """Section 2.1: arcs of 30 and 90 degrees; only B_1 of the printed matrices is off its circle."""
+    """Section 2.1: arcs of 30 and 90 degrees; only B_1 of the printed matrices is off its
+    circle.
+    """
     for letter in "AB":
-        assert zhang.number(f"central angles of the {letter}_i") == pytest.approx([30] * 3 + [90] * 3)
+        assert zhang.number(f"central angles of the {letter}_i") == pytest.approx(
+            [30] * 3 + [90] * 3
+        )
     assert zhang.number("printed matrix A") == pytest.approx([250] * 6)
     assert zhang.number("printed matrix B") == pytest.approx([125] + [275] * 5)
     assert zhang.number("B of equations (2)") == pytest.approx([275] * 6)
 
 
 def test_zhang_printed_lines(zhang):
-    """One entry of T is misprinted; A_4 lies on the y axis, so that z_4 alone does not take it from the first column."""
+    """One entry of T is misprinted; A_4 lies on the y axis, so that z_4 alone does not take it from
+    the first column.
+    """
     assert zhang.rows("entries of the printed rotation")[0]["computed"] == "3, 1"
     assert zhang.rows("lines of x_1 to z_6")[0]["computed"] == "z_1, z_2, z_3, z_5, z_6"
     assert zhang.number("D by CasADi less D by the axes") < 1e-12
@@ -86,11 +101,16 @@ def test_zhang_four_modes_in_two_mirror_pairs(zhang):
 
 
 def test_zhang_modes_from_varied_guesses(zhang):
-    """Hits and failures are all the guesses; every search in six and in 24 unknowns meets all four modes."""
+    """Hits and failures are all the guesses; every search in six and in 24 unknowns meets all four
+    modes.
+    """
     for solver in ("Newton", "rootfinder", "IPOPT"):
         for unknowns in (6, 24):
             name = f"direct, {solver}, {unknowns} unknowns"
-            hits, failures = zhang.number(f"{name}: hits per mode"), zhang.number(f"{name}: guesses that led to no solution")
+            hits, failures = (
+                zhang.number(f"{name}: hits per mode"),
+                zhang.number(f"{name}: guesses that led to no solution"),
+            )
             assert hits.sum() + failures == 200
             assert zhang.number(f"{name}: modes met").tolist() == [4, 0]
     for solver in ("batched", "newton", "ipopt"):
@@ -100,8 +120,9 @@ def test_zhang_modes_from_varied_guesses(zhang):
 
 
 def test_zhang_six_unknowns_beside_24(zhang):
-    """The same steps from the same start; a dense inverse takes 4 n^3 operations within a tenth, so that a step of 24 unknowns
-    costs many times one of six."""
+    """The same steps from the same start; a dense inverse takes 4 n^3 operations within a tenth, so
+    that a step of 24 unknowns costs many times one of six.
+    """
     six, many = (int(zhang.number(f"{n} unknowns: Newton steps")) for n in (6, 24))
     assert six == many == 8
     for n in (3, 6, 24):
@@ -113,8 +134,13 @@ def test_zhang_six_unknowns_beside_24(zhang):
 
 
 def test_zhang_real_time_by_instructions(zhang):
-    """Committed counts: a step of the paper's method is dearer than its operations, cheaper than ten instructions for each."""
-    counts = {name: zhang.number(f"instructions of the example, the paper's Newton, {name}") for name in ("6", "24")}
+    """Committed counts: a step of the paper's method is dearer than its operations, cheaper than
+    ten instructions for each.
+    """
+    counts = {
+        name: zhang.number(f"instructions of the example, the paper's Newton, {name}")
+        for name in ("6", "24")
+    }
     for name, steps in (("6", 8), ("24", 8)):
         operations = zhang.number(f"{name} unknowns: operations").sum()
         assert np.all(counts[name] > 0.3 * steps * operations)
@@ -122,7 +148,9 @@ def test_zhang_real_time_by_instructions(zhang):
     assert zhang.number("'real time', taken as 1 ms")[0] < 1.0
 
 
-@pytest.mark.skipif(not all(map(shutil.which, ("valgrind", "gcc", "make"))), reason="needs valgrind, gcc and make")
+@pytest.mark.skipif(
+    not all(map(shutil.which, ("valgrind", "gcc", "make"))), reason="needs valgrind, gcc and make"
+)
 def test_zhang_instructions_are_those_committed():
     """Counting anew on the host gives the committed count, but for the compiler's version."""
     from studies.zhang2009.instructions import committed, counts

@@ -1,7 +1,8 @@
-"""The study of zhao2000 as a reader runs it: rows against paper and computation, errata named, rows quote what was run.
+"""The study of zhao2000 as a reader runs it: rows against paper and computation, errata named, rows
+quote what was run.
 
-Published figures: Zhao Tieshi et al. 2000, table 1 and section 4. The computed figures were found independently, before the
-study was written.
+Published figures: Zhao Tieshi et al. 2000, table 1 and section 4. The computed figures were found
+independently, before the study was written.
 """
 
 from __future__ import annotations
@@ -20,7 +21,12 @@ def zhao(tmp_path_factory) -> Outcome:
 
 
 def test_zhao_errata(zhao):
-    parts = ["120 and 240 mm", "(-3.85, 23.60, +-102.45, 14.99) are wrong", "two platform poses", "cos(theta_1)"]
+    parts = [
+        "120 and 240 mm",
+        "(-3.85, 23.60, +-102.45, 14.99) are wrong",
+        "two platform poses",
+        "cos(theta_1)",
+    ]
     assert_complete(zhao, parts)
     assert "misses the line of limb 2 by 32 mm" in zhao.content["errata"][1]
     assert "245.4, 213.5, 234.6 mm" in zhao.content["errata"][2]
@@ -47,11 +53,20 @@ def test_zhao_figure_1_is_drawn(zhao):
 def test_zhao_mobility(zhao):
     """Section 2 of the paper: 4 freedoms, one couple a limb, rank 2, no common constraint."""
     assert zhao.number("M = 6 (n - g - 1)") == 4
-    couples = [np.array(row["computed"]) for row in zhao.content["rows"] if "reciprocal couple" in row["quantity"]]
+    couples = [
+        np.array(row["computed"])
+        for row in zhao.content["rows"]
+        if "reciprocal couple" in row["quantity"]
+    ]
     assert len(couples) == 6
     for couple in couples:
         assert couple[[0, 1, 2, 5]] == pytest.approx([0.0] * 4, abs=1e-12)
-    for part in ("rank of the three couples", "screws reciprocal to all", "platform freedoms", "freedoms with nothing"):
+    for part in (
+        "rank of the three couples",
+        "screws reciprocal to all",
+        "platform freedoms",
+        "freedoms with nothing",
+    ):
         found = [row for row in zhao.content["rows"] if part in row["quantity"]]
         assert len(found) == 2
         assert all(row["computed"] == row["paper"] for row in found)
@@ -61,9 +76,13 @@ def test_zhao_mobility(zhao):
 
 def test_zhao_three_routes_agree(zhao):
     for k, z in enumerate((104.964, -104.964), start=1):
-        assert zhao.number(f"direct, closed form, pose {k}") == pytest.approx((4.946, 5.009, z, 5.021), abs=6e-4)
+        assert zhao.number(f"direct, closed form, pose {k}") == pytest.approx(
+            (4.946, 5.009, z, 5.021), abs=6e-4
+        )
     for k, z in enumerate((103.124, -103.124), start=3):
-        assert zhao.number(f"direct, closed form, pose {k}") == pytest.approx((14.613, 14.799, z, 165.013), abs=6e-4)
+        assert zhao.number(f"direct, closed form, pose {k}") == pytest.approx(
+            (14.613, 14.799, z, 165.013), abs=6e-4
+        )
     assert zhao.number("largest difference from the closed form") < 1e-9
 
 
@@ -71,7 +90,10 @@ def test_zhao_four_modes_from_varied_guesses(zhao):
     """Every solver meets all four modes; its hits and failures are all its guesses."""
     for name in ("direct, rootfinder", "direct, IPOPT"):
         assert zhao.number(f"{name}: modes met").tolist() == [4, 0]
-        hits, failures = zhao.number(f"{name}: hits per mode"), zhao.number(f"{name}: guesses that led to no solution")
+        hits, failures = (
+            zhao.number(f"{name}: hits per mode"),
+            zhao.number(f"{name}: guesses that led to no solution"),
+        )
         assert hits.min() > 0
         assert hits.sum() + failures == 300
         assert 4 <= zhao.number(f"{name}: guesses needed") <= 300
@@ -83,11 +105,18 @@ def test_zhao_four_modes_from_varied_guesses(zhao):
 
 
 def test_zhao_inputs_and_rounding(zhao):
-    """Only the paper's four inputs stand on the base; the printed pose lies within what the inputs' rounding explains."""
-    for row in (row for row in zhao.content["rows"] if "every motor on the base" in row["quantity"]):
+    """Only the paper's four inputs stand on the base; the printed pose lies within what the inputs'
+    rounding explains.
+    """
+    for row in (
+        row for row in zhao.content["rows"] if "every motor on the base" in row["quantity"]
+    ):
         assert row["computed"] == row["paper"] == [[0, 5, 10, 15]]
     assert zhao.rows("'the difference comes from")[0]["verdict"] == "reproduced"
-    bound, gap = zhao.number("most that the inputs' rounding"), zhao.number("printed direct less table 1's pose")
+    bound, gap = (
+        zhao.number("most that the inputs' rounding"),
+        zhao.number("printed direct less table 1's pose"),
+    )
     assert np.all(np.abs(gap) <= bound + 0.005)
 
 
@@ -95,12 +124,18 @@ def test_zhao_real_limbs(zhao):
     assert zhao.number("real limbs: configurations, poses").tolist() == [16, 2]
     counts = [row["computed"] for row in zhao.rows("configurations at")]
     assert counts == [[8, 2, 2, 2], [8, 2, 2, 2], [0, 0, 0, 0], [0, 0, 0, 0]]
-    assert zhao.number("limb lengths at gamma = 165.013") == pytest.approx([245.4, 213.5, 234.6], abs=0.05)
+    assert zhao.number("limb lengths at gamma = 165.013") == pytest.approx(
+        [245.4, 213.5, 234.6], abs=0.05
+    )
 
 
 def test_zhao_verdict_on_the_four_poses(zhao):
-    """The first pair is right, the second misses limb 2 by 32 mm, from arcsin's 14.99 and lines 1 and 3."""
-    judged = [row for row in zhao.content["rows"] if "distances from the three lines" in row["quantity"]]
+    """The first pair is right, the second misses limb 2 by 32 mm, from arcsin's 14.99 and lines 1
+    and 3.
+    """
+    judged = [
+        row for row in zhao.content["rows"] if "distances from the three lines" in row["quantity"]
+    ]
     assert [row["verdict"] for row in judged] == ["reproduced", "reproduced", "refuted", "refuted"]
     assert zhao.number("inverse of the paper's")[1] == pytest.approx(177.5, abs=0.05)
     assert zhao.number("arcsin of the two roots") == pytest.approx([5.02, 14.99], abs=5e-3)

@@ -1,4 +1,6 @@
-"""Name the columns of measurement files: which are known, what they mean by other names, and what misspelt ones may mean."""
+"""Name the columns of measurement files: which are known, what they mean by other names, and what
+misspelt ones may mean.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ from symkin.text import meant, nearest
 
 INCLINATION, POSITION, QUATERNION = ("alpha", "beta"), ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 WEDGE = ("wedge_alpha", "wedge_beta")
-"""Columns of a plan that a measurement file may keep; they say where the configuration was meant to be, not what was read."""
+"""Columns of a plan that a measurement file may keep; they say where the configuration was meant to
+be, not what was read.
+"""
 DISTANCE = "distance_"
 """Prefix of the columns of distances."""
 _OBSERVABLE_PREFIXES = ("point.", "distance.")
@@ -33,7 +37,11 @@ def unit_of(mechanism: Mechanism, measure: Measure) -> str:
 
 def reading_name(mechanism: Mechanism, name: str) -> str:
     """Name the column of a reading: its name, or platform.NAME where a joint has that name."""
-    return f"platform.{name}" if any(c.name == name for c in mechanism.coordinates if c.width == 1) else name
+    return (
+        f"platform.{name}"
+        if any(c.name == name for c in mechanism.coordinates if c.width == 1)
+        else name
+    )
 
 
 def measure_of(c: Coordinate) -> Measure:
@@ -41,7 +49,9 @@ def measure_of(c: Coordinate) -> Measure:
     return "angle" if c.is_angular else "length"
 
 
-def columns_of_platform_link(mechanism: Mechanism, table: Table, known: Sequence[str]) -> dict[str, str]:
+def columns_of_platform_link(
+    mechanism: Mechanism, table: Table, known: Sequence[str]
+) -> dict[str, str]:
     """Map columns of the platform's link, by its own name (foot.x), to those of the platform."""
     link, found = mechanism.platform_link, dict[str, str]()
     for name in table.columns:
@@ -52,13 +62,18 @@ def columns_of_platform_link(mechanism: Mechanism, table: Table, known: Sequence
         target = f"{sigma}{reading_name(mechanism, last)}"
         if target in known:
             if target in table.columns:
-                raise InputError(f"{table.path}: the columns {name!r} and {target!r} both mean {target!r}; leave one out")
+                raise InputError(
+                    f"{table.path}: the columns {name!r} and {target!r} both mean {target!r}; "
+                    f"leave one out"
+                )
             found[name] = target
     return found
 
 
 def refuse_misspelt(mechanism: Mechanism, path: str, header: str) -> None:
-    """Refuse a column that is left out and looks like one of what can be read: by what it begins with, or a slip of the pen."""
+    """Refuse a column that is left out and looks like one of what can be read: by what it begins
+    with, or a slip of the pen.
+    """
     name = header.partition("[")[0].strip()
     bare, known = name.removeprefix("sigma_"), observables(mechanism).values()
     columns = list(dict.fromkeys(column for o in known for column in (*o.columns, *o.sigmas)))
@@ -67,7 +82,9 @@ def refuse_misspelt(mechanism: Mechanism, path: str, header: str) -> None:
     if not near and not bare.startswith((*_OBSERVABLE_PREFIXES, *links)):
         return
     guess = meant(bare, columns) or "; no passive joint, named point or other link has such a name"
-    raise InputError(f"{path}: column {name!r} is unknown{guess}; rename it where it is to be left out")
+    raise InputError(
+        f"{path}: column {name!r} is unknown{guess}; rename it where it is to be left out"
+    )
 
 
 def known_readings(mechanism: Mechanism) -> str:
@@ -75,9 +92,19 @@ def known_readings(mechanism: Mechanism) -> str:
     known = observables(mechanism).values()
     own = [column for o in known if o.kind != "distance" for column in o.columns]
     platform = [
-        "group, alpha, beta, x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence), "
+        "group, alpha, beta, x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, "
+        "euler_ZYX_1 to euler_ZYX_3 (any sequence), "
         "roll, pitch, yaw"
     ]
-    between = ["distance.A.B of two named points"] if any(o.kind == "distance" for o in known) else []
+    between = (
+        ["distance.A.B of two named points"] if any(o.kind == "distance" for o in known) else []
+    )
     more = ["..."] if len(own) > _MAX_LISTED_COLUMNS else []
-    return ", ".join([*(platform if mechanism.platform_link is not None else ()), *own[:_MAX_LISTED_COLUMNS], *more, *between])
+    return ", ".join(
+        [
+            *(platform if mechanism.platform_link is not None else ()),
+            *own[:_MAX_LISTED_COLUMNS],
+            *more,
+            *between,
+        ]
+    )

@@ -1,4 +1,5 @@
-"""Read and write measurements as CSV: names and units in the header, one row a configuration, empty cells for no reading.
+"""Read and write measurements as CSV: names and units in the header, one row a configuration, empty
+cells for no reading.
 
 group                               configurations of one text have equal inclination; empty: none
 leg1[mm], theta1[deg], ...          one column for each actuated joint, by its name, no cell empty
@@ -57,15 +58,20 @@ from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
 from symkin.text import first_of, not_among
 
 DistancePoints = tuple[Sequence[float], Sequence[float]]
-"""Ends of a distance: a point of the platform frame (tool frame of an arm) and one of the base frame, length unit."""
+"""Ends of a distance: a point of the platform frame (tool frame of an arm) and one of the base
+frame, length unit.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class DataFile:
-    """The content of a file: measurements in radians and the mechanism's length unit, the line of each configuration, and the
-    names of its groups. `sequence` is the Euler sequence that the header names; where it names none, `open_euler` (n, 3)
-    holds the angles (radians) and the measurements have no orientation yet. `euler` holds the angles of any sequence,
-    `wedges` (n, 2) a plan's inclinations, `copies` rows (from 0) that repeat an earlier one in every cell, with that one."""
+    """The content of a file: measurements in radians and the mechanism's length unit, the line of
+    each configuration, and the names of its groups. `sequence` is the Euler sequence that the
+    header names; where it names none, `open_euler` (n, 3) holds the angles (radians) and the
+    measurements have no orientation yet. `euler` holds the angles of any sequence, `wedges` (n, 2)
+    a plan's inclinations, `copies` rows (from 0) that repeat an earlier one in every cell, with
+    that one.
+    """
 
     path: str
     measurements: Measurements
@@ -85,20 +91,35 @@ class DataFile:
             return None if table is None else table[rows]
 
         return replace(
-            self, measurements=self.measurements.subset(rows), lines=tuple(self.lines[k] for k in rows),
-            open_euler=part(self.open_euler), wedges=part(self.wedges), euler=part(self.euler), copies=()
-        )  # fmt: skip
+            self,
+            measurements=self.measurements.subset(rows),
+            lines=tuple(self.lines[k] for k in rows),
+            open_euler=part(self.open_euler),
+            wedges=part(self.wedges),
+            euler=part(self.euler),
+            copies=(),
+        )
 
     def without_copies(self) -> DataFile:
-        """Leave out rows that repeat an earlier one in every cell, with a note that names their lines: a copy is no new
-        measurement; it would make degrees of freedom too many and standard deviations too small."""
+        """Leave out rows that repeat an earlier one in every cell, with a note that names their
+        lines: a copy is no new measurement; it would make degrees of freedom too many and standard
+        deviations too small.
+        """
         if not self.copies:
             return self
         kept = np.setdiff1d(np.arange(len(self.lines)), [row for row, _ in self.copies])
-        pairs = [f"line {self.lines[row]} of line {self.lines[first]}" for row, first in self.copies]
+        pairs = [
+            f"line {self.lines[row]} of line {self.lines[first]}" for row, first in self.copies
+        ]
         if len(kept) == 1:
-            raise InputError(f"{self.path}: all rows are copies of line {self.lines[0]}; one posture determines no geometry")
-        note = f"left out, copies of earlier rows in every cell: {first_of(pairs)}; a copy is no new measurement"
+            raise InputError(
+                f"{self.path}: all rows are copies of line {self.lines[0]}; one posture determines "
+                f"no geometry"
+            )
+        note = (
+            f"left out, copies of earlier rows in every cell: {first_of(pairs)}; a copy is no new "
+            f"measurement"
+        )
         return replace(self.subset(kept), notes=(note, *self.notes))
 
     def with_sequence(self, sequence: str) -> Measurements:
@@ -108,40 +129,64 @@ class DataFile:
         return replace(self.measurements, orientation=euler_quaternions(self.open_euler, sequence))
 
 
-def read_measurements(path: str | Path, mechanism: Mechanism, distances: Mapping[str, DistancePoints] | None = None) -> DataFile:
-    """Read a CSV file; `distances` are the points of its columns distance_NAME. Raises InputError that names file, line and
-    column."""
+def read_measurements(
+    path: str | Path, mechanism: Mechanism, distances: Mapping[str, DistancePoints] | None = None
+) -> DataFile:
+    """Read a CSV file; `distances` are the points of its columns distance_NAME. Raises InputError
+    that names file, line and column.
+    """
     require_mechanism(mechanism)
     points = distances or {}
     table = read_table(path)
     reader = ColumnReader(table, mechanism, tuple(points))
     if not len(table):
-        raise InputError(f"{path}: the file has a header and no row; one row for each posture is needed")
+        raise InputError(
+            f"{path}: the file has a header and no row; one row for each posture is needed"
+        )
     labels, groups = reader.groups()
     quaternions = reader.orientation()
     sequence, angles = reader.euler()
     if angles is not None and quaternions is not None:
-        raise InputError(f"{path}: the orientation stands twice, as quaternion and as Euler angles; give one of them")
+        raise InputError(
+            f"{path}: the orientation stands twice, as quaternion and as Euler angles; give one of "
+            f"them"
+        )
     if angles is not None and sequence is not None:
         quaternions = euler_quaternions(angles, sequence)
     measurements = Measurements(
-        reader.joints(), groups=groups, inclination=reader.together(INCLINATION, "angle"),
-        position=reader.some(POSITION, "length"), orientation=quaternions,
-        distances=[_distance(reader, name, *ends) for name, ends in points.items()], readings=reader.observed(), joint_sigma=reader.joint_sigmas(),
-        group_sigma=reader.sigma("group", "angle", ["group"]), inclination_sigma=reader.sigmas(INCLINATION, "angle"),
+        reader.joints(),
+        groups=groups,
+        inclination=reader.together(INCLINATION, "angle"),
+        position=reader.some(POSITION, "length"),
+        orientation=quaternions,
+        distances=[_distance(reader, name, *ends) for name, ends in points.items()],
+        readings=reader.observed(),
+        joint_sigma=reader.joint_sigmas(),
+        group_sigma=reader.sigma("group", "angle", ["group"]),
+        inclination_sigma=reader.sigmas(INCLINATION, "angle"),
         position_sigma=reader.sigmas(POSITION, "length"),
         orientation_sigma=reader.sigma("orientation", "angle", [*QUATERNION, "euler"]),
         labels=tuple(f"line {line}" for line in table.lines),
-    )  # fmt: skip
+    )
     wedges = reader.together(WEDGE, "angle")
     open_euler = angles if sequence is None else None
     return DataFile(
-        path=str(path), measurements=measurements, lines=table.lines, groups=labels, sequence=sequence, open_euler=open_euler,
-        wedges=wedges, notes=tuple(reader.notes), euler=angles, copies=reader.copies,
-    )  # fmt: skip
+        path=str(path),
+        measurements=measurements,
+        lines=table.lines,
+        groups=labels,
+        sequence=sequence,
+        open_euler=open_euler,
+        wedges=wedges,
+        notes=tuple(reader.notes),
+        euler=angles,
+        copies=reader.copies,
+    )
 
 
-def _distance(reader: ColumnReader, name: str, platform: Sequence[float], base: Sequence[float]) -> Distance:
+def _distance(
+    reader: ColumnReader, name: str, platform: Sequence[float], base: Sequence[float]
+) -> Distance:
     values, sigma = reader.distance(name)
     return Distance(platform=platform, base=base, values=values, sigma=sigma, name=DISTANCE + name)
 
@@ -151,20 +196,27 @@ def euler_quaternions(angles: np.ndarray, sequence: str) -> np.ndarray:
     return np.ascontiguousarray(np.asarray(quaternion_from_euler(angles.T, sequence)).T)
 
 
-# --- writing -------------------------------------------------------------------------------------------------------
+# --- writing --------------------------------------------------------------------------------------
 
 
-def write_measurements(path: str | Path, mechanism: Mechanism, measurements: Measurements, **options: Any) -> None:
+def write_measurements(
+    path: str | Path, mechanism: Mechanism, measurements: Measurements, **options: Any
+) -> None:
     """Write readings to a file; `options` are those of `measurements_text`."""
     write_output(path, measurements_text(mechanism, measurements, **options))
 
 
 def measurements_text(
-    mechanism: Mechanism, measurements: Measurements, *, sequence: str | None = None, hidden: bool = False,
-    comments: Sequence[str] = ()
-) -> str:  # fmt: skip
-    """Write readings in the mechanism's units as CSV text; orientations as quaternions or, with `sequence`, as Euler angles,
-    whose headers leave the sequence out when it is `hidden`."""
+    mechanism: Mechanism,
+    measurements: Measurements,
+    *,
+    sequence: str | None = None,
+    hidden: bool = False,
+    comments: Sequence[str] = (),
+) -> str:
+    """Write readings in the mechanism's units as CSV text; orientations as quaternions or, with
+    `sequence`, as Euler angles, whose headers leave the sequence out when it is `hidden`.
+    """
     if sequence is not None and sequence not in SEQUENCES:
         raise InputError(f"Euler sequence {not_among(sequence, SEQUENCES)}")
     table = CsvColumns(mechanism)
@@ -174,8 +226,9 @@ def measurements_text(
     for k, c in enumerate(mechanism.actuated):
         table.number(c.name, measurements.joints[:, k], measure_of(c))
     readings: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
-        ("inclination", INCLINATION, "angle"), ("position", POSITION, "length")
-    )  # fmt: skip
+        ("inclination", INCLINATION, "angle"),
+        ("position", POSITION, "length"),
+    )
     for kind, names, measure in readings:
         values = getattr(measurements, kind)
         for k, name in enumerate(names if values is not None else ()):
@@ -187,13 +240,19 @@ def measurements_text(
     others = observables_named(mechanism, measurements.observed)
     for o, r in zip(others, measurements.readings, strict=True):
         for k, name in enumerate(o.columns):
-            table.number(name, r.values[:, k], None if o.kind == "orientation" else "angle" if o.angular else "length")
+            table.number(
+                name,
+                r.values[:, k],
+                None if o.kind == "orientation" else "angle" if o.angular else "length",
+            )
     for k, c in enumerate(mechanism.actuated if joint_sigma is not None else ()):
         table.number(f"sigma_{c.name}", joint_sigma[:, k], measure_of(c))  # type: ignore[index]
     sigmas: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
-        ("group", ("group",), "angle"), ("inclination", INCLINATION, "angle"), ("position", POSITION, "length"),
-        ("orientation", ("orientation",), "angle")
-    )  # fmt: skip
+        ("group", ("group",), "angle"),
+        ("inclination", INCLINATION, "angle"),
+        ("position", POSITION, "length"),
+        ("orientation", ("orientation",), "angle"),
+    )
     for key, names, measure in sigmas:
         sigma = measurements.sigma(key)
         for k, name in enumerate(names if sigma is not None else ()):
@@ -208,14 +267,18 @@ def measurements_text(
     return table.csv(comments)
 
 
-def _write_orientation(table: CsvColumns, quaternions: np.ndarray, sequence: str | None, hidden: bool) -> None:
+def _write_orientation(
+    table: CsvColumns, quaternions: np.ndarray, sequence: str | None, hidden: bool
+) -> None:
     if sequence is None:
         for k, name in enumerate(QUATERNION):
             table.number(name, quaternions[:, k], None)
         return
     angles = np.asarray(euler_from_quaternion(quaternions.T, sequence))
     for k in range(3):
-        table.number(f"euler_{k + 1}" if hidden else f"euler_{sequence}_{k + 1}", angles[k], "angle")
+        table.number(
+            f"euler_{k + 1}" if hidden else f"euler_{sequence}_{k + 1}", angles[k], "angle"
+        )
 
 
 class CsvColumns:
@@ -232,7 +295,9 @@ class CsvColumns:
 
     def number(self, name: str, values: np.ndarray, measure: Measure | None) -> None:
         unit = "" if measure is None else f"[{unit_of(self.mechanism, measure)}]"
-        out = [self.mechanism.angle_out(float(v)) if measure == "angle" else float(v) for v in values]
+        out = [
+            self.mechanism.angle_out(float(v)) if measure == "angle" else float(v) for v in values
+        ]
         self.text(name + unit, ["" if np.isnan(v) else repr(v) for v in out])
 
     def csv(self, comments: Sequence[str]) -> str:

@@ -1,8 +1,9 @@
-"""Hold what was measured: joint readings of n configurations and, for each, constraints or sensor readings.
+"""Hold what was measured: joint readings of n configurations and, for each, constraints or sensor
+readings.
 
-All values are in radians and the mechanism's length unit. A reading that was not taken is NaN. The inclination of a
-platform with rotation R is (alpha, beta) of R = Rz(gamma) Ry(beta) Rx(alpha), turns about the base frame's axes with z
-against gravity; it says R^T e_z and no more.
+All values are in radians and the mechanism's length unit. A reading that was not taken is NaN. The
+inclination of a platform with rotation R is (alpha, beta) of R = Rz(gamma) Ry(beta) Rx(alpha),
+turns about the base frame's axes with z against gravity; it says R^T e_z and no more.
 """
 
 from __future__ import annotations
@@ -25,15 +26,22 @@ _WIDTHS = {"inclination": 2, "position": 3, "orientation": 4}
 
 _Single = TypeVar("_Single", "Distance", "Reading")
 SIGMA_WIDTHS = {
-    "joint_sigma": 0, "group_sigma": 2, "inclination_sigma": 2, "position_sigma": 3, "orientation_sigma": 3
-}  # fmt: skip
-"""How many standard deviations one configuration has of each kind; 0: as many as there are joints."""
+    "joint_sigma": 0,
+    "group_sigma": 2,
+    "inclination_sigma": 2,
+    "position_sigma": 3,
+    "orientation_sigma": 3,
+}
+"""How many standard deviations one configuration has of each kind; 0: as many as there are
+joints.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Distance:
-    """Distances |X platform - base| between a point of the platform frame and one of the base frame: `values` (n,),
-    NaN where none was taken; `sigma` is a number or (n,)."""
+    """Distances |X platform - base| between a point of the platform frame and one of the base
+    frame: `values` (n,), NaN where none was taken; `sigma` is a number or (n,).
+    """
 
     platform: Sequence[float]
     base: Sequence[float]
@@ -48,12 +56,15 @@ class Distance:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """Readings of a passive joint, a named point, a distance of two or another link than the platform's, by its `name`.
+    """Readings of a passive joint, a named point, a distance of two or another link than the
+    platform's, by its `name`.
 
-    Names are "follower" (a joint), "point.toe" (in the base frame), "distance.toe.hip", "coupler.position", "coupler.orientation" (unit
-    quaternions) and "coupler.inclination" of a link's displacement from the reference. `values` are (n,) or (n, w), NaN where none was
-    taken, in the length unit and radians; `sigma` is a number or an array that broadcasts to them (orientation: (n, 3)). Raises
-    InputError for values that are no table, and quaternions that are not of unit length.
+    Names are "follower" (a joint), "point.toe" (in the base frame), "distance.toe.hip",
+    "coupler.position", "coupler.orientation" (unit quaternions) and "coupler.inclination" of a
+    link's displacement from the reference. `values` are (n,) or (n, w), NaN where none was taken,
+    in the length unit and radians; `sigma` is a number or an array that broadcasts to them
+    (orientation: (n, 3)). Raises InputError for values that are no table, and quaternions that are
+    not of unit length.
 
     >>> import numpy as np, symkin
     >>> symkin.Reading("follower", np.radians([30.0, 42.0]), sigma=1e-4).values.shape
@@ -67,7 +78,9 @@ class Reading:
     def __post_init__(self) -> None:
         values = np.array(self.values, dtype=float)
         values = values[:, None] if values.ndim == 1 else _matrix(values, self.name)
-        object.__setattr__(self, "values", _unit_quaternions(values, self.name) if self.is_orientation else values)
+        object.__setattr__(
+            self, "values", _unit_quaternions(values, self.name) if self.is_orientation else values
+        )
 
     @property
     def is_orientation(self) -> bool:
@@ -76,14 +89,24 @@ class Reading:
 
     @property
     def sigmas(self) -> np.ndarray | None:
-        """Standard deviations (n, w), of an orientation those of a rotation vector (n, 3); None if unknown."""
+        """Standard deviations (n, w), of an orientation those of a rotation vector (n, 3); None if
+        unknown.
+        """
         shape = (len(self.values), 3 if self.is_orientation else self.values.shape[1])
         return None if self.sigma is None else _broadcast(self.sigma, shape)
 
     def subset(self, index: np.ndarray) -> Reading:
         """Keep some configurations, by number."""
-        own = isinstance(self.sigma, np.ndarray) and self.sigma.ndim and len(self.sigma) == len(self.values)
-        return replace(self, values=self.values[index], sigma=self.sigma[index] if own else self.sigma)  # type: ignore[index]
+        own = (
+            isinstance(self.sigma, np.ndarray)
+            and self.sigma.ndim
+            and len(self.sigma) == len(self.values)
+        )
+        return replace(
+            self,
+            values=self.values[index],
+            sigma=self.sigma[index] if own else self.sigma,  # type: ignore[index]
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +128,8 @@ class Measurements:
                              pose, else the reference
     labels                   names of the configurations for messages (default: 1, 2, ...)
 
-    Lengths are in the mechanism's unit, angles in radians; NaN stands for what was not read. Raises InputError for shapes, values
-    or standard deviations that cannot be.
+    Lengths are in the mechanism's unit, angles in radians; NaN stands for what was not read. Raises
+    InputError for shapes, values or standard deviations that cannot be.
 
     >>> import numpy as np, symkin
     >>> tips = np.array([[1.0, 2.0, 3.0], [1.0, 2.0, np.nan]])
@@ -134,19 +157,36 @@ class Measurements:
         joints = _matrix(self.joints, "joints")
         if not np.all(np.isfinite(joints)):
             row, column = np.argwhere(~np.isfinite(joints))[0]
-            raise InputError(f"joints: posture {row + 1}, joint {column + 1} is {joints[row, column]}; a number is needed")
+            raise InputError(
+                f"joints: posture {row + 1}, joint {column + 1} is {joints[row, column]}; a number "
+                f"is needed"
+            )
         object.__setattr__(self, "joints", joints)
         for name, width in _WIDTHS.items():
             if getattr(self, name) is not None:
-                object.__setattr__(self, name, _shaped(_matrix(getattr(self, name), name), (len(joints), width), name))
-        object.__setattr__(self, "labels", tuple(self.labels) or tuple(str(k) for k in range(1, len(joints) + 1)))
+                object.__setattr__(
+                    self,
+                    name,
+                    _shaped(_matrix(getattr(self, name), name), (len(joints), width), name),
+                )
+        object.__setattr__(
+            self, "labels", tuple(self.labels) or tuple(str(k) for k in range(1, len(joints) + 1))
+        )
         if len(self.labels) != len(joints):
-            raise InputError(f"labels: {len(self.labels)} names for {len(joints)} postures; one for each is needed")
+            raise InputError(
+                f"labels: {len(self.labels)} names for {len(joints)} postures; one for each is "
+                f"needed"
+            )
         self._check_groups()
         self._check_orientation()
         if self.starts is not None:
-            object.__setattr__(self, "starts", _shaped(_matrix(self.starts, "starts"), (len(joints), 7), "starts"))
-        made = [replace(d, values=_shaped(np.asarray(d.values, dtype=float), (len(joints),), d.name)) for d in self.distances]
+            object.__setattr__(
+                self, "starts", _shaped(_matrix(self.starts, "starts"), (len(joints), 7), "starts")
+            )
+        made = [
+            replace(d, values=_shaped(np.asarray(d.values, dtype=float), (len(joints),), d.name))
+            for d in self.distances
+        ]
         object.__setattr__(self, "distances", tuple(made))
         for key, width in SIGMA_WIDTHS.items():
             _check_sigma(getattr(self, key), key, (len(joints), width or joints.shape[1]))
@@ -155,14 +195,19 @@ class Measurements:
         object.__setattr__(self, "readings", tuple(self.readings))
         for r in self.readings:
             _shaped(r.values, (len(joints), r.values.shape[1]), r.name)
-            _check_sigma(r.sigma, f"{r.name}: sigma", (len(joints), 3 if r.is_orientation else r.values.shape[1]))
+            _check_sigma(
+                r.sigma,
+                f"{r.name}: sigma",
+                (len(joints), 3 if r.is_orientation else r.values.shape[1]),
+            )
 
     def __len__(self) -> int:
         return len(self.joints)
 
     def sigma(self, key: str) -> np.ndarray | None:
-        """Return the standard deviations (n, width) of one kind of reading (`joint`, `group`, `inclination`, ...), None if
-        unknown."""
+        """Return the standard deviations (n, width) of one kind of reading (`joint`, `group`,
+        `inclination`, ...), None if unknown.
+        """
         value = getattr(self, f"{key}_sigma")
         width = SIGMA_WIDTHS[f"{key}_sigma"] or self.joints.shape[1]
         return None if value is None else _broadcast(value, (len(self), width))
@@ -174,13 +219,21 @@ class Measurements:
 
     @property
     def quaternions(self) -> np.ndarray:
-        """Measured orientations (n, 4 k), zero where there are none: of the platform, then of other links."""
+        """Measured orientations (n, 4 k), zero where there are none: of the platform, then of other
+        links.
+        """
         platform = np.zeros((len(self), 4)) if self.orientation is None else self.orientation
-        return np.asarray(np.nan_to_num(np.hstack([platform, *(r.values for r in self.readings if r.is_orientation)])))
+        return np.asarray(
+            np.nan_to_num(
+                np.hstack([platform, *(r.values for r in self.readings if r.is_orientation)])
+            )
+        )
 
     @property
     def is_read(self) -> np.ndarray:
-        """Tell which configurations (n,) hold any reading beside the joints; a group of one configuration is none."""
+        """Tell which configurations (n,) hold any reading beside the joints; a group of one
+        configuration is none.
+        """
         tables = [t for t in (self.inclination, self.position, self.orientation) if t is not None]
         tables += [r.values for r in self.readings]
         found = np.zeros(len(self), dtype=bool)
@@ -201,7 +254,11 @@ class Measurements:
                 changes[item.name] = value[index]
         changes["distances"] = tuple(
             replace(
-                d, values=d.values[index], sigma=d.sigma[index] if isinstance(d.sigma, np.ndarray) and d.sigma.ndim else d.sigma
+                d,
+                values=d.values[index],
+                sigma=d.sigma[index]
+                if isinstance(d.sigma, np.ndarray) and d.sigma.ndim
+                else d.sigma,
             )
             for d in self.distances
         )
@@ -209,7 +266,9 @@ class Measurements:
         return replace(self, **changes)
 
     def without(self, configuration: int, kind: str) -> Measurements:
-        """Leave out one reading: the kind is group, inclination, position, orientation or the name of a distance or other reading."""
+        """Leave out one reading: the kind is group, inclination, position, orientation or the name
+        of a distance or other reading.
+        """
         if kind == "group" and self.groups is not None:
             groups = self.groups.copy()
             groups[configuration] = NO_GROUP
@@ -220,19 +279,25 @@ class Measurements:
             changes: dict[str, Any] = {kind: table}
             return replace(self, **changes)
         return replace(
-            self, distances=[_left_out(d, configuration, kind) for d in self.distances],
+            self,
+            distances=[_left_out(d, configuration, kind) for d in self.distances],
             readings=[_left_out(r, configuration, kind) for r in self.readings],
-        )  # fmt: skip
+        )
 
     def check(self, mechanism: Mechanism) -> None:
-        """Refuse readings of another number of joints than the mechanism has, and of what it does not have."""
+        """Refuse readings of another number of joints than the mechanism has, and of what it does
+        not have.
+        """
         if self.joints.shape[1] != len(mechanism.actuated):
             names = ", ".join(c.name for c in mechanism.actuated) or "none"
             raise InputError(
-                f"joints: {self.joints.shape[1]} readings a posture, {mechanism.name} has {len(mechanism.actuated)} "
+                f"joints: {self.joints.shape[1]} readings a posture, {mechanism.name} has "
+                f"{len(mechanism.actuated)} "
                 f"actuated joints ({names})"
             )
-        for o, reading in zip(observables_named(mechanism, self.observed), self.readings, strict=True):
+        for o, reading in zip(
+            observables_named(mechanism, self.observed), self.readings, strict=True
+        ):
             _shaped(reading.values, (len(self), o.width), reading.name)
         if mechanism.platform_link is None:
             self._check_no_platform(mechanism)
@@ -242,8 +307,10 @@ class Measurements:
         for kind in ("groups", "inclination", "position", "orientation", "distances"):
             if getattr(self, kind) is not None and len(getattr(self, kind)):
                 raise InputError(
-                    f"{kind}: {mechanism.name} has no platform link that they could be of; name it by [platform] link, or read "
-                    "named points (point.NAME) and other links (LINK.position, LINK.orientation, LINK.inclination)"
+                    f"{kind}: {mechanism.name} has no platform link that they could be of; name it "
+                    f"by [platform] link, or read "
+                    "named points (point.NAME) and other links (LINK.position, LINK.orientation, "
+                    "LINK.inclination)"
                 )
 
     def _check_groups(self) -> None:
@@ -251,16 +318,23 @@ class Measurements:
             return
         groups = np.asarray(self.groups)
         if groups.shape != (len(self.joints),) or not np.issubdtype(groups.dtype, np.integer):
-            raise InputError(f"groups: {groups.shape} values of type {groups.dtype}; one integer for each posture is needed")
+            raise InputError(
+                f"groups: {groups.shape} values of type {groups.dtype}; one integer for each "
+                f"posture is needed"
+            )
         object.__setattr__(self, "groups", groups.astype(int))
 
     def _check_orientation(self) -> None:
         if self.orientation is not None:
-            object.__setattr__(self, "orientation", _unit_quaternions(self.orientation, "orientation", self.labels))
+            object.__setattr__(
+                self, "orientation", _unit_quaternions(self.orientation, "orientation", self.labels)
+            )
 
 
 def _left_out(reading: _Single, configuration: int, kind: str) -> _Single:
-    """A distance or another reading without its value at a configuration, where it has that name."""
+    """A distance or another reading without its value at a configuration, where it has that
+    name.
+    """
     if reading.name != kind:
         return reading
     values = np.array(reading.values)
@@ -274,7 +348,10 @@ def _unit_quaternions(values: np.ndarray, what: str, labels: Sequence[str] = ())
     bad = np.flatnonzero(np.isfinite(norms) & (np.abs(norms - 1) > 1e-2))
     if bad.size:
         label = labels[bad[0]] if labels else str(bad[0] + 1)
-        raise InputError(f"{what}: the quaternion of posture {label} has norm {norms[bad[0]]:.6g}; allowed: 1 to within 0.01")
+        raise InputError(
+            f"{what}: the quaternion of posture {label} has norm {norms[bad[0]]:.6g}; allowed: 1 "
+            f"to within 0.01"
+        )
     return np.asarray(values / norms[:, None])
 
 
@@ -287,9 +364,13 @@ def _matrix(values: Any, what: str) -> np.ndarray:
     try:
         matrix = np.array(values, dtype=float)
     except (TypeError, ValueError):
-        raise InputError(f"{what}: no table of numbers; one row for each posture is needed") from None
+        raise InputError(
+            f"{what}: no table of numbers; one row for each posture is needed"
+        ) from None
     if matrix.ndim != 2 or len(matrix) == 0:
-        raise InputError(f"{what}: an array of shape {matrix.shape}; one row for each posture is needed")
+        raise InputError(
+            f"{what}: an array of shape {matrix.shape}; one row for each posture is needed"
+        )
     return matrix
 
 
@@ -312,8 +393,12 @@ def _check_sigma(value: Any, what: str, shape: tuple[int, ...]) -> None:
     try:
         array = _broadcast(value, shape)
     except ValueError:
-        raise InputError(f"{what}: an array of shape {np.shape(value)} does not fit {shape}") from None
+        raise InputError(
+            f"{what}: an array of shape {np.shape(value)} does not fit {shape}"
+        ) from None
     least = 0.0 if what.startswith("joint") else np.finfo(float).tiny
     given = array[~np.isnan(array)]
     if np.any(given < least) or not np.all(np.isfinite(given)):
-        raise InputError(f"{what} = {float(given.min()):g}: a standard deviation must be finite and positive")
+        raise InputError(
+            f"{what} = {float(given.min()):g}: a standard deviation must be finite and positive"
+        )

@@ -34,15 +34,19 @@ ObservableKind = Literal["joint", "point", "distance", "position", "orientation"
 PLATFORM_ANGULAR = ("group", "inclination", "orientation")
 """Kinds of readings of the platform that are angles (radians); the others are lengths."""
 LINK_COLUMNS: dict[str, tuple[str, ...]] = {
-    "position": ("x", "y", "z"), "orientation": ("qw", "qx", "qy", "qz"), "inclination": ("alpha", "beta")
-}  # fmt: skip
+    "position": ("x", "y", "z"),
+    "orientation": ("qw", "qx", "qy", "qz"),
+    "inclination": ("alpha", "beta"),
+}
 """Columns of what is read of a link's pose, without the link's name."""
 
 
 @dataclass(frozen=True)
 class Observable:
-    """What may be read: its `name`, its kind, and what it is `of` (a coordinate, points, a link); its columns in a file, those of
-    its standard deviations (without `sigma_`), and the components of its residuals."""
+    """What may be read: its `name`, its kind, and what it is `of` (a coordinate, points, a link);
+    its columns in a file, those of its standard deviations (without `sigma_`), and the components
+    of its residuals.
+    """
 
     name: str
     kind: ObservableKind
@@ -74,11 +78,22 @@ def observables(mechanism: Mechanism) -> dict[str, Observable]:
     points = [point.name for point in mechanism.link_points]
     for name in points:
         columns = tuple(f"point.{name}.{k}" for k in "xyz")
-        found.append(Observable(f"point.{name}", "point", (name,), columns, columns, ("x", "y", "z"), angular=False))
-    found += [_single(f"distance.{a}.{b}", "distance", (a, b), "length") for a, b in permutations(points, 2)]
+        found.append(
+            Observable(
+                f"point.{name}", "point", (name,), columns, columns, ("x", "y", "z"), angular=False
+            )
+        )
+    found += [
+        _single(f"distance.{a}.{b}", "distance", (a, b), "length")
+        for a, b in permutations(points, 2)
+    ]
     for link in links_of(mechanism):
         if link not in (BASE, mechanism.platform_link):
-            found += [_of_link(link, "position"), _of_link(link, "orientation"), _of_link(link, "inclination")]
+            found += [
+                _of_link(link, "position"),
+                _of_link(link, "orientation"),
+                _of_link(link, "inclination"),
+            ]
     return {o.name: o for o in found}
 
 
@@ -89,12 +104,30 @@ def _single(name: str, kind: ObservableKind, of: tuple[str, ...], component: str
 def _of_link(link: str, kind: Literal["position", "orientation", "inclination"]) -> Observable:
     columns = tuple(f"{link}.{k}" for k in LINK_COLUMNS[kind])
     if kind == "orientation":
-        return Observable(f"{link}.{kind}", kind, (link,), columns, (f"{link}.{kind}",), ("x", "y", "z"), angular=True)
-    return Observable(f"{link}.{kind}", kind, (link,), columns, columns, LINK_COLUMNS[kind], angular=kind == "inclination")
+        return Observable(
+            f"{link}.{kind}",
+            kind,
+            (link,),
+            columns,
+            (f"{link}.{kind}",),
+            ("x", "y", "z"),
+            angular=True,
+        )
+    return Observable(
+        f"{link}.{kind}",
+        kind,
+        (link,),
+        columns,
+        columns,
+        LINK_COLUMNS[kind],
+        angular=kind == "inclination",
+    )
 
 
 def observables_named(mechanism: Mechanism, names: Sequence[str]) -> tuple[Observable, ...]:
-    """The observables of some names. Raises InputError for a name that nothing has, with the nearest ones."""
+    """The observables of some names. Raises InputError for a name that nothing has, with the
+    nearest ones.
+    """
     known = observables(mechanism)
     for name in names:
         if name not in known:
@@ -105,21 +138,29 @@ def observables_named(mechanism: Mechanism, names: Sequence[str]) -> tuple[Obser
 
 
 def unknown_observable(mechanism: Mechanism, name: str, besides: Sequence[str] = ()) -> str:
-    """A sentence on a name of nothing that can be read, with the nearest ones, or why it cannot be; `besides` are names of what else
-    is read."""
+    """A sentence on a name of nothing that can be read, with the nearest ones, or why it cannot be;
+    `besides` are names of what else is read.
+    """
     if any(c.name == name and c.kind == "quaternion" for c in mechanism.coordinates):
-        return f"{shown(name)} is a spherical joint, which no encoder reads; read the orientation of its link"
+        return (
+            f"{shown(name)} is a spherical joint, which no encoder reads; read the orientation of "
+            f"its link"
+        )
     known = [*besides, *(o.name for o in observables(mechanism).values())]
     allowed = [n for n in known if not n.startswith("distance.")]
     between = ["distance.A.B of two points"] if len(allowed) < len(known) else []
     listed = (
-        f"; allowed: {', '.join([*allowed, *between])}" if known else ": it has no passive joints, named points or other links"
+        f"; allowed: {', '.join([*allowed, *between])}"
+        if known
+        else ": it has no passive joints, named points or other links"
     )
     return f"nothing of {mechanism.name} is read as {shown(name)}{meant(name, known)}{listed}"
 
 
 def is_angular(mechanism: Mechanism, kind: str) -> bool:
-    """Tell whether readings of a kind, of the platform or by the name of an observable, are angles."""
+    """Tell whether readings of a kind, of the platform or by the name of an observable, are
+    angles.
+    """
     known = observables(mechanism)
     return kind in PLATFORM_ANGULAR or (kind in known and known[kind].angular)
 
@@ -136,26 +177,32 @@ def observing_closure(mechanism: Mechanism, names: Sequence[str]) -> Closure:
 
 
 def judged_link(mechanism: Mechanism) -> str:
-    """The link by whose poses a geometry is judged: the platform's; of a mechanism without one that of the first named point, else
-    one that no joint or rod holds to the base, else the last."""
+    """The link by whose poses a geometry is judged: the platform's; of a mechanism without one that
+    of the first named point, else one that no joint or rod holds to the base, else the last.
+    """
     if mechanism.platform_link is not None:
         return mechanism.platform_link
     pointed = [point.link for point in mechanism.link_points if point.link != BASE]
-    pairs = [tuple(e.links) for e in (*mechanism.link_joints, *mechanism.link_rods, *mechanism.limbs)]
+    pairs = [
+        tuple(e.links) for e in (*mechanism.link_joints, *mechanism.link_rods, *mechanism.limbs)
+    ]
     held = {link for pair in pairs if BASE in pair for link in pair}
     placed = link_frames(build_closure(mechanism)).placed  # not those that may turn idly
     inner = [link for link in links_of(mechanism) if link not in held and link in placed]
-    return [*pointed, *inner, *(link for link in reversed(links_of(mechanism)) if link in placed)][0]
+    return [*pointed, *inner, *(link for link in reversed(links_of(mechanism)) if link in placed)][
+        0
+    ]
 
 
-# --- expressions -----------------------------------------------------------------------------------------------------
+# --- expressions ----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """What is read, as expressions of the variables of a `closure` and the `geometry` (symbol and nominal value by key path): `values`
-    by name (a joint's coordinate, a distance; else a point (3), or a link's pose), `pose` that of the judged link, or of its platform
-    frame."""
+    """What is read, as expressions of the variables of a `closure` and the `geometry` (symbol and
+    nominal value by key path): `values` by name (a joint's coordinate, a distance; else a point
+    (3), or a link's pose), `pose` that of the judged link, or of its platform frame.
+    """
 
     closure: Closure
     values: dict[str, ca.SX | Pose]
@@ -165,8 +212,9 @@ class Observed:
 
 @lru_cache(maxsize=64)
 def observed(mechanism: Mechanism, names: tuple[str, ...]) -> Observed:
-    """The expressions of some observables over the closure that holds their joints. Raises InputError for links that may turn
-    idly, and for joints that may."""
+    """The expressions of some observables over the closure that holds their joints. Raises
+    InputError for links that may turn idly, and for joints that may.
+    """
     closure = observing_closure(mechanism, names)
     wanted = observables_named(mechanism, names)
     if not wanted and mechanism.platform_link is not None:
@@ -179,7 +227,10 @@ def observed(mechanism: Mechanism, names: tuple[str, ...]) -> Observed:
         match o.kind:
             case "joint":
                 if o.name not in closure.slices:
-                    raise InputError(f"readings: {o.name!r} turns idly between spherical joints: nothing is told by reading it")
+                    raise InputError(
+                        f"readings: {o.name!r} turns idly between spherical joints: nothing is "
+                        f"told by reading it"
+                    )
                 values[o.name] = closure.variables[closure.slices[o.name]]
             case "point":
                 values[o.name] = places[o.of[0]]
@@ -189,14 +240,17 @@ def observed(mechanism: Mechanism, names: tuple[str, ...]) -> Observed:
             case _:
                 if o.of[0] not in poses:
                     raise InputError(
-                        f"readings: link {o.of[0]!r} turns idly between its spherical joints; read one of its points"
+                        f"readings: link {o.of[0]!r} turns idly between its spherical joints; read "
+                        f"one of its points"
                     )
                 values[o.name] = poses[o.of[0]]
     pose = closure.pose if mechanism.platform_link is not None else poses[judged_link(mechanism)]
     return Observed(closure, values, pose, links.geometry | geometry)
 
 
-def _points(mechanism: Mechanism, poses: dict[str, Pose]) -> tuple[dict[str, ca.SX], dict[str, tuple[ca.SX, float]]]:
+def _points(
+    mechanism: Mechanism, poses: dict[str, Pose]
+) -> tuple[dict[str, ca.SX], dict[str, tuple[ca.SX, float]]]:
     """Where the named points are, and their own coordinates, which are parameters."""
     places: dict[str, ca.SX] = {}
     geometry: dict[str, tuple[ca.SX, float]] = {}

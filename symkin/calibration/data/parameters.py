@@ -1,4 +1,6 @@
-"""Name the parameters of a mechanism that may be identified, with nominal values and kinds, and write identified values back."""
+"""Name the parameters of a mechanism that may be identified, with nominal values and kinds, and
+write identified values back.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,12 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.calibration.data.observables import observables_named, observed, observing_closure, point_path
+from symkin.calibration.data.observables import (
+    observables_named,
+    observed,
+    observing_closure,
+    point_path,
+)
 from symkin.closure.closure import build_closure, random_values
 from symkin.closure.link_frames import link_frames
 from symkin.closure.rows import RowBuilder
@@ -25,10 +32,15 @@ from symkin.text import meant
 
 ParameterKind = Literal["length", "angle", "number"]
 MEASURING_FRAMES = tuple(
-    f"{frame}.{what}.{k}" for frame in ("world", "target") for what in ("position", "rotation") for k in "xyz"
+    f"{frame}.{what}.{k}"
+    for frame in ("world", "target")
+    for what in ("position", "rotation")
+    for k in "xyz"
 )
-"""Components of the frames between mechanism and measurement: the base frame in the measuring system (world), and what is
-observed in the platform frame (target); lengths, and rotation vectors in radians."""
+"""Components of the frames between mechanism and measurement: the base frame in the measuring
+system (world), and what is observed in the platform frame (target); lengths, and rotation vectors
+in radians.
+"""
 
 AXES = ("x", "y", "z")
 Velocity = dict[str, float]
@@ -36,18 +48,28 @@ Velocity = dict[str, float]
 
 
 def parameter_names(mechanism: Mechanism, read: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Name all that may be identified: the closure's parameters, those of what is read besides (see `data.observables`), factors of
-    readings, world and target frame."""
+    """Name all that may be identified: the closure's parameters, those of what is read besides (see
+    `data.observables`), factors of readings, world and target frame.
+    """
     return tuple(nominal_parameters(mechanism, read))
 
 
-def nominal_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> dict[str, tuple[float, ParameterKind]]:
-    """List all that may be identified by name, with nominal value (lengths, radians, plain numbers) and kind."""
+def nominal_parameters(
+    mechanism: Mechanism, read: tuple[str, ...] = ()
+) -> dict[str, tuple[float, ParameterKind]]:
+    """List all that may be identified by name, with nominal value (lengths, radians, plain numbers)
+    and kind.
+    """
     values = geometry_parameters(mechanism, read)
     table = {name: (value, _kind_of(mechanism, name)) for name, value in values.items()}
     joints = [o.name for o in observables_named(mechanism, read) if o.kind == "joint"]
-    table |= {f"{name}.scale": (1.0, "number") for name in (*(c.name for c in mechanism.actuated), *joints)}
-    table |= {name: (0.0, "angle" if ".rotation." in name else "length") for name in MEASURING_FRAMES}
+    table |= {
+        f"{name}.scale": (1.0, "number")
+        for name in (*(c.name for c in mechanism.actuated), *joints)
+    }
+    table |= {
+        name: (0.0, "angle" if ".rotation." in name else "length") for name in MEASURING_FRAMES
+    }
     return table
 
 
@@ -60,19 +82,42 @@ def geometry_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> Map
     others = {name: pair for name, pair in found.geometry.items() if name not in values}
     if others:
         seen = ca.vertcat(
-            *(ca.vertcat(v.position, v.quaternion) if isinstance(v, Pose) else v for v in found.values.values()), ca.SX(0, 1)
+            *(
+                ca.vertcat(v.position, v.quaternion) if isinstance(v, Pose) else v
+                for v in found.values.values()
+            ),
+            ca.SX(0, 1),
         )
-        depends = ca.which_depends(seen, ca.vertcat(*(symbol for symbol, _ in others.values())), 1, False) if seen.numel() else []
-        values |= {name: value for (name, (_, value)), flag in zip(others.items(), depends, strict=False) if flag}
-    # where no link carries it, the platform frame is a place at which loops are compared, and no geometry
+        depends = (
+            ca.which_depends(seen, ca.vertcat(*(symbol for symbol, _ in others.values())), 1, False)
+            if seen.numel()
+            else []
+        )
+        values |= {
+            name: value
+            for (name, (_, value)), flag in zip(others.items(), depends, strict=False)
+            if flag
+        }
+    # where no link carries it, the platform frame is a place at which loops are compared, and no
+    # geometry
     frameless = mechanism.platform_link is None
-    return {name: value for name, value in values.items() if not (frameless and name.startswith("platform."))}
+    return {
+        name: value
+        for name, value in values.items()
+        if not (frameless and name.startswith("platform."))
+    }
 
 
 def described_parameters(mechanism: Mechanism) -> dict[str, tuple[float, ParameterKind]]:
-    """List all numbers of the description, those that nothing depends on too, and the factors of all joints."""
+    """List all numbers of the description, those that nothing depends on too, and the factors of
+    all joints.
+    """
     geometry = link_frames(build_closure(mechanism)).geometry
-    points = {f"{point_path(p)}.{k}": v for p in mechanism.link_points for k, v in zip("xyz", p.point, strict=True)}
+    points = {
+        f"{point_path(p)}.{k}": v
+        for p in mechanism.link_points
+        for k, v in zip("xyz", p.point, strict=True)
+    }
     values = {name: value for name, (_, value) in geometry.items()} | points
     table = {name: (float(value), _kind_of(mechanism, name)) for name, value in values.items()}
     return table | {f"{c.name}.scale": (1.0, "number") for c in mechanism.coordinates}
@@ -80,7 +125,9 @@ def described_parameters(mechanism: Mechanism) -> dict[str, tuple[float, Paramet
 
 def _kind_of(mechanism: Mechanism, name: str) -> ParameterKind:
     pieces = name.split(".")
-    if name in {f"{path}.zero" for path, joint in joint_paths(mechanism) if joint.type in ("R", "H")}:
+    if name in {
+        f"{path}.zero" for path, joint in joint_paths(mechanism) if joint.type in ("R", "H")
+    }:
         return "angle"
     if name.startswith(tuple(f"{point_path(point)}." for point in mechanism.link_points)):
         return "length"
@@ -99,8 +146,10 @@ def joint_paths(mechanism: Mechanism) -> Iterator[tuple[str, Joint]]:
 
 @lru_cache(maxsize=64)
 def bound_by_motion(mechanism: Mechanism, read: tuple[str, ...] = ()) -> frozenset[str]:
-    """Name the parameters that a declared motion binds, or loops that are planar or spherical: moved alone, they let rows that the
-    motion leaves out appear, and the limb could no longer carry the platform through it."""
+    """Name the parameters that a declared motion binds, or loops that are planar or spherical:
+    moved alone, they let rows that the motion leaves out appear, and the limb could no longer carry
+    the platform through it.
+    """
     closure = observing_closure(mechanism, read)
     builder = RowBuilder(mechanism, partition=closure.partition)
     builder.build_rows()
@@ -108,9 +157,16 @@ def bound_by_motion(mechanism: Mechanism, read: tuple[str, ...] = ()) -> frozens
         return frozenset()
     coordinates = [builder.coordinates[c.name][1] for c in closure.coordinates]
     variables, table = ca.vertcat(*coordinates), ca.vertcat(*builder.table.symbols)
-    both = ca.Function("left_out", [variables, table], [ca.vertcat(*builder.rows), ca.jacobian(ca.vertcat(*builder.rows), table)])
+    both = ca.Function(
+        "left_out",
+        [variables, table],
+        [ca.vertcat(*builder.rows), ca.jacobian(ca.vertcat(*builder.rows), table)],
+    )
     rng, size = np.random.default_rng(0), closure.characteristic_length
-    largest, slopes = np.zeros(len(builder.rows)), np.zeros((len(builder.rows), len(builder.table.names)))
+    largest, slopes = (
+        np.zeros(len(builder.rows)),
+        np.zeros((len(builder.rows), len(builder.table.names))),
+    )
     for _ in range(3):
         rows, by_p = both(random_values(closure.coordinates, size, rng), builder.table.values)
         largest = np.maximum(largest, np.abs(np.asarray(rows)).ravel())
@@ -121,44 +177,75 @@ def bound_by_motion(mechanism: Mechanism, read: tuple[str, ...] = ()) -> frozens
 
 
 def is_writable(name: str) -> bool:
-    """Tell whether a mechanism file has a place for the parameter: factors of readings and measuring frames have none."""
+    """Tell whether a mechanism file has a place for the parameter: factors of readings and
+    measuring frames have none.
+    """
     return not name.endswith(".scale") and name not in MEASURING_FRAMES
 
 
 def with_parameters(mechanism: Mechanism, values: Mapping[str, float]) -> Mechanism:
-    """Replace values of named parameters in a mechanism (key paths of the closure, angles in radians); names that a file has
-    no place for are left out. Rods keep their lengths, which become explicit."""
-    table = {**geometry_parameters(mechanism)} | {name: float(v) for name, v in values.items() if is_writable(name)}
+    """Replace values of named parameters in a mechanism (key paths of the closure, angles in
+    radians); names that a file has no place for are left out. Rods keep their lengths, which become
+    explicit.
+    """
+    table = {**geometry_parameters(mechanism)} | {
+        name: float(v) for name, v in values.items() if is_writable(name)
+    }
     if mechanism.dh is not None:
         return _with_dh(mechanism, mechanism.dh, table)
     frame = mechanism.frame_name
     return replace(
         mechanism,
         limbs=[_limb_with(mechanism, limb, table) for limb in mechanism.limbs],
-        link_joints=[replace(e, joint=_joint_with(e.joint, e.joint.name, table)) for e in mechanism.link_joints],
+        link_joints=[
+            replace(e, joint=_joint_with(e.joint, e.joint.name, table))
+            for e in mechanism.link_joints
+        ],
         link_rods=[_link_rod_with(rod, table) for rod in mechanism.link_rods],
-        link_points=[replace(p, point=_vector_of(table, point_path(p), p.point)) for p in mechanism.link_points],
+        link_points=[
+            replace(p, point=_vector_of(table, point_path(p), p.point))
+            for p in mechanism.link_points
+        ],
         platform_position=_vector_of(table, f"{frame}.position", mechanism.platform_position),
-        platform_quaternion=_unit_quaternion(_vector_of(table, f"{frame}.quaternion", mechanism.platform_quaternion, "wxyz")),
+        platform_quaternion=_unit_quaternion(
+            _vector_of(table, f"{frame}.quaternion", mechanism.platform_quaternion, "wxyz")
+        ),
     )
 
 
 def _link_rod_with(rod: LinkRod, values: Mapping[str, float]) -> LinkRod:
-    start, end = _vector_of(values, f"{rod.name}.from", rod.start), _vector_of(values, f"{rod.name}.to", rod.end)
+    start, end = (
+        _vector_of(values, f"{rod.name}.from", rod.start),
+        _vector_of(values, f"{rod.name}.to", rod.end),
+    )
     length = None if rod.actuated else values.get(f"{rod.name}.length", rod.length)
-    return replace(rod, start=start, end=end, length=length, offset=values.get(f"{rod.name}.offset", rod.offset))
+    return replace(
+        rod,
+        start=start,
+        end=end,
+        length=length,
+        offset=values.get(f"{rod.name}.offset", rod.offset),
+    )
 
 
 def _with_dh(mechanism: Mechanism, table: DHTable, values: Mapping[str, float]) -> Mechanism:
     rows = [
-        replace(row, **{k: values.get(f"dh.{i}.{k}", getattr(row, k)) for k in ("theta", "d", "a", "alpha")})
+        replace(
+            row,
+            **{k: values.get(f"dh.{i}.{k}", getattr(row, k)) for k in ("theta", "d", "a", "alpha")},
+        )
         for i, row in enumerate(table.rows, start=1)
     ]
-    options = {k: getattr(mechanism, k) for k in ("length_unit", "angle_unit", "title", "source", "example")}
+    options = {
+        k: getattr(mechanism, k)
+        for k in ("length_unit", "angle_unit", "title", "source", "example")
+    }
     return serial_arm_from_dh(mechanism.name, DHTable(table.convention, rows), **options)
 
 
-def _limb_with(mechanism: Mechanism, limb: Limb | RodLimb, values: Mapping[str, float]) -> Limb | RodLimb:
+def _limb_with(
+    mechanism: Mechanism, limb: Limb | RodLimb, values: Mapping[str, float]
+) -> Limb | RodLimb:
     if isinstance(limb, RodLimb):
         return replace(
             limb,
@@ -167,7 +254,9 @@ def _limb_with(mechanism: Mechanism, limb: Limb | RodLimb, values: Mapping[str, 
             offset=values.get(f"{limb.name}.offset", limb.offset),
         )
     joints = [_joint_with(joint, mechanism.key_path(limb, joint), values) for joint in limb.joints]
-    rods = [_rod_with(rod, f"{limb.name}.rod{k}", values) for k, rod in enumerate(limb.rods, start=1)]
+    rods = [
+        _rod_with(rod, f"{limb.name}.rod{k}", values) for k, rod in enumerate(limb.rods, start=1)
+    ]
     return replace(limb, joints=joints, rods=rods)
 
 
@@ -182,11 +271,16 @@ def _joint_with(joint: Joint, path: str, values: Mapping[str, float]) -> Joint:
 
 
 def _rod_with(rod: Rod, path: str, values: Mapping[str, float]) -> Rod:
-    start, end = _vector_of(values, f"{path}.from", rod.start), _vector_of(values, f"{path}.platform", rod.platform)
+    start, end = (
+        _vector_of(values, f"{path}.from", rod.start),
+        _vector_of(values, f"{path}.platform", rod.platform),
+    )
     return Rod(start, end, values.get(f"{path}.length", rod.length))
 
 
-def _vector_of(values: Mapping[str, float], path: str, nominal: Sequence[float], letters: str = "xyz") -> tuple[float, ...]:
+def _vector_of(
+    values: Mapping[str, float], path: str, nominal: Sequence[float], letters: str = "xyz"
+) -> tuple[float, ...]:
     return tuple(values.get(f"{path}.{k}", v) for k, v in zip(letters, nominal, strict=True))
 
 
@@ -195,21 +289,29 @@ def _unit_quaternion(q: tuple[float, ...]) -> tuple[float, ...]:
     return q if abs(length - 1.0) <= 4e-16 else tuple(v / length for v in q)
 
 
-# --- single joints -------------------------------------------------------------------------------------------------
+# --- single joints --------------------------------------------------------------------------------
 
 
 def written_freedoms(
     mechanism: Mechanism, values: Mapping[str, float], read: Sequence[str] = ()
 ) -> Iterator[tuple[str, Velocity]]:
-    """Yield the freedoms in how joints are written down, each with the rates of parameters that it leaves open: where on its
-    axis the point of a joint lies, the length of a direction, the zero of a passive joint that nothing reads and no coupling names."""
+    """Yield the freedoms in how joints are written down, each with the rates of parameters that it
+    leaves open: where on its axis the point of a joint lies, the length of a direction, the zero of
+    a passive joint that nothing reads and no coupling names.
+    """
     meant = {*read, *(name for c in mechanism.couplings for name in (c.joint, *c.names))}
     for path, joint in joint_paths(mechanism):
         if joint.type == "P":
             for k, axis in enumerate(AXES):
-                yield f"point {axis} of prismatic joint {path}", vector_velocity(f"{path}.point", np.eye(3)[k])
+                yield (
+                    f"point {axis} of prismatic joint {path}",
+                    vector_velocity(f"{path}.point", np.eye(3)[k]),
+                )
         elif joint.type in ("R", "H", "C"):
-            yield f"point of {path} along its axis", vector_velocity(f"{path}.point", vector_values(values, f"{path}.axis"))
+            yield (
+                f"point of {path} along its axis",
+                vector_velocity(f"{path}.point", vector_values(values, f"{path}.axis")),
+            )
         for key in ("axis", "axis2"):
             if getattr(joint, key) is not None:
                 yield (
@@ -232,27 +334,42 @@ def vector_velocity(path: str, value: np.ndarray, letters: str = "xyz") -> Veloc
     return {f"{path}.{k}": float(v) for k, v in zip(letters, value, strict=True)}
 
 
-def joint_frames(mechanism: Mechanism, platform: Sequence[str], base: Sequence[str]) -> tuple[str, ...]:
-    """Name the parameters to hold so that frames stand in the joints of a platform on rods: the platform frame's origin in the
-    joint of the first limb named, x axis through the second, xy plane through the third; the base frame's origin in the joint of
-    the first, z against gravity, x towards the projection of the second.
+def joint_frames(
+    mechanism: Mechanism, platform: Sequence[str], base: Sequence[str]
+) -> tuple[str, ...]:
+    """Name the parameters to hold so that frames stand in the joints of a platform on rods: the
+    platform frame's origin in the joint of the first limb named, x axis through the second, xy
+    plane through the third; the base frame's origin in the joint of the first, z against gravity, x
+    towards the projection of the second.
 
-    Raises InputError where a limb is no rod, and where an entry to be held is not zero at the nominal geometry.
+    Raises InputError where a limb is no rod, and where an entry to be held is not zero at the
+    nominal geometry.
     """
     if len(platform) != 3 or len(base) != 2:
         raise InputError(
-            f"joint frames need three limbs for the platform and two for the base, not {len(platform)} and {len(base)}"
+            f"joint frames need three limbs for the platform and two for the base, not "
+            f"{len(platform)} and {len(base)}"
         )
     rods = {limb.name: limb for limb in mechanism.limbs if isinstance(limb, RodLimb)}
     for name in (*platform, *base):
         if name not in rods:
             raise InputError(
-                f"joint frames: {name!r} is no rod limb of {mechanism.name}{meant(name, rods)}; its rods are {', '.join(rods) or 'none'}"
+                f"joint frames: {name!r} is no rod limb of {mechanism.name}{meant(name, rods)}; "
+                f"its rods are {', '.join(rods) or 'none'}"
             )
-    held = [(name, "platform", k) for name, letters in zip(platform, ("xyz", "yz", "z"), strict=True) for k in letters]
-    held += [(name, "base", k) for name, letters in zip(base, ("xyz", "y"), strict=True) for k in letters]
+    held = [
+        (name, "platform", k)
+        for name, letters in zip(platform, ("xyz", "yz", "z"), strict=True)
+        for k in letters
+    ]
+    held += [
+        (name, "base", k) for name, letters in zip(base, ("xyz", "y"), strict=True) for k in letters
+    ]
     for name, end, k in held:
         value = getattr(rods[name], end)["xyz".index(k)]
         if abs(value) > 1e-9 * mechanism.characteristic_length:
-            raise InputError(f"joint frames: {name}.{end}.{k} = {value:g} must be 0; give the joints in these frames first")
+            raise InputError(
+                f"joint frames: {name}.{end}.{k} = {value:g} must be 0; give the joints in these "
+                f"frames first"
+            )
     return tuple(f"{name}.{end}.{k}" for name, end, k in held)

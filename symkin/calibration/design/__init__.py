@@ -1,1 +1,3 @@
-"""Experiments before they are made: simulated readings, and plans of configurations that identify the geometry best."""
+"""Experiments before they are made: simulated readings, and plans of configurations that identify
+the geometry best.
+"""

@@ -1,14 +1,17 @@
-"""Choose configurations by exchange: N of many candidates so that a criterion of the covariance is least.
+"""Choose configurations by exchange: N of many candidates so that a criterion of the covariance is
+least.
 
-Each candidate adds K whitened rows a = (A_i, -B_i at its wedge's columns) in the unknowns (parameters, two inclinations
-for each wedge): M = M_0 + sum a^T a, C = M^-1, M_0 a weak prior. Adding one candidate changes C by a matrix of rank
-K (Woodbury), so that a criterion for all candidates is a few small products. (Where one is removed C is made anew: of one that alone
-tells something, a difference would be rounding.) What is made least:
+Each candidate adds K whitened rows a = (A_i, -B_i at its wedge's columns) in the unknowns
+(parameters, two inclinations for each wedge): M = M_0 + sum a^T a, C = M^-1, M_0 a weak prior.
+Adding one candidate changes C by a matrix of rank K (Woodbury), so that a criterion for all
+candidates is a few small products. (Where one is removed C is made anew: of one that alone tells
+something, a difference would be rounding.) What is made least:
 
   I, A    trace(Q C)        Q the mean of squared pose slopes, or 1 for the parameters
   D       log det of C's part for the parameters
 
-Source: Fedorov, Theory of optimal experiments, 1972; Atkinson, Donev, Optimum experimental designs, 1992.
+Source: Fedorov, Theory of optimal experiments, 1972; Atkinson, Donev, Optimum experimental designs,
+1992.
 """
 
 from __future__ import annotations
@@ -28,7 +31,9 @@ CRITERIA: tuple[Criterion, ...] = ("D", "A", "I")
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Rows (n, K, P) of parameters, (n, K, 2) of the group's inclination, and the wedge (n,) of each configuration, -1: none."""
+    """Rows (n, K, P) of parameters, (n, K, 2) of the group's inclination, and the wedge (n,) of
+    each configuration, -1: none.
+    """
 
     rows: np.ndarray
     group: np.ndarray
@@ -40,27 +45,42 @@ class Candidates:
         full = np.zeros((count, k, width + 2 * wedges))
         full[:, :, :width] = self.rows
         for place in range(wedges):
-            full[self.wedge == place, :, width + 2 * place : width + 2 * place + 2] = -self.group[self.wedge == place]
+            full[self.wedge == place, :, width + 2 * place : width + 2 * place + 2] = -self.group[
+                self.wedge == place
+            ]
         return full
 
     def thinned(self, each: int) -> Candidates:
         """Keep the first `each` candidates of every wedge."""
-        kept = np.concatenate([np.flatnonzero(self.wedge == w)[:each] for w in np.unique(self.wedge)])
+        kept = np.concatenate(
+            [np.flatnonzero(self.wedge == w)[:each] for w in np.unique(self.wedge)]
+        )
         return Candidates(self.rows[kept], self.group[kept], self.wedge[kept])
 
 
 class ExchangeSearch:
-    """The search among candidates: greedy construction, then exchange of single configurations until none helps."""
+    """The search among candidates: greedy construction, then exchange of single configurations
+    until none helps.
+    """
 
-    def __init__(self, candidates: Candidates, wedges: int, criterion: Criterion, q: np.ndarray, prior: float) -> None:
-        self.candidates, self.wedges, self.criterion, self.prior = candidates, wedges, criterion, prior
+    def __init__(
+        self, candidates: Candidates, wedges: int, criterion: Criterion, q: np.ndarray, prior: float
+    ) -> None:
+        self.candidates, self.wedges, self.criterion, self.prior = (
+            candidates,
+            wedges,
+            criterion,
+            prior,
+        )
         self.width = candidates.rows.shape[2]
         self.rows = candidates.extended(wedges)
         self.q = np.zeros((self.rows.shape[2],) * 2)
         self.q[: self.width, : self.width] = np.eye(self.width) if criterion == "A" else q
 
     def covariance(self, chosen: list[int]) -> np.ndarray:
-        """Return C (P + 2 W) of chosen candidates, by a QR decomposition of their rows: squares of precise rows would drown the prior."""
+        """Return C (P + 2 W) of chosen candidates, by a QR decomposition of their rows: squares of
+        precise rows would drown the prior.
+        """
         flat = self.rows[chosen].reshape(-1, self.rows.shape[2])
         weak = np.concatenate([np.full(self.width, self.prior), np.full(2 * self.wedges, 1.0)])
         factor = np.linalg.qr(np.vstack([flat, np.diag(np.sqrt(weak))]), mode="r")
@@ -80,7 +100,11 @@ class ExchangeSearch:
         inner = spread @ rows.transpose(0, 2, 1) + np.eye(rows.shape[1])
         if self.criterion == "D":
             part = spread[:, :, : self.width]
-            share = part @ np.linalg.pinv(c[: self.width, : self.width], hermitian=True) @ part.transpose(0, 2, 1)
+            share = (
+                part
+                @ np.linalg.pinv(c[: self.width, : self.width], hermitian=True)
+                @ part.transpose(0, 2, 1)
+            )
             return np.asarray(np.linalg.slogdet(inner)[1] - np.linalg.slogdet(inner - share)[1])
         weight = spread @ self.q @ spread.transpose(0, 2, 1)
         return np.asarray(np.trace(np.linalg.solve(inner, weight), axis1=1, axis2=2))
@@ -93,8 +117,10 @@ class ExchangeSearch:
         return np.asarray(c - spread.T @ np.linalg.solve(inner, spread))
 
     def greedy(self, count: int, allowed: set[int]) -> list[int]:
-        """Choose candidates one by one, each the best to add; none twice. A wedge's first configuration says nothing yet, so
-        that each wedge is given one to begin with, as far as two of each can be had."""
+        """Choose candidates one by one, each the best to add; none twice. A wedge's first
+        configuration says nothing yet, so that each wedge is given one to begin with, as far as two
+        of each can be had.
+        """
         index = np.flatnonzero(np.isin(self.candidates.wedge, list(allowed)))
         begun = sorted(allowed)[: count // 2] if self.wedges else []
         chosen = [int(np.argmax(self.candidates.wedge == wedge)) for wedge in begun]
@@ -107,7 +133,9 @@ class ExchangeSearch:
         return chosen
 
     def improve(self, chosen: list[int], allowed: set[int], passes: int = 6) -> list[int]:
-        """Take each configuration out in turn and put the best candidate in its place, until a whole pass changes nothing."""
+        """Take each configuration out in turn and put the best candidate in its place, until a
+        whole pass changes nothing.
+        """
         chosen = list(chosen)
         index = np.flatnonzero(np.isin(self.candidates.wedge, list(allowed)))
         for _ in range(passes):
@@ -117,15 +145,19 @@ class ExchangeSearch:
                 gains = self.gains(without, index)
                 gains[np.isin(index, chosen[:place] + chosen[place + 1 :])] = -np.inf
                 best = int(index[np.argmax(gains)])
-                if best != old and gains.max() > (1 + 1e-6) * float(self.gains(without, np.array([old]))[0]):
+                if best != old and gains.max() > (1 + 1e-6) * float(
+                    self.gains(without, np.array([old]))[0]
+                ):
                     chosen[place], changed = best, True
             if not changed:
                 break
         return chosen
 
     def best_wedges(self, count: int, groups: int) -> set[int]:
-        """Choose the wedges when only `groups` of them may be used: the best of several beginnings, then one exchanged for
-        another while that helps. A set is worth what a greedy choice with one pass of exchanges makes of it."""
+        """Choose the wedges when only `groups` of them may be used: the best of several beginnings,
+        then one exchanged for another while that helps. A set is worth what a greedy choice with
+        one pass of exchanges makes of it.
+        """
         if not self.wedges:
             return {-1}
         everything = set(range(self.wedges))
@@ -137,20 +169,33 @@ class ExchangeSearch:
         def value(wedges: set[int]) -> float:
             key = frozenset(wedges)
             if key not in worth:
-                worth[key] = self.value(self.covariance(self.improve(self.greedy(count, wedges), wedges, passes=1)))
+                worth[key] = self.value(
+                    self.covariance(self.improve(self.greedy(count, wedges), wedges, passes=1))
+                )
             return worth[key]
 
-        best = min((self._fewer(count, groups), set(range(groups)), set(range(self.wedges - groups, self.wedges))), key=value)
+        best = min(
+            (
+                self._fewer(count, groups),
+                set(range(groups)),
+                set(range(self.wedges - groups, self.wedges)),
+            ),
+            key=value,
+        )
         improved = True
         while improved and len(worth) < _MAX_WEDGE_SETS:
-            trials = [best - {out} | {new} for out in sorted(best) for new in sorted(everything - best)]
+            trials = [
+                best - {out} | {new} for out in sorted(best) for new in sorted(everything - best)
+            ]
             trial = min(trials, key=value)
             improved = value(trial) < value(best)
             best = trial if improved else best
         return best
 
     def _fewer(self, count: int, groups: int) -> set[int]:
-        """Eliminate wedges backwards: the one whose configurations determine least goes, again and again."""
+        """Eliminate wedges backwards: the one whose configurations determine least goes, again and
+        again.
+        """
         allowed = set(range(self.wedges))
         while len(allowed) > groups:
             chosen = self.greedy(count, allowed)
@@ -159,6 +204,9 @@ class ExchangeSearch:
             if unused:
                 allowed = allowed - {unused[-1]}
                 continue
-            costs = {w: self.value(self.covariance([k for k in chosen if self.candidates.wedge[k] != w])) for w in sorted(used)}
+            costs = {
+                w: self.value(self.covariance([k for k in chosen if self.candidates.wedge[k] != w]))
+                for w in sorted(used)
+            }
             allowed = allowed - {min(costs, key=lambda w: costs[w])}
         return allowed

@@ -1,8 +1,10 @@
-"""Plan measurements: which configurations, and which wedges under the inclinometer, identify the geometry best.
+"""Plan measurements: which configurations, and which wedges under the inclinometer, identify the
+geometry best.
 
-Candidates are random configurations of the workspace, for groups at the inclination of each wedge. Of these N are chosen by D-,
-A- or I-optimality (see `exchange_algorithm`), then moved a little at a time while that helps. I-optimality makes the mean pose
-variance over test poses of the workspace least, constant base and tool frames taken away ("aligned") or not.
+Candidates are random configurations of the workspace, for groups at the inclination of each wedge.
+Of these N are chosen by D-, A- or I-optimality (see `exchange_algorithm`), then moved a little at a
+time while that helps. I-optimality makes the mean pose variance over test poses of the workspace
+least, constant base and tool frames taken away ("aligned") or not.
 """
 
 from __future__ import annotations
@@ -15,7 +17,12 @@ import numpy as np
 
 from symkin.calibration.data.column_names import WEDGE, measure_of
 from symkin.calibration.data.files import CsvColumns
-from symkin.calibration.design.exchange_algorithm import CRITERIA, Candidates, Criterion, ExchangeSearch
+from symkin.calibration.design.exchange_algorithm import (
+    CRITERIA,
+    Candidates,
+    Criterion,
+    ExchangeSearch,
+)
 from symkin.calibration.design.reading_slopes import reading_slopes
 from symkin.calibration.design.simulation import (
     Noise,
@@ -44,19 +51,25 @@ _THINNED_CANDIDATES = 40
 _TEST_POSES, _ERROR_DRAWS = 200, 1000
 """Test poses of the prediction, and draws of parameter errors in it."""
 _DRAWN_REACH = 1.5
-"""Candidates are drawn from so many times the workspace and brought back to its border, where much is to be learnt."""
+"""Candidates are drawn from so many times the workspace and brought back to its border, where much
+is to be learnt.
+"""
 _REFINEMENT_NEIGHBOURS = 12
 """Neighbours of each configuration that one round of refinement tries."""
 _REFINEMENT_SCALES = (0.5, 0.3, 0.2, 0.1, 0.05, 0.025)
 """How far the neighbours are, over the workspace, round by round."""
 _PRIOR_SIGMA = 0.1
-"""Standard deviation of parameters before the data, over the size: weak, so that the first covariance exists."""
+"""Standard deviation of parameters before the data, over the size: weak, so that the first
+covariance exists.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Accuracy:
-    """Predicted pose errors at test poses: root mean square, and the largest of all test poses (infinity norm) that 95 %
-    of calibrations stay below; length unit and radians. `rank` of `parameters` is observable."""
+    """Predicted pose errors at test poses: root mean square, and the largest of all test poses
+    (infinity norm) that 95 % of calibrations stay below; length unit and radians. `rank` of
+    `parameters` is observable.
+    """
 
     position: float
     angle: float
@@ -68,9 +81,10 @@ class Accuracy:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plan(Result):
-    """Configurations in the order of their groups; `groups` (n,) numbers into `wedges` (G, 2), -1 without groups; predicted
-    accuracy of the plan, and of as many random configurations in as many random groups; `observable` is the rank that these
-    readings would reach at many configurations."""
+    """Configurations in the order of their groups; `groups` (n,) numbers into `wedges` (G, 2), -1
+    without groups; predicted accuracy of the plan, and of as many random configurations in as many
+    random groups; `observable` is the rank that these readings would reach at many configurations.
+    """
 
     mechanism: Mechanism
     configurations: ClosedConfigurations
@@ -83,18 +97,32 @@ class Plan(Result):
     observable: int
 
     def summary(self, most_rows: int | None = None) -> Summary:
-        """List the joints of each configuration with its group, and the pose errors that are expected."""
+        """List the joints of each configuration with its group, and the pose errors that are
+        expected.
+        """
         m = self.mechanism
         groups = ["" if g < 0 else str(g + 1) for g in self.groups.tolist()]
-        rows = [[str(k), g, *(f"{v:.6g}" for v in q)] for k, (g, q) in enumerate(zip(groups, self._joints, strict=True), start=1)]
+        rows = [
+            [str(k), g, *(f"{v:.6g}" for v in q)]
+            for k, (g, q) in enumerate(zip(groups, self._joints, strict=True), start=1)
+        ]
         shown = rows[:most_rows]
-        left = [f"the first {len(shown)} of {len(rows)} configurations"] if len(shown) < len(rows) else []
+        left = (
+            [f"the first {len(shown)} of {len(rows)} configurations"]
+            if len(shown) < len(rows)
+            else []
+        )
         accuracy = [
             f"expected pose error: {accuracy_text(m, self.accuracy)}",
             f"the same of random configurations: {accuracy_text(m, self.random)}",
         ]
-        head = f"plan for {m.name}: {len(rows)} configurations, {self.criterion}-optimal, seed {self.seed}"
-        titles = [f"{c.name} [{m.angle_unit if c.is_angular else m.length_unit}]" for c in m.actuated]
+        head = (
+            f"plan for {m.name}: {len(rows)} configurations, {self.criterion}-optimal, seed "
+            f"{self.seed}"
+        )
+        titles = [
+            f"{c.name} [{m.angle_unit if c.is_angular else m.length_unit}]" for c in m.actuated
+        ]
         return Summary([head], ["#", "group", *titles], shown, [*left, *accuracy])
 
     @property
@@ -102,25 +130,44 @@ class Plan(Result):
         """Convert joint values to the mechanism's units."""
         m = self.mechanism
         one = [m.angle_out(1.0) if c.is_angular else 1.0 for c in m.actuated]
-        return [[float(v) * unit for v, unit in zip(row, one, strict=True)] for row in self.configurations.joints]
+        return [
+            [float(v) * unit for v, unit in zip(row, one, strict=True)]
+            for row in self.configurations.joints
+        ]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the plan in the mechanism's units: joints of each configuration, groups from 0 (-1: none), wedges, expected errors."""
+        """Return the plan in the mechanism's units: joints of each configuration, groups from 0
+        (-1: none), wedges, expected errors.
+        """
         m = self.mechanism
         return {
-            "mechanism": m.name, "length_unit": m.length_unit, "angle_unit": m.angle_unit, "joints": self._joints,
-            "groups": self.groups.tolist(), "wedges": [[m.angle_out(float(v)) for v in wedge] for wedge in self.wedges],
-            "criterion": self.criterion, "seed": self.seed, "rank": self.accuracy.rank, "parameters": self.accuracy.parameters,
-            "observable": self.observable, "position": self.accuracy.position, "angle": m.angle_out(self.accuracy.angle),
-            "random_position": self.random.position, "random_angle": m.angle_out(self.random.angle),
-        }  # fmt: skip
+            "mechanism": m.name,
+            "length_unit": m.length_unit,
+            "angle_unit": m.angle_unit,
+            "joints": self._joints,
+            "groups": self.groups.tolist(),
+            "wedges": [[m.angle_out(float(v)) for v in wedge] for wedge in self.wedges],
+            "criterion": self.criterion,
+            "seed": self.seed,
+            "rank": self.accuracy.rank,
+            "parameters": self.accuracy.parameters,
+            "observable": self.observable,
+            "position": self.accuracy.position,
+            "angle": m.angle_out(self.accuracy.angle),
+            "random_position": self.random.position,
+            "random_angle": m.angle_out(self.random.angle),
+        }
 
 
 def corner_wedges(tilt: float) -> np.ndarray:
     """Return level, then edges and corners of +-tilt in alpha and beta (9, 2)."""
     steps = (0.0, -tilt, tilt)
     pairs = [(a, b) for a in steps for b in steps]
-    return np.array(sorted(pairs, key=lambda p: p[0] ** 2 + p[1] ** 2)) if tilt > 0 else np.zeros((1, 2))
+    return (
+        np.array(sorted(pairs, key=lambda p: p[0] ** 2 + p[1] ** 2))
+        if tilt > 0
+        else np.zeros((1, 2))
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,12 +187,16 @@ class _Options:
         if self.criterion not in CRITERIA:
             raise InputError(f"criterion = {not_among(self.criterion, CRITERIA)}")
         if configurations > _MAX_PLANNED:
-            raise InputError(f"a plan of {configurations} postures is asked for; allowed: 1 to {_MAX_PLANNED}")
+            raise InputError(
+                f"a plan of {configurations} postures is asked for; allowed: 1 to {_MAX_PLANNED}"
+            )
         group_numbers(configurations, self.groups)
         if not self.readings and not self.groups:
             raise InputError("nothing is read beside the joints; name groups or readings")
         if not self.groups:
-            refuse_ignored({"wedges": self.wedges}, "there are no groups that stand on them", "ask for groups")
+            refuse_ignored(
+                {"wedges": self.wedges}, "there are no groups that stand on them", "ask for groups"
+            )
 
 
 def plan_measurements(
@@ -161,19 +212,23 @@ def plan_measurements(
     aligned: bool = True,
     seed: int = 0,
 ) -> Plan:
-    """Choose the configurations whose measurement identifies the geometry best, by exchange of random candidates.
+    """Choose the configurations whose measurement identifies the geometry best, by exchange of
+    random candidates.
 
-    `workspace` says where the platform may go: a Mechanism stands for 0.15 of its size and 20 degrees about its home. `noise`
-    holds standard deviations, those of a `Noise` by name: lengths, angles (of joints), group, inclination, position,
-    orientation (length unit, radians). Each configuration stands in one of at most `groups` groups of equal inclination (0: none), at
-    one of the `wedges` (W, 2), radians, by default level and the edges and corners of the workspace's tilt; `readings` are read beside
-    the joints (see `READING_CHOICES` and `data.observables`). `parameters` are to be identified, by default all that matter; poses are
-    judged after the best alignment of constant base and tool frames unless `aligned` is False; `seed` is that of the candidates. By
-    the `criterion` "D", "A" or "I", of the Fisher information M of the observable parameters, D-optimality makes det M largest, A-optimality
-    trace M^-1 least, I-optimality the mean variance of poses over the workspace least.
+    `workspace` says where the platform may go: a Mechanism stands for 0.15 of its size and 20
+    degrees about its home. `noise` holds standard deviations, those of a `Noise` by name: lengths,
+    angles (of joints), group, inclination, position, orientation (length unit, radians). Each
+    configuration stands in one of at most `groups` groups of equal inclination (0: none), at one of
+    the `wedges` (W, 2), radians, by default level and the edges and corners of the workspace's
+    tilt; `readings` are read beside the joints (see `READING_CHOICES` and `data.observables`).
+    `parameters` are to be identified, by default all that matter; poses are judged after the best
+    alignment of constant base and tool frames unless `aligned` is False; `seed` is that of the
+    candidates. By the `criterion` "D", "A" or "I", of the Fisher information M of the observable
+    parameters, D-optimality makes det M largest, A-optimality trace M^-1 least, I-optimality the
+    mean variance of poses over the workspace least.
 
-    Raises InputError for counts that cannot be, and where readings determine nothing of the geometry. Source: Atkinson and Donev,
-    Optimum Experimental Designs, 1992.
+    Raises InputError for counts that cannot be, and where readings determine nothing of the
+    geometry. Source: Atkinson and Donev, Optimum Experimental Designs, 1992.
 
     >>> import symkin
     >>> noise = {"angles": 1e-4, "position": 0.05}
@@ -196,17 +251,25 @@ def plan_measurements(
     numbers = np.array([used.index(w) if w >= 0 else -1 for w in pool.wedge[order].tolist()])
     planned = pool.configurations.take(order)
     return Plan(
-        mechanism=workspace.mechanism, configurations=planned, groups=numbers,
-        wedges=np.zeros((0, 2)) if task.offered is None else task.offered[used], criterion=chosen.criterion, seed=chosen.seed,
-        accuracy=task.accuracy(planned, numbers), random=task.random_accuracy(), observable=task.directions.shape[1],
-    )  # fmt: skip
+        mechanism=workspace.mechanism,
+        configurations=planned,
+        groups=numbers,
+        wedges=np.zeros((0, 2)) if task.offered is None else task.offered[used],
+        criterion=chosen.criterion,
+        seed=chosen.seed,
+        accuracy=task.accuracy(planned, numbers),
+        random=task.random_accuracy(),
+        observable=task.directions.shape[1],
+    )
 
 
 def _noise_by_name(values: Mapping[str, float]) -> Noise:
     allowed = [f.name for f in fields(Noise)]
     unknown = [name for name in values if name not in allowed]
     if unknown:
-        raise InputError(f"noise: {', '.join(map(repr, unknown))} is unknown; allowed: {', '.join(allowed)}")
+        raise InputError(
+            f"noise: {', '.join(map(repr, unknown))} is unknown; allowed: {', '.join(allowed)}"
+        )
     return Noise(**values)  # type: ignore[arg-type]
 
 
@@ -222,14 +285,24 @@ class _Pool:
 
 
 class _Task:
-    """What stays the same while configurations are chosen: readings, noise, parameters, test poses, the observable directions."""
+    """What stays the same while configurations are chosen: readings, noise, parameters, test poses,
+    the observable directions.
+    """
 
     def __init__(self, workspace: Workspace, count: int, noise: Noise, options: _Options) -> None:
         self.workspace, self.count, self.noise, self.options = workspace, count, noise, options
         self.mechanism, self.rng = workspace.mechanism, np.random.default_rng(options.seed)
         read = tuple(o.name for o in observed_kinds(self.mechanism, options.readings))
-        self.names = default_parameters(self.mechanism, read) if options.parameters is None else tuple(options.parameters)
-        wedges = corner_wedges(workspace.tilt) if options.wedges is None else np.asarray(options.wedges, dtype=float)
+        self.names = (
+            default_parameters(self.mechanism, read)
+            if options.parameters is None
+            else tuple(options.parameters)
+        )
+        wedges = (
+            corner_wedges(workspace.tilt)
+            if options.wedges is None
+            else np.asarray(options.wedges, dtype=float)
+        )
         self.offered = wedges if options.groups else None
         tests = workspace.draw(workspace.inclinations(_TEST_POSES, self.rng), self.rng, held=False)
         slopes, frames = pose_slopes(self.mechanism, tests, self.names)
@@ -240,12 +313,16 @@ class _Task:
         self.seed = int(self.rng.integers(2**31))
 
     def chosen_candidates(self) -> _Pool:
-        """Choose candidates by exchange, then exchange each for random neighbours, nearer and nearer."""
+        """Choose candidates by exchange, then exchange each for random neighbours, nearer and
+        nearer.
+        """
         pool = self._drawn()
         slopes = self.candidates(pool.configurations, pool.wedge)
         self.observe(slopes)
         reduced = self.reduced(slopes)
-        allowed = self._search(reduced.thinned(max(_THINNED_CANDIDATES, self.count))).best_wedges(self.count, self.options.groups)
+        allowed = self._search(reduced.thinned(max(_THINNED_CANDIDATES, self.count))).best_wedges(
+            self.count, self.options.groups
+        )
         first = self._search(reduced)
         pool = pool.take(np.array(first.improve(first.greedy(self.count, allowed), allowed)))
         for scale in _REFINEMENT_SCALES:
@@ -259,7 +336,9 @@ class _Task:
         draw, rng = self.workspace.draw, self.rng
         if self.offered is None:
             count = min(_MAX_CANDIDATES, max(10 * _CANDIDATES_PER_WEDGE, 4 * self.count))
-            drawn = draw(self.workspace.inclinations(count, rng), rng, held=False, edge=_DRAWN_REACH)
+            drawn = draw(
+                self.workspace.inclinations(count, rng), rng, held=False, edge=_DRAWN_REACH
+            )
             return _Pool(drawn, np.full(count, -1))
         each = max(min(_CANDIDATES_PER_WEDGE, _MAX_CANDIDATES // len(self.offered)), self.count)
         wedge = np.repeat(np.arange(len(self.offered)), each)
@@ -269,7 +348,10 @@ class _Task:
         around = pool.take(np.repeat(np.arange(self.count), _REFINEMENT_NEIGHBOURS))
         wedges = None if self.offered is None else self.offered[around.wedge]
         near, kept = self.workspace.near(around.configurations, wedges, scale, self.rng)
-        return _Pool(ClosedConfigurations.joined([pool.configurations, near]), np.concatenate([pool.wedge, around.wedge[kept]]))
+        return _Pool(
+            ClosedConfigurations.joined([pool.configurations, near]),
+            np.concatenate([pool.wedge, around.wedge[kept]]),
+        )
 
     def _search(self, candidates: Candidates) -> ExchangeSearch:
         return ExchangeSearch(candidates, self._wedges, self.options.criterion, self.q, self.prior)
@@ -280,7 +362,12 @@ class _Task:
 
     def candidates(self, pool: ClosedConfigurations, wedge: np.ndarray) -> Candidates:
         slopes = reading_slopes(
-            self.mechanism, pool, self.options.readings, self.noise, self.names, grouped=bool(np.all(wedge >= 0))
+            self.mechanism,
+            pool,
+            self.options.readings,
+            self.noise,
+            self.names,
+            grouped=bool(np.all(wedge >= 0)),
         )
         return Candidates(slopes.parameters, slopes.group, wedge)
 
@@ -288,7 +375,10 @@ class _Task:
         """Keep the directions of parameter space that all candidates together determine."""
         self.directions, _ = _principal_directions(less_inclinations(slopes, self._wedges))
         if self.directions.shape[1] == 0:
-            raise InputError(f"{self.mechanism.name}: these readings determine nothing of the geometry; name other readings")
+            raise InputError(
+                f"{self.mechanism.name}: these readings determine nothing of the geometry; name "
+                f"other readings"
+            )
 
     def reduced(self, slopes: Candidates) -> Candidates:
         return Candidates(slopes.rows @ self.directions, slopes.group, slopes.wedge)
@@ -303,11 +393,17 @@ class _Task:
     def random_accuracy(self) -> Accuracy:
         """Predict what as many random configurations in as many random groups would reach."""
         numbers = group_numbers(self.count, self.options.groups)
-        return self.accuracy(random_configurations(self.workspace, numbers, Noise(), self.rng), numbers)
+        return self.accuracy(
+            random_configurations(self.workspace, numbers, Noise(), self.rng), numbers
+        )
 
     def accuracy(self, planned: ClosedConfigurations, groups: np.ndarray) -> Accuracy:
-        """Predict what a fit of readings at these configurations would reach, by linear propagation."""
-        seen, singular = _principal_directions(less_inclinations(self.candidates(planned, groups), int(groups.max()) + 1))
+        """Predict what a fit of readings at these configurations would reach, by linear
+        propagation.
+        """
+        seen, singular = _principal_directions(
+            less_inclinations(self.candidates(planned, groups), int(groups.max()) + 1)
+        )
         missing = self.directions - seen @ (seen.T @ self.directions)
         left, outside, _ = np.linalg.svd(missing, full_matrices=False)
         unseen = left[:, outside > 1e-6]
@@ -315,13 +411,23 @@ class _Task:
         spread = self.pose @ root
         draws = np.random.default_rng(self.seed).normal(size=(root.shape[1], _ERROR_DRAWS))
         errors = np.abs(np.einsum("nkp,pd->nkd", spread, draws))
-        worst = [float(np.quantile(errors[:, part].max(axis=(0, 1)), 0.95)) for part in (slice(0, 3), slice(3, 6))]
+        worst = [
+            float(np.quantile(errors[:, part].max(axis=(0, 1)), 0.95))
+            for part in (slice(0, 3), slice(3, 6))
+        ]
         variance = np.sum(spread**2, axis=2)
-        mean = [float(np.sqrt(variance[:, part].sum(axis=1).mean())) for part in (slice(0, 3), slice(3, 6))]
+        mean = [
+            float(np.sqrt(variance[:, part].sum(axis=1).mean()))
+            for part in (slice(0, 3), slice(3, 6))
+        ]
         return Accuracy(
-            position=mean[0], angle=mean[1], worst_position=worst[0], worst_angle=worst[1], rank=seen.shape[1],
+            position=mean[0],
+            angle=mean[1],
+            worst_position=worst[0],
+            worst_angle=worst[1],
+            rank=seen.shape[1],
             parameters=len(self.names),
-        )  # fmt: skip
+        )
 
 
 def less_inclinations(slopes: Candidates, wedges: int) -> np.ndarray:
@@ -345,7 +451,9 @@ def _principal_directions(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def plan_text(plan: Plan) -> str:
-    """Write a plan as CSV: group, joint values and the inclination of the group's wedge; what it should reach in comments."""
+    """Write a plan as CSV: group, joint values and the inclination of the group's wedge; what it
+    should reach in comments.
+    """
     table = CsvColumns(plan.mechanism)
     if len(plan.wedges):
         table.text("group", [str(g + 1) for g in plan.groups])
@@ -354,7 +462,8 @@ def plan_text(plan: Plan) -> str:
     for k, name in enumerate(WEDGE if len(plan.wedges) else ()):
         table.number(name, plan.wedges[plan.groups, k], "angle")
     comments = [
-        f"plan for {plan.mechanism.name}: {len(plan.groups)} postures, {plan.criterion}-optimal, seed {plan.seed}",
+        f"plan for {plan.mechanism.name}: {len(plan.groups)} postures, {plan.criterion}-optimal, "
+        f"seed {plan.seed}",
         f"expected pose error: {accuracy_text(plan.mechanism, plan.accuracy)}",
         f"the same of random postures: {accuracy_text(plan.mechanism, plan.random)}",
     ]
@@ -365,6 +474,8 @@ def accuracy_text(mechanism: Mechanism, accuracy: Accuracy) -> str:
     """Write predicted errors in the mechanism's units."""
     length, angle = mechanism.length_unit, mechanism.angle_unit
     return (
-        f"rms {accuracy.position:.3g} {length} and {mechanism.angle_out(accuracy.angle):.3g} {angle}; largest of 200 test poses in "
-        f"95 % of calibrations {accuracy.worst_position:.3g} {length} and {mechanism.angle_out(accuracy.worst_angle):.3g} {angle}"
+        f"rms {accuracy.position:.3g} {length} and {mechanism.angle_out(accuracy.angle):.3g} "
+        f"{angle}; largest of 200 test poses in "
+        f"95 % of calibrations {accuracy.worst_position:.3g} {length} and "
+        f"{mechanism.angle_out(accuracy.worst_angle):.3g} {angle}"
     )

@@ -1,4 +1,6 @@
-"""Differentiate the readings that would be taken at closed configurations, over their standard deviations."""
+"""Differentiate the readings that would be taken at closed configurations, over their standard
+deviations.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +22,10 @@ from symkin.position.transfer import many_elsewhere
 
 @dataclass(frozen=True, eq=False)
 class ReadingSlopes:
-    """Readings over their standard deviations, joint noise included: A (n, K, P) by scaled parameters, and B (n, K, 2) by
-    the unknown inclination of the configuration's group, zero where it has none."""
+    """Readings over their standard deviations, joint noise included: A (n, K, P) by scaled
+    parameters, and B (n, K, 2) by the unknown inclination of the configuration's group, zero where
+    it has none.
+    """
 
     parameters: np.ndarray
     group: np.ndarray
@@ -36,28 +40,36 @@ def reading_slopes(
     *,
     grouped: bool,
 ) -> ReadingSlopes:
-    """Differentiate the readings that would be taken at closed configurations. Raises InputError where a reading is without a
-    standard deviation."""
+    """Differentiate the readings that would be taken at closed configurations. Raises InputError
+    where a reading is without a standard deviation.
+    """
     quiet = np.random.default_rng(0)
     groups = np.zeros(len(made), dtype=int) if grouped else np.full(len(made), NO_GROUP)
     taken = simulate_readings(mechanism, made, groups, readings, noise, quiet)
     for kind in ("group", "inclination", "position", "orientation"):
         present = grouped if kind == "group" else getattr(taken, kind) is not None
         if present and taken.sigma(kind) is None:
-            raise InputError(f"the standard deviation of {kind} readings is zero or not given; a plan needs it")
+            raise InputError(
+                f"the standard deviation of {kind} readings is zero or not given; a plan needs it"
+            )
     for reading in taken.readings:
         if reading.sigma is None:
-            raise InputError(f"the standard deviation of {reading.name} is zero or not given; a plan needs it")
+            raise InputError(
+                f"the standard deviation of {reading.name} is zero or not given; a plan needs it"
+            )
     model = build_model(mechanism, taken, names)
     values, weights = build_readings(model, taken), noise.joints(mechanism)
     count = len(mechanism.actuated)
-    z = np.ascontiguousarray(many_elsewhere(model.closure, build_closure(mechanism), made.values)[:, count:])
+    z = np.ascontiguousarray(
+        many_elsewhere(model.closure, build_closure(mechanism), made.values)[:, count:]
+    )
     refuse_undetermined(model, z, made.joints, model.nominal)
     quaternions = np.hstack([made.poses[:, 3:], taken.quaternions[:, 4:]])
     e = model.evaluate(z, made.joints, model.nominal, quaternions)
     by_joint = model.joint_slopes(e, z, made.joints, model.nominal, quaternions) * weights
     slopes = e.readings_p + e.readings_z @ e.following
-    # two inclinations have no slopes where the platform's z axis lies level: such a configuration is offered as one that tells nothing
+    # two inclinations have no slopes where the platform's z axis lies level: such a configuration
+    # is offered as one that tells nothing
     told = np.all(np.isfinite(by_joint), axis=(1, 2)) & np.all(np.isfinite(slopes), axis=(1, 2))
     by_joint, slopes = (np.where(told[:, None, None], values, 0.0) for values in (by_joint, slopes))
     whiten = whitening(values, by_joint @ by_joint.transpose(0, 2, 1))

@@ -8,7 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurements, Reading
-from symkin.calibration.data.observables import Observable, observables, observables_named, unknown_observable
+from symkin.calibration.data.observables import (
+    Observable,
+    observables,
+    observables_named,
+    unknown_observable,
+)
 from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import ClosedConfigurations, solve_configurations
 from symkin.calibration.estimate.workspace import Workspace
@@ -21,16 +26,20 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import euler_from_quaternion, multiply, quaternion_from_rotation_vector
 
 READING_CHOICES = ("inclination", "position", "orientation", "pose")
-"""What may be read of the platform beside the joints; a pose is position and orientation. Groups need nothing of these."""
+"""What may be read of the platform beside the joints; a pose is position and orientation. Groups
+need nothing of these.
+"""
 MAX_CONFIGURATIONS = 100_000
 """More rows than this are taken for a typing mistake."""
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Standard deviations of independent errors: of joints by kind (length unit, radians), of the equality of inclination
-    in a group, of inclinations, positions (each component), orientations (each component of a rotation vector) and distances.
-    `uniform`: uniform of the same standard deviation, half width sqrt(3) sigma, in place of normal."""
+    """Standard deviations of independent errors: of joints by kind (length unit, radians), of the
+    equality of inclination in a group, of inclinations, positions (each component), orientations
+    (each component of a rotation vector) and distances. `uniform`: uniform of the same standard
+    deviation, half width sqrt(3) sigma, in place of normal.
+    """
 
     lengths: float = 0.0
     angles: float = 0.0
@@ -41,8 +50,12 @@ class Noise:
     distance: float = 0.0
     uniform: bool = False
 
-    def draw(self, sigma: float | np.ndarray, shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
-        unit = rng.uniform(-np.sqrt(3), np.sqrt(3), shape) if self.uniform else rng.normal(size=shape)
+    def draw(
+        self, sigma: float | np.ndarray, shape: tuple[int, ...], rng: np.random.Generator
+    ) -> np.ndarray:
+        unit = (
+            rng.uniform(-np.sqrt(3), np.sqrt(3), shape) if self.uniform else rng.normal(size=shape)
+        )
         return np.asarray(sigma * unit)
 
     def joints(self, mechanism: Mechanism) -> np.ndarray:
@@ -64,15 +77,20 @@ class Noise:
                 return self.distance
 
 
-def platform_kinds(mechanism: Mechanism, readings: Sequence[str], *, grouped: bool = False) -> tuple[str, ...]:
-    """Return which of the readings are of the platform. Raises InputError for what is unknown, and for readings and groups (of equal
-    inclination) of a platform that is not there."""
+def platform_kinds(
+    mechanism: Mechanism, readings: Sequence[str], *, grouped: bool = False
+) -> tuple[str, ...]:
+    """Return which of the readings are of the platform. Raises InputError for what is unknown, and
+    for readings and groups (of equal inclination) of a platform that is not there.
+    """
     own = tuple(kind for kind in readings if kind in READING_CHOICES)
     if (own or grouped) and mechanism.platform_link is None:
         what = f"readings: {own[0]!r} is read" if own else "groups: equal inclination is that"
         raise InputError(
-            f"{what} of a platform, and {mechanism.name} has no platform link; name it by [platform] link, or "
-            "read named points (point.NAME) and other links (LINK.pose, LINK.position, LINK.orientation, LINK.inclination)"
+            f"{what} of a platform, and {mechanism.name} has no platform link; name it by "
+            f"[platform] link, or "
+            "read named points (point.NAME) and other links (LINK.pose, LINK.position, "
+            "LINK.orientation, LINK.inclination)"
         )
     observed_kinds(mechanism, readings)
     return own
@@ -94,25 +112,38 @@ def observed_kinds(mechanism: Mechanism, readings: Sequence[str]) -> tuple[Obser
 
 
 def group_numbers(configurations: int, groups: int) -> np.ndarray:
-    """Number the groups 0, 0, ..., 1, 1, ...: `configurations` in `groups` as equal as may be, each of two at least."""
+    """Number the groups 0, 0, ..., 1, 1, ...: `configurations` in `groups` as equal as may be, each
+    of two at least.
+    """
     if not 1 <= configurations <= MAX_CONFIGURATIONS:
-        raise InputError(f"{configurations} postures are asked for; allowed: 1 to {MAX_CONFIGURATIONS}")
+        raise InputError(
+            f"{configurations} postures are asked for; allowed: 1 to {MAX_CONFIGURATIONS}"
+        )
     if groups < 0:
         raise InputError(f"{groups} groups are asked for; allowed: 0 (none) or more")
     if groups > configurations // 2:
         raise InputError(
-            f"{groups} groups for {configurations} posture{'s' * (configurations != 1)}, and two postures in each are needed: at least {2 * groups} "
+            f"{groups} groups for {configurations} posture{'s' * (configurations != 1)}, and two "
+            f"postures in each are needed: at least {2 * groups} "
             f"postures for {groups} group{'s' * (groups != 1)}, or fewer --groups"
         )
     if groups == 0:
         return np.full(configurations, NO_GROUP)
-    return np.repeat(np.arange(groups), [len(part) for part in np.array_split(np.arange(configurations), groups)])
+    return np.repeat(
+        np.arange(groups), [len(part) for part in np.array_split(np.arange(configurations), groups)]
+    )
 
 
 def random_configurations(
-    workspace: Workspace, groups: np.ndarray, noise: Noise, rng: np.random.Generator, wedges: np.ndarray | None = None
+    workspace: Workspace,
+    groups: np.ndarray,
+    noise: Noise,
+    rng: np.random.Generator,
+    wedges: np.ndarray | None = None,
 ) -> ClosedConfigurations:
-    """Draw random closed configurations; those of one group share the inclination of its wedge, but for the noise of that."""
+    """Draw random closed configurations; those of one group share the inclination of its wedge, but
+    for the noise of that.
+    """
     if np.all(groups == NO_GROUP):
         return workspace.draw(workspace.inclinations(len(groups), rng), rng, held=False)
     held = workspace.inclinations(int(groups.max()) + 1, rng) if wedges is None else wedges
@@ -128,24 +159,34 @@ def planned_configurations(
     noise: Noise,
     rng: np.random.Generator,
 ) -> tuple[np.ndarray, ClosedConfigurations]:
-    """Return the group numbers of a plan, and the true closed configurations at the poses that the nominal mechanism has at
-    its joints, each turned to its group's inclination (with the noise of that). Raises InputError for configurations that
-    cannot be taken."""
+    """Return the group numbers of a plan, and the true closed configurations at the poses that the
+    nominal mechanism has at its joints, each turned to its group's inclination (with the noise of
+    that). Raises InputError for configurations that cannot be taken.
+    """
     model = build_model(nominal, plan, ())
     configurations = solve_configurations(model, plan, np.zeros(0))
     if not configurations.solved.all():
         label = plan.labels[int(np.argmin(configurations.solved))]
-        raise InputError(f"the plan's posture of {label} does not close at the nominal geometry of {nominal.name}")
+        raise InputError(
+            f"the plan's posture of {label} does not close at the nominal geometry of "
+            f"{nominal.name}"
+        )
     groups = np.full(len(plan), NO_GROUP) if plan.groups is None else plan.groups
     held = None
     if plan.groups is not None:
         if wedges is None:
-            raise InputError("the plan has groups and no wedge_alpha and wedge_beta; give the file that `plan` wrote")
+            raise InputError(
+                "the plan has groups and no wedge_alpha and wedge_beta; give the file that `plan` "
+                "wrote"
+            )
         held = wedges + noise.draw(noise.group, wedges.shape, rng)
-    made, closed = workspace.at(model.poses(configurations.z, plan.joints, np.zeros(0)), plan.joints, held)
+    made, closed = workspace.at(
+        model.poses(configurations.z, plan.joints, np.zeros(0)), plan.joints, held
+    )
     if not closed.all():
         raise InputError(
-            f"the plan's posture of {plan.labels[int(np.argmin(closed))]} cannot be taken by {workspace.mechanism.name}"
+            f"the plan's posture of {plan.labels[int(np.argmin(closed))]} cannot be taken by "
+            f"{workspace.mechanism.name}"
         )
     return groups, made
 
@@ -159,11 +200,16 @@ def simulate_readings(
     rng: np.random.Generator,
     distances: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
 ) -> Measurements:
-    """Read true configurations, with standard deviations where there is noise; `readings` are kinds of the platform (see
-    `READING_CHOICES`) and names of observables (see `data.observables`), `distances` points of the platform and of the base by the
-    names of their columns."""
+    """Read true configurations, with standard deviations where there is noise; `readings` are kinds
+    of the platform (see `READING_CHOICES`) and names of observables (see `data.observables`),
+    `distances` points of the platform and of the base by the names of their columns.
+    """
     own = platform_kinds(mechanism, readings, grouped=bool(np.any(groups != NO_GROUP)))
-    kinds = {part for kind in own for part in (("position", "orientation") if kind == "pose" else (kind,))}
+    kinds = {
+        part
+        for kind in own
+        for part in (("position", "orientation") if kind == "pose" else (kind,))
+    }
     count, joint_sigma = len(true), noise.joints(mechanism)
     grouped = bool(np.any(groups != NO_GROUP))
     made = Measurements(
@@ -185,12 +231,20 @@ def simulate_readings(
         made = replace(made, orientation=read_as, orientation_sigma=noise.orientation or None)
     for name, (platform, base) in (distances or {}).items():
         ends = np.array([Pose(row[:3], row[3:]).apply(np.array(platform)) for row in true.poses])
-        values = np.linalg.norm(ends - np.array(base), axis=1) + noise.draw(noise.distance, (count,), rng)
+        values = np.linalg.norm(ends - np.array(base), axis=1) + noise.draw(
+            noise.distance, (count,), rng
+        )
         made = replace(
             made,
             distances=(
                 *made.distances,
-                Distance(platform=platform, base=base, values=values, sigma=noise.distance or None, name=name),
+                Distance(
+                    platform=platform,
+                    base=base,
+                    values=values,
+                    sigma=noise.distance or None,
+                    name=name,
+                ),
             ),
         )
     others = observed_kinds(mechanism, readings)
@@ -209,7 +263,9 @@ def _read(o: Observable, exact: np.ndarray, noise: Noise, rng: np.random.Generat
     return Reading(o.name, np.asarray(multiply(exact.T, turn)).T, sigma or None)
 
 
-def exact_readings(mechanism: Mechanism, true: ClosedConfigurations, read: Sequence[Observable]) -> dict[str, np.ndarray]:
+def exact_readings(
+    mechanism: Mechanism, true: ClosedConfigurations, read: Sequence[Observable]
+) -> dict[str, np.ndarray]:
     """Values (n, w) of observables by name at closed configurations."""
     closure = build_closure(mechanism)
     poses = link_poses(closure, true.values)
@@ -218,7 +274,11 @@ def exact_readings(mechanism: Mechanism, true: ClosedConfigurations, read: Seque
     for o in read:
         match o.kind:
             case "joint":
-                held = true.values[:, closure.slices[o.name]] if o.name in closure.slices else joints[o.name][:, None]
+                held = (
+                    true.values[:, closure.slices[o.name]]
+                    if o.name in closure.slices
+                    else joints[o.name][:, None]
+                )
                 found[o.name] = np.asarray(held)
             case "point":
                 found[o.name] = points[o.of[0]]

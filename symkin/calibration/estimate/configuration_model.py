@@ -1,8 +1,9 @@
 """Evaluate the closure and the readings with their derivatives, for all configurations at once.
 
-F(z; q, p) = 0 in the unknown coordinates z (passive joints and pose) given joint readings q and parameters p; readings
-h(z, p). Derivatives are taken in the tangent space of z (see `numeric.system`) and along scaled parameters: one unit of
-a scaled parameter is one length unit, for angles and directions 1/size.
+F(z; q, p) = 0 in the unknown coordinates z (passive joints and pose) given joint readings q and
+parameters p; readings h(z, p). Derivatives are taken in the tangent space of z (see
+`numeric.system`) and along scaled parameters: one unit of a scaled parameter is one length unit,
+for angles and directions 1/size.
 """
 
 from __future__ import annotations
@@ -21,7 +22,12 @@ from symkin.calibration.data.observables import (
     observables_named,
     observed,
 )
-from symkin.calibration.data.parameters import MEASURING_FRAMES, ParameterKind, described_parameters, nominal_parameters
+from symkin.calibration.data.parameters import (
+    MEASURING_FRAMES,
+    ParameterKind,
+    described_parameters,
+    nominal_parameters,
+)
 from symkin.calibration.estimate.mapped_functions import MappedFunction, map_functions
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property, lru_cache
@@ -34,11 +40,15 @@ from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotatio
 from symkin.text import meant, shown
 
 READING_KINDS = ("group", "inclination", "position", "orientation")
-"""Kinds of readings of the platform in the order of their columns; distances follow, then the observables that are read."""
+"""Kinds of readings of the platform in the order of their columns; distances follow, then the
+observables that are read.
+"""
 COMPONENTS = {
-    "group": ("alpha", "beta"), "inclination": ("alpha", "beta"),
-    "position": ("x", "y", "z"), "orientation": ("x", "y", "z")
-}  # fmt: skip
+    "group": ("alpha", "beta"),
+    "inclination": ("alpha", "beta"),
+    "position": ("x", "y", "z"),
+    "orientation": ("x", "y", "z"),
+}
 
 
 _VECTOR_OUTPUTS = {"whole": (0, 3), "rows": (0,), "joints": (), "tangent": (0, 3), "pose": (0,)}
@@ -47,8 +57,9 @@ _VECTOR_OUTPUTS = {"whole": (0, 3), "rows": (0,), "joints": (), "tangent": (0, 3
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """Values at n configurations: rows F (n, m), F_z (n, m, f), F_p (n, m, P); readings h (n, K), h_z (n, K, f), h_p (n, K,
-    P)."""
+    """Values at n configurations: rows F (n, m), F_z (n, m, f), F_p (n, m, P); readings h (n, K),
+    h_z (n, K, f), h_p (n, K, P).
+    """
 
     rows: np.ndarray
     rows_z: np.ndarray
@@ -57,17 +68,33 @@ class Evaluation:
     readings_z: np.ndarray
     readings_p: np.ndarray
 
-    def condensed(self, pending: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
-        """Eliminate the unknown coordinates: readings corrected for closures that are off by `pending` steps (n, f), their
-        derivative dh/dp (n, K, P) with the configurations following, and what an overconstrained closure leaves of F and
-        dF/dp."""
+    def condensed(
+        self, pending: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
+        """Eliminate the unknown coordinates: readings corrected for closures that are off by
+        `pending` steps (n, f), their derivative dh/dp (n, K, P) with the configurations following,
+        and what an overconstrained closure leaves of F and dF/dp.
+        """
         if self.rows_z.shape[1] == self.rows_z.shape[2]:
             # A = h_z F_z^-1 from the transposed system: K right sides in place of P
-            weights = solve_systems(self.rows_z.transpose(0, 2, 1), self.readings_z.transpose(0, 2, 1)).transpose(0, 2, 1)
-            return self.readings - (weights @ self.rows[:, :, None])[:, :, 0], self.readings_p - weights @ self.rows_p, None
+            weights = solve_systems(
+                self.rows_z.transpose(0, 2, 1), self.readings_z.transpose(0, 2, 1)
+            ).transpose(0, 2, 1)
+            return (
+                self.readings - (weights @ self.rows[:, :, None])[:, :, 0],
+                self.readings_p - weights @ self.rows_p,
+                None,
+            )
         follow = self.following
-        left = self.rows - (self.rows_z @ pending[:, :, None])[:, :, 0], self.rows_p + self.rows_z @ follow
-        return self.readings - (self.readings_z @ pending[:, :, None])[:, :, 0], self.readings_p + self.readings_z @ follow, left
+        left = (
+            self.rows - (self.rows_z @ pending[:, :, None])[:, :, 0],
+            self.rows_p + self.rows_z @ follow,
+        )
+        return (
+            self.readings - (self.readings_z @ pending[:, :, None])[:, :, 0],
+            self.readings_p + self.readings_z @ follow,
+            left,
+        )
 
     @property
     def following(self) -> np.ndarray:
@@ -81,7 +108,9 @@ class Evaluation:
 
 
 def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solve n systems by least squares, matrix (n, m, f), right (n, m, k); not finite where a system is singular."""
+    """Solve n systems by least squares, matrix (n, m, f), right (n, m, k); not finite where a
+    system is singular.
+    """
     if matrix.shape[1] == matrix.shape[2]:
         try:
             return np.asarray(np.linalg.solve(matrix, right))
@@ -94,9 +123,11 @@ def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class ConfigurationModel:
-    """One configuration as expressions: `system` holds closure and tangent space, `joints`, `parameters` and `quaternion`
-    (measured ones, of the platform and of other links) are what is known; `columns` names each reading (kind, component), `read` what
-    is read beside the platform; `pose` is that of the link by which geometry is judged, as it is observed."""
+    """One configuration as expressions: `system` holds closure and tangent space, `joints`,
+    `parameters` and `quaternion` (measured ones, of the platform and of other links) are what is
+    known; `columns` names each reading (kind, component), `read` what is read beside the platform;
+    `pose` is that of the link by which geometry is judged, as it is observed.
+    """
 
     mechanism: Mechanism
     closure: Closure
@@ -113,20 +144,33 @@ class ConfigurationModel:
     pose: Pose
     read: tuple[Observable, ...] = ()
 
-    def evaluate(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray) -> Evaluation:
-        """Evaluate closure and readings with derivatives; z (n, width), joints (n, a), p (P,), quaternions (n, 4)."""
+    def evaluate(
+        self, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray
+    ) -> Evaluation:
+        """Evaluate closure and readings with derivatives; z (n, width), joints (n, a), p (P,),
+        quaternions (n, 4).
+        """
         return Evaluation(*self._call("whole", z, joints, p, quaternions))
 
-    def rows(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def rows(
+        self, z: np.ndarray, joints: np.ndarray, p: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Evaluate F (n, m) and F_z (n, m, f)."""
         rows, rows_z = self._call("rows", z, joints, p, self._no_quaternions(len(z)))
         return rows, rows_z
 
     def joint_slopes(
-        self, e: Evaluation, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray
+        self,
+        e: Evaluation,
+        z: np.ndarray,
+        joints: np.ndarray,
+        p: np.ndarray,
+        quaternions: np.ndarray,
     ) -> np.ndarray:
-        """Minus dh/dq (n, K, a) with the configurations following, h_z F_z^+ F_q - h_q, at an evaluation e: the pose of a link that open
-        chains carry is a function of the joints, without unknowns."""
+        """Minus dh/dq (n, K, a) with the configurations following, h_z F_z^+ F_q - h_q, at an
+        evaluation e: the pose of a link that open chains carry is a function of the joints, without
+        unknowns.
+        """
         rows_q, readings_q = self._call("joints", z, joints, p, quaternions)
         return np.asarray(e.readings_z @ solve_systems(e.rows_z, rows_q) - readings_q)
 
@@ -137,7 +181,9 @@ class ConfigurationModel:
     def poses(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
         """Evaluate the observed poses (n, 7), quaternions with w >= 0."""
         packed = self._call("pose", z, joints, p, self._no_quaternions(len(z)))[0]
-        return np.asarray(np.where(packed[:, 3:4] < 0, np.hstack([packed[:, :3], -packed[:, 3:]]), packed))
+        return np.asarray(
+            np.where(packed[:, 3:4] < 0, np.hstack([packed[:, :3], -packed[:, 3:]]), packed)
+        )
 
     def _no_quaternions(self, count: int) -> np.ndarray:
         return np.zeros((count, int(self.quaternion.shape[0])))
@@ -155,7 +201,9 @@ class ConfigurationModel:
 
     @property
     def lengths(self) -> np.ndarray:
-        """Lengths (K,) by which readings are multiplied to be lengths: the size for angles, 1 for lengths."""
+        """Lengths (K,) by which readings are multiplied to be lengths: the size for angles, 1 for
+        lengths.
+        """
         return np.where(self.angular, self.closure.characteristic_length, 1.0)
 
     @property
@@ -164,7 +212,9 @@ class ConfigurationModel:
         return any(n in MEASURING_FRAMES for n in self.names)
 
     def compile(self) -> None:
-        """Compile the functions now, where there is a compiler; else they are compiled when that pays."""
+        """Compile the functions now, where there is a compiler; else they are compiled when that
+        pays.
+        """
         self._mapped["whole"].engine.compile()
 
     @cached_property
@@ -172,12 +222,20 @@ class ConfigurationModel:
         system, scales = self.system, ca.diag(ca.DM(self.scales))
         rows_z = system.jacobian
         readings_z = ca.mtimes(ca.jacobian(self.readings, system.unknown), system.tangent)
-        by_p = [ca.mtimes(ca.jacobian(f, self.parameters), scales) for f in (system.rows, self.readings)]
+        by_p = [
+            ca.mtimes(ca.jacobian(f, self.parameters), scales) for f in (system.rows, self.readings)
+        ]
         return {
             "whole": [system.rows, rows_z, by_p[0], self.readings, readings_z, by_p[1]],
             "rows": [system.rows, rows_z],
             "joints": [ca.jacobian(f, self.joints) for f in (system.rows, self.readings)],
-            "tangent": [system.rows, rows_z, ca.jacobian(system.rows, self.joints), self.readings, readings_z],
+            "tangent": [
+                system.rows,
+                rows_z,
+                ca.jacobian(system.rows, self.joints),
+                self.readings,
+                readings_z,
+            ],
             "pose": [ca.vertcat(self.pose.position, self.pose.quaternion)],
         }
 
@@ -190,18 +248,23 @@ class ConfigurationModel:
         ]
         return dict(zip(self._outputs, map_functions(made), strict=True))
 
-    def _call(self, what: str, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray) -> list[np.ndarray]:
+    def _call(
+        self, what: str, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray
+    ) -> list[np.ndarray]:
         results = self._mapped[what](len(z), (z, joints, p, quaternions))
         vectors = _VECTOR_OUTPUTS[what]
         return [a[:, 0, :] if k in vectors else a.transpose(0, 2, 1) for k, a in enumerate(results)]
 
 
-# --- building ------------------------------------------------------------------------------------------------------
+# --- building -------------------------------------------------------------------------------------
 
 
-def build_model(mechanism: Mechanism, measurements: Measurements, names: Sequence[str]) -> ConfigurationModel:
-    """Build the model of a configuration with the readings that `measurements` has, over the named parameters; all others
-    keep their nominal values."""
+def build_model(
+    mechanism: Mechanism, measurements: Measurements, names: Sequence[str]
+) -> ConfigurationModel:
+    """Build the model of a configuration with the readings that `measurements` has, over the named
+    parameters; all others keep their nominal values.
+    """
     kinds = tuple(k for k in READING_KINDS if _is_taken(measurements, k))
     distances = tuple((d.name, tuple(d.platform), tuple(d.base)) for d in measurements.distances)
     return _build_model(mechanism, kinds, distances, measurements.observed, tuple(names))
@@ -215,13 +278,19 @@ def _is_taken(measurements: Measurements, kind: str) -> bool:
 
 @lru_cache(maxsize=64)
 def _build_model(
-    mechanism: Mechanism, kinds: tuple[str, ...], distances: tuple[tuple[str, tuple[float, ...], tuple[float, ...]], ...],
-    read: tuple[str, ...], names: tuple[str, ...]
-) -> ConfigurationModel:  # fmt: skip
+    mechanism: Mechanism,
+    kinds: tuple[str, ...],
+    distances: tuple[tuple[str, tuple[float, ...], tuple[float, ...]], ...],
+    read: tuple[str, ...],
+    names: tuple[str, ...],
+) -> ConfigurationModel:
     seen = observed(mechanism, read)
     closure = seen.closure  # another one, of equal rows, would have other symbols
     table = _values_of(mechanism, read, names)
-    symbols = {name: ca.SX.sym(name) if name in names else ca.SX(value) for name, (value, _) in table.items()}
+    symbols = {
+        name: ca.SX.sym(name) if name in names else ca.SX(value)
+        for name, (value, _) in table.items()
+    }
     parameters = ca.vertcat(*(symbols[n] for n in names)) if names else ca.SX(0, 1)
     known = _Known(symbols, seen)
     system = known.system(parameters)
@@ -232,28 +301,49 @@ def _build_model(
     readings, columns = _readings(pose, quaternion[:4], kinds, distances)
     others, other_columns = _other_readings(known, read_of, world, quaternion[4:])
     types = tuple(table[n][1] for n in names)
-    scales = np.array([1.0 if kind == "length" else 1.0 / closure.characteristic_length for kind in types])
+    scales = np.array(
+        [1.0 if kind == "length" else 1.0 / closure.characteristic_length for kind in types]
+    )
     return ConfigurationModel(
-        mechanism=mechanism, closure=closure, system=system, names=names, kinds=types,
-        nominal=np.array([table[n][0] for n in names]), scales=scales, joints=known.readings, parameters=parameters,
-        quaternion=quaternion, readings=ca.vertcat(readings, others), columns=columns + other_columns, pose=pose, read=read_of,
-    )  # fmt: skip
+        mechanism=mechanism,
+        closure=closure,
+        system=system,
+        names=names,
+        kinds=types,
+        nominal=np.array([table[n][0] for n in names]),
+        scales=scales,
+        joints=known.readings,
+        parameters=parameters,
+        quaternion=quaternion,
+        readings=ca.vertcat(readings, others),
+        columns=columns + other_columns,
+        pose=pose,
+        read=read_of,
+    )
 
 
-def _values_of(mechanism: Mechanism, read: tuple[str, ...], names: tuple[str, ...]) -> dict[str, tuple[float, ParameterKind]]:
-    """Nominal values and kinds of all parameters; those of the names that only what is not read depends on are among them."""
+def _values_of(
+    mechanism: Mechanism, read: tuple[str, ...], names: tuple[str, ...]
+) -> dict[str, tuple[float, ParameterKind]]:
+    """Nominal values and kinds of all parameters; those of the names that only what is not read
+    depends on are among them.
+    """
     table = nominal_parameters(mechanism, read)
     missing = [name for name in names if name not in table]
     every = described_parameters(mechanism) if missing else {}
     for name in missing:
         if name not in every:
-            raise InputError(f"parameter {shown(name)} is unknown{meant(name, table)}; {mechanism.name} has {', '.join(table)}")
+            raise InputError(
+                f"parameter {shown(name)} is unknown{meant(name, table)}; {mechanism.name} has "
+                f"{', '.join(table)}"
+            )
     return table | {name: every[name] for name in missing}
 
 
 class _Known:
-    """Expressions with what is known put in: readings of actuated joints in place of their coordinates, the parameters' symbols or
-    numbers in place of the closure's geometry."""
+    """Expressions with what is known put in: readings of actuated joints in place of their
+    coordinates, the parameters' symbols or numbers in place of the closure's geometry.
+    """
 
     def __init__(self, symbols: Mapping[str, ca.SX], seen: Observed) -> None:
         closure = seen.closure
@@ -261,13 +351,20 @@ class _Known:
         self.closure, self.symbols, self.seen = closure, symbols, seen
         self.readings = ca.vertcat(ca.SX(0, 1), *(ca.SX.sym(f"{c.name}.reading") for c in actuated))
         pairs = [
-            (closure.variables[closure.slices[c.name]], symbols[f"{c.name}.scale"] * self.readings[k])
+            (
+                closure.variables[closure.slices[c.name]],
+                symbols[f"{c.name}.scale"] * self.readings[k],
+            )
             for k, c in enumerate(actuated)
         ]
         if closure.parameter_names:
             pairs.append((closure.parameters, _parameter_values(closure, symbols)))
         own = set(closure.parameter_names)
-        pairs += [(symbol, symbols.get(n, ca.SX(value))) for n, (symbol, value) in seen.geometry.items() if n not in own]
+        pairs += [
+            (symbol, symbols.get(n, ca.SX(value)))
+            for n, (symbol, value) in seen.geometry.items()
+            if n not in own
+        ]
         self._before = ca.vertcat(ca.SX(0, 1), *(before for before, _ in pairs))
         self._after = ca.vertcat(ca.SX(0, 1), *(after for _, after in pairs))
 
@@ -281,14 +378,25 @@ class _Known:
     def system(self, parameters: ca.SX) -> System:
         """The closure in its unknown coordinates."""
         closure, unknowns = self.closure, self.closure.role("passive", "body", "pose")
-        unknown = ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in unknowns))
+        unknown = ca.vertcat(
+            ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in unknowns)
+        )
         rows, errors = self(closure.rows, closure.errors)
-        return System(unknowns, unknown, ca.vertcat(self.readings, parameters), rows, errors, closure.characteristic_length)
+        return System(
+            unknowns,
+            unknown,
+            ca.vertcat(self.readings, parameters),
+            rows,
+            errors,
+            closure.characteristic_length,
+        )
 
 
 def _parameter_values(closure: Closure, symbols: Mapping[str, ca.SX]) -> ca.SX:
     pairs = zip(closure.parameter_names, closure.parameter_values, strict=True)
-    return ca.vertcat(ca.SX(0, 1), *(symbols.get(name, ca.SX(float(value))) for name, value in pairs))
+    return ca.vertcat(
+        ca.SX(0, 1), *(symbols.get(name, ca.SX(float(value))) for name, value in pairs)
+    )
 
 
 def _frame(symbols: Mapping[str, ca.SX], name: str) -> Pose | None:
@@ -306,7 +414,10 @@ def _framed(world: Pose | None, pose: Pose, target: Pose | None = None) -> Pose:
 
 
 def _readings(
-    pose: Pose, quaternion: ca.SX, kinds: Sequence[str], distances: Sequence[tuple[str, Sequence[float], Sequence[float]]]
+    pose: Pose,
+    quaternion: ca.SX,
+    kinds: Sequence[str],
+    distances: Sequence[tuple[str, Sequence[float], Sequence[float]]],
 ) -> tuple[ca.SX, tuple[tuple[str, str], ...]]:
     made: list[ca.SX] = []
     columns: list[tuple[str, str]] = []
@@ -329,7 +440,9 @@ def _readings(
 def _other_readings(
     known: _Known, read: Sequence[Observable], world: Pose | None, quaternions: ca.SX
 ) -> tuple[ca.SX, tuple[tuple[str, str], ...]]:
-    """The readings of passive joints, points and other links; `quaternions` are the orientations measured."""
+    """The readings of passive joints, points and other links; `quaternions` are the orientations
+    measured.
+    """
     made: list[ca.SX] = []
     measured = ca.vertsplit(quaternions, 4) if quaternions.numel() else []
     for o in read:
@@ -350,18 +463,24 @@ def _other_readings(
             made.extend(ca.vertsplit(value if world is None else world.apply(value)))
         else:
             made.append(value)
-    return ca.vertcat(ca.SX(0, 1), *made), tuple((o.name, component) for o in read for component in o.components)
+    return ca.vertcat(ca.SX(0, 1), *made), tuple(
+        (o.name, component) for o in read for component in o.components
+    )
 
 
 def _turn_from(measured: ca.SX, quaternion: ca.SX) -> list[ca.SX]:
-    """Components of the turn from a measured orientation, twice the vector part of its quaternion."""
+    """Components of the turn from a measured orientation, twice the vector part of its
+    quaternion.
+    """
     e = multiply(conjugate(measured), quaternion)
     sign = ca.if_else(e[0] < 0, -1, 1)
     return [2 * sign * e[k] for k in (1, 2, 3)]
 
 
 def inclination(q: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Return alpha and beta of R = Rz(gamma) Ry(beta) Rx(alpha), from the last row of R: (-sin b, cos b sin a, cos b cos a)."""
+    """Return alpha and beta of R = Rz(gamma) Ry(beta) Rx(alpha), from the last row of R: (-sin b,
+    cos b sin a, cos b cos a).
+    """
     w, x, y, z = q[0], q[1], q[2], q[3]
     first, second, third = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
     return ca.atan2(second, third), ca.atan2(-first, ca.sqrt(second * second + third * third))

@@ -1,9 +1,11 @@
-"""Descend from where the solver ended to a minimum over all directions that the readings determine there.
+"""Descend from where the solver ended to a minimum over all directions that the readings determine
+there.
 
-The solver holds what no reading determines where it begins. Some of it is determined later: the offset between axes
-that are parallel at nominal and not at the fit, of which a hundred metres may be needed. From where the solver ends the descent
-goes on with the directions that are null where it stands, judged anew at every step: Levenberg-Marquardt with geodesic
-acceleration (Transtrum and Sethna 2012), damped in the metric of the columns' lengths, along valleys as curved as these.
+The solver holds what no reading determines where it begins. Some of it is determined later: the
+offset between axes that are parallel at nominal and not at the fit, of which a hundred metres may
+be needed. From where the solver ends the descent goes on with the directions that are null where it
+stands, judged anew at every step: Levenberg-Marquardt with geodesic acceleration (Transtrum and
+Sethna 2012), damped in the metric of the columns' lengths, along valleys as curved as these.
 """
 
 from __future__ import annotations
@@ -29,36 +31,56 @@ from symkin.numeric.tolerances import RANK_TOLERANCE
 MINIMUM_TOLERANCE = 1e-6
 """A state is a minimum when one more linear step would lower chi-square by less than this."""
 FAINT_SINGULAR_RATIO = 1e-13
-"""Singular values of the equilibrated design below this, of the largest, are rounding. Directions between it and RANK_TOLERANCE
-are too faint for a rank and a standard deviation, and still lower the cost."""
+"""Singular values of the equilibrated design below this, of the largest, are rounding. Directions
+between it and RANK_TOLERANCE are too faint for a rank and a standard deviation, and still lower the
+cost.
+"""
 _ROUNDING_RESIDUAL = 1e-12
 """Residuals below this, over the size, are no more than arithmetic leaves."""
-_FIRST_DAMPING, _DAMPING_INCREASE, _DAMPING_DECREASE, _MIN_DAMPING, _MAX_DAMPING = 1e-3, 2.0, 10.0, 1e-20, 1e4
-"""Damping at the start, its factors after a step that failed and one that did not, and its bounds."""
+_FIRST_DAMPING, _DAMPING_INCREASE, _DAMPING_DECREASE, _MIN_DAMPING, _MAX_DAMPING = (
+    1e-3,
+    2.0,
+    10.0,
+    1e-20,
+    1e4,
+)
+"""Damping at the start, its factors after a step that failed and one that did not, and its
+bounds.
+"""
 _COST_ROUNDING = 1e-9
 """Share of the cost that counts as rounding of it."""
 _FAILURES_BEFORE_DOUBLING = 6
 """Steps that may fail in a row before the factor itself is doubled each time."""
 _MIN_COLUMN_LENGTH = 1e-3
-"""Columns count as so long, of the longest, in the metric: a direction that is hardly told may take steps that much longer."""
+"""Columns count as so long, of the longest, in the metric: a direction that is hardly told may take
+steps that much longer.
+"""
 _PROBE_SHARE, _MAX_ACCELERATION = 0.1, 0.1875
-"""Share of a step at which its curvature is looked at, and the largest share of it that its acceleration may be."""
+"""Share of a step at which its curvature is looked at, and the largest share of it that its
+acceleration may be.
+"""
 _NEGLIGIBLE_DECREASE, _MAX_SLOW_STEPS = 1e-8, 20
-"""The iteration ends, too, after so many steps in a row that each lower chi-square by less than this share: a parameter that
-readings determine to second order only lets the linear model promise more at every step."""
+"""The iteration ends, too, after so many steps in a row that each lower chi-square by less than
+this share: a parameter that readings determine to second order only lets the linear model promise
+more at every step.
+"""
 
 
 def undetermined_directions(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Return orthonormal columns (P, k) along which nothing changes the cost, not even faintly. In groups, and with rows left
-    over, only RANK_TOLERANCE separates rounding from that."""
+    """Return orthonormal columns (P, k) along which nothing changes the cost, not even faintly. In
+    groups, and with rows left over, only RANK_TOLERANCE separates rounding from that.
+    """
     exact = not problem.readings.groups and state.leftover is None
-    return null_directions(error_free_design(problem, state), FAINT_SINGULAR_RATIO if exact else RANK_TOLERANCE)
+    return null_directions(
+        error_free_design(problem, state), FAINT_SINGULAR_RATIO if exact else RANK_TOLERANCE
+    )
 
 
 def remaining_decrease(problem: CalibrationProblem, state: State, null_space: np.ndarray) -> float:
-    """Return by how much one more linear step would lower chi-square: the squared projection of the residuals, over their
-    standard deviations, to the columns of all that readings determine. Where no standard deviation is known, the scatter is
-    taken for it."""
+    """Return by how much one more linear step would lower chi-square: the squared projection of the
+    residuals, over their standard deviations, to the columns of all that readings determine. Where
+    no standard deviation is known, the scatter is taken for it.
+    """
     basis, _ = admissible_steps(state, null_space)
     matrix = state.linearised.matrix if basis is None else state.linearised.matrix @ basis
     matrix = matrix @ spectrum(matrix, FAINT_SINGULAR_RATIO).determined
@@ -68,7 +90,9 @@ def remaining_decrease(problem: CalibrationProblem, state: State, null_space: np
 
 
 def is_rounding(problem: CalibrationProblem, state: State) -> bool:
-    """Tell whether the residuals are no more than what arithmetic leaves, so that no step means anything."""
+    """Tell whether the residuals are no more than what arithmetic leaves, so that no step means
+    anything.
+    """
     return state.cost <= problem.readings.count * _rounding_residual(problem) ** 2
 
 
@@ -80,7 +104,11 @@ def _unit_variance(problem: CalibrationProblem, state: State) -> float:
 
 def _rounding_residual(problem: CalibrationProblem) -> float:
     """A residual that arithmetic leaves."""
-    return _ROUNDING_RESIDUAL * problem.model.closure.characteristic_length * float(np.max(problem.readings.weight, initial=0.0))
+    return (
+        _ROUNDING_RESIDUAL
+        * problem.model.closure.characteristic_length
+        * float(np.max(problem.readings.weight, initial=0.0))
+    )
 
 
 @dataclass(eq=False)
@@ -113,25 +141,35 @@ class Descent:
 
     @property
     def _promises_nothing(self) -> bool:
-        """Tell whether even the shortest step is expected to gain no more than rounding: what the linear model promises of
-        longer ones is then of second order, and not kept."""
+        """Tell whether even the shortest step is expected to gain no more than rounding: what the
+        linear model promises of longer ones is then of second order, and not kept.
+        """
         fit = self.state.linearised
         step = _DampedSteps(self.state, self.null_space, _MAX_DAMPING).step(fit.vector)
         after = fit.vector + fit.matrix @ step
         return (
             self.state.cost - float(after @ after)
-            <= _COST_ROUNDING * self.state.cost + MINIMUM_TOLERANCE * _unit_variance(self.problem, self.state) / _MAX_DAMPING
+            <= _COST_ROUNDING * self.state.cost
+            + MINIMUM_TOLERANCE * _unit_variance(self.problem, self.state) / _MAX_DAMPING
         )
 
     def _advance(self) -> bool:
-        """Take one step that lowers the cost, with as much damping as it needs; tell whether there is one."""
+        """Take one step that lowers the cost, with as much damping as it needs; tell whether there
+        is one.
+        """
         failed = 0
         while self.damping < _MAX_DAMPING:
             trial = self._trial_state()
             if trial is not None and merit(trial) < merit(self.state):
                 gained = merit(self.state) - merit(trial)
-                self.slow_steps = self.slow_steps + 1 if gained < _NEGLIGIBLE_DECREASE * merit(trial) else 0
-                self.damping = max(self.damping / _DAMPING_DECREASE, _MIN_DAMPING) if failed == 0 else self.damping
+                self.slow_steps = (
+                    self.slow_steps + 1 if gained < _NEGLIGIBLE_DECREASE * merit(trial) else 0
+                )
+                self.damping = (
+                    max(self.damping / _DAMPING_DECREASE, _MIN_DAMPING)
+                    if failed == 0
+                    else self.damping
+                )
                 self.state = trial
                 self.null_space = undetermined_directions(self.problem, trial)
                 return True
@@ -140,30 +178,50 @@ class Descent:
         return False
 
     def _trial_state(self) -> State | None:
-        """Evaluate the state after an accelerated step; None where it bends too much, a configuration has no solution, or one
-        passes a singularity."""
+        """Evaluate the state after an accelerated step; None where it bends too much, a
+        configuration has no solution, or one passes a singularity.
+        """
         step = self._accelerated()
-        trial = None if step is None else restored_after(self._moved, self.state, step, self.null_space)
-        return trial if trial is not None and np.array_equal(trial.determinant_signs, self.state.determinant_signs) else None
+        trial = (
+            None if step is None else restored_after(self._moved, self.state, step, self.null_space)
+        )
+        return (
+            trial
+            if trial is not None
+            and np.array_equal(trial.determinant_signs, self.state.determinant_signs)
+            else None
+        )
 
     def _accelerated(self) -> np.ndarray | None:
-        """Return a damped step d with half of its acceleration, from the residuals' second derivative 2 ((r(d h) - r) / h - J
-        d) / h."""
+        """Return a damped step d with half of its acceleration, from the residuals' second
+        derivative 2 ((r(d h) - r) / h - J
+        d) / h.
+        """
         fit, solver = self.state.linearised, _DampedSteps(self.state, self.null_space, self.damping)
         step = solver.step(fit.vector, whole=True)
         probe = self._moved(self.state, _PROBE_SHARE * step) if np.all(np.isfinite(step)) else None
         if probe is None:
             return None
-        half = 0.5 * solver.step(2.0 * ((probe.linearised.vector - fit.vector) / _PROBE_SHARE - fit.matrix @ step) / _PROBE_SHARE)
+        half = 0.5 * solver.step(
+            2.0
+            * ((probe.linearised.vector - fit.vector) / _PROBE_SHARE - fit.matrix @ step)
+            / _PROBE_SHARE
+        )
         lengths = solver.lengths
-        return step + half if np.linalg.norm(lengths * half) <= _MAX_ACCELERATION * np.linalg.norm(lengths * step) else None
+        return (
+            step + half
+            if np.linalg.norm(lengths * half) <= _MAX_ACCELERATION * np.linalg.norm(lengths * step)
+            else None
+        )
 
     def _moved(self, state: State, step: np.ndarray) -> State | None:
         return state_after(self.problem, state, step, self.form, self.covariance, nested=True)
 
 
 class _DampedSteps:
-    """Minimisers of |r + J d|^2 + damping |D d|^2 over the allowed steps d = particular + B y, D the columns' lengths."""
+    """Minimisers of |r + J d|^2 + damping |D d|^2 over the allowed steps d = particular + B y, D
+    the columns' lengths.
+    """
 
     def __init__(self, state: State, null_space: np.ndarray, damping: float) -> None:
         matrix = state.linearised.matrix
@@ -180,4 +238,8 @@ class _DampedSteps:
         begin = self._particular if whole else np.zeros_like(self._particular)
         right = -(self._q.T @ (residuals + self._matrix @ begin))
         above = np.concatenate([right, np.zeros(len(self._weights))])
-        return np.asarray(begin + self._basis @ np.linalg.lstsq(np.vstack([self._r, self._weights]), above, rcond=1e-15)[0])
+        return np.asarray(
+            begin
+            + self._basis
+            @ np.linalg.lstsq(np.vstack([self._r, self._weights]), above, rcond=1e-15)[0]
+        )

@@ -1,13 +1,15 @@
-"""Guess parameters from measured poses, and measuring frames from solved configurations, before the least squares begin.
+"""Guess parameters from measured poses, and measuring frames from solved configurations, before the
+least squares begin.
 
-With the whole pose of a configuration measured, its closure rows are equations in the parameters (and passive joints) alone:
-min sum |F(x_i, X_i measured, q_i, p)|^2. For rods this is one small regression a limb, which converges from geometry that
-is far off; the direct problem is not needed.
+With the whole pose of a configuration measured, its closure rows are equations in the parameters
+(and passive joints) alone: min sum |F(x_i, X_i measured, q_i, p)|^2. For rods this is one small
+regression a limb, which converges from geometry that is far off; the direct problem is not needed.
 
-A laser tracker stands anywhere and sees a reflector that is mounted anywhere on the platform: observed pose = world, platform
-pose, target one after the other. Frames have no nominal value near which they could be sought. With the platform's poses
-known from the mechanism's own geometry, only the frames are fitted: by Levenberg-Marquardt from many orientations of the
-world frame, the target's orientation from those that were read.
+A laser tracker stands anywhere and sees a reflector that is mounted anywhere on the platform:
+observed pose = world, platform pose, target one after the other. Frames have no nominal value near
+which they could be sought. With the platform's poses known from the mechanism's own geometry, only
+the frames are fitted: by Levenberg-Marquardt from many orientations of the world frame, the
+target's orientation from those that were read.
 """
 
 from __future__ import annotations
@@ -35,41 +37,60 @@ from symkin.spatial.rotation import (
 _MAX_PARAMETER_STEPS = 40
 """Most Gauss-Newton steps; a start needs no more."""
 _MAX_PASSIVE_STEPS, _IDLE_STEPS = 60, 6
-"""Most steps of passive joints alone, and steps in a row that lower no configuration's cost after which they end."""
+"""Most steps of passive joints alone, and steps in a row that lower no configuration's cost after
+which they end.
+"""
 _MAX_POSES = 2000
 """Most configurations that are used, spread evenly over the file: a start needs no more."""
 _MIN_SINGULAR_RATIO = 1e-6
 """Directions with singular values below this of the largest are left at their start."""
 
 _FRAME_CONFIGURATIONS = 40
-"""Configurations that the start is found from, spread evenly: twelve numbers at most are wanted, and only nearly."""
+"""Configurations that the start is found from, spread evenly: twelve numbers at most are wanted,
+and only nearly.
+"""
 _TRIAL_STEPS, _FOLLOWED_TRIALS, _FINAL_STEPS = 4, 3, 40
-"""Steps from each orientation, how many of what they lead to are followed, and the steps from there."""
+"""Steps from each orientation, how many of what they lead to are followed, and the steps from
+there.
+"""
 _FIRST_DAMPING = 1e-3
 """First damping, of the columns' lengths."""
 _MIN_COST_DECREASE = 1e-8
 """Steps that lower the cost by less than this share are the last."""
 
 
-def parameters_from_poses(model: ConfigurationModel, measurements: Measurements) -> np.ndarray | None:
-    """Fit the parameters (P,) at which the loops close best at the measured poses; None where too few poses are whole, where
-    frames between mechanism and measurement are unknown, and where the joints carry the platform."""
+def parameters_from_poses(
+    model: ConfigurationModel, measurements: Measurements
+) -> np.ndarray | None:
+    """Fit the parameters (P,) at which the loops close best at the measured poses; None where too
+    few poses are whole, where frames between mechanism and measurement are unknown, and where the
+    joints carry the platform.
+    """
     given = np.array([pose is not None for pose in known_poses(measurements, measured=True)])
     if is_carried(model.closure):
         return None
-    if np.sum(given) * int(model.system.rows.shape[0]) < len(model.names) or model.observes_through_frames:
+    if (
+        np.sum(given) * int(model.system.rows.shape[0]) < len(model.names)
+        or model.observes_through_frames
+    ):
         return None
     if np.sum(given) > _MAX_POSES:
         some = np.flatnonzero(given)[spread_rows(int(np.sum(given)), _MAX_POSES)]
         return parameters_from_poses(model, measurements.subset(some))
     joints, z = measurements.joints[given], start_points(model, measurements, measured=True)[given]
-    passive = np.flatnonzero([c.role != "pose" for c in model.system.unknowns for _ in range(c.freedom)])
+    passive = np.flatnonzero(
+        [c.role != "pose" for c in model.system.unknowns for _ in range(c.freedom)]
+    )
     with np.errstate(all="ignore"):
         return _fit_parameters(model, z, joints, passive)
 
 
-def _fit_parameters(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, passive: np.ndarray) -> np.ndarray | None:
-    """Minimise the closure rows by Gauss-Newton with halved steps; passive joints are eliminated in each configuration."""
+def _fit_parameters(
+    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, passive: np.ndarray
+) -> np.ndarray | None:
+    """Minimise the closure rows by Gauss-Newton with halved steps; passive joints are eliminated in
+    each configuration.
+    """
     p, z = model.nominal, _fit_passive(model, z, joints, passive)
 
     def rows_at(p: np.ndarray, z: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
@@ -82,7 +103,10 @@ def _fit_parameters(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray
             return None
         inverse = np.linalg.pinv(by_x, rcond=1e-10)
         project = np.eye(rows.shape[1]) - by_x @ inverse
-        left, right = (project @ by_p).reshape(-1, len(p)), -(project @ rows[:, :, None]).reshape(-1)
+        left, right = (
+            (project @ by_p).reshape(-1, len(p)),
+            -(project @ rows[:, :, None]).reshape(-1),
+        )
         step = np.linalg.lstsq(left, right, rcond=_MIN_SINGULAR_RATIO)[0]
         follow = -(inverse @ (rows + (by_p @ step))[:, :, None])[:, :, 0]
         for _ in range(8):
@@ -102,9 +126,13 @@ def _fit_parameters(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray
     return p
 
 
-def _fit_passive(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, passive: np.ndarray) -> np.ndarray:
-    """Passive joints at which the nominal geometry closes best at the poses, each configuration by itself: Levenberg-Marquardt. From
-    joints at the reference the parameters would give way where only joints must."""
+def _fit_passive(
+    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, passive: np.ndarray
+) -> np.ndarray:
+    """Passive joints at which the nominal geometry closes best at the poses, each configuration by
+    itself: Levenberg-Marquardt. From joints at the reference the parameters would give way where
+    only joints must.
+    """
     if not passive.size:
         return z
     p, width = model.nominal, model.system.freedom
@@ -116,11 +144,17 @@ def _fit_passive(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p
     (cost, rows, by_x), damping, idle = rows_at(z), np.full(len(z), _FIRST_DAMPING), 0
     for _ in range(_MAX_PASSIVE_STEPS):
         normal = np.swapaxes(by_x, 1, 2) @ by_x
-        normal += damping[:, None, None] * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(len(passive))
+        normal += (
+            damping[:, None, None]
+            * np.trace(normal, axis1=1, axis2=2)[:, None, None]
+            * np.eye(len(passive))
+        )
         if not np.isfinite(normal).all():
             break
         follow = np.zeros((len(z), width))
-        follow[:, passive] = -(np.linalg.pinv(normal, hermitian=True) @ np.swapaxes(by_x, 1, 2) @ rows[:, :, None])[:, :, 0]
+        follow[:, passive] = -(
+            np.linalg.pinv(normal, hermitian=True) @ np.swapaxes(by_x, 1, 2) @ rows[:, :, None]
+        )[:, :, 0]
         trial = model.system.move(z, follow)
         found = rows_at(trial)
         better = found[0] < cost
@@ -133,9 +167,15 @@ def _fit_passive(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p
     return z
 
 
-def fit_measuring_frames(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, solved: np.ndarray) -> np.ndarray:
-    """Fit the free measuring frames to the configurations z (n, width) that are solved (n,), all other parameters as in `p`."""
-    free = np.array([k for k, name in enumerate(problem.names) if name in MEASURING_FRAMES], dtype=int)
+def fit_measuring_frames(
+    problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, solved: np.ndarray
+) -> np.ndarray:
+    """Fit the free measuring frames to the configurations z (n, width) that are solved (n,), all
+    other parameters as in `p`.
+    """
+    free = np.array(
+        [k for k, name in enumerate(problem.names) if name in MEASURING_FRAMES], dtype=int
+    )
     if not len(free) or not solved.any():
         return p
     closed = np.flatnonzero(solved)
@@ -143,7 +183,10 @@ def fit_measuring_frames(problem: CalibrationProblem, z: np.ndarray, p: np.ndarr
     some = problem.measurements.subset(rows)
     few = replace(problem, measurements=some, readings=build_readings(problem.model, some))
     with np.errstate(all="ignore"):
-        trials = [_fit_frames(few, z[rows], start, free, _TRIAL_STEPS) for start in _frame_starts(few, z[rows], p)]
+        trials = [
+            _fit_frames(few, z[rows], start, free, _TRIAL_STEPS)
+            for start in _frame_starts(few, z[rows], p)
+        ]
         ends = [
             _fit_frames(few, z[rows], near, free, _FINAL_STEPS)
             for near, _ in sorted(trials, key=lambda trial: trial[1])[:_FOLLOWED_TRIALS]
@@ -154,7 +197,9 @@ def fit_measuring_frames(problem: CalibrationProblem, z: np.ndarray, p: np.ndarr
 def _fit_frames(
     problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, free: np.ndarray, steps: int
 ) -> tuple[np.ndarray, float]:
-    """Fit the free frames by Levenberg-Marquardt, configurations as they are: parameters and cost."""
+    """Fit the free frames by Levenberg-Marquardt, configurations as they are: parameters and
+    cost.
+    """
     model = problem.model
 
     def residuals(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
@@ -166,7 +211,9 @@ def _fit_frames(
     (r, slopes, cost), damping = residuals(p), _FIRST_DAMPING
     for _ in range(steps if np.isfinite(cost) else 0):
         weak = np.sqrt(damping) * np.diag(np.maximum(np.linalg.norm(slopes, axis=0), 1e-300))
-        step = np.linalg.lstsq(np.vstack([slopes, weak]), np.concatenate([-r, np.zeros(len(free))]), rcond=None)[0]
+        step = np.linalg.lstsq(
+            np.vstack([slopes, weak]), np.concatenate([-r, np.zeros(len(free))]), rcond=None
+        )[0]
         trial = p.copy()
         trial[free] += model.scales[free] * step
         found = residuals(trial)
@@ -180,27 +227,41 @@ def _fit_frames(
     return p, cost
 
 
-def _frame_starts(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield p, and p with the world frame in the orientations of a cube where all of its rotation is free; the target's
-    orientation is then the mean of those that were read, where all of it is free."""
+def _frame_starts(
+    problem: CalibrationProblem, z: np.ndarray, p: np.ndarray
+) -> Iterator[np.ndarray]:
+    """Yield p, and p with the world frame in the orientations of a cube where all of its rotation
+    is free; the target's orientation is then the mean of those that were read, where all of it is
+    free.
+    """
     yield p
     places = {name: k for k, name in enumerate(problem.names)}
-    world, target = ([places.get(f"{frame}.rotation.{k}", -1) for k in "xyz"] for frame in ("world", "target"))
+    world, target = (
+        [places.get(f"{frame}.rotation.{k}", -1) for k in "xyz"] for frame in ("world", "target")
+    )
     read = problem.measurements.orientation if min(target) >= 0 else None
     platform = _platform_orientations(problem, z, p)
-    for turn in _cube_orientations() if min(world) >= 0 else (_frame_rotation(problem, p, "world"),):
+    for turn in (
+        _cube_orientations() if min(world) >= 0 else (_frame_rotation(problem, p, "world"),)
+    ):
         start = p.copy()
         if min(world) >= 0:
             start[world] = rotation_vector_from_quaternion(turn)
         if read is not None and np.any(np.isfinite(read)):
-            start[target] = rotation_vector_from_quaternion(_mean_orientation(_target_orientations(turn, platform, read)))
+            start[target] = rotation_vector_from_quaternion(
+                _mean_orientation(_target_orientations(turn, platform, read))
+            )
         yield start
 
 
 def _frame_rotation(problem: CalibrationProblem, p: np.ndarray, frame: str) -> np.ndarray:
     """Orientation (4,) of the world or target frame."""
     table = dict(zip(problem.names, p, strict=True))
-    return np.asarray(quaternion_from_rotation_vector(np.array([table.get(f"{frame}.rotation.{k}", 0.0) for k in "xyz"])))
+    return np.asarray(
+        quaternion_from_rotation_vector(
+            np.array([table.get(f"{frame}.rotation.{k}", 0.0) for k in "xyz"])
+        )
+    )
 
 
 def _platform_orientations(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> np.ndarray:
@@ -208,19 +269,24 @@ def _platform_orientations(problem: CalibrationProblem, z: np.ndarray, p: np.nda
     observed = problem.model.poses(z, problem.measurements.joints, p)[:, 3:].T
     return np.asarray(
         multiply(
-            conjugate(_frame_rotation(problem, p, "world")), multiply(observed, conjugate(_frame_rotation(problem, p, "target")))
+            conjugate(_frame_rotation(problem, p, "world")),
+            multiply(observed, conjugate(_frame_rotation(problem, p, "target"))),
         )
     )
 
 
 def _target_orientations(world: np.ndarray, platform: np.ndarray, read: np.ndarray) -> np.ndarray:
-    """Target orientations (n, 4) that would make the readings (n, 4) of platforms (4, n) under a world orientation."""
+    """Target orientations (n, 4) that would make the readings (n, 4) of platforms (4, n) under a
+    world orientation.
+    """
     given = np.all(np.isfinite(read), axis=1)
     return np.asarray(multiply(conjugate(multiply(world, platform[:, given])), read[given].T)).T
 
 
 def _mean_orientation(quaternions: np.ndarray) -> np.ndarray:
-    """Mean orientation (4,) of some (n, 4): the eigenvector of the sum of q q^T (Markley and others 2007)."""
+    """Mean orientation (4,) of some (n, 4): the eigenvector of the sum of q q^T (Markley and others
+    2007).
+    """
     return np.asarray(np.linalg.eigh(quaternions.T @ quaternions)[1][:, -1])
 
 

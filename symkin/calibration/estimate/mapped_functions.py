@@ -1,8 +1,9 @@
-"""Evaluate CasADi functions of one configuration at n configurations: by CasADi's own map, and by compiled C once that pays.
+"""Evaluate CasADi functions of one configuration at n configurations: by CasADi's own map, and by
+compiled C once that pays.
 
-Libraries are kept in the cache folder (see `numeric.c_library`) and used from there at once; a new one is compiled when as
-much time has gone into the map as the compiler is likely to take. SYMKIN_ENGINE = numpy forbids compiled code, as it does
-for path tracking.
+Libraries are kept in the cache folder (see `numeric.c_library`) and used from there at once; a new
+one is compiled when as much time has gone into the map as the compiler is likely to take.
+SYMKIN_ENGINE = numpy forbids compiled code, as it does for path tracking.
 """
 
 from __future__ import annotations
@@ -22,9 +23,13 @@ from symkin.numeric.c_library import CompilerError, find_compilers, load_library
 from symkin.numeric.cache_folder import cache_folder
 
 _INTERPRETED_BEFORE_COMPILING = 30000
-"""A library is compiled when each of its instructions has been interpreted this often: about as long as compiling it."""
+"""A library is compiled when each of its instructions has been interpreted this often: about as
+long as compiling it.
+"""
 _MAX_INSTRUCTIONS = 30000
-"""Functions of more instructions than this are not compiled: the compiler would take longer than the fit."""
+"""Functions of more instructions than this are not compiled: the compiler would take longer than
+the fit.
+"""
 _C_LOOP = """
 int {name}_map(int n, const int* stride, const double** in, double** out) {{
   const double* arg[{args}]; double* res[{outs}]; casadi_int iw[{iw}]; double w[{w}]; int i, k;
@@ -53,7 +58,9 @@ class CompiledLibrary:
             self._load(build=False)
 
     def spend(self, instructions: int) -> ctypes.CDLL | None:
-        """Count interpreted instructions, and compile the library when there were enough; return it."""
+        """Count interpreted instructions, and compile the library when there were enough; return
+        it.
+        """
         if self.library is None and self.left < float("inf"):
             self.left -= instructions
             if self.left <= 0.0:
@@ -70,18 +77,24 @@ class CompiledLibrary:
     def _load(self, *, build: bool) -> None:
         try:
             found = find_compilers(os.environ.get("CC", ""), os.environ.get("PATH", ""))
-            quick = (replace(c, flags=tuple("-O1" if flag == "-O2" else flag for flag in c.flags)) for c in found)
+            quick = (
+                replace(c, flags=tuple("-O1" if flag == "-O2" else flag for flag in c.flags))
+                for c in found
+            )
             symbols = [f"{f.name()}_map" for f in self.functions]
             sources = {"postures.c": _c_source(self.functions)}
-            self.library = load_library(quick, sources, "postures.c", symbols, cache_folder(), build=build)
+            self.library = load_library(
+                quick, sources, "postures.c", symbols, cache_folder(), build=build
+            )
         except CompilerError:
             self.library = None
 
 
 @dataclass(frozen=True, eq=False)
 class MappedFunction:
-    """A function with dense outputs, at n configurations at once: inputs (n, width) or (width,) for all; outputs (n, columns,
-    rows), the columns of each output one after another."""
+    """A function with dense outputs, at n configurations at once: inputs (n, width) or (width,) for
+    all; outputs (n, columns, rows), the columns of each output one after another.
+    """
 
     function: ca.Function
     engine: CompiledLibrary
@@ -93,7 +106,9 @@ class MappedFunction:
         if self.engine.spend(count * self._cost) is None:
             self._interpreted(count, inputs, results)
         else:
-            strides = (ctypes.c_int * len(inputs))(*(0 if a.ndim == 1 else a.shape[1] for a in inputs))
+            strides = (ctypes.c_int * len(inputs))(
+                *(0 if a.ndim == 1 else a.shape[1] for a in inputs)
+            )
             pointers = (ctypes.c_void_p * len(inputs))(*(a.ctypes.data for a in inputs))
             ends = (ctypes.c_void_p * len(results))(*(a.ctypes.data for a in results))
             self._run(count, strides, pointers, ends)
@@ -136,9 +151,15 @@ def _c_source(functions: Sequence[ca.Function]) -> str:
         generator.add(f)
     loops = [
         _C_LOOP.format(
-            name=f.name(), args=max(f.sz_arg(), 1), outs=max(f.sz_res(), 1), iw=max(f.sz_iw(), 1), w=max(f.sz_w(), 1),
-            n_in=f.n_in(), n_out=f.n_out(), sizes=", ".join(str(f.numel_out(k)) for k in range(f.n_out()))
+            name=f.name(),
+            args=max(f.sz_arg(), 1),
+            outs=max(f.sz_res(), 1),
+            iw=max(f.sz_iw(), 1),
+            w=max(f.sz_w(), 1),
+            n_in=f.n_in(),
+            n_out=f.n_out(),
+            sizes=", ".join(str(f.numel_out(k)) for k in range(f.n_out())),
         )
         for f in functions
-    ]  # fmt: skip
+    ]
     return "\n".join(["#include <stddef.h>", str(generator.dump()), *loops])

@@ -1,10 +1,12 @@
-"""State a calibration problem: mechanism, readings, the parameters to identify and those that are held.
+"""State a calibration problem: mechanism, readings, the parameters to identify and those that are
+held.
 
-By default all parameters that matter are identified. A file writes down more than the geometry has: a direction has a length, the
-point of a joint may lie anywhere on its axis, a slide may pass anywhere, a passive joint's zero shifts only its own coordinate,
-and any closed configuration may be the reference, so that points and axes there determine the zeros of actuated joints. Of each
-such freedom one parameter is left out: the largest component. What is free at the nominal values only, parallel axes for
-instance, stays: the machine as built may determine it.
+By default all parameters that matter are identified. A file writes down more than the geometry has:
+a direction has a length, the point of a joint may lie anywhere on its axis, a slide may pass
+anywhere, a passive joint's zero shifts only its own coordinate, and any closed configuration may be
+the reference, so that points and axes there determine the zeros of actuated joints. Of each such
+freedom one parameter is left out: the largest component. What is free at the nominal values only,
+parallel axes for instance, stays: the machine as built may determine it.
 """
 
 from __future__ import annotations
@@ -33,11 +35,14 @@ from symkin.model.mechanism import Mechanism
 from symkin.text import not_among
 
 MAX_WHOLE_ROWS, PART_ROWS = 10_000, 4_000
-"""Configurations beyond which derivatives are not kept but evaluated part by part, and how many a part has: derivatives of
-10,000 configurations of a hexapod take some 100 MB."""
+"""Configurations beyond which derivatives are not kept but evaluated part by part, and how many a
+part has: derivatives of 10,000 configurations of a hexapod take some 100 MB.
+"""
 
 _NO_RATE = 1e-9
-"""Rates of parameters in a freedom of how the file is written (of the largest) that are rounding."""
+"""Rates of parameters in a freedom of how the file is written (of the largest) that are
+rounding.
+"""
 
 
 class NothingReadError(InputError):
@@ -46,10 +51,11 @@ class NothingReadError(InputError):
 
 @dataclass(frozen=True, eq=False)
 class CalibrationProblem:
-    """What is fitted to what: `model.names` are the free parameters, `fixed` those that the user asked for and holds at their
-    nominal values. `prior` (P,) holds standard deviations of the scaled parameters about nominal, infinite where there is
-    none: the manufacturing tolerances, by which the estimate is the maximum a posteriori; None: least squares of the readings
-    alone."""
+    """What is fitted to what: `model.names` are the free parameters, `fixed` those that the user
+    asked for and holds at their nominal values. `prior` (P,) holds standard deviations of the
+    scaled parameters about nominal, infinite where there is none: the manufacturing tolerances, by
+    which the estimate is the maximum a posteriori; None: least squares of the readings alone.
+    """
 
     mechanism: Mechanism
     measurements: Measurements
@@ -64,8 +70,13 @@ class CalibrationProblem:
         return self.model.names
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle without the model, whose symbols are built anew from the mechanism, the measurements and the names."""
-        return {**{k: v for k, v in self.__dict__.items() if k not in ("model", "parts")}, "_free": self.names}
+        """Pickle without the model, whose symbols are built anew from the mechanism, the
+        measurements and the names.
+        """
+        return {
+            **{k: v for k, v in self.__dict__.items() if k not in ("model", "parts")},
+            "_free": self.names,
+        }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         own = dict(state)
@@ -73,8 +84,9 @@ class CalibrationProblem:
         self.__dict__.update(own, model=model)
 
     def prior_rows(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """Return the residuals (k,) of parameters p from nominal over their tolerances, and their derivative (k, P) by scaled
-        parameters; None without tolerances."""
+        """Return the residuals (k,) of parameters p from nominal over their tolerances, and their
+        derivative (k, P) by scaled parameters; None without tolerances.
+        """
         if self.prior is None:
             return None
         known = np.isfinite(self.prior)
@@ -83,22 +95,28 @@ class CalibrationProblem:
 
     @property
     def is_large(self) -> bool:
-        """Whether derivatives are made part by part; not where the closure leaves rows to the parameters, which bind all
-        configurations."""
+        """Whether derivatives are made part by part; not where the closure leaves rows to the
+        parameters, which bind all configurations.
+        """
         system = self.model.system
-        return len(self.measurements) > MAX_WHOLE_ROWS and int(system.rows.shape[0]) == system.freedom
+        return (
+            len(self.measurements) > MAX_WHOLE_ROWS and int(system.rows.shape[0]) == system.freedom
+        )
 
     @cached_property
     def parts(self) -> tuple[tuple[np.ndarray, CalibrationProblem], ...]:
-        """Numbers of configurations and the problem of these alone, members of a group together and without the prior; one
-        part where the problem is not large."""
+        """Numbers of configurations and the problem of these alone, members of a group together and
+        without the prior; one part where the problem is not large.
+        """
         if not self.is_large:
             return ((np.arange(len(self.measurements)), self),)
         return tuple((rows, self._of(rows)) for rows in _split_rows(self.readings))
 
     def _of(self, rows: np.ndarray) -> CalibrationProblem:
         some = self.measurements.subset(rows)
-        return replace(self, measurements=some, readings=build_readings(self.model, some), prior=None)
+        return replace(
+            self, measurements=some, readings=build_readings(self.model, some), prior=None
+        )
 
     @property
     def quaternions(self) -> np.ndarray:
@@ -115,15 +133,21 @@ def build_calibration(
     residual: str = "means",
     tolerance: tuple[float, float] | None = None,
 ) -> CalibrationProblem:
-    """State the problem of identifying `parameters` (default: `default_parameters`), of which `fixed` are held; `tolerance` is
-    that of lengths (length unit) and of angles and directions (radians).
+    """State the problem of identifying `parameters` (default: `default_parameters`), of which
+    `fixed` are held; `tolerance` is that of lengths (length unit) and of angles and directions
+    (radians).
 
-    Raises InputError for unknown names, for readings that do not fit the mechanism and for measurements without any.
+    Raises InputError for unknown names, for readings that do not fit the mechanism and for
+    measurements without any.
     """
     measurements.check(mechanism)
     if residual not in FORMS:
         raise InputError(f"residual = {not_among(residual, FORMS)}")
-    names = default_parameters(mechanism, measurements.observed) if parameters is None else tuple(parameters)
+    names = (
+        default_parameters(mechanism, measurements.observed)
+        if parameters is None
+        else tuple(parameters)
+    )
     _check_names(mechanism, measurements.observed, names, fixed)
     free = [n for n in names if n not in fixed]
     if not free:
@@ -132,20 +156,33 @@ def build_calibration(
     readings = build_readings(model, measurements)
     if readings.count <= 0:
         raise NothingReadError(
-            "the measurements hold no reading beside the joints: give groups of two postures or more, inclinations, "
+            "the measurements hold no reading beside the joints: give groups of two postures or "
+            "more, inclinations, "
             "positions, orientations or distances"
         )
     if tolerance is not None and not readings.known:
-        raise InputError("a tolerance is weighed against the noise, and standard deviations of readings are missing: give them")
+        raise InputError(
+            "a tolerance is weighed against the noise, and standard deviations of readings are "
+            "missing: give them"
+        )
     prior = None if tolerance is None else _prior(model, *tolerance)
     return CalibrationProblem(
-        mechanism=mechanism, measurements=measurements, model=model, readings=readings, fixed=tuple(fixed), form=residual,
+        mechanism=mechanism,
+        measurements=measurements,
+        model=model,
+        readings=readings,
+        fixed=tuple(fixed),
+        form=residual,
         prior=prior,
-    )  # fmt: skip
+    )
 
 
-def _check_names(mechanism: Mechanism, read: tuple[str, ...], names: Sequence[str], fixed: Sequence[str]) -> None:
-    """Refuse parameters that are named twice or bound by the declared motion, and held ones that are not to be identified."""
+def _check_names(
+    mechanism: Mechanism, read: tuple[str, ...], names: Sequence[str], fixed: Sequence[str]
+) -> None:
+    """Refuse parameters that are named twice or bound by the declared motion, and held ones that
+    are not to be identified.
+    """
     bound = bound_by_motion(mechanism, read)
     for name in names:
         if names.count(name) > 1:
@@ -154,42 +191,60 @@ def _check_names(mechanism: Mechanism, read: tuple[str, ...], names: Sequence[st
             raise InputError(f"parameter {name!r} is bound by {_binding(mechanism)}")
     for name in fixed:
         if name not in names:
-            raise InputError(f"fixed: {name!r} is not among the parameters to identify ({', '.join(names)})")
+            raise InputError(
+                f"fixed: {name!r} is not among the parameters to identify ({', '.join(names)})"
+            )
 
 
 def _binding(mechanism: Mechanism) -> str:
     """What binds parameters, why, and what to do."""
     leave = "leave it out of the parameters to identify, hold it"
     if mechanism.motion == "spatial":
-        return f"a loop that is planar or spherical, which could no longer move with it alone changed; {leave}"
+        return (
+            f"a loop that is planar or spherical, which could no longer move with it alone "
+            f"changed; {leave}"
+        )
     return (
-        f"the platform's {mechanism.motion} motion: moved alone, its limb could not carry the platform through that motion; "
+        f"the platform's {mechanism.motion} motion: moved alone, its limb could not carry the "
+        f"platform through that motion; "
         f"{leave}, or declare the motion spatial"
     )
 
 
 def _prior(model: ConfigurationModel, length: float, angle: float) -> np.ndarray:
-    """Return the standard deviations (P,) of scaled parameters; frames between the mechanism and what is measured are not
-    made to a tolerance, and factors of readings are no geometry."""
+    """Return the standard deviations (P,) of scaled parameters; frames between the mechanism and
+    what is measured are not made to a tolerance, and factors of readings are no geometry.
+    """
     if not (0.0 < length < np.inf and 0.0 < angle < np.inf):
-        raise InputError(f"tolerance = ({length:g}, {angle:g}): both a length and an angle, finite and positive, are needed")
-    free = [name.startswith(("world.", "target.")) or name.endswith(".scale") for name in model.names]
+        raise InputError(
+            f"tolerance = ({length:g}, {angle:g}): both a length and an angle, finite and "
+            f"positive, are needed"
+        )
+    free = [
+        name.startswith(("world.", "target.")) or name.endswith(".scale") for name in model.names
+    ]
     spread = [length if kind == "length" else angle for kind in model.kinds]
     return np.where(free, np.inf, np.array(spread) / model.scales)
 
 
 def _split_rows(readings: Readings) -> list[np.ndarray]:
-    """Split configurations, by number, into parts of `PART_ROWS`, or of a group where one has more."""
+    """Split configurations, by number, into parts of `PART_ROWS`, or of a group where one has
+    more.
+    """
     order = np.concatenate([readings.order, np.flatnonzero(readings.group < 0)]).astype(int)
-    heads = np.concatenate([readings.begins, np.arange(len(readings.order), len(order))]).astype(int)
+    heads = np.concatenate([readings.begins, np.arange(len(readings.order), len(order))]).astype(
+        int
+    )
     cuts = heads[np.flatnonzero(np.diff(heads // PART_ROWS, prepend=0))]
     return [rows for rows in np.split(order, cuts) if len(rows)]
 
 
 @lru_cache(maxsize=64)
 def default_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Name the parameters that matter, in the closure's order: without those that a declared motion binds, and without one for each
-    freedom in how the file is written. `read` names what is read beside actuated joints and the platform."""
+    """Name the parameters that matter, in the closure's order: without those that a declared motion
+    binds, and without one for each freedom in how the file is written. `read` names what is read
+    beside actuated joints and the platform.
+    """
     bound, values = bound_by_motion(mechanism, read), geometry_parameters(mechanism, read)
     free = {name: k for k, name in enumerate(name for name in values if name not in bound)}
     table, size = nominal_parameters(mechanism, read), mechanism.characteristic_length
@@ -205,8 +260,9 @@ def default_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> tupl
 
 
 class _Dropped:
-    """Parameters left out of a set (`free`, with their places), one for each freedom in how a file is written: by elimination, so
-    that what is left out tells the freedoms apart."""
+    """Parameters left out of a set (`free`, with their places), one for each freedom in how a file
+    is written: by elimination, so that what is left out tells the freedoms apart.
+    """
 
     def __init__(self, free: dict[str, int], units: np.ndarray) -> None:
         self.free, self.units = free, units
@@ -214,7 +270,9 @@ class _Dropped:
         self._rows: list[np.ndarray] = []
 
     def take(self, velocity: Velocity, first: Sequence[str] = ()) -> None:
-        """Leave out a parameter that moves in a freedom: one of the `first`, else the one that moves most."""
+        """Leave out a parameter that moves in a freedom: one of the `first`, else the one that
+        moves most.
+        """
         row = np.zeros(len(self.free))
         for name, rate in velocity.items():
             if name in self.free:

@@ -1,4 +1,5 @@
-"""Form the residuals of readings, r = W (h - m), with the unknown inclination of each group eliminated.
+"""Form the residuals of readings, r = W (h - m), with the unknown inclination of each group
+eliminated.
 
 In a group only equality is known. Three forms of it:
 
@@ -32,15 +33,19 @@ FORMS: tuple[Form, ...] = ("means", "differences", "maximum likelihood")
 
 
 def only_rounding(values: np.ndarray | float, unit: float) -> bool:
-    """Tell whether residuals are no more than what arithmetic leaves; `unit` is 1 for angles (radians), the size for lengths."""
+    """Tell whether residuals are no more than what arithmetic leaves; `unit` is 1 for angles
+    (radians), the size for lengths.
+    """
     return bool(np.all(np.abs(values) < _ROUNDING_RESIDUAL * unit))
 
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """The readings as the residuals need them: values m (n, K) and standard deviations (n, K) of each column, NaN and
-    infinite where nothing was read; which columns are angles modulo a turn; the group number (n,) from 0, -1 for none, and
-    the first configuration of each group. `known` says that every standard deviation was given."""
+    """The readings as the residuals need them: values m (n, K) and standard deviations (n, K) of
+    each column, NaN and infinite where nothing was read; which columns are angles modulo a turn;
+    the group number (n,) from 0, -1 for none, and the first configuration of each group. `known`
+    says that every standard deviation was given.
+    """
 
     values: np.ndarray
     sigma: np.ndarray
@@ -90,8 +95,9 @@ class Readings:
 
     @cached_property
     def shares(self) -> np.ndarray:
-        """Weights of the configurations in `order` in the means of their groups' alpha and beta (2, members), each group's sum
-        1."""
+        """Weights of the configurations in `order` in the means of their groups' alpha and beta (2,
+        members), each group's sum 1.
+        """
         squares = self.weight[self.order][:, self.columns] ** 2
         return np.asarray((squares / np.add.reduceat(squares, self.begins, axis=0)[self.places]).T)
 
@@ -125,7 +131,11 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
     for d in measurements.distances:
         known = known and d.sigma is not None
         values.append(d.values[:, None])
-        sigma.append(np.broadcast_to(np.asarray(1.0 if d.sigma is None else d.sigma, dtype=float), (count,))[:, None])
+        sigma.append(
+            np.broadcast_to(np.asarray(1.0 if d.sigma is None else d.sigma, dtype=float), (count,))[
+                :, None
+            ]
+        )
     for o, reading in zip(model.read, measurements.readings, strict=True):
         known = known and reading.sigma is not None
         unit = np.full((count, len(o.components)), 1.0 / size if o.angular else 1.0)
@@ -135,7 +145,15 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
     spread = np.where(np.isfinite(table), np.hstack(sigma) if sigma else table, np.inf)
     grouped = np.array([kind == "group" for kind, _ in model.columns], dtype=bool)
     group, first = _groups(measurements)
-    return Readings(values=table, sigma=spread, turning=model.turning, grouped=grouped, group=group, first=first, known=known)
+    return Readings(
+        values=table,
+        sigma=spread,
+        turning=model.turning,
+        grouped=grouped,
+        group=group,
+        first=first,
+        known=known,
+    )
 
 
 def _in_group(measurements: Measurements) -> np.ndarray:
@@ -143,7 +161,9 @@ def _in_group(measurements: Measurements) -> np.ndarray:
 
 
 def _groups(measurements: Measurements) -> tuple[np.ndarray, np.ndarray]:
-    """Number the groups consecutively, and find the first configuration of each; a group of one configuration counts as none."""
+    """Number the groups consecutively, and find the first configuration of each; a group of one
+    configuration counts as none.
+    """
     if measurements.groups is None:
         return np.full(len(measurements), -1), np.zeros(0, dtype=int)
     numbers, counts = np.unique(measurements.groups[measurements.groups >= 0], return_counts=True)
@@ -154,9 +174,10 @@ def _groups(measurements: Measurements) -> tuple[np.ndarray, np.ndarray]:
 
 @dataclass(frozen=True, eq=False)
 class Linearised:
-    """Residuals r (n, K) over their standard deviations, 0 where nothing was read, and dr/dp (n, K, P). `prior` holds
-    residuals (k,) and derivative (k, P) of what is known of the parameters beside the readings; the least squares are over
-    both."""
+    """Residuals r (n, K) over their standard deviations, 0 where nothing was read, and dr/dp (n, K,
+    P). `prior` holds residuals (k,) and derivative (k, P) of what is known of the parameters beside
+    the readings; the least squares are over both.
+    """
 
     residuals: np.ndarray
     jacobian: np.ndarray
@@ -175,8 +196,9 @@ class Linearised:
 
 @dataclass(frozen=True, eq=False)
 class Condensed(Linearised):
-    """Residuals r (n, K) of many configurations; in place of dr/dp and r the triangle of their QR factorisation, so that |r +
-    J d|^2 is the same for all d."""
+    """Residuals r (n, K) of many configurations; in place of dr/dp and r the triangle of their QR
+    factorisation, so that |r + J d|^2 is the same for all d.
+    """
 
     right: np.ndarray = field(kw_only=True)
 
@@ -185,8 +207,16 @@ class Condensed(Linearised):
         return self.right
 
 
-def linearise(form: Form, readings: Readings, h: np.ndarray, h_p: np.ndarray, covariance: np.ndarray | None = None) -> Linearised:
-    """Form residuals and derivatives; `covariance` (n, K, K) is that of joint noise for maximum likelihood."""
+def linearise(
+    form: Form,
+    readings: Readings,
+    h: np.ndarray,
+    h_p: np.ndarray,
+    covariance: np.ndarray | None = None,
+) -> Linearised:
+    """Form residuals and derivatives; `covariance` (n, K, K) is that of joint noise for maximum
+    likelihood.
+    """
     gap = deviations(readings, h)
     if form == "differences":
         return _differences(readings, gap, h_p)
@@ -196,8 +226,9 @@ def linearise(form: Form, readings: Readings, h: np.ndarray, h_p: np.ndarray, co
 
 
 def deviations(readings: Readings, h: np.ndarray) -> np.ndarray:
-    """Subtract readings: h - m (n, K), angles by the shorter way; in a group from its first configuration. 0 where nothing
-    was read."""
+    """Subtract readings: h - m (n, K), angles by the shorter way; in a group from its first
+    configuration. 0 where nothing was read.
+    """
     gap = np.where(readings.taken, h - readings.targets, 0.0)
     if readings.groups:
         reference = h[readings.first[readings.group[readings.inside]]]
@@ -242,7 +273,9 @@ def _differences(readings: Readings, gap: np.ndarray, h_p: np.ndarray) -> Linear
 
 
 def whitening(readings: Readings, covariance: np.ndarray) -> np.ndarray:
-    """Return L^-1 (n, K, K) with L L^T = S; rows of readings not taken are zero. Not finite where the covariance is not."""
+    """Return L^-1 (n, K, K) with L L^T = S; rows of readings not taken are zero. Not finite where
+    the covariance is not.
+    """
     taken = readings.taken
     both = taken[:, :, None] & taken[:, None, :]
     spread = np.where(taken, readings.sigma, 1.0) ** 2
@@ -253,7 +286,9 @@ def whitening(readings: Readings, covariance: np.ndarray) -> np.ndarray:
         return np.full(s.shape, np.nan)
 
 
-def _likelihood(readings: Readings, gap: np.ndarray, h_p: np.ndarray, whiten: np.ndarray) -> Linearised:
+def _likelihood(
+    readings: Readings, gap: np.ndarray, h_p: np.ndarray, whiten: np.ndarray
+) -> Linearised:
     """Form W (h - m - G g) with g that minimises its square in each group."""
     residuals = (whiten @ gap[:, :, None])[:, :, 0]
     jacobian = whiten @ h_p
@@ -269,7 +304,9 @@ def _likelihood(readings: Readings, gap: np.ndarray, h_p: np.ndarray, whiten: np
 
 
 def group_basis(readings: Readings, whiten: np.ndarray) -> np.ndarray:
-    """Return W G (n, K, 2): how the two unknown inclinations of its group enter a configuration's residuals."""
+    """Return W G (n, K, 2): how the two unknown inclinations of its group enter a configuration's
+    residuals.
+    """
     basis = whiten[:, :, np.flatnonzero(readings.grouped)].copy()
     basis[readings.group < 0] = 0.0
     return basis

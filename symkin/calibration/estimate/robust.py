@@ -1,8 +1,10 @@
-"""Estimate by the majority of the readings: robust losses by iterated weights, and the scale of the good readings.
+"""Estimate by the majority of the readings: robust losses by iterated weights, and the scale of the
+good readings.
 
-With residuals t over their standard deviation a loss gives the weight w(t) with which a reading counts in the next least-squares
-fit: 1 (squared), min(1, k / |t|) (Huber), 1 / (1 + (t / k)^2) (Cauchy). t is taken over the scale of the better half of the
-readings where that is larger than the noise stated, so that the good ones count while the fit is still far away.
+With residuals t over their standard deviation a loss gives the weight w(t) with which a reading
+counts in the next least-squares fit: 1 (squared), min(1, k / |t|) (Huber), 1 / (1 + (t / k)^2)
+(Cauchy). t is taken over the scale of the better half of the readings where that is larger than the
+noise stated, so that the good ones count while the fit is still far away.
 """
 
 from __future__ import annotations
@@ -25,15 +27,18 @@ _MAX_FITS, _MIN_WEIGHT_CHANGE = 40, 1e-3
 _STEPS_PER_FIT = 15
 """Most steps of each of these fits: the next goes on from there."""
 _MAX_SCALE, _MIN_FITS, _SCALE_DECREASE = 30.0, 4, 0.8
-"""It ends, too, after so many fits where the scale is so many times the noise stated and no longer falls by this factor: no half
-of the readings agrees."""
+"""It ends, too, after so many fits where the scale is so many times the noise stated and no longer
+falls by this factor: no half of the readings agrees.
+"""
 _SIGMA_OVER_MEDIAN = 1.4826
 """Standard deviation of a normal distribution over the median of its absolute values."""
 
 
 @dataclass(frozen=True, eq=False)
 class RobustEstimate:
-    """A robust estimate, and the ratio of the standard deviation of its good readings to the stated one."""
+    """A robust estimate, and the ratio of the standard deviation of its good readings to the stated
+    one.
+    """
 
     result: Estimate
     scale: float
@@ -43,19 +48,26 @@ def loss_weights(loss: str, t: np.ndarray) -> np.ndarray:
     """Return the weights (n, K) of readings whose residuals are t of their scale."""
     if loss == "huber":
         return np.asarray(np.minimum(1.0, _TUNING[loss] / np.maximum(np.abs(t), 1e-300)))
-    return np.asarray(1.0 / (1.0 + (t / _TUNING[loss]) ** 2)) if loss == "cauchy" else np.ones_like(t)
+    return (
+        np.asarray(1.0 / (1.0 + (t / _TUNING[loss]) ** 2)) if loss == "cauchy" else np.ones_like(t)
+    )
 
 
 def loss_note(loss: str) -> str:
     """Say what a robust loss does to the statistics."""
     return (
-        f"loss {loss}: readings count less from {_TUNING[loss]:g} standard deviations on; chi-square and its probability are those of all "
-        "readings kept, each with its full weight, so that bad ones that are kept raise it; standard deviations of parameters and poses "
-        f"are as if {100 * EFFICIENCY:.0f} % of the information were used, which holds for normal errors"
+        f"loss {loss}: readings count less from {_TUNING[loss]:g} standard deviations on; "
+        f"chi-square and its probability are those of all "
+        "readings kept, each with its full weight, so that bad ones that are kept raise it; "
+        "standard deviations of parameters and poses "
+        f"are as if {100 * EFFICIENCY:.0f} % of the information were used, which holds for normal "
+        f"errors"
     )
 
 
-def robust_estimate(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, loss: str) -> RobustEstimate:
+def robust_estimate(
+    problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, loss: str
+) -> RobustEstimate:
     """Estimate with a robust loss from p and configurations z."""
     known, state = problem.readings.known, evaluate(problem, p, z, "means")
     here, steps, weight, scale = problem, 0, np.ones_like(problem.readings.sigma), np.inf
@@ -72,24 +84,41 @@ def robust_estimate(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, l
         result = estimate(here, state.z, p=state.p, max_iterations=_STEPS_PER_FIT)
         state, steps = result.state, steps + result.iterations
     status = result.status if result.status != "max_iterations" else "stalled"
-    return RobustEstimate(Estimate(evaluate(problem, state.p, state.z, "means"), status, steps, result.null_space), scale)
+    return RobustEstimate(
+        Estimate(evaluate(problem, state.p, state.z, "means"), status, steps, result.null_space),
+        scale,
+    )
 
 
 def with_weights(problem: CalibrationProblem, weight: np.ndarray) -> CalibrationProblem:
     """Let readings count as much as their weights say."""
     readings = problem.readings
-    return replace(problem, readings=replace(readings, sigma=readings.sigma / np.sqrt(np.maximum(weight, 1e-12))))
+    return replace(
+        problem,
+        readings=replace(readings, sigma=readings.sigma / np.sqrt(np.maximum(weight, 1e-12))),
+    )
 
 
-def normalised_residuals(problem: CalibrationProblem, here: CalibrationProblem, state: State) -> np.ndarray:
-    """Return residuals (n, K) over the standard deviations of a problem, joint noise included; groups' means are those of the
-    weights that another problem, `here`, gives."""
+def normalised_residuals(
+    problem: CalibrationProblem, here: CalibrationProblem, state: State
+) -> np.ndarray:
+    """Return residuals (n, K) over the standard deviations of a problem, joint noise included;
+    groups' means are those of the weights that another problem, `here`, gives.
+    """
     taken = problem.readings.taken
-    raw = evaluate(here, state.p, state.z, "means").linearised.residuals * np.where(taken, here.readings.sigma, 0.0)
+    raw = evaluate(here, state.p, state.z, "means").linearised.residuals * np.where(
+        taken, here.readings.sigma, 0.0
+    )
     noise = np.einsum("nkk->nk", joint_covariance(problem, state))
-    return np.asarray(np.where(taken, raw / np.sqrt(np.where(taken, problem.readings.sigma, 1.0) ** 2 + noise), 0.0))
+    return np.asarray(
+        np.where(
+            taken, raw / np.sqrt(np.where(taken, problem.readings.sigma, 1.0) ** 2 + noise), 0.0
+        )
+    )
 
 
 def _scale_of_better_half(t: np.ndarray, *, known: bool) -> float:
     """Standard deviation of the better half, not below the stated noise."""
-    return max(_SIGMA_OVER_MEDIAN * float(np.median(np.abs(t))) if len(t) else 0.0, 1.0 if known else 1e-12)
+    return max(
+        _SIGMA_OVER_MEDIAN * float(np.median(np.abs(t))) if len(t) else 0.0, 1.0 if known else 1e-12
+    )

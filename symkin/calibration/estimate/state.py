@@ -1,12 +1,15 @@
-"""Linearise the least-squares problem at parameters and configurations, and find the steps that closure and readings allow.
+"""Linearise the least-squares problem at parameters and configurations, and find the steps that
+closure and readings allow.
 
-Poses couple to the parameters only (block-arrow structure): dz = -F_z^+ (F + F_p dp) at each configuration, so that its readings
-become h - A F + (h_p - A F_p) dp with A = h_z F_z^+, the implicit derivative, and only p is left. Rows that the unknown
-coordinates cannot meet (overconstrained mechanisms) are left over: they constrain p.
+Poses couple to the parameters only (block-arrow structure): dz = -F_z^+ (F + F_p dp) at each
+configuration, so that its readings become h - A F + (h_p - A F_p) dp with A = h_z F_z^+, the
+implicit derivative, and only p is left. Rows that the unknown coordinates cannot meet
+(overconstrained mechanisms) are left over: they constrain p.
 
-What a group's readings cannot tell shows in the null space of their Jacobian only where the group's inclinations agree: a
-turn of the platform frame by w moves each deviation r from the group's mean by w x r, which no rank should count. Ranks are
-therefore judged at the nearest readings without error.
+What a group's readings cannot tell shows in the null space of their Jacobian only where the group's
+inclinations agree: a turn of the platform frame by w moves each deviation r from the group's mean
+by w x r, which no rank should count. Ranks are therefore judged at the nearest readings without
+error.
 """
 
 from __future__ import annotations
@@ -17,35 +20,48 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.calibration.estimate.configuration_model import Evaluation, solve_systems
-from symkin.calibration.estimate.configurations import SOLVED_TOLERANCE, determinant_signs, newton_configurations
+from symkin.calibration.estimate.configurations import (
+    SOLVED_TOLERANCE,
+    determinant_signs,
+    newton_configurations,
+)
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.spatial.rotation import wrapped
 
 PREDICTION_TOLERANCE = 1e-4
-"""A predicted configuration off its closure by less than this (of the size) is corrected to first order in the same
-evaluation."""
+"""A predicted configuration off its closure by less than this (of the size) is corrected to first
+order in the same evaluation.
+"""
 CONSTRAINT_WEIGHT = 1e6
-"""Weight of the rows that overconstrained closures leave to p, over the largest slope of a residual."""
+"""Weight of the rows that overconstrained closures leave to p, over the largest slope of a
+residual.
+"""
 CONSTRAINT_ROUNDING = 1e-9
-"""Singular values of the rows left over (per length unit of scaled parameters) up to this are rounding: such rows bind
-nothing."""
+"""Singular values of the rows left over (per length unit of scaled parameters) up to this are
+rounding: such rows bind nothing.
+"""
 _RESTORATION_STEPS = 2
-"""Steps that bring the rows left over back to zero after a step: they are not linear, and their penalty would forbid it."""
+"""Steps that bring the rows left over back to zero after a step: they are not linear, and their
+penalty would forbid it.
+"""
 
 _MAX_CONSISTENCY_STEPS = 6
 """Gauss-Newton steps; deviations are small, so that three or four meet the tolerance."""
 
 _LONG_COLUMN_RATIO = 30.0
-"""Columns up to so many times as long as the median one stay as they are where rank is judged; longer ones are scaled to that
-length."""
+"""Columns up to so many times as long as the median one stay as they are where rank is judged;
+longer ones are scaled to that length.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Parameters p (free, unscaled), unknown coordinates z (n, width), residuals and dr/dp (per scaled parameter), the
-    closure's pending correction (n, f), rows left over and their derivative (n, m, P), signs of det F_z."""
+    """Parameters p (free, unscaled), unknown coordinates z (n, width), residuals and dr/dp (per
+    scaled parameter), the closure's pending correction (n, f), rows left over and their derivative
+    (n, m, P), signs of det F_z.
+    """
 
     p: np.ndarray
     z: np.ndarray
@@ -56,8 +72,13 @@ class State:
     determinant_signs: np.ndarray
 
     def follow(self, step: np.ndarray) -> np.ndarray:
-        """Tangent steps (n, f) that keep the configurations closed while the scaled parameters take a step."""
-        return np.asarray(-self.pending - solve_systems(self.values.rows_z, self.values.rows_p @ step[:, None])[:, :, 0])
+        """Tangent steps (n, f) that keep the configurations closed while the scaled parameters take
+        a step.
+        """
+        return np.asarray(
+            -self.pending
+            - solve_systems(self.values.rows_z, self.values.rows_p @ step[:, None])[:, :, 0]
+        )
 
     @property
     def cost(self) -> float:
@@ -65,7 +86,11 @@ class State:
 
 
 def evaluate(
-    problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None = None
+    problem: CalibrationProblem,
+    p: np.ndarray,
+    z: np.ndarray,
+    form: Form,
+    covariance: np.ndarray | None = None,
 ) -> State:
     """Evaluate closure and readings at (p, z), condensed to p."""
     if problem.is_large:
@@ -77,7 +102,13 @@ def evaluate(
     if problem.prior is not None:
         fit = replace(fit, prior=problem.prior_rows(p))
     return State(
-        p=p, z=z, linearised=fit, values=e, pending=pending, leftover=leftover, determinant_signs=determinant_signs(e.rows_z)
+        p=p,
+        z=z,
+        linearised=fit,
+        values=e,
+        pending=pending,
+        leftover=leftover,
+        determinant_signs=determinant_signs(e.rows_z),
     )
 
 
@@ -87,7 +118,9 @@ def evaluate_readings(problem: CalibrationProblem, state: State) -> Evaluation:
 
 
 def evaluate_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> Evaluation:
-    """Evaluate closure and readings at (p, z), without the condensation; of a large problem only part by part."""
+    """Evaluate closure and readings at (p, z), without the condensation; of a large problem only
+    part by part.
+    """
     return problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
 
 
@@ -100,7 +133,9 @@ def readings_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np
 
 
 def joint_covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Return the covariance (n, K, K) that joint noise gives the readings: H_q diag(sigma_q^2) H_q^T, H_q = h_q - h_z F_z^+ F_q."""
+    """Return the covariance (n, K, K) that joint noise gives the readings: H_q diag(sigma_q^2)
+    H_q^T, H_q = h_q - h_z F_z^+ F_q.
+    """
     width = len(problem.model.columns)
     made = np.zeros((len(state.z), width, width))
     for rows, part in problem.parts:
@@ -110,7 +145,11 @@ def joint_covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
 
 def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Return the same at (p, z); of a large problem only part by part."""
-    sigma, model, joints = problem.measurements.sigma("joint"), problem.model, problem.measurements.joints
+    sigma, model, joints = (
+        problem.measurements.sigma("joint"),
+        problem.model,
+        problem.measurements.joints,
+    )
     if sigma is None:
         return np.zeros((len(z), len(model.columns), len(model.columns)))
     e = evaluate_at(problem, p, z)
@@ -118,7 +157,13 @@ def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarra
     return np.asarray(by_joint @ by_joint.transpose(0, 2, 1))
 
 
-def closed_state(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None) -> State:
+def closed_state(
+    problem: CalibrationProblem,
+    p: np.ndarray,
+    z: np.ndarray,
+    form: Form,
+    covariance: np.ndarray | None,
+) -> State:
     """Evaluate the state with the closure met to rounding."""
     state = evaluate(problem, p, z, form, covariance)
     for _ in range(2):
@@ -128,22 +173,38 @@ def closed_state(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form
         if largest > PREDICTION_TOLERANCE * problem.model.closure.characteristic_length:
             z, _ = newton_configurations(problem.model, z, problem.measurements.joints, p)
             state = evaluate(problem, p, z, form, covariance)
-        state = evaluate(problem, p, problem.model.system.move(state.z, -state.pending), form, covariance)
+        state = evaluate(
+            problem, p, problem.model.system.move(state.z, -state.pending), form, covariance
+        )
     return state
 
 
 def state_after(
-    problem: CalibrationProblem, state: State, step: np.ndarray, form: Form, covariance: np.ndarray | None, *, nested: bool
+    problem: CalibrationProblem,
+    state: State,
+    step: np.ndarray,
+    form: Form,
+    covariance: np.ndarray | None,
+    *,
+    nested: bool,
 ) -> State | None:
-    """Take a step in p, configurations moved along; None where a direct problem has no solution there."""
+    """Take a step in p, configurations moved along; None where a direct problem has no solution
+    there.
+    """
     model = problem.model
     p = state.p + model.scales * step
     z = model.system.move(state.z, state.follow(step))
     trial = evaluate(problem, p, z, form, covariance)
     if not np.all(np.isfinite(trial.pending)):
         return None
-    if nested and np.max(np.abs(trial.pending), initial=0.0) > PREDICTION_TOLERANCE * model.closure.characteristic_length:
-        z, solved = newton_configurations(model, z, problem.measurements.joints, p, tolerance=1e2 * SOLVED_TOLERANCE)
+    if (
+        nested
+        and np.max(np.abs(trial.pending), initial=0.0)
+        > PREDICTION_TOLERANCE * model.closure.characteristic_length
+    ):
+        z, solved = newton_configurations(
+            model, z, problem.measurements.joints, p, tolerance=1e2 * SOLVED_TOLERANCE
+        )
         if not solved.all():
             return None
         trial = evaluate(problem, p, z, form, covariance)
@@ -151,12 +212,21 @@ def state_after(
 
 
 def restored_after(
-    move: Callable[[State, np.ndarray], State | None], state: State, step: np.ndarray, null_space: np.ndarray
+    move: Callable[[State, np.ndarray], State | None],
+    state: State,
+    step: np.ndarray,
+    null_space: np.ndarray,
 ) -> State | None:
-    """Take a step by `move`, and meet the rows left over again; None where a configuration has no solution."""
+    """Take a step by `move`, and meet the rows left over again; None where a configuration has no
+    solution.
+    """
     trial = move(state, step)
     for _ in range(_RESTORATION_STEPS):
-        if trial is None or trial.leftover is None or not np.max(np.abs(trial.leftover[0]), initial=0.0) > 0.0:
+        if (
+            trial is None
+            or trial.leftover is None
+            or not np.max(np.abs(trial.leftover[0]), initial=0.0) > 0.0
+        ):
             break
         trial = move(trial, admissible_steps(trial, null_space)[1])
     return trial
@@ -171,8 +241,9 @@ def merit(state: State) -> float:
 
 
 def error_free_design(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Return the design matrix where the readings of each group agree (see `without_errors`): its null space is what no
-    reading determines."""
+    """Return the design matrix where the readings of each group agree (see `without_errors`): its
+    null space is what no reading determines.
+    """
     return design(error_free_state(problem, state))
 
 
@@ -182,13 +253,14 @@ def error_free_state(problem: CalibrationProblem, state: State) -> State:
     return evaluate(other, state.p, z, "means")
 
 
-# --- many configurations -------------------------------------------------------------------------------------------------
+# --- many configurations --------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class LargeState(State):
-    """A state of a large problem, without the derivatives of single configurations: `values` is empty, and `linearised`
-    condensed."""
+    """A state of a large problem, without the derivatives of single configurations: `values` is
+    empty, and `linearised` condensed.
+    """
 
     problem: CalibrationProblem
 
@@ -196,35 +268,67 @@ class LargeState(State):
         moved = np.empty_like(self.pending)
         for rows, part in self.problem.parts:
             e = evaluate_at(part, self.p, self.z[rows])
-            moved[rows] = -self.pending[rows] - solve_systems(e.rows_z, e.rows_p @ step[:, None])[:, :, 0]
+            moved[rows] = (
+                -self.pending[rows] - solve_systems(e.rows_z, e.rows_p @ step[:, None])[:, :, 0]
+            )
         return moved
 
 
 def _evaluate_parts(
-    problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, form: Form, covariance: np.ndarray | None
+    problem: CalibrationProblem,
+    p: np.ndarray,
+    z: np.ndarray,
+    form: Form,
+    covariance: np.ndarray | None,
 ) -> LargeState:
-    """The same as `evaluate`, a part at a time: derivatives and residuals of each are joined to the triangle of those before."""
+    """The same as `evaluate`, a part at a time: derivatives and residuals of each are joined to the
+    triangle of those before.
+    """
     width = len(problem.names)
     known, by_known = problem.prior_rows(p) or (np.zeros(0), np.zeros((0, width)))
-    triangle, residuals = np.column_stack([by_known, known]), np.zeros(problem.readings.values.shape)
+    triangle, residuals = (
+        np.column_stack([by_known, known]),
+        np.zeros(problem.readings.values.shape),
+    )
     pending, side = np.zeros((len(z), problem.model.system.freedom)), np.zeros(len(z))
     for rows, part in problem.parts:
         state = evaluate(part, p, z[rows], form, None if covariance is None else covariance[rows])
-        residuals[rows], pending[rows], side[rows] = state.linearised.residuals, state.pending, state.determinant_signs
+        residuals[rows], pending[rows], side[rows] = (
+            state.linearised.residuals,
+            state.pending,
+            state.determinant_signs,
+        )
         below = np.column_stack([state.linearised.matrix, state.linearised.vector])
         triangle = np.asarray(np.linalg.qr(np.vstack([triangle, below]), mode="r"))
     fit = Condensed(residuals, triangle[:, None, :width], right=triangle[:, width])
     nothing = np.zeros(0)
-    values = Evaluation(rows=nothing, rows_z=nothing, rows_p=nothing, readings=nothing, readings_z=nothing, readings_p=nothing)
+    values = Evaluation(
+        rows=nothing,
+        rows_z=nothing,
+        rows_p=nothing,
+        readings=nothing,
+        readings_z=nothing,
+        readings_p=nothing,
+    )
     return LargeState(
-        p=p, z=z, linearised=fit, values=values, pending=pending, leftover=None, determinant_signs=side, problem=problem
+        p=p,
+        z=z,
+        linearised=fit,
+        values=values,
+        pending=pending,
+        leftover=None,
+        determinant_signs=side,
+        problem=problem,
     )
 
 
-def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> tuple[CalibrationProblem, np.ndarray]:
-    """Move the joint readings least (with the unknown coordinates, angles times the size) so that at p the configurations
-    close and every group has one inclination; return the problem with these, and the unknown coordinates there; as they are where
-    no such configurations are reached."""
+def without_errors(
+    problem: CalibrationProblem, p: np.ndarray, z: np.ndarray
+) -> tuple[CalibrationProblem, np.ndarray]:
+    """Move the joint readings least (with the unknown coordinates, angles times the size) so that
+    at p the configurations close and every group has one inclination; return the problem with
+    these, and the unknown coordinates there; as they are where no such configurations are reached.
+    """
     readings, model = problem.readings, problem.model
     if not readings.groups:
         return problem, z
@@ -241,7 +345,11 @@ def without_errors(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) ->
             break
         free = rows_z.shape[2]
         matrix = np.zeros((len(z), rows.shape[1] + 2, free + len(units)))
-        matrix[:, :-2, :free], matrix[:, :-2, free:], matrix[:, -2:, :free] = rows_z, rows_q * units, grouped
+        matrix[:, :-2, :free], matrix[:, :-2, free:], matrix[:, -2:, :free] = (
+            rows_z,
+            rows_q * units,
+            grouped,
+        )
         step = _shortest_steps(matrix, -np.concatenate([rows, gap], axis=1))
         # groups that no configuration can have, as under wrong labels, send the steps away
         if not np.isfinite(step).all():
@@ -254,21 +362,31 @@ def _shortest_steps(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Return the shortest solutions of n underdetermined systems: A^T (A A^T)^-1 b."""
     transposed = matrix.transpose(0, 2, 1)
     try:
-        return np.asarray(transposed @ np.linalg.solve(matrix @ transposed, right[:, :, None]))[:, :, 0]
+        return np.asarray(transposed @ np.linalg.solve(matrix @ transposed, right[:, :, None]))[
+            :, :, 0
+        ]
     except np.linalg.LinAlgError:
         return np.asarray(np.linalg.pinv(matrix, rcond=1e-10) @ right[:, :, None])[:, :, 0]
 
 
-def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np.ndarray | None = None) -> np.ndarray:
-    """Minimise |r + J d|^2 + damping |D d|^2, D the columns' lengths, with no motion in the null space and the leftover
-    rows met. With `curved`, second derivatives of the residuals along a step, its acceleration: |curved + J d|^2 instead."""
-    matrix, right = state.linearised.matrix, -(state.linearised.vector if curved is None else curved)
+def damped_step(
+    state: State, null_space: np.ndarray, damping: float, curved: np.ndarray | None = None
+) -> np.ndarray:
+    """Minimise |r + J d|^2 + damping |D d|^2, D the columns' lengths, with no motion in the null
+    space and the leftover rows met. With `curved`, second derivatives of the residuals along a
+    step, its acceleration: |curved + J d|^2 instead.
+    """
+    matrix, right = (
+        state.linearised.matrix,
+        -(state.linearised.vector if curved is None else curved),
+    )
     basis, particular = admissible_steps(state, null_space)
     particular = particular if curved is None else np.zeros(matrix.shape[1])
     if basis is not None:
         matrix, right = matrix @ basis, right - matrix @ particular
     width = matrix.shape[1]
-    # R of [J, b] = Q R holds all that least squares need of J and b, whatever the number of readings
+    # R of [J, b] = Q R holds all that least squares need of J and b, whatever the number of
+    # readings
     triangle = np.asarray(np.linalg.qr(np.column_stack([matrix, right]), mode="r"))
     r, b = triangle[:width, :width], triangle[:width, width]
     if not np.all(np.isfinite(triangle)):
@@ -286,7 +404,9 @@ def damped_step(state: State, null_space: np.ndarray, damping: float, curved: np
 
 
 def admissible_steps(state: State, null_space: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
-    """Return a basis of the steps that are allowed, None for all, and one step that meets the leftover rows."""
+    """Return a basis of the steps that are allowed, None for all, and one step that meets the
+    leftover rows.
+    """
     count = state.linearised.matrix.shape[1]
     zero = np.zeros(count)
     if state.leftover is None and null_space.shape[1] == 0:
@@ -296,13 +416,19 @@ def admissible_steps(state: State, null_space: np.ndarray) -> tuple[np.ndarray |
         rows = np.vstack([rows, state.leftover[1].reshape(-1, count)])
         right = np.concatenate([right, -state.leftover[0].reshape(-1)])
     left, singular, across = np.linalg.svd(rows, full_matrices=True)
-    kept = int(np.sum(singular > max(RANK_TOLERANCE * float(singular[0]), CONSTRAINT_ROUNDING))) if len(singular) else 0
+    kept = (
+        int(np.sum(singular > max(RANK_TOLERANCE * float(singular[0]), CONSTRAINT_ROUNDING)))
+        if len(singular)
+        else 0
+    )
     particular = across[:kept].T @ ((left[:, :kept].T @ right) / singular[:kept])
     return across[kept:].T, particular
 
 
 def design(state: State) -> np.ndarray:
-    """Return dr/dp of the readings, with the rows that an overconstrained closure leaves to p above them."""
+    """Return dr/dp of the readings, with the rows that an overconstrained closure leaves to p above
+    them.
+    """
     if state.leftover is None:
         return state.linearised.matrix
     rows = state.leftover[1].reshape(-1, state.linearised.matrix.shape[1])
@@ -310,7 +436,9 @@ def design(state: State) -> np.ndarray:
 
 
 def constraint_rows(rows: np.ndarray, state: State) -> np.ndarray:
-    """Return orthonormal rows of the space that the leftover rows span, times the largest column of the readings."""
+    """Return orthonormal rows of the space that the leftover rows span, times the largest column of
+    the readings.
+    """
     _, singular, right = np.linalg.svd(rows, full_matrices=False)
     kept = (
         right[singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)]
@@ -322,9 +450,11 @@ def constraint_rows(rows: np.ndarray, state: State) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Singular values (P,) of a matrix with P columns, and its rank, null space (P, k) and determined directions (P, P - k),
-    judged with very long columns made shorter: what is small beside an angle at a lever of kilometres is not rounding. `gap`
-    is the ratio of the singular values so judged on both sides of the rank, infinite where nothing is dropped."""
+    """Singular values (P,) of a matrix with P columns, and its rank, null space (P, k) and
+    determined directions (P, P - k), judged with very long columns made shorter: what is small
+    beside an angle at a lever of kilometres is not rounding. `gap` is the ratio of the singular
+    values so judged on both sides of the rank, infinite where nothing is dropped.
+    """
 
     values: np.ndarray
     null_space: np.ndarray
@@ -337,8 +467,9 @@ class Spectrum:
 
 
 def spectrum(matrix: np.ndarray, tolerance: float = RANK_TOLERANCE) -> Spectrum:
-    """Find rank and null space of a matrix. The null space has orthonormal columns; those of `determined` are orthogonal to
-    it and map to orthogonal ones."""
+    """Find rank and null space of a matrix. The null space has orthonormal columns; those of
+    `determined` are orthogonal to it and map to orthogonal ones.
+    """
     if matrix.shape[0] > matrix.shape[1]:
         matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
     width = matrix.shape[1]
@@ -347,9 +478,18 @@ def spectrum(matrix: np.ndarray, tolerance: float = RANK_TOLERANCE) -> Spectrum:
     rank = _rank(even, tolerance)
     dropped = float(even[rank]) if rank < width else 0.0
     directions = across.T / lengths[:, None]
-    null_space = right[rank:].T if _rank(values, tolerance) == rank else np.linalg.qr(directions[:, rank:])[0]
+    null_space = (
+        right[rank:].T
+        if _rank(values, tolerance) == rank
+        else np.linalg.qr(directions[:, rank:])[0]
+    )
     determined = directions[:, :rank] - null_space @ (null_space.T @ directions[:, :rank])
-    return Spectrum(values, null_space, determined, float(even[rank - 1]) / dropped if rank and dropped > 0.0 else float("inf"))
+    return Spectrum(
+        values,
+        null_space,
+        determined,
+        float(even[rank - 1]) / dropped if rank and dropped > 0.0 else float("inf"),
+    )
 
 
 def _singular(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -363,8 +503,12 @@ def _rank(values: np.ndarray, tolerance: float) -> int:
 
 
 def _usual_lengths(norms: np.ndarray) -> np.ndarray:
-    """Return lengths of columns, those that are not much longer than the median as that; 1 where all are zero."""
-    usual = _LONG_COLUMN_RATIO * float(np.median(norms[norms > 0.0])) if np.any(norms > 0.0) else 1.0
+    """Return lengths of columns, those that are not much longer than the median as that; 1 where
+    all are zero.
+    """
+    usual = (
+        _LONG_COLUMN_RATIO * float(np.median(norms[norms > 0.0])) if np.any(norms > 0.0) else 1.0
+    )
     return np.asarray(np.maximum(norms, usual))
 
 

@@ -1,10 +1,12 @@
-"""Draw closed configurations at random in a workspace, within joint limits and on home's side of singularities.
+"""Draw closed configurations at random in a workspace, within joint limits and on home's side of
+singularities.
 
-A configuration is drawn as a pose: the middle of the platform's joint points within `half` of its place at home, and the
-orientation R = Rz(gamma) Ry(beta) Rx(alpha) R_home with |alpha|, |beta| <= `tilt` and |gamma| <= `spin`. Home is the
-reference pose, or that of the worked example where the reference is much nearer to a singularity. Configurations that share
-(alpha, beta) have the same inclination R^T e_z. Platforms that cannot take the pose take the nearest one with that
-inclination; serial arms, and mechanisms whose joints carry the platform, are drawn by their joints.
+A configuration is drawn as a pose: the middle of the platform's joint points within `half` of its
+place at home, and the orientation R = Rz(gamma) Ry(beta) Rx(alpha) R_home with |alpha|, |beta| <=
+`tilt` and |gamma| <= `spin`. Home is the reference pose, or that of the worked example where the
+reference is much nearer to a singularity. Configurations that share (alpha, beta) have the same
+inclination R^T e_z. Platforms that cannot take the pose take the nearest one with that inclination;
+serial arms, and mechanisms whose joints carry the platform, are drawn by their joints.
 """
 
 from __future__ import annotations
@@ -18,7 +20,11 @@ import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.observables import judged_link
-from symkin.calibration.estimate.configuration_model import ConfigurationModel, build_model, solve_systems
+from symkin.calibration.estimate.configuration_model import (
+    ConfigurationModel,
+    build_model,
+    solve_systems,
+)
 from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     ClosedConfigurations,
@@ -39,7 +45,12 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import conjugate, euler_from_quaternion, multiply, quaternion_from_euler
+from symkin.spatial.rotation import (
+    conjugate,
+    euler_from_quaternion,
+    multiply,
+    quaternion_from_euler,
+)
 
 DEFAULT_REACH = 0.15
 """Half width of the default workspace, of the size."""
@@ -50,19 +61,23 @@ _ARM_SWING = math.radians(60)
 _SAME_PLACE = 1e-4
 """Unknown coordinates (length unit over the size, radians) that differ by less are the same."""
 _MIN_DRAWN, _MAX_IDLE_DRAWS = 64, 1000
-"""Least number of configurations drawn at once, and draws without a new configuration after which the drawing is given up."""
+"""Least number of configurations drawn at once, and draws without a new configuration after which
+the drawing is given up.
+"""
 
 _POORER_CONDITION = 3.0
 """The example's pose is home where the reference's condition is worse by this factor."""
 _SINGULAR_CONDITION, _WORSE_CONDITION = 1e6, 30.0
-"""Condition of the direct problem above which home counts as singular, and how many times home's that of a configuration may
-be."""
+"""Condition of the direct problem above which home counts as singular, and how many times home's
+that of a configuration may be.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Workspace:
-    """Half widths (3,) about home in the length unit; tilt and spin in radians; `margin` is the share of each joint's
-    range that is kept free at both its limits. `start` is another home."""
+    """Half widths (3,) about home in the length unit; tilt and spin in radians; `margin` is the
+    share of each joint's range that is kept free at both its limits. `start` is another home.
+    """
 
     mechanism: Mechanism
     half: np.ndarray
@@ -74,21 +89,40 @@ class Workspace:
     def __post_init__(self) -> None:
         require_mechanism(self.mechanism)
         half = np.asarray(self.half, dtype=float)
-        if half.shape != (3,) or not np.all(np.isfinite(half)) or np.any(half < 0) or min(self.tilt, self.spin) < 0:
-            raise InputError(f"workspace: half widths {half.tolist()} and angles must be three numbers and not negative")
+        if (
+            half.shape != (3,)
+            or not np.all(np.isfinite(half))
+            or np.any(half < 0)
+            or min(self.tilt, self.spin) < 0
+        ):
+            raise InputError(
+                f"workspace: half widths {half.tolist()} and angles must be three numbers and not "
+                f"negative"
+            )
         if self.tilt >= 0.5 * math.pi:
-            raise InputError(f"workspace: a tilt of {math.degrees(self.tilt):g} deg is too large; allowed: below 90 deg")
+            raise InputError(
+                f"workspace: a tilt of {math.degrees(self.tilt):g} deg is too large; allowed: "
+                f"below 90 deg"
+            )
         object.__setattr__(self, "half", half)
 
     @staticmethod
-    def about(mechanism: Mechanism, half: Sequence[float] | None = None, **options: Any) -> Workspace:
+    def about(
+        mechanism: Mechanism, half: Sequence[float] | None = None, **options: Any
+    ) -> Workspace:
         """Make the default workspace: 0.15 of the size and 20 deg about home."""
         return Workspace(
-            mechanism, np.array(half if half is not None else [DEFAULT_REACH * mechanism.characteristic_length] * 3), **options
+            mechanism,
+            np.array(
+                half if half is not None else [DEFAULT_REACH * mechanism.characteristic_length] * 3
+            ),
+            **options,
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle the description alone: what closes configurations holds functions, and is made again where it is needed."""
+        """Pickle the description alone: what closes configurations holds functions, and is made
+        again where it is needed.
+        """
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @cached_property
@@ -109,27 +143,39 @@ class Workspace:
         return rng.uniform(-self.tilt, self.tilt, (count, 2))
 
     def draw(
-        self, inclinations: np.ndarray, rng: np.random.Generator, *, held: bool = True, edge: float = 1.0
+        self,
+        inclinations: np.ndarray,
+        rng: np.random.Generator,
+        *,
+        held: bool = True,
+        edge: float = 1.0,
     ) -> ClosedConfigurations:
-        """Draw one configuration for each (alpha, beta); with `held` every configuration has exactly its inclination. With `edge`
-        above 1 positions and turns are drawn from so many times the workspace and brought back to its border.
+        """Draw one configuration for each (alpha, beta); with `held` every configuration has
+        exactly its inclination. With `edge` above 1 positions and turns are drawn from so many
+        times the workspace and brought back to its border.
 
         Raises InputError where too few draws close within the limits.
         """
         found: list[ClosedConfigurations | None] = [None] * len(inclinations)
         drawn, idle = 0, 0
         while (missing := [k for k, c in enumerate(found) if c is None]) and idle < _MAX_IDLE_DRAWS:
-            chosen = np.array((missing * (1 + _MIN_DRAWN // len(missing)))[: max(_MIN_DRAWN, len(missing))])
+            chosen = np.array(
+                (missing * (1 + _MIN_DRAWN // len(missing)))[: max(_MIN_DRAWN, len(missing))]
+            )
             drawn, idle = drawn + len(chosen), idle + len(chosen)
             wanted = inclinations[chosen]
-            made, good = self.solver.close(self._starts(wanted, rng, edge), wanted if held else None)
+            made, good = self.solver.close(
+                self._starts(wanted, rng, edge), wanted if held else None
+            )
             for row in np.flatnonzero(good):
                 if found[chosen[row]] is None:
                     found[chosen[row]], idle = made.take(np.array([row])), 0
         if missing:
             raise InputError(
-                f"{self.mechanism.name}: only {len(inclinations) - len(missing)} of {len(inclinations)} postures were found in "
-                f"{drawn} draws within joint limits and away from singularities {self._why_none(inclinations[missing[0]], held)}"
+                f"{self.mechanism.name}: only {len(inclinations) - len(missing)} of "
+                f"{len(inclinations)} postures were found in "
+                f"{drawn} draws within joint limits and away from singularities "
+                f"{self._why_none(inclinations[missing[0]], held)}"
             )
         return ClosedConfigurations.joined([c for c in found if c is not None])
 
@@ -137,33 +183,55 @@ class Workspace:
         """What to do where postures are not found."""
         if self.carried and not held:
             rows, freedom = self.solver.rows_and_unknowns
-            redundant = f"; {rows} rows for {freedom} unknowns close at special geometry alone" if rows > freedom else ""
+            redundant = (
+                f"; {rows} rows for {freedom} unknowns close at special geometry alone"
+                if rows > freedom
+                else ""
+            )
             return f"about the reference; give joints limits within which it moves{redundant}"
         text = ", ".join(f"{math.degrees(a):g}" for a in inclination)
-        return f"(none for alpha, beta = {text} deg); use a smaller workspace or inclinations that the platform can take"
+        return (
+            f"(none for alpha, beta = {text} deg); use a smaller workspace or inclinations that "
+            f"the platform can take"
+        )
 
     def near(
-        self, around: ClosedConfigurations, inclinations: np.ndarray | None, scale: float, rng: np.random.Generator
+        self,
+        around: ClosedConfigurations,
+        inclinations: np.ndarray | None,
+        scale: float,
+        rng: np.random.Generator,
     ) -> tuple[ClosedConfigurations, np.ndarray]:
-        """Draw closed configurations near given ones, moved by `scale` of the workspace, no further than its borders; and the
-        numbers of those they are near to."""
+        """Draw closed configurations near given ones, moved by `scale` of the workspace, no further
+        than its borders; and the numbers of those they are near to.
+        """
         if self.carried:
             return self._joints_near(around, inclinations, scale, rng)
         at_home, moved = self.home.apply(self.centre), np.array(around.values)
         for k, row in enumerate(around.poses):
             pose = Pose(row[:3], row[3:])
-            alpha, beta, gamma = euler_from_quaternion(multiply(pose.quaternion, conjugate(self.home.quaternion)), "xyz")
+            alpha, beta, gamma = euler_from_quaternion(
+                multiply(pose.quaternion, conjugate(self.home.quaternion)), "xyz"
+            )
             gamma = np.clip(gamma + scale * self.spin * rng.uniform(-1, 1), -self.spin, self.spin)
-            q = multiply(quaternion_from_euler(np.array([alpha, beta, gamma]), "xyz"), self.home.quaternion)
+            q = multiply(
+                quaternion_from_euler(np.array([alpha, beta, gamma]), "xyz"), self.home.quaternion
+            )
             away = pose.apply(self.centre) - at_home + scale * self.half * rng.uniform(-1, 1, 3)
             middle = at_home + np.clip(away, -self.half, self.half)
-            moved[k] = with_pose(self.mechanism, moved[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q))
+            moved[k] = with_pose(
+                self.mechanism, moved[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q)
+            )
         made, good = self.solver.close(moved, inclinations)
         kept = np.flatnonzero(good & self.holds(made))
         return made.take(kept), kept
 
     def _joints_near(
-        self, around: ClosedConfigurations, inclinations: np.ndarray | None, scale: float, rng: np.random.Generator
+        self,
+        around: ClosedConfigurations,
+        inclinations: np.ndarray | None,
+        scale: float,
+        rng: np.random.Generator,
     ) -> tuple[ClosedConfigurations, np.ndarray]:
         low, high = self._joint_ranges
         moved = around.joints + 0.5 * scale * (high - low) * rng.uniform(-1, 1, around.joints.shape)
@@ -175,31 +243,41 @@ class Workspace:
     def at(
         self, poses: np.ndarray, joints: np.ndarray, inclinations: np.ndarray | None
     ) -> tuple[ClosedConfigurations, np.ndarray]:
-        """Close the configurations at poses (n, 7), or at joints (n, a) where these carry the platform, turned to inclinations where
-        they are given, and tell which of them are good; limits do not count."""
+        """Close the configurations at poses (n, 7), or at joints (n, a) where these carry the
+        platform, turned to inclinations where they are given, and tell which of them are good;
+        limits do not count.
+        """
         reference = build_closure(self.mechanism).reference
         if self.carried:
             starts = self.solver.at_joints(joints, np.tile(reference, (len(joints), 1)))
         else:
-            starts = np.array([with_pose(self.mechanism, reference, Pose(row[:3], row[3:])) for row in poses])
+            starts = np.array(
+                [with_pose(self.mechanism, reference, Pose(row[:3], row[3:])) for row in poses]
+            )
         return self.solver.close(starts, inclinations, limits=False)
 
     def holds(self, made: ClosedConfigurations) -> np.ndarray:
-        """Tell which configurations of a platform have their middle within the box (n,); where joints are drawn, their range is the
-        workspace."""
+        """Tell which configurations of a platform have their middle within the box (n,); where
+        joints are drawn, their range is the workspace.
+        """
         if self.drawn_by_joints:
             return np.ones(len(made), dtype=bool)
         at_home = self.home.apply(self.centre)
         middles = np.array([Pose(row[:3], row[3:]).apply(self.centre) for row in made.poses])
         return np.asarray(np.all(np.abs(middles - at_home) <= self.half * (1 + 1e-9), axis=1))
 
-    def _starts(self, inclinations: np.ndarray, rng: np.random.Generator, edge: float) -> np.ndarray:
+    def _starts(
+        self, inclinations: np.ndarray, rng: np.random.Generator, edge: float
+    ) -> np.ndarray:
         closure = build_closure(self.mechanism)
         starts = np.tile(closure.reference, (len(inclinations), 1))
         if self.drawn_by_joints:
             low, high = self._joint_ranges
             drawn = np.column_stack(
-                [np.zeros((len(starts), 0)), *(rng.uniform(a, b, len(starts)) for a, b in zip(low, high, strict=True))]
+                [
+                    np.zeros((len(starts), 0)),
+                    *(rng.uniform(a, b, len(starts)) for a, b in zip(low, high, strict=True)),
+                ]
             )
             if self.carried:
                 return self.solver.at_joints(drawn, starts)
@@ -209,9 +287,13 @@ class Workspace:
         for k, (alpha, beta) in enumerate(inclinations):
             share = np.clip(edge * rng.uniform(-1, 1, 4), -1, 1)
             gamma = self.spin * share[3]
-            q = multiply(quaternion_from_euler(np.array([alpha, beta, gamma]), "xyz"), at_home.quaternion)
+            q = multiply(
+                quaternion_from_euler(np.array([alpha, beta, gamma]), "xyz"), at_home.quaternion
+            )
             middle = at_home.apply(self.centre) + self.half * share[:3]
-            starts[k] = with_pose(self.mechanism, starts[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q))
+            starts[k] = with_pose(
+                self.mechanism, starts[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q)
+            )
         return starts
 
     @property
@@ -226,9 +308,13 @@ class Workspace:
 
     @property
     def _joint_ranges(self) -> tuple[np.ndarray, np.ndarray]:
-        """Ranges (a,) from which actuated joints are drawn: their limits, else about the reference."""
+        """Ranges (a,) from which actuated joints are drawn: their limits, else about the
+        reference.
+        """
         size = self.mechanism.characteristic_length
-        ranges = np.array([c.limits or _default_range(c, size) for c in self.mechanism.actuated]).reshape(-1, 2)
+        ranges = np.array(
+            [c.limits or _default_range(c, size) for c in self.mechanism.actuated]
+        ).reshape(-1, 2)
         return ranges[:, 0], ranges[:, 1]
 
 
@@ -238,16 +324,21 @@ def _default_range(c: Coordinate, size: float) -> tuple[float, float]:
 
 
 def platform_points(mechanism: Mechanism) -> np.ndarray:
-    """List the joint points of the platform, or of the link judged in its place, in its frame (n, 3): ends of rods, joints and named
-    points."""
+    """List the joint points of the platform, or of the link judged in its place, in its frame (n,
+    3): ends of rods, joints and named points.
+    """
     link, points = judged_link(mechanism), []
     frame = mechanism.reference_pose if mechanism.platform_link is not None else Pose.identity()
     inverse = frame.inverse()  # points of joints are given at the reference
-    for edge in sorted(edges_of(mechanism), key=lambda edge: not isinstance(edge.elements[0].part, Bar)):
+    for edge in sorted(
+        edges_of(mechanism), key=lambda edge: not isinstance(edge.elements[0].part, Bar)
+    ):
         part = edge.elements[0].part
         if link in edge.ends and isinstance(part, Bar):
             end = (part.start, part.end)[edge.ends.index(link)]
-            points.append(np.array(end.point) if end.in_platform_frame else inverse.apply(np.array(end.point)))
+            points.append(
+                np.array(end.point) if end.in_platform_frame else inverse.apply(np.array(end.point))
+            )
         elif link in edge.ends:
             points.append(inverse.apply(mechanism.places[edge.elements[0].name]))
     points += [inverse.apply(np.array(p.point)) for p in mechanism.link_points if p.link == link]
@@ -255,11 +346,20 @@ def platform_points(mechanism: Mechanism) -> np.ndarray:
 
 
 class ClosureSolver:
-    """Closes many configurations at once by Newton: first the joints for the pose, then all coordinates together."""
+    """Closes many configurations at once by Newton: first the joints for the pose, then all
+    coordinates together.
+    """
 
     def __init__(self, mechanism: Mechanism, home: Pose, margin: float = 0.0) -> None:
-        self.mechanism, self.closure, self.home, self.margin = mechanism, build_closure(mechanism), home, margin
-        self._model = build_model(mechanism, Measurements(np.zeros((1, len(mechanism.actuated)))), ())
+        self.mechanism, self.closure, self.home, self.margin = (
+            mechanism,
+            build_closure(mechanism),
+            home,
+            margin,
+        )
+        self._model = build_model(
+            mechanism, Measurements(np.zeros((1, len(mechanism.actuated)))), ()
+        )
         self._joints = JointsOfPose(self.closure)
         self._whole = all_coordinates(self.closure, home, held=False)
         self._held = all_coordinates(self.closure, home, held=True)
@@ -267,13 +367,16 @@ class ClosureSolver:
     def close(
         self, starts: np.ndarray, inclinations: np.ndarray | None, *, limits: bool = True
     ) -> tuple[ClosedConfigurations, np.ndarray]:
-        """Close configurations near the starts, and tell which of them are good: closed, with the inclination where one is
-        given, within limits, regular, and on home's side of singularities."""
+        """Close configurations near the starts, and tell which of them are good: closed, with the
+        inclination where one is given, within limits, regular, and on home's side of singularities.
+        """
         nothing = np.zeros((len(starts), 0))
         with np.errstate(all="ignore"):
             values = self._joints.solve(starts)
             known = nothing if inclinations is None else inclinations
-            values, closed = closed_points(self._whole if inclinations is None else self._held, values, known)
+            values, closed = closed_points(
+                self._whole if inclinations is None else self._held, values, known
+            )
             z, joints = self.split(values)
             _, rows_z = self._model.rows(z, joints, np.zeros(0))
             made = ClosedConfigurations(values, joints, self._model.poses(z, joints, np.zeros(0)))
@@ -283,7 +386,9 @@ class ClosureSolver:
         return made, good
 
     def split(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Split the closure's variables into the unknown coordinates of the direct problem, and the actuated joints."""
+        """Split the closure's variables into the unknown coordinates of the direct problem, and the
+        actuated joints.
+        """
         count = len(self.mechanism.actuated)
         return np.ascontiguousarray(values[:, count:]), np.ascontiguousarray(values[:, :count])
 
@@ -293,8 +398,10 @@ class ClosureSolver:
         return int(self._model.system.rows.shape[0]), self._model.system.freedom
 
     def at_joints(self, joints: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Follow configurations (n, width) from their joints to others (n, a), and return the variables there; not numbers where one
-        is lost on the way, or does not come back to where it began: it has passed into another assembly mode."""
+        """Follow configurations (n, width) from their joints to others (n, a), and return the
+        variables there; not numbers where one is lost on the way, or does not come back to where it
+        began: it has passed into another assembly mode.
+        """
         nothing, size = np.zeros(0), self.closure.characteristic_length
         start, begin = self.split(values)
         start = follow_joints(self._model, start, begin, begin, nothing)
@@ -320,8 +427,14 @@ class ClosureSolver:
             column = values[:, self.closure.slices[c.name].start]
             if c.limits is not None:
                 kept = self.margin * (c.limits[1] - c.limits[0])
-                turn = 2 * math.pi * np.ceil((c.limits[0] - column) / (2 * math.pi) - 1e-12) if c.kind == "angle" else 0.0
-                good &= (column + turn >= c.limits[0] + kept) & (column + turn <= c.limits[1] - kept)
+                turn = (
+                    2 * math.pi * np.ceil((c.limits[0] - column) / (2 * math.pi) - 1e-12)
+                    if c.kind == "angle"
+                    else 0.0
+                )
+                good &= (column + turn >= c.limits[0] + kept) & (
+                    column + turn <= c.limits[1] - kept
+                )
             elif c.least is not None:
                 good &= column > c.least
         return np.asarray(good)
@@ -329,7 +442,9 @@ class ClosureSolver:
     @cached_property
     def _at_home(self) -> tuple[float, float]:
         """Sign of det F_z at home, 0 where F_z is not square, and the condition of F_z."""
-        start = self._joints.solve(with_pose(self.mechanism, self.closure.reference, self.home)[None])
+        start = self._joints.solve(
+            with_pose(self.mechanism, self.closure.reference, self.home)[None]
+        )
         return _side_and_condition(self._model, *self.split(start))
 
     def _regular(self, rows_z: np.ndarray) -> np.ndarray:
@@ -337,15 +452,24 @@ class ClosureSolver:
             return np.ones(len(rows_z), dtype=bool)
         side, condition = self._at_home
         singular = np.linalg.svd(np.nan_to_num(rows_z), compute_uv=False)
-        worst = _WORSE_CONDITION * condition if condition < _SINGULAR_CONDITION else _SINGULAR_CONDITION
-        return np.asarray((singular[:, -1] * worst > singular[:, 0]) & (determinant_signs(rows_z) * side >= 0))
+        worst = (
+            _WORSE_CONDITION * condition if condition < _SINGULAR_CONDITION else _SINGULAR_CONDITION
+        )
+        return np.asarray(
+            (singular[:, -1] * worst > singular[:, 0]) & (determinant_signs(rows_z) * side >= 0)
+        )
 
 
 def home_pose(mechanism: Mechanism) -> Pose:
-    """Return the reference pose; the pose of the worked example where the file states no reference, or where the direct
-    problem is conditioned much better there."""
+    """Return the reference pose; the pose of the worked example where the file states no reference,
+    or where the direct problem is conditioned much better there.
+    """
     example, reference = mechanism.example, mechanism.reference_pose
-    given = None if example is None else example.pose or (example.start if example.joints is not None else None)
+    given = (
+        None
+        if example is None
+        else example.pose or (example.start if example.joints is not None else None)
+    )
     if mechanism.serial or given is None or len(given) != 7:
         return reference
     closure, count = build_closure(mechanism), len(mechanism.actuated)
@@ -353,26 +477,41 @@ def home_pose(mechanism: Mechanism) -> Pose:
     shown = pose_from(given, "example")
     if not states_reference(mechanism):
         return shown
-    values = JointsOfPose(closure).solve(np.array([with_pose(mechanism, closure.reference, pose) for pose in (reference, shown)]))
-    here, there = (_side_and_condition(model, row[None, count:].copy(), row[None, :count].copy())[1] for row in values)
+    values = JointsOfPose(closure).solve(
+        np.array([with_pose(mechanism, closure.reference, pose) for pose in (reference, shown)])
+    )
+    here, there = (
+        _side_and_condition(model, row[None, count:].copy(), row[None, :count].copy())[1]
+        for row in values
+    )
     return shown if here > _POORER_CONDITION * there else reference
 
 
 def states_reference(mechanism: Mechanism) -> bool:
-    """Tell whether a file says where the platform stands at the reference: rod limbs alone leave it open, and it is then the
-    origin."""
+    """Tell whether a file says where the platform stands at the reference: rod limbs alone leave it
+    open, and it is then the origin.
+    """
     return any(mechanism.platform_position) or any(mechanism.all_joints)
 
 
-def _side_and_condition(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray) -> tuple[float, float]:
+def _side_and_condition(
+    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray
+) -> tuple[float, float]:
     _, rows_z = model.rows(z, joints, np.zeros(0))
     condition = float(np.linalg.cond(rows_z[0])) if rows_z.shape[2] else 1.0
-    return float(determinant_signs(rows_z)[0]) if condition < _SINGULAR_CONDITION else 0.0, condition
+    return float(
+        determinant_signs(rows_z)[0]
+    ) if condition < _SINGULAR_CONDITION else 0.0, condition
 
 
 def lever(mechanism: Mechanism) -> float:
-    """Return the length by which angles are compared with positions: root mean square distance of the platform's joint points
-    from their middle; where they coincide, a quarter of the size."""
+    """Return the length by which angles are compared with positions: root mean square distance of
+    the platform's joint points from their middle; where they coincide, a quarter of the size.
+    """
     points = platform_points(mechanism)
     spread = float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
-    return spread if spread > 1e-9 * mechanism.characteristic_length else 0.25 * mechanism.characteristic_length
+    return (
+        spread
+        if spread > 1e-9 * mechanism.characteristic_length
+        else 0.25 * mechanism.characteristic_length
+    )

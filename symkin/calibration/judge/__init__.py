@@ -1,1 +1,3 @@
-"""What an estimate is worth: identifiability, statistics, outliers, predictions, and mistakes in the data."""
+"""What an estimate is worth: identifiability, statistics, outliers, predictions, and mistakes in
+the data.
+"""

@@ -1,9 +1,11 @@
-"""Build the result of a calibration from its fit: standard deviations, residuals, chi-square and notes.
+"""Build the result of a calibration from its fit: standard deviations, residuals, chi-square and
+notes.
 
-The figures are those of the corrected mechanism file as its users will read it: it is written, read back, and its direct problems
-are solved at the rows measured. `read_back` gives the state at the values that the file holds, and a sentence where the file is
-not what was fitted: it cannot be read, a row does not close, a rod is inside out, a limit is passed, or a reading comes out
-otherwise than in the fit by more than rounding.
+The figures are those of the corrected mechanism file as its users will read it: it is written, read
+back, and its direct problems are solved at the rows measured. `read_back` gives the state at the
+values that the file holds, and a sentence where the file is not what was fitted: it cannot be read,
+a row does not close, a rod is inside out, a limit is passed, or a reading comes out otherwise than
+in the fit by more than rounding.
 """
 
 from __future__ import annotations
@@ -42,7 +44,9 @@ from symkin.spatial.rotation import wrapped
 from symkin.text import first_of
 
 _READING_AGREEMENT = (1e-3, 1e-9)
-"""Readings of file and fit agree within this share of their standard deviations, or of the size (angles: radians)."""
+"""Readings of file and fit agree within this share of their standard deviations, or of the size
+(angles: radians).
+"""
 _UNIT_VECTORS = (".axis", ".axis2", ".quaternion")
 """Vectors that a mechanism file holds at unit length."""
 _LIMIT_SLACK = 1e-9
@@ -51,8 +55,9 @@ _LIMIT_SLACK = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """An estimate over the configurations `used`, those `unsolved`, the sign of det F_z of each used one where the estimation
-    began, and configurations without a reading, `silent`."""
+    """An estimate over the configurations `used`, those `unsolved`, the sign of det F_z of each
+    used one where the estimation began, and configurations without a reading, `silent`.
+    """
 
     problem: CalibrationProblem
     result: Estimate
@@ -64,9 +69,12 @@ class Fit:
     loss: str = "squared"
 
 
-def build_result(measurements: Measurements, found: Fit, screening: Screening, *, removed: bool) -> Calibration:
-    """Build the result of a fit at the geometry that the corrected file holds; `removed` says whether the outliers were left
-    out."""
+def build_result(
+    measurements: Measurements, found: Fit, screening: Screening, *, removed: bool
+) -> Calibration:
+    """Build the result of a fit at the geometry that the corrected file holds; `removed` says
+    whether the outliers were left out.
+    """
     mechanism = found.problem.mechanism
     problem, written = found.problem, read_back(found.problem, found.result.state)
     state = written.state
@@ -78,49 +86,91 @@ def build_result(measurements: Measurements, found: Fit, screening: Screening, *
     identified = identifiability_at(problem, state)
     crossed = found.used[state.determinant_signs * found.start_signs < 0]
     calibration = Calibration(
-        mechanism=mechanism, measurements=measurements, problem=problem, state=state,
-        parameters=_parameters(problem, state, free, known or model.degrees > 0), covariance=_full_covariance(problem, free),
-        residuals=_residuals(problem, state, model, spread, found.used), chi_square=chi_square, degrees=model.degrees,
-        p_value=chi_square_tail(_tested_chi_square(problem, model), model.degrees) if known and model.degrees > 0 else None,
-        identifiability=identified, outliers=screening.outliers, unchecked=screening.unchecked,
-        used=tuple(found.used.tolist()), unsolved=tuple(found.unsolved.tolist()), changed_mode=tuple(crossed.tolist()),
-        poses=problem.model.poses(state.z, problem.measurements.joints, state.p), status=found.result.status, iterations=found.result.iterations,
-        given_up=screening.given_up, silent=tuple(found.silent.tolist()), refused=written.reason,
-    )  # fmt: skip
+        mechanism=mechanism,
+        measurements=measurements,
+        problem=problem,
+        state=state,
+        parameters=_parameters(problem, state, free, known or model.degrees > 0),
+        covariance=_full_covariance(problem, free),
+        residuals=_residuals(problem, state, model, spread, found.used),
+        chi_square=chi_square,
+        degrees=model.degrees,
+        p_value=chi_square_tail(_tested_chi_square(problem, model), model.degrees)
+        if known and model.degrees > 0
+        else None,
+        identifiability=identified,
+        outliers=screening.outliers,
+        unchecked=screening.unchecked,
+        used=tuple(found.used.tolist()),
+        unsolved=tuple(found.unsolved.tolist()),
+        changed_mode=tuple(crossed.tolist()),
+        poses=problem.model.poses(state.z, problem.measurements.joints, state.p),
+        status=found.result.status,
+        iterations=found.result.iterations,
+        given_up=screening.given_up,
+        silent=tuple(found.silent.tolist()),
+        refused=written.reason,
+    )
     left_out = [n for n in problem.names if not is_writable(n)]
     notes = [*found.notes, *fit_notes(calibration, removed=removed)]
     curved = [
-        n for n, share in zip(problem.names, curvature(problem, state, spread), strict=True) if not share < DOUBTFUL_CURVATURE
+        n
+        for n, share in zip(problem.names, curvature(problem, state, spread), strict=True)
+        if not share < DOUBTFUL_CURVATURE
     ]
     if curved and not is_exact(calibration):
         notes.append(
-            f"standard deviations of {first_of(curved)} are doubtful: the readings are not linear in the parameters within them; "
+            f"standard deviations of {first_of(curved)} are doubtful: the readings are not linear "
+            f"in the parameters within them; "
             "choose postures that tell these parameters better, or hold some"
         )
     if left_out:
-        notes.append(f"a mechanism file has no place for {', '.join(left_out)}: apply them to the readings")
+        notes.append(
+            f"a mechanism file has no place for {', '.join(left_out)}: apply them to the readings"
+        )
     return replace(calibration, notes=tuple(notes))
 
 
 def _tested_chi_square(problem: CalibrationProblem, model: LinearModel) -> float:
-    """Return the statistic that has the chi-square distribution: where the form that was minimised leaves joint noise or
-    correlation out of account, what the parameters could still take away of it is no misfit."""
-    efficient = problem.form == "maximum likelihood" or (problem.form == "means" and problem.measurements.joint_sigma is None)
+    """Return the statistic that has the chi-square distribution: where the form that was minimised
+    leaves joint noise or correlation out of account, what the parameters could still take away of
+    it is no misfit.
+    """
+    efficient = problem.form == "maximum likelihood" or (
+        problem.form == "means" and problem.measurements.joint_sigma is None
+    )
     return model.chi_square_as_is if efficient else model.chi_square
 
 
-def _parameters(problem: CalibrationProblem, state: State, free: np.ndarray, has_sigma: bool) -> tuple[Parameter, ...]:
+def _parameters(
+    problem: CalibrationProblem, state: State, free: np.ndarray, has_sigma: bool
+) -> tuple[Parameter, ...]:
     model = problem.model
     sigmas = np.sqrt(np.maximum(np.diag(free), 0.0))
     found = [
-        Parameter(name=name, kind=kind, nominal=float(nominal), value=float(value), sigma=float(sigma) if has_sigma else None)
-        for name, kind, nominal, value, sigma in zip(model.names, model.kinds, model.nominal, state.p, sigmas, strict=True)
+        Parameter(
+            name=name,
+            kind=kind,
+            nominal=float(nominal),
+            value=float(value),
+            sigma=float(sigma) if has_sigma else None,
+        )
+        for name, kind, nominal, value, sigma in zip(
+            model.names, model.kinds, model.nominal, state.p, sigmas, strict=True
+        )
     ]
     table = nominal_parameters(problem.mechanism, problem.measurements.observed)
     return (
         *found,
         *(
-            Parameter(name=n, kind=table[n][1], nominal=table[n][0], value=table[n][0], sigma=0.0, held=True)
+            Parameter(
+                name=n,
+                kind=table[n][1],
+                nominal=table[n][0],
+                value=table[n][0],
+                sigma=0.0,
+                held=True,
+            )
             for n in problem.fixed
         ),
     )
@@ -144,7 +194,11 @@ def _residuals(
     rows = []
     for i, k in np.argwhere(readings.taken):
         kind, component = problem.model.columns[k]
-        normal = float(whitened[i, k] / left[i, k] / np.sqrt(spread)) if left[i, k] > 1e-6 and spread > 0 else None
+        normal = (
+            float(whitened[i, k] / left[i, k] / np.sqrt(spread))
+            if left[i, k] > 1e-6 and spread > 0
+            else None
+        )
         rows.append(
             Residual(
                 configuration=int(used[i]),
@@ -160,35 +214,51 @@ def _residuals(
 
 
 def state_residuals(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Return the readings of the model less those taken (n, K), radians and length unit; a group's from its weighted mean."""
+    """Return the readings of the model less those taken (n, K), radians and length unit; a group's
+    from its weighted mean.
+    """
     means = evaluate(problem, state.p, state.z, "means").linearised.residuals
     return np.asarray(means * np.where(problem.readings.taken, problem.readings.sigma, 0.0))
 
 
-# --- the file read back -----------------------------------------------------------------------------------------------
+# --- the file read back ---------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class WrittenGeometry:
-    """The state at the values of the file that would be written, and why it must not be, None where nothing speaks against it."""
+    """The state at the values of the file that would be written, and why it must not be, None where
+    nothing speaks against it.
+    """
 
     state: State
     reason: str | None
 
 
 def read_back(problem: CalibrationProblem, state: State) -> WrittenGeometry:
-    """Write the mechanism at a state, read it, and compare its direct problems at the measured rows with the state's."""
+    """Write the mechanism at a state, read it, and compare its direct problems at the measured rows
+    with the state's.
+    """
     values = dict(zip(problem.names, map(float, state.p), strict=True))
     read_besides = problem.measurements.observed
     try:
         found = parse(with_parameters(problem.mechanism, values).to_toml())
         table = nominal_parameters(found, read_besides)
     except SymkinError as error:
-        return WrittenGeometry(state, f"the file with the identified geometry cannot be read ({error})")
-    nominal = {name: float(value) for name, (value, *_) in nominal_parameters(problem.mechanism, read_besides).items()}
+        return WrittenGeometry(
+            state, f"the file with the identified geometry cannot be read ({error})"
+        )
+    nominal = {
+        name: float(value)
+        for name, (value, *_) in nominal_parameters(problem.mechanism, read_besides).items()
+    }
     read = {name: float(value) for name, (value, *_) in table.items()}
     factors = _vector_lengths(nominal | values, read)
-    p = np.array([read[n] * factors.get(_vector(n), 1.0) if is_writable(n) else values[n] for n in problem.names])
+    p = np.array(
+        [
+            read[n] * factors.get(_vector(n), 1.0) if is_writable(n) else values[n]
+            for n in problem.names
+        ]
+    )
     with np.errstate(all="ignore"):
         noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
         here = closed_state(problem, p, state.z, problem.form, noise)
@@ -201,8 +271,9 @@ def _vector(name: str) -> str:
 
 
 def _vector_lengths(fitted: dict[str, float], read: dict[str, float]) -> dict[str, float]:
-    """Return by how much the fit's directions and quaternions are longer than those of the file, which are of unit length: a
-    set of parameters may hold one of their components."""
+    """Return by how much the fit's directions and quaternions are longer than those of the file,
+    which are of unit length: a set of parameters may hold one of their components.
+    """
     vectors = {_vector(name) for name in read if _vector(name).endswith(_UNIT_VECTORS)}
     factors = {}
     for vector in vectors:
@@ -212,7 +283,9 @@ def _vector_lengths(fitted: dict[str, float], read: dict[str, float]) -> dict[st
     return factors
 
 
-def _difference(problem: CalibrationProblem, state: State, found: Mechanism, values: dict[str, float]) -> str | None:
+def _difference(
+    problem: CalibrationProblem, state: State, found: Mechanism, values: dict[str, float]
+) -> str | None:
     """Say the first thing in which the file is not what was fitted, None where there is none."""
     m = problem.measurements
     beside = {n: v for n, v in values.items() if not is_writable(n)}
@@ -222,15 +295,22 @@ def _difference(problem: CalibrationProblem, state: State, found: Mechanism, val
         return inside_out
     z, solved = newton_configurations(model, state.z, m.joints, p)
     if not solved.all():
-        return f"{_row_names(m, ~solved)} {_has_or_have(~solved)} no solution at the geometry that would be written"
+        return (
+            f"{_row_names(m, ~solved)} {_has_or_have(~solved)} no solution at the geometry that "
+            f"would be written"
+        )
     outside = next(_outside_limits(model, m, z), None)
-    return outside or _disagreement(problem, state, model.evaluate(z, m.joints, p, problem.quaternions).readings)
+    return outside or _disagreement(
+        problem, state, model.evaluate(z, m.joints, p, problem.quaternions).readings
+    )
 
 
 def _disagreement(problem: CalibrationProblem, state: State, of_file: np.ndarray) -> str | None:
     """Say which row comes out otherwise from the file than in the fit, None where none does."""
     readings, size = problem.readings, problem.model.closure.characteristic_length
-    ours = problem.model.evaluate(state.z, problem.measurements.joints, state.p, problem.quaternions).readings
+    ours = problem.model.evaluate(
+        state.z, problem.measurements.joints, state.p, problem.quaternions
+    ).readings
     units = np.where(problem.model.angular, 1.0, size)
     gap = np.where(readings.taken, np.abs(of_file - ours), 0.0)
     gap = np.where(readings.turning, np.abs(wrapped(gap)), gap)
@@ -239,12 +319,13 @@ def _disagreement(problem: CalibrationProblem, state: State, of_file: np.ndarray
     if not off.any():
         return None
     return (
-        f"the file that would be written does not give the readings that the fit does at {_row_names(problem.measurements, off)}: "
+        f"the file that would be written does not give the readings that the fit does at "
+        f"{_row_names(problem.measurements, off)}: "
         f"they differ by up to {np.nanmax(gap / units):.2g} of the size"
     )
 
 
-# --- physical ------------------------------------------------------------------------------------------------------
+# --- physical -------------------------------------------------------------------------------------
 
 
 def _actuated_values(found: Mechanism, m: Measurements, beside: dict[str, float]) -> np.ndarray:
@@ -258,19 +339,31 @@ def _negative_rods(found: Mechanism, m: Measurements, joints: np.ndarray) -> Ite
         short = joints[:, k] < _least(c)
         if short.any():
             least = float(np.min(joints[:, k] - _least(c)))
-            yield f"the rod of {c.name} would have a negative length at {_row_names(m, short)}, down to {least:.4g} {found.length_unit}"
+            yield (
+                f"the rod of {c.name} would have a negative length at {_row_names(m, short)}, down "
+                f"to {least:.4g} {found.length_unit}"
+            )
 
 
 def _outside_limits(model: ConfigurationModel, m: Measurements, z: np.ndarray) -> Iterator[str]:
-    """Yield a sentence for each passive joint outside its limits; limits of actuated joints speak of the rows, not of the
-    geometry."""
-    places = {c.name: place.start for c, place in zip(model.system.unknowns, model.system.slices, strict=True)}
+    """Yield a sentence for each passive joint outside its limits; limits of actuated joints speak
+    of the rows, not of the geometry.
+    """
+    places = {
+        c.name: place.start
+        for c, place in zip(model.system.unknowns, model.system.slices, strict=True)
+    }
     for c in model.closure.role("passive"):
         if c.width == 1:
             values = z[:, places[c.name]]
-            off = _beyond_limits(c, values, model.closure.characteristic_length) | (values < _least(c))
+            off = _beyond_limits(c, values, model.closure.characteristic_length) | (
+                values < _least(c)
+            )
             if off.any():
-                yield f"the passive joint {c.name} would be outside its limits at {_row_names(m, off)}"
+                yield (
+                    f"the passive joint {c.name} would be outside its limits at "
+                    f"{_row_names(m, off)}"
+                )
 
 
 def _least(c: Coordinate) -> float:
@@ -278,7 +371,9 @@ def _least(c: Coordinate) -> float:
 
 
 def _beyond_limits(c: Coordinate, values: np.ndarray, size: float) -> np.ndarray:
-    """Tell which values, angles by whole turns as near as may be, are outside the limits by more than rounding."""
+    """Tell which values, angles by whole turns as near as may be, are outside the limits by more
+    than rounding.
+    """
     if c.limits is None:
         return np.zeros(len(values), dtype=bool)
     low, high = c.limits

@@ -1,11 +1,13 @@
-"""Find what was assigned wrongly: columns to joints, and configurations to groups of equal inclination.
+"""Find what was assigned wrongly: columns to joints, and configurations to groups of equal
+inclination.
 
-Where whole poses were measured, each limb of a parallel mechanism has a joint value of its own at each pose (the inverse problem
-at the nominal geometry), and the columns are assigned to the limbs that they fit best, whatever the order. Elsewhere single
-exchanges and signs are taken one after the other, each the best, while the readings fit better.
+Where whole poses were measured, each limb of a parallel mechanism has a joint value of its own at
+each pose (the inverse problem at the nominal geometry), and the columns are assigned to the limbs
+that they fit best, whatever the order. Elsewhere single exchanges and signs are taken one after the
+other, each the best, while the readings fit better.
 
-Inclinations at the nominal geometry show configurations in a wrong group, two groups under one label, and labels that have
-nothing to do with the inclinations.
+Inclinations at the nominal geometry show configurations in a wrong group, two groups under one
+label, and labels that have nothing to do with the inclinations.
 """
 
 from __future__ import annotations
@@ -17,7 +19,12 @@ from itertools import combinations, permutations
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements, spread_rows
-from symkin.calibration.estimate.configurations import first_points, joints_at_poses, known_poses, newton_configurations
+from symkin.calibration.estimate.configurations import (
+    first_points,
+    joints_at_poses,
+    known_poses,
+    newton_configurations,
+)
 from symkin.calibration.estimate.problem import build_calibration
 from symkin.calibration.estimate.starting import with_starts
 from symkin.calibration.judge.statistics import rms_of_better_part
@@ -36,43 +43,63 @@ _EXCHANGE_CONFIGURATIONS = 16
 _EXCHANGE_GAIN = 0.9
 """An exchange is taken where the misfit falls below this share."""
 _OUTSTANDING_RATIO = 10.0
-"""A configuration or a part of a group stands out when it is so many times further away than the others usually are."""
+"""A configuration or a part of a group stands out when it is so many times further away than the
+others usually are.
+"""
 _USUAL_QUANTILE = 0.75
-"""Share of the configurations that tells what is usual: errors of the nominal geometry spread them too."""
+"""Share of the configurations that tells what is usual: errors of the nominal geometry spread them
+too.
+"""
 _MIN_GROUP_SIZE = 3
 """Configurations of a group from which one can be told from the others."""
 _COMPARED_NEIGHBOURS, _SCATTER_RATIO = 3, 5.0
-"""Labels mean nothing when a configuration is so many times further from its group than from this many others of any label."""
+"""Labels mean nothing when a configuration is so many times further from its group than from this
+many others of any label.
+"""
 
 
-# --- joint columns ----------------------------------------------------------------------------------------------------
+# --- joint columns --------------------------------------------------------------------------------
 
 
 def best_column_order(
     mechanism: Mechanism, m: Measurements, misfit: Callable[[Measurements], float]
 ) -> tuple[str, Measurements] | None:
-    """A sentence on the order and signs of the joint columns that explain the readings, and the readings put right; None where
-    the columns stand as they should, or where too few poses are known."""
+    """A sentence on the order and signs of the joint columns that explain the readings, and the
+    readings put right; None where the columns stand as they should, or where too few poses are
+    known.
+    """
     whole = np.array([pose is not None for pose in known_poses(m, measured=True)])
-    if not mechanism.serial and np.sum(whole) >= _MIN_WHOLE_POSES and len(mechanism.actuated) <= _MAX_ASSIGNED_JOINTS:
+    if (
+        not mechanism.serial
+        and np.sum(whole) >= _MIN_WHOLE_POSES
+        and len(mechanism.actuated) <= _MAX_ASSIGNED_JOINTS
+    ):
         found = _assign_columns(mechanism, m.subset(whole))
     else:
         found = _exchange_one_by_one(mechanism, m, misfit)
     if found is None:
         return None
     order, signs = found
-    return _describe_order(mechanism.actuated, order, signs), replace(m, joints=signs * m.joints[:, order])
+    return _describe_order(mechanism.actuated, order, signs), replace(
+        m, joints=signs * m.joints[:, order]
+    )
 
 
 def is_possible(actuated: Sequence[Coordinate], joints: np.ndarray) -> bool:
     """Whether no reading is below the least value of its joint (rods of negative length)."""
-    return all(c.least is None or bool(np.all(joints[:, k] > c.least)) for k, c in enumerate(actuated))
+    return all(
+        c.least is None or bool(np.all(joints[:, k] > c.least)) for k, c in enumerate(actuated)
+    )
 
 
 def like_pairs(mechanism: Mechanism) -> Iterator[tuple[int, int]]:
     """Pairs of joints of one kind."""
     actuated = mechanism.actuated
-    return ((a, b) for a, b in combinations(range(len(actuated)), 2) if actuated[a].is_angular == actuated[b].is_angular)
+    return (
+        (a, b)
+        for a, b in combinations(range(len(actuated)), 2)
+        if actuated[a].is_angular == actuated[b].is_angular
+    )
 
 
 def swapped(count: int, a: int, b: int) -> np.ndarray:
@@ -86,7 +113,9 @@ def sign_change(count: int, k: int) -> np.ndarray:
 
 
 def _assign_columns(mechanism: Mechanism, m: Measurements) -> tuple[np.ndarray, np.ndarray] | None:
-    """For each joint the column that fits its values at the measured poses best, each column once, and its sign."""
+    """For each joint the column that fits its values at the measured poses best, each column once,
+    and its sign.
+    """
     actuated = mechanism.actuated
     poses = np.array([pose for pose in known_poses(m, measured=True) if pose is not None])
     values = joints_at_poses(mechanism, poses)
@@ -107,7 +136,9 @@ def _assign_columns(mechanism: Mechanism, m: Measurements) -> tuple[np.ndarray, 
     best = orders[int(np.argmin(np.sum(cost[np.arange(count), orders], axis=1)))]
     signs = sign[np.arange(count), best]
     unchanged = np.array_equal(best, np.arange(count)) and np.all(signs > 0)
-    return None if unchanged or not is_possible(actuated, signs * m.joints[:, best]) else (best, signs)
+    return (
+        None if unchanged or not is_possible(actuated, signs * m.joints[:, best]) else (best, signs)
+    )
 
 
 def _joint_gap(values: np.ndarray, c: Coordinate) -> np.ndarray:
@@ -137,22 +168,28 @@ def _exchange_one_by_one(
 
 
 def _describe_order(actuated: Sequence[Coordinate], order: np.ndarray, signs: np.ndarray) -> str:
-    """'the columns a, b, c look exchanged: they seem to hold b, c, a; the sign of d looks reversed'."""
+    """'the columns a, b, c look exchanged: they seem to hold b, c, a; the sign of d looks
+    reversed'.
+    """
     names = [c.name for c in actuated]
     holds = np.argsort(order)  # column order[j] holds joint j
     moved = [k for k in range(len(names)) if holds[k] != k]
     parts = []
     if moved:
         parts.append(
-            f"the columns {', '.join(names[k] for k in moved)} look exchanged: they seem to hold {', '.join(names[holds[k]] for k in moved)}"
+            f"the columns {', '.join(names[k] for k in moved)} look exchanged: they seem to hold "
+            f"{', '.join(names[holds[k]] for k in moved)}"
         )
     turned = [names[order[j]] for j in range(len(names)) if signs[j] < 0]
     if turned:
-        parts.append(f"the sign{'s' * (len(turned) > 1)} of {', '.join(turned)} look{'s' * (len(turned) == 1)} reversed")
+        parts.append(
+            f"the sign{'s' * (len(turned) > 1)} of {', '.join(turned)} "
+            f"look{'s' * (len(turned) == 1)} reversed"
+        )
     return "; ".join(parts)
 
 
-# --- groups -----------------------------------------------------------------------------------------------------------
+# --- groups ---------------------------------------------------------------------------------------
 
 
 def diagnose_groups(mechanism: Mechanism, measurements: Measurements) -> tuple[str, ...]:
@@ -174,15 +211,28 @@ def diagnose_groups(mechanism: Mechanism, measurements: Measurements) -> tuple[s
 
 
 class _GroupedInclinations:
-    """Configurations `members` (numbers in the measurements) with the places (m,) of their groups and inclinations (m, 2),
-    radians."""
+    """Configurations `members` (numbers in the measurements) with the places (m,) of their groups
+    and inclinations (m, 2), radians.
+    """
 
     def __init__(
-        self, mechanism: Mechanism, measurements: Measurements, members: np.ndarray, places: np.ndarray, inclination: np.ndarray
+        self,
+        mechanism: Mechanism,
+        measurements: Measurements,
+        members: np.ndarray,
+        places: np.ndarray,
+        inclination: np.ndarray,
     ) -> None:
-        self.mechanism, self.labels, self.members, self.places = mechanism, measurements.labels, members, places
+        self.mechanism, self.labels, self.members, self.places = (
+            mechanism,
+            measurements.labels,
+            members,
+            places,
+        )
         self.inclination = inclination
-        self.away = _distances(inclination, np.array([self._middle(k) for k in range(int(places.max()) + 1)])[places])
+        self.away = _distances(
+            inclination, np.array([self._middle(k) for k in range(int(places.max()) + 1)])[places]
+        )
 
     def _middle(self, place: int) -> np.ndarray:
         return np.asarray(np.median(self.inclination[self.places == place], axis=0))
@@ -196,8 +246,10 @@ class _GroupedInclinations:
         largest = float(np.max(self.away[out]))
         look, group = ("look", "wrong groups") if len(out) > 1 else ("looks", "the wrong group")
         return (
-            f"posture {self._named(out)} {look} to be in {group}: at the nominal geometry the inclination is "
-            f"{'up to ' if len(out) > 1 else ''}{self._angle(largest)} from the others of the group, where three quarters of the postures "
+            f"posture {self._named(out)} {look} to be in {group}: at the nominal geometry the "
+            f"inclination is "
+            f"{'up to ' if len(out) > 1 else ''}{self._angle(largest)} from the others of the "
+            f"group, where three quarters of the postures "
             f"are within {self._angle(usual)}",
         )
 
@@ -210,29 +262,53 @@ class _GroupedInclinations:
                 continue
             first, second = inside[parts], inside[~parts]
             middles = [np.median(self.inclination[part], axis=0) for part in (first, second)]
-            tight = [_distances(self.inclination[part], middle) for part, middle in zip((first, second), middles, strict=True)]
-            usual = max(float(np.quantile(np.concatenate([*tight, self.away[self.places != place]]), _USUAL_QUANTILE)), 1e-12)
+            tight = [
+                _distances(self.inclination[part], middle)
+                for part, middle in zip((first, second), middles, strict=True)
+            ]
+            usual = max(
+                float(
+                    np.quantile(
+                        np.concatenate([*tight, self.away[self.places != place]]), _USUAL_QUANTILE
+                    )
+                ),
+                1e-12,
+            )
             gap = float(_distances(middles[0][None], middles[1])[0])
-            if gap > _OUTSTANDING_RATIO * usual and max(float(np.max(t)) for t in tight) < 0.5 * gap:
+            if (
+                gap > _OUTSTANDING_RATIO * usual
+                and max(float(np.max(t)) for t in tight) < 0.5 * gap
+            ):
                 return (
-                    f"the group of posture {self._named(first)} looks to be two groups under one label: at the nominal geometry these are "
-                    f"inclined by {self._angle(gap)} against {self._named(second)}, where three quarters of the postures are within "
+                    f"the group of posture {self._named(first)} looks to be two groups under one "
+                    f"label: at the nominal geometry these are "
+                    f"inclined by {self._angle(gap)} against {self._named(second)}, where three "
+                    f"quarters of the postures are within "
                     f"{self._angle(usual)} of their group",
                 )
         return ()
 
     def scattered(self) -> tuple[str, ...]:
-        """Find labels that do not go with the inclinations, although the inclinations come in groups."""
+        """Find labels that do not go with the inclinations, although the inclinations come in
+        groups.
+        """
         count = len(self.members)
         if count <= _COMPARED_NEIGHBOURS:
             return ()
-        apart = np.array([np.sort(_distances(self.inclination, row))[_COMPARED_NEIGHBOURS] for row in self.inclination])
+        apart = np.array(
+            [
+                np.sort(_distances(self.inclination, row))[_COMPARED_NEIGHBOURS]
+                for row in self.inclination
+            ]
+        )
         within, near = float(np.median(self.away)), float(np.median(apart))
         if not within > _SCATTER_RATIO * near:
             return ()
         return (
-            f"the groups look wrongly labelled: at the nominal geometry half of the postures are more than {self._angle(within)} from the "
-            f"inclination of their group, and half have {_COMPARED_NEIGHBOURS} postures of any group within {self._angle(near)}",
+            f"the groups look wrongly labelled: at the nominal geometry half of the postures are "
+            f"more than {self._angle(within)} from the "
+            f"inclination of their group, and half have {_COMPARED_NEIGHBOURS} postures of any "
+            f"group within {self._angle(near)}",
         )
 
     def _named(self, chosen: Sequence[int] | np.ndarray) -> str:
@@ -243,8 +319,9 @@ class _GroupedInclinations:
 
 
 def _split_at_gap(inclination: np.ndarray) -> np.ndarray | None:
-    """Tell which configurations (m,) of a group lie on one side of the largest gap along the direction of largest spread, two
-    or more on each side; None where there is none."""
+    """Tell which configurations (m,) of a group lie on one side of the largest gap along the
+    direction of largest spread, two or more on each side; None where there is none.
+    """
     if len(inclination) < 4:
         return None
     around = wrapped(inclination - np.median(inclination, axis=0))
@@ -258,11 +335,19 @@ def _distances(inclination: np.ndarray, middle: np.ndarray) -> np.ndarray:
     return np.asarray(np.linalg.norm(wrapped(inclination - middle), axis=1))
 
 
-def _nominal_inclinations(mechanism: Mechanism, measurements: Measurements) -> tuple[np.ndarray, np.ndarray]:
-    """Return inclinations (n, 2) at the nominal geometry and groups (n,), -1 for configurations that do not close."""
+def _nominal_inclinations(
+    mechanism: Mechanism, measurements: Measurements
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return inclinations (n, 2) at the nominal geometry and groups (n,), -1 for configurations
+    that do not close.
+    """
     problem = build_calibration(mechanism, with_starts(mechanism, measurements))
     model, m = problem.model, problem.measurements
     with np.errstate(all="ignore"):
-        z, solved = newton_configurations(model, first_points(model, m, model.nominal), m.joints, model.nominal)
+        z, solved = newton_configurations(
+            model, first_points(model, m, model.nominal), m.joints, model.nominal
+        )
         e = model.evaluate(np.nan_to_num(z), m.joints, model.nominal, problem.quaternions)
-    return np.nan_to_num(e.readings)[:, problem.readings.columns], np.where(solved, problem.readings.group, -1)
+    return np.nan_to_num(e.readings)[:, problem.readings.columns], np.where(
+        solved, problem.readings.group, -1
+    )

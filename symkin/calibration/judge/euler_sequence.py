@@ -1,8 +1,9 @@
 """Find the Euler sequence that the angles of a file follow: each one is tried, and the fit decides.
 
-About moving axes (capitals) the angles of the columns 1, 2, 3 turn in this order about the axes named; about fixed axes (small
-letters) likewise. A sequence about moving axes is the reversed one about fixed axes with the angles in reversed order, so that
-twenty-four remain for columns in a given order; those that give the same rotations for all rows are one.
+About moving axes (capitals) the angles of the columns 1, 2, 3 turn in this order about the axes
+named; about fixed axes (small letters) likewise. A sequence about moving axes is the reversed one
+about fixed axes with the angles in reversed order, so that twenty-four remain for columns in a
+given order; those that give the same rotations for all rows are one.
 """
 
 from __future__ import annotations
@@ -32,17 +33,21 @@ _TRIAL_ROWS = 60
 _FITTED_SEQUENCES = 4
 """Sequences, the best by their residuals before the fit, that are fitted."""
 _CLEAR_RATIO = 4.0
-"""The runner-up's chi-square per degree of freedom must be this many times the best one's for the choice to be clear."""
+"""The runner-up's chi-square per degree of freedom must be this many times the best one's for the
+choice to be clear.
+"""
 _UNCLOSED_MISFIT = 0.1
-"""A configuration that does not close counts as one whose readings are off by this share of the size (angles: radians), and no
-configuration counts as more: the sequence that explains most of the configurations is wanted, and not the one that leaves out
-what it does not."""
+"""A configuration that does not close counts as one whose readings are off by this share of the
+size (angles: radians), and no configuration counts as more: the sequence that explains most of the
+configurations is wanted, and not the one that leaves out what it does not.
+"""
 
 
 @dataclass(frozen=True)
 class SequenceTrial:
-    """A trial fit: chi-square over all configurations, those that do not close counted as `_UNCLOSED_MISFIT` says, its degrees of
-    freedom, and whether standard deviations are known."""
+    """A trial fit: chi-square over all configurations, those that do not close counted as
+    `_UNCLOSED_MISFIT` says, its degrees of freedom, and whether standard deviations are known.
+    """
 
     chi_square: float
     degrees: int
@@ -54,18 +59,23 @@ class SequenceTrial:
         return self.chi_square / self.degrees
 
     def better_than(self, other: SequenceTrial) -> bool:
-        """Tell whether the data separate the two: the other is worse by far more than noise can make of equal fits, and worse
-        than noise."""
+        """Tell whether the data separate the two: the other is worse by far more than noise can
+        make of equal fits, and worse than noise.
+        """
         ratio = other.score / max(self.score, 1.0 if self.known else 1e-300)
         if self.known:
-            return ratio > _CLEAR_RATIO and chi_square_tail(other.chi_square, other.degrees) < SIGNIFICANCE
+            return (
+                ratio > _CLEAR_RATIO
+                and chi_square_tail(other.chi_square, other.degrees) < SIGNIFICANCE
+            )
         return ratio > _CLEAR_RATIO and f_tail(ratio, other.degrees, self.degrees) < SIGNIFICANCE
 
 
 @dataclass(frozen=True)
 class SequenceChoice:
-    """The sequence that fits and those that read the same from these data; the trial fits of it and of the runner-up (None where
-    no other could be fitted), over the same `configurations`."""
+    """The sequence that fits and those that read the same from these data; the trial fits of it and
+    of the runner-up (None where no other could be fitted), over the same `configurations`.
+    """
 
     sequence: str
     same: tuple[str, ...]
@@ -95,7 +105,8 @@ class SequenceChoice:
     def none_fits(self) -> str:
         """The sentence where the fit in this sequence is not to be used."""
         return (
-            f"no Euler sequence led to a fit that can be used; the nearest was {describe_sequence(self.sequence)}, chi-square per degree of "
+            f"no Euler sequence led to a fit that can be used; the nearest was "
+            f"{describe_sequence(self.sequence)}, chi-square per degree of "
             f"freedom {self.best.score:.3g}"
         )
 
@@ -103,15 +114,23 @@ class SequenceChoice:
         also = f" (the same on these data: {', '.join(self.same)})" if self.same else ""
         other = "no other sequence could be fitted"
         if self.second is not None:
-            other = f"the next best, {self.runner_up}, has {self.second.chi_square:.4g} with {self.second.degrees}"
+            other = (
+                f"the next best, {self.runner_up}, has {self.second.chi_square:.4g} with "
+                f"{self.second.degrees}"
+            )
         doubt = (
             ""
             if self.clear
-            else "; these data cannot tell the sequence: name it in the header, or take more postures and larger angles"
+            else (
+                "; these data cannot tell the sequence: name it in the header, or take more "
+                "postures and larger angles"
+            )
         )
         return (
-            f"the angles fit the Euler sequence {describe_sequence(self.sequence)}{also}: chi-square {self.chi_square:.4g} with "
-            f"{self.best.degrees} degrees of freedom over {self.configurations} postures, {other}{doubt}"
+            f"the angles fit the Euler sequence {describe_sequence(self.sequence)}{also}: "
+            f"chi-square {self.chi_square:.4g} with "
+            f"{self.best.degrees} degrees of freedom over {self.configurations} postures, "
+            f"{other}{doubt}"
         )
 
 
@@ -119,11 +138,17 @@ def describe_sequence(sequence: str) -> str:
     """Write 'ZYX about moving axes (xyz about fixed axes, angles in reversed order)'."""
     other = sequence[::-1].swapcase()
     here, there = ("moving", "fixed") if sequence.isupper() else ("fixed", "moving")
-    return f"{sequence} about {here} axes (= {other} about {there} axes with the angles in reversed order)"
+    return (
+        f"{sequence} about {here} axes (= {other} about {there} axes with the angles in reversed "
+        f"order)"
+    )
 
 
 def find_sequence(
-    mechanism: Mechanism, data: DataFile, progress: Callable[[int, int], None] | None = None, **options: Any
+    mechanism: Mechanism,
+    data: DataFile,
+    progress: Callable[[int, int], None] | None = None,
+    **options: Any,
 ) -> SequenceChoice:
     """Find the sequence of the file's open Euler angles; `options` are those of `calibrate`.
 
@@ -137,7 +162,10 @@ def find_sequence(
     starts = {s: _trial_start(mechanism, trials[s], options) for s in trials}
     ranked = sorted((s for s in trials if starts[s].solved.any()), key=lambda s: starts[s].misfit)
     if not ranked:
-        raise InputError(f"{data.path}: no Euler sequence leads to a fit; check units and the order of the columns")
+        raise InputError(
+            f"{data.path}: no Euler sequence leads to a fit; check units and the order of the "
+            f"columns"
+        )
     fitted: dict[str, SequenceTrial] = {}
     undetermined = False
     for sequence in ranked:
@@ -151,21 +179,30 @@ def find_sequence(
             break
     if undetermined or not fitted:
         raise InputError(
-            f"{data.path}: {len(data.measurements)} postures have no more readings than there are parameters, so that every Euler "
-            "sequence fits: name the sequence in the header (euler_ZYX_1[deg], ...), hold parameters, or add postures"
+            f"{data.path}: {len(data.measurements)} postures have no more readings than there are "
+            f"parameters, so that every Euler "
+            "sequence fits: name the sequence in the header (euler_ZYX_1[deg], ...), hold "
+            "parameters, or add postures"
         )
     best, *others = sorted(fitted, key=lambda s: fitted[s].score)
     same = next(family for family in families if family[0] == best)[1:]
     second = others[0] if others else None
     return SequenceChoice(
-        sequence=best, same=same, best=fitted[best], runner_up=second, second=None if second is None else fitted[second],
+        sequence=best,
+        same=same,
+        best=fitted[best],
+        runner_up=second,
+        second=None if second is None else fitted[second],
         configurations=len(rows),
-    )  # fmt: skip
+    )
 
 
-def diagnose_sequence(mechanism: Mechanism, data: DataFile, options: dict[str, Any]) -> tuple[str, ...]:
-    """A sentence where the Euler angles fit another sequence than the one that the header names, or none; `options` are those of
-    `calibrate`."""
+def diagnose_sequence(
+    mechanism: Mechanism, data: DataFile, options: dict[str, Any]
+) -> tuple[str, ...]:
+    """A sentence where the Euler angles fit another sequence than the one that the header names, or
+    none; `options` are those of `calibrate`.
+    """
     if data.sequence is None or data.euler is None:
         return ()
     try:
@@ -175,7 +212,8 @@ def diagnose_sequence(mechanism: Mechanism, data: DataFile, options: dict[str, A
     if not choice.clear or data.sequence in (choice.sequence, *choice.same) or choice.is_beyond:
         return ()
     return (
-        f"the Euler angles look to be of another sequence than {data.sequence}, which the header names: {describe_sequence(choice.sequence)} fits, with "
+        f"the Euler angles look to be of another sequence than {data.sequence}, which the header "
+        f"names: {describe_sequence(choice.sequence)} fits, with "
         f"chi-square {choice.chi_square:.4g} at {choice.best.degrees} degrees of freedom",
     )
 
@@ -197,9 +235,10 @@ def _equal_sequences(angles: np.ndarray) -> list[tuple[str, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class _TrialStart:
-    """Where a trial fit begins: the geometry p, the first estimate from whole poses or else nominal, configurations z there,
-    which of them close, and how badly the readings fit (angles times the size; a configuration that does not close counts as one
-    size)."""
+    """Where a trial fit begins: the geometry p, the first estimate from whole poses or else
+    nominal, configurations z there, which of them close, and how badly the readings fit (angles
+    times the size; a configuration that does not close counts as one size).
+    """
 
     measurements: Measurements
     p: np.ndarray
@@ -208,8 +247,9 @@ class _TrialStart:
     misfit: float
 
     def fitted(self, mechanism: Mechanism, options: dict[str, Any]) -> SequenceTrial | None:
-        """A fit over the configurations that close, the others counted as misfit; None where all readings leave no degree of
-        freedom."""
+        """A fit over the configurations that close, the others counted as misfit; None where all
+        readings leave no degree of freedom.
+        """
         problem = _problem(mechanism, self.measurements.subset(self.solved), options)
         state = estimate(problem, self.z[self.solved], p=self.p, max_iterations=20).state
         if not np.all(np.isfinite(state.linearised.vector)):
@@ -224,29 +264,44 @@ class _TrialStart:
 
 
 def _largest_squares(problem: CalibrationProblem) -> np.ndarray:
-    """Return what each configuration counts at most (n,): its readings off by `_UNCLOSED_MISFIT` of the size, over their
-    standard deviations."""
+    """Return what each configuration counts at most (n,): its readings off by `_UNCLOSED_MISFIT` of
+    the size, over their standard deviations.
+    """
     units = np.where(problem.model.angular, 1.0, problem.model.closure.characteristic_length)
     return np.asarray(np.sum((_UNCLOSED_MISFIT * problem.readings.weight * units) ** 2, axis=1))
 
 
-def _problem(mechanism: Mechanism, measurements: Measurements, options: dict[str, Any]) -> CalibrationProblem:
+def _problem(
+    mechanism: Mechanism, measurements: Measurements, options: dict[str, Any]
+) -> CalibrationProblem:
     chosen = {k: options[k] for k in ("parameters", "fixed", "residual") if k in options}
     return build_calibration(mechanism, measurements, **chosen)
 
 
-def _trial_start(mechanism: Mechanism, measurements: Measurements, options: dict[str, Any]) -> _TrialStart:
+def _trial_start(
+    mechanism: Mechanism, measurements: Measurements, options: dict[str, Any]
+) -> _TrialStart:
     measurements = with_starts(mechanism, measurements)
     problem = _problem(mechanism, measurements, options)
     model = problem.model
     first = parameters_from_poses(model, measurements)
     p = model.nominal if first is None else first
     with np.errstate(all="ignore"):
-        z, solved = newton_configurations(model, first_points(model, measurements, p), measurements.joints, p)
+        z, solved = newton_configurations(
+            model, first_points(model, measurements, p), measurements.joints, p
+        )
         p = fit_measuring_frames(problem, z, p, solved)
-        gap = model.evaluate(z, measurements.joints, p, problem.quaternions).readings - np.nan_to_num(problem.readings.values)
-    gap = np.where(problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * model.lengths, 0.0)
+        gap = model.evaluate(
+            z, measurements.joints, p, problem.quaternions
+        ).readings - np.nan_to_num(problem.readings.values)
+    gap = np.where(
+        problem.readings.taken & solved[:, None] & np.isfinite(gap), gap * model.lengths, 0.0
+    )
     return _TrialStart(
-        measurements=measurements, p=p, z=z, solved=solved,
-        misfit=float(np.linalg.norm(gap)) + model.closure.characteristic_length * float(np.sum(~solved)),
-    )  # fmt: skip
+        measurements=measurements,
+        p=p,
+        z=z,
+        solved=solved,
+        misfit=float(np.linalg.norm(gap))
+        + model.closure.characteristic_length * float(np.sum(~solved)),
+    )

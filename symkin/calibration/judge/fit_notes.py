@@ -1,4 +1,6 @@
-"""Note doubts and facts about a fit that its reader must know: `RULES` is the table of what is looked for."""
+"""Note doubts and facts about a fit that its reader must know: `RULES` is the table of what is
+looked for.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ _MAX_CONDITION = 1e6
 
 @dataclass(frozen=True)
 class Rule:
-    """A doubt or a fact that is looked for: `sentences` yields what is said of a fit, each sentence with its figure."""
+    """A doubt or a fact that is looked for: `sentences` yields what is said of a fit, each sentence
+    with its figure.
+    """
 
     about: str
     sentences: Callable[[Calibration], Iterable[str]]
@@ -36,7 +40,8 @@ def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
         yield ("left out: " if removed else "outlier: ") + o.reason
     if fit.given_up:
         yield (
-            f"so many readings do not belong, {len(fit.given_up)} and more, that none was left out: the readings or the model are "
+            f"so many readings do not belong, {len(fit.given_up)} and more, that none was left "
+            f"out: the readings or the model are "
             f"wrong as a whole; the first was {fit.given_up[0].reason}"
         )
     if fit.unchecked:
@@ -45,20 +50,25 @@ def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
 
 
 def is_exact(fit: Calibration) -> bool:
-    """Tell whether the fit has degrees of freedom and yet leaves no residual above rounding: no instrument reads so."""
+    """Tell whether the fit has degrees of freedom and yet leaves no residual above rounding: no
+    instrument reads so.
+    """
     size = fit.mechanism.characteristic_length
     return (
-        fit.status == "ok" and fit.degrees > 0 and all(only_rounding(r.value, 1.0 if r.angular else size) for r in fit.residuals)
+        fit.status == "ok"
+        and fit.degrees > 0
+        and all(only_rounding(r.value, 1.0 if r.angular else size) for r in fit.residuals)
     )
 
 
-# --- configurations --------------------------------------------------------------------------------------------------
+# --- configurations -------------------------------------------------------------------------------
 
 
 def _unsolved(fit: Calibration) -> Iterator[str]:
     if fit.unsolved:
         yield (
-            f"not used: the direct problem of posture {_labelled(fit, fit.unsolved)} was not solved, neither at "
+            f"not used: the direct problem of posture {_labelled(fit, fit.unsolved)} was not "
+            f"solved, neither at "
             "the nominal nor at the identified geometry; check the joint readings or give starts"
         )
 
@@ -67,47 +77,67 @@ def _silent(fit: Calibration) -> Iterator[str]:
     judged = {o.configuration for o in (*fit.outliers, *fit.given_up)}
     silent = [k for k in fit.silent if k not in judged]
     if silent:
-        yield f"not used: posture {_labelled(fit, silent)} holds no reading beside the joints (a group of two postures or more, or a sensor's)"
+        yield (
+            f"not used: posture {_labelled(fit, silent)} holds no reading beside the joints (a "
+            f"group of two postures or more, or a sensor's)"
+        )
 
 
 def _changed_mode(fit: Calibration) -> Iterator[str]:
     if fit.changed_mode:
-        yield f"posture {_labelled(fit, fit.changed_mode)} crossed a singularity and changed its assembly mode"
+        yield (
+            f"posture {_labelled(fit, fit.changed_mode)} crossed a singularity and changed its "
+            f"assembly mode"
+        )
 
 
 def _single_groups(fit: Calibration) -> Iterator[str]:
     groups = np.zeros(0, dtype=int) if fit.measurements.groups is None else fit.measurements.groups
     numbers, counts = np.unique(groups[groups >= 0], return_counts=True)
     if np.any(counts == 1):
-        yield f"group {first_of([str(g) for g in numbers[counts == 1]])} has one posture and says nothing"
+        yield (
+            f"group {first_of([str(g) for g in numbers[counts == 1]])} has one posture and says "
+            f"nothing"
+        )
 
 
 def _labelled(fit: Calibration, numbers: Iterable[int]) -> str:
     return first_of([fit.measurements.labels[k] for k in numbers])
 
 
-# --- residuals -------------------------------------------------------------------------------------------------------
+# --- residuals ------------------------------------------------------------------------------------
 
 
 def _not_converged(fit: Calibration) -> Iterator[str]:
     if fit.status != "ok":
-        yield f"the iteration ended with {fit.status} after {fit.iterations} steps; the values are not a minimum"
+        yield (
+            f"the iteration ended with {fit.status} after {fit.iterations} steps; the values are "
+            f"not a minimum"
+        )
 
 
 def _chi_square(fit: Calibration) -> Iterator[str]:
     ratio = fit.chi_square / max(fit.degrees, 1)
     if fit.degrees <= 0:
-        yield "there are no degrees of freedom left: the residuals are zero for any noise and nothing is checked; add postures"
+        yield (
+            "there are no degrees of freedom left: the residuals are zero for any noise and "
+            "nothing is checked; add postures"
+        )
     elif fit.p_value is None:
-        yield "standard deviations are missing: those of the parameters are scaled by the residuals, and chi-square tests nothing"
+        yield (
+            "standard deviations are missing: those of the parameters are scaled by the residuals, "
+            "and chi-square tests nothing"
+        )
     elif fit.p_value < SIGNIFICANCE:
         yield (
-            f"not believable with the stated noise: chi-square per degree of freedom is {ratio:.3g}, probability {fit.p_value:.1g}; "
+            f"not believable with the stated noise: chi-square per degree of freedom is "
+            f"{ratio:.3g}, probability {fit.p_value:.1g}; "
             "the noise is larger than stated or the model lacks something"
         )
     elif 1.0 - fit.p_value < SIGNIFICANCE:
         yield (
-            f"chi-square per degree of freedom is only {ratio:.3g}: the stated noise is too large, and the "
+            f"chi-square per degree of freedom is only {ratio:.3g}: the stated noise is too large, "
+            f"and the "
             "standard deviations with it"
         )
 
@@ -117,7 +147,7 @@ def _rounding_only(fit: Calibration) -> Iterator[str]:
         yield "the residuals are rounding only: is this a plan, or a simulation without noise?"
 
 
-# --- parameters ------------------------------------------------------------------------------------------------------
+# --- parameters -----------------------------------------------------------------------------------
 
 
 def _beyond_tolerances(fit: Calibration) -> Iterator[str]:
@@ -128,7 +158,8 @@ def _beyond_tolerances(fit: Calibration) -> Iterator[str]:
 def _large_changes(fit: Calibration) -> Iterator[str]:
     if far := [p.name for p in large_changes(fit)]:
         yield (
-            f"{first_of(far)} moved by more than {100 * LARGE_CHANGE:.0f} % of the size (angles: {LARGE_CHANGE} rad); check units and "
+            f"{first_of(far)} moved by more than {100 * LARGE_CHANGE:.0f} % of the size (angles: "
+            f"{LARGE_CHANGE} rad); check units and "
             "nominal values"
         )
 
@@ -136,7 +167,10 @@ def _large_changes(fit: Calibration) -> Iterator[str]:
 def _unclear_rank(fit: Calibration) -> Iterator[str]:
     found = fit.identifiability
     if not found.is_clear:
-        yield f"the rank {found.rank} is not clear: singular values fall by a factor of only {found.gap:.3g} there{_parallel_axes(fit)}"
+        yield (
+            f"the rank {found.rank} is not clear: singular values fall by a factor of only "
+            f"{found.gap:.3g} there{_parallel_axes(fit)}"
+        )
 
 
 def _poor_condition(fit: Calibration) -> Iterator[str]:
@@ -148,7 +182,10 @@ def _poor_condition(fit: Calibration) -> Iterator[str]:
 
 def _unobservable(fit: Calibration) -> Iterator[str]:
     if fit.identifiability.unobservable:
-        yield f"not observable, held by the least change from nominal: {'; '.join(fit.identifiability.unobservable)}"
+        yield (
+            f"not observable, held by the least change from nominal: "
+            f"{'; '.join(fit.identifiability.unobservable)}"
+        )
     yield from fit.identifiability.advice
 
 
@@ -158,7 +195,10 @@ def _parallel_axes(fit: Calibration) -> str:
     free = {n for n in fit.problem.names if n.endswith(".d")}
     if not pairs or len(free) < 2:
         return ""
-    return f"; {', '.join(pairs)} are parallel axes or nearly so, and their offsets d are told by how little they are not: hold one of each pair"
+    return (
+        f"; {', '.join(pairs)} are parallel axes or nearly so, and their offsets d are told by how "
+        f"little they are not: hold one of each pair"
+    )
 
 
 RULES = (

@@ -1,4 +1,6 @@
-"""Determine what the readings can tell: rank and null space of the identification Jacobian, named in parameter terms."""
+"""Determine what the readings can tell: rank and null space of the identification Jacobian, named
+in parameter terms.
+"""
 
 from __future__ import annotations
 
@@ -33,10 +35,12 @@ _MAX_LISTED_PARAMETERS = 4
 
 @dataclass(frozen=True, eq=False)
 class Identifiability:
-    """Rank of the identification Jacobian (residuals over their standard deviations, columns per length unit, angles and
-    directions times the size), its singular values and null space (P, k) over `names`; `unobservable` names k independent
-    combinations that no reading determines, `advice` says what to measure besides. `gap` is the ratio of the singular values
-    on both sides of the rank (infinite where nothing is dropped to rounding)."""
+    """Rank of the identification Jacobian (residuals over their standard deviations, columns per
+    length unit, angles and directions times the size), its singular values and null space (P, k)
+    over `names`; `unobservable` names k independent combinations that no reading determines,
+    `advice` says what to measure besides. `gap` is the ratio of the singular values on both sides
+    of the rank (infinite where nothing is dropped to rounding).
+    """
 
     names: tuple[str, ...]
     jacobian: np.ndarray
@@ -49,8 +53,9 @@ class Identifiability:
 
     @cached_property
     def base_set(self) -> tuple[str, ...]:
-        """As many parameters as the rank, that the readings determine when the others are held: of the null space, by
-        elimination with pivots, the parameters that span it best are left out."""
+        """As many parameters as the rank, that the readings determine when the others are held: of
+        the null space, by elimination with pivots, the parameters that span it best are left out.
+        """
         rest, dropped = self.null_space.copy(), set[int]()
         for _ in range(self.null_space.shape[1]):
             sizes = np.linalg.norm(rest, axis=1)
@@ -63,49 +68,80 @@ class Identifiability:
     @property
     def condition(self) -> float:
         """Largest over smallest kept singular value."""
-        return float(self.singular_values[0] / self.singular_values[self.rank - 1]) if self.rank else float("inf")
+        return (
+            float(self.singular_values[0] / self.singular_values[self.rank - 1])
+            if self.rank
+            else float("inf")
+        )
 
     @property
     def is_clear(self) -> bool:
         return self.gap >= CLEAR_GAP
 
     def __str__(self) -> str:
-        lines = [f"rank {self.rank} of {len(self.names)} parameters, condition {self.condition:.3g}, gap {self.gap:.3g}"]
+        lines = [
+            f"rank {self.rank} of {len(self.names)} parameters, condition {self.condition:.3g}, "
+            f"gap {self.gap:.3g}"
+        ]
         lines += [f"  not observable: {text}" for text in self.unobservable]
         return "\n".join([*lines, *(f"  advice: {text}" for text in self.advice)])
 
 
 def identifiability(
-    mechanism: Mechanism, measurements: Measurements, *, parameters: Sequence[str] | None = None, fixed: Sequence[str] = (),
-    residual: str = "means"
-) -> Identifiability:  # fmt: skip
-    """Determine the identifiability at the nominal geometry, over the configurations whose direct problem is solved there."""
-    problem = build_calibration(mechanism, measurements, parameters=parameters, fixed=fixed, residual=residual)
+    mechanism: Mechanism,
+    measurements: Measurements,
+    *,
+    parameters: Sequence[str] | None = None,
+    fixed: Sequence[str] = (),
+    residual: str = "means",
+) -> Identifiability:
+    """Determine the identifiability at the nominal geometry, over the configurations whose direct
+    problem is solved there.
+    """
+    problem = build_calibration(
+        mechanism, measurements, parameters=parameters, fixed=fixed, residual=residual
+    )
     configurations = solve_configurations(problem.model, measurements, problem.model.nominal)
     if not configurations.solved.any():
-        raise InputError(f"{mechanism.name}: the direct problem of no posture has a solution at the nominal geometry")
+        raise InputError(
+            f"{mechanism.name}: the direct problem of no posture has a solution at the nominal "
+            f"geometry"
+        )
     if not configurations.solved.all():
         some = measurements.subset(configurations.solved)
-        problem = build_calibration(mechanism, some, parameters=parameters, fixed=fixed, residual=residual)
+        problem = build_calibration(
+            mechanism, some, parameters=parameters, fixed=fixed, residual=residual
+        )
     state = estimate(problem, configurations.z[configurations.solved], max_iterations=0).state
     return identifiability_at(problem, state)
 
 
 def identifiability_at(problem: CalibrationProblem, state: State) -> Identifiability:
-    """Determine the identifiability at a state with closed configurations: what the readings determine, without tolerances."""
+    """Determine the identifiability at a state with closed configurations: what the readings
+    determine, without tolerances.
+    """
     state = error_free_state(replace(problem, prior=None), state)
     matrix = design(state)
     found = spectrum(matrix)
     named = name_null_space(problem, state.p, found.null_space)
     return Identifiability(
-        names=problem.names, jacobian=state.linearised.matrix, singular_values=found.values, rank=found.rank, gap=found.gap,
-        null_space=found.null_space, unobservable=named, advice=_advice(problem, state, named),
-    )  # fmt: skip
+        names=problem.names,
+        jacobian=state.linearised.matrix,
+        singular_values=found.values,
+        rank=found.rank,
+        gap=found.gap,
+        null_space=found.null_space,
+        unobservable=named,
+        advice=_advice(problem, state, named),
+    )
 
 
-def name_null_space(problem: CalibrationProblem, p: np.ndarray, null_space: np.ndarray) -> tuple[str, ...]:
-    """Name independent directions that span the null space: single parameters without effect, frames and other known motions,
-    then sparse combinations of parameters."""
+def name_null_space(
+    problem: CalibrationProblem, p: np.ndarray, null_space: np.ndarray
+) -> tuple[str, ...]:
+    """Name independent directions that span the null space: single parameters without effect,
+    frames and other known motions, then sparse combinations of parameters.
+    """
     names: list[str] = []
     taken = np.zeros((len(p), 0))
 
@@ -133,8 +169,9 @@ def name_null_space(problem: CalibrationProblem, p: np.ndarray, null_space: np.n
 
 
 def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:
-    """Find unit directions of a space (P, k) with few parameters in each, fewest first: bases in which k parameters, drawn
-    again and again, are 1 in one direction and 0 in the others."""
+    """Find unit directions of a space (P, k) with few parameters in each, fewest first: bases in
+    which k parameters, drawn again and again, are 1 in one direction and 0 in the others.
+    """
     width, count = null_space.shape
     rng = np.random.default_rng(0)
     found: list[np.ndarray] = []
@@ -157,7 +194,9 @@ def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:
 
 
 def _combination(names: Sequence[str], direction: np.ndarray) -> str:
-    """Write 'dh.2.d - dh.3.d': the largest components, with their weights where they are not one."""
+    """Write 'dh.2.d - dh.3.d': the largest components, with their weights where they are not
+    one.
+    """
     order = np.argsort(-np.abs(direction), kind="stable")
     kept = [int(k) for k in order if abs(direction[k]) > 1e-6 * abs(direction[order[0]])]
     lead = direction[kept[0]]
@@ -166,38 +205,65 @@ def _combination(names: Sequence[str], direction: np.ndarray) -> str:
         weight = direction[k] / lead
         size = "" if abs(abs(weight) - 1) < 1e-4 else f"{abs(weight):.3g} "
         terms.append(f"{'-' if weight < 0 else '+'} {size}{names[k]}")
-    more = f" and {len(kept) - _MAX_LISTED_PARAMETERS} more" if len(kept) > _MAX_LISTED_PARAMETERS else ""
+    more = (
+        f" and {len(kept) - _MAX_LISTED_PARAMETERS} more"
+        if len(kept) > _MAX_LISTED_PARAMETERS
+        else ""
+    )
     return " ".join(terms).removeprefix("+ ") + more
 
 
-# --- advice --------------------------------------------------------------------------------------------------------
+# --- advice ---------------------------------------------------------------------------------------
 
 
-def _advice(problem: CalibrationProblem, state: State, unobservable: Sequence[str]) -> tuple[str, ...]:
+def _advice(
+    problem: CalibrationProblem, state: State, unobservable: Sequence[str]
+) -> tuple[str, ...]:
     """Say what to measure besides, from what the configurations have in common."""
     advice = []
     kinds = {kind for kind, _ in problem.model.columns}
-    unusual = [text for text in unobservable if not text.startswith(_FREE_FRAMES) and "size of" not in text]
+    unusual = [
+        text for text in unobservable if not text.startswith(_FREE_FRAMES) and "size of" not in text
+    ]
     poses = problem.model.poses(state.z, problem.measurements.joints, state.p)
     if problem.readings.groups and unusual:
         heads = inclinations(poses[problem.readings.first])
         if _largest_range(heads) < _SAME_ANGLE:
             advice.append(
-                "all groups have the same inclination; add groups at other inclinations (a wedge under the inclinometer)"
+                "all groups have the same inclination; add groups at other inclinations (a wedge "
+                "under the inclinometer)"
             )
-    if kinds <= {"group", "inclination"} and unusual and _largest_range(_yaws(poses)[:, None]) < _SAME_ANGLE:
-        advice.append("the yaw (rotation about the vertical) is the same in all postures; vary the yaw within each group")
+    if (
+        kinds <= {"group", "inclination"}
+        and unusual
+        and _largest_range(_yaws(poses)[:, None]) < _SAME_ANGLE
+    ):
+        advice.append(
+            "the yaw (rotation about the vertical) is the same in all postures; vary the yaw "
+            "within each group"
+        )
     if any(text.startswith("size of") for text in unobservable):
-        advice.append("no reading fixes the size: hold one length or factor, or measure a distance, a position or a known length")
+        advice.append(
+            "no reading fixes the size: hold one length or factor, or measure a distance, a "
+            "position or a known length"
+        )
     if any("frame" in text for text in unobservable):
-        besides = any(o.kind in ("point", "position") for o in observables(problem.mechanism).values())
+        besides = any(
+            o.kind in ("point", "position") for o in observables(problem.mechanism).values()
+        )
         others = " or of links, or by positions of points" if besides else ""
         advice.append(
-            "frames are free: they are chosen by the least change, by `fixed` parameters, or measured by positions and "
+            "frames are free: they are chosen by the least change, by `fixed` parameters, or "
+            "measured by positions and "
             f"orientations of the platform{others}"
         )
-    if len(problem.readings.values) and problem.readings.count < len(problem.names) - len(unobservable):
-        advice.append(f"{problem.readings.count} independent readings for {len(problem.names)} parameters; add postures")
+    if len(problem.readings.values) and problem.readings.count < len(problem.names) - len(
+        unobservable
+    ):
+        advice.append(
+            f"{problem.readings.count} independent readings for {len(problem.names)} parameters; "
+            f"add postures"
+        )
     return tuple(advice)
 
 

@@ -1,8 +1,9 @@
 """Name directions in parameter space along which nothing that is read may change.
 
-Moving the base frame or the platform frame, stretching everything, shifting a joint's point along its axis, shifting the offsets
-of parallel axes: each is a velocity of every parameter of the mechanism. A direction that lies in the null space of the
-identification Jacobian is what the readings cannot tell, and has a name.
+Moving the base frame or the platform frame, stretching everything, shifting a joint's point along
+its axis, shifting the offsets of parallel axes: each is a velocity of every parameter of the
+mechanism. A direction that lies in the null space of the identification Jacobian is what the
+readings cannot tell, and has a name.
 """
 
 from __future__ import annotations
@@ -38,24 +39,35 @@ _TURNS = ("roll (about x)", "pitch (about y)", "yaw (about z)")
 _HELD_STILL = 1e-9
 """A change leaves held parameters where they are when they move by less than this share of it."""
 NEARLY_PARALLEL = 0.01
-"""Axes whose twist from parallel is less than this (radians) are nearly parallel: readings hardly determine their offsets."""
+"""Axes whose twist from parallel is less than this (radians) are nearly parallel: readings hardly
+determine their offsets.
+"""
 
 
 def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield (name, scaled direction over the model's parameters) of every known change at p, most telling first. What a change would
-    need of parameters that are held is made up for by freedoms in how the file is written; a change that cannot be so is left out."""
+    """Yield (name, scaled direction over the model's parameters) of every known change at p, most
+    telling first. What a change would need of parameters that are held is made up for by freedoms
+    in how the file is written; a change that cannot be so is left out.
+    """
     values, read = all_values(model, p), tuple(o.name for o in model.read)
     names, free = list(values), np.isin(list(values), model.names)
     order = [names.index(name) for name in model.names]
     table, size = nominal_parameters(model.mechanism, read), model.closure.characteristic_length
-    units = np.array([1.0 if table.get(name, (0.0, "length"))[1] == "length" else size for name in names])
+    units = np.array(
+        [1.0 if table.get(name, (0.0, "length"))[1] == "length" else size for name in names]
+    )
 
     def row(velocity: Mapping[str, float]) -> np.ndarray:
         return np.asarray(units * np.array([velocity.get(name, 0.0) for name in names]))
 
-    freedoms = [(text, row(velocity)) for text, velocity in _description_freedoms(model.mechanism, values, read)]
+    freedoms = [
+        (text, row(velocity))
+        for text, velocity in _description_freedoms(model.mechanism, values, read)
+    ]
     basis = np.array([one for _, one in freedoms]).reshape(-1, len(names)).T
-    motions = [(text, row(velocity)) for text, velocity in _all_motions(model.mechanism, values, read)]
+    motions = [
+        (text, row(velocity)) for text, velocity in _all_motions(model.mechanism, values, read)
+    ]
     for text, direction in (*motions, *freedoms):
         made = direction - basis @ _made_up(basis[~free], direction[~free])
         length = float(np.linalg.norm(made))
@@ -64,7 +76,9 @@ def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[st
 
 
 def _made_up(held: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Shares of freedoms that move the held parameters as a change does; none where it does not move them."""
+    """Shares of freedoms that move the held parameters as a change does; none where it does not
+    move them.
+    """
     if not np.any(wanted) or not held.size:
         return np.zeros(held.shape[1])
     return np.asarray(np.linalg.lstsq(held, wanted, rcond=1e-10)[0])
@@ -72,7 +86,7 @@ def _made_up(held: np.ndarray, wanted: np.ndarray) -> np.ndarray:
 
 def _description_freedoms(
     mechanism: Mechanism, values: Mapping[str, float], read: Sequence[str]
-) -> Iterator[tuple[str, Velocity]]:  # fmt: skip
+) -> Iterator[tuple[str, Velocity]]:
     yield from written_freedoms(mechanism, values, read)
     yield from reference_motions(mechanism, values, read)
 
@@ -86,23 +100,34 @@ def _nominal_values(model: ConfigurationModel) -> Velocity:
     read = tuple(o.name for o in model.read)
     table = {**geometry_parameters(model.mechanism, read)}
     return table | {
-        name: value for name, (value, _) in nominal_parameters(model.mechanism, read).items() if name.endswith(".scale")
+        name: value
+        for name, (value, _) in nominal_parameters(model.mechanism, read).items()
+        if name.endswith(".scale")
     }
 
 
-def _all_motions(mechanism: Mechanism, values: Mapping[str, float], read: tuple[str, ...]) -> Iterator[tuple[str, Velocity]]:
+def _all_motions(
+    mechanism: Mechanism, values: Mapping[str, float], read: tuple[str, ...]
+) -> Iterator[tuple[str, Velocity]]:
     if mechanism.dh is None:
         yield from _frames(mechanism, values)
     yield from _measuring(mechanism, values)
     stretched = _stretched(mechanism, values, read)
     yield "size of the whole mechanism", stretched
     lengths = {f"{c.name}.scale": 1.0 for c in mechanism.actuated if not c.is_angular}
-    lengths |= {f"{o.name}.scale": 1.0 for o in observables_named(mechanism, read) if o.kind == "joint" and not o.angular}
+    lengths |= {
+        f"{o.name}.scale": 1.0
+        for o in observables_named(mechanism, read)
+        if o.kind == "joint" and not o.angular
+    }
     if lengths:
-        yield "size of the whole mechanism with the factors of all length readings", stretched | lengths
+        yield (
+            "size of the whole mechanism with the factors of all length readings",
+            stretched | lengths,
+        )
 
 
-# --- frames --------------------------------------------------------------------------------------------------------
+# --- frames ---------------------------------------------------------------------------------------
 
 
 def _frames(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
@@ -116,9 +141,13 @@ def _frames(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple
 
 
 def _measuring(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
-    """Move the frame that readings are taken in against the frame of the mechanism that it is fixed to; of the target frame
-    also the position alone, which is all that positions determine."""
-    for text, velocity, (t, w) in (*_base_twists(mechanism, values), *_platform_twists(mechanism, values)):
+    """Move the frame that readings are taken in against the frame of the mechanism that it is fixed
+    to; of the target frame also the position alone, which is all that positions determine.
+    """
+    for text, velocity, (t, w) in (
+        *_base_twists(mechanism, values),
+        *_platform_twists(mechanism, values),
+    ):
         if text.startswith("world"):
             yield text, velocity | _world_moved(values, t, w)
             continue
@@ -128,7 +157,9 @@ def _measuring(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tu
 
 
 _Twisted = tuple[str, Velocity, tuple[np.ndarray, np.ndarray]]
-"""Text, velocity of the mechanism's parameters and the twist (t, w) that it gives one of the mechanism's ends."""
+"""Text, velocity of the mechanism's parameters and the twist (t, w) that it gives one of the
+mechanism's ends.
+"""
 
 
 def _base_twists(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[_Twisted]:
@@ -137,23 +168,43 @@ def _base_twists(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[
             yield f"world frame with dh.1.{key}", {f"dh.1.{key}": 1.0}, _seen(before, t, w)
         return
     for k, axis in enumerate(AXES):
-        for what, t, w in (("position", np.eye(3)[k], np.zeros(3)), ("rotation", np.zeros(3), np.eye(3)[k])):
-            yield f"world frame {what} {axis} with the base frame", _base_moved(mechanism, values, t, w), (t, w)
+        for what, t, w in (
+            ("position", np.eye(3)[k], np.zeros(3)),
+            ("rotation", np.zeros(3), np.eye(3)[k]),
+        ):
+            yield (
+                f"world frame {what} {axis} with the base frame",
+                _base_moved(mechanism, values, t, w),
+                (t, w),
+            )
 
 
 def _platform_twists(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[_Twisted]:
     if mechanism.dh is not None:
         last = len(mechanism.dh.rows)
         for key, _, after, (t, w) in _elements(mechanism.dh, values, last):
-            yield f"target frame with dh.{last}.{key}", {f"dh.{last}.{key}": 1.0}, _seen(after.inverse(), t, w)
+            yield (
+                f"target frame with dh.{last}.{key}",
+                {f"dh.{last}.{key}": 1.0},
+                _seen(after.inverse(), t, w),
+            )
         return
     for k, axis in enumerate(AXES):
-        for what, t, w in (("position", np.eye(3)[k], np.zeros(3)), ("rotation", np.zeros(3), np.eye(3)[k])):
-            yield f"target frame {what} {axis} with the platform frame", _platform_moved(mechanism, values, t, w), (t, w)
+        for what, t, w in (
+            ("position", np.eye(3)[k], np.zeros(3)),
+            ("rotation", np.zeros(3), np.eye(3)[k]),
+        ):
+            yield (
+                f"target frame {what} {axis} with the platform frame",
+                _platform_moved(mechanism, values, t, w),
+                (t, w),
+            )
 
 
 def _world_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
-    """Move the world frame W so that W exp(t, w) stays: the base frame has moved by the twist in its own axes."""
+    """Move the world frame W so that W exp(t, w) stays: the base frame has moved by the twist in
+    its own axes.
+    """
     r = vector_values(values, "world.rotation")
     turned = rotate(np.asarray(quaternion_from_rotation_vector(r)), t)
     return vector_velocity("world.position", -np.asarray(turned)) | vector_velocity(
@@ -162,7 +213,9 @@ def _world_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> V
 
 
 def _target_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
-    """Move the target frame T so that exp(t, w) T stays: the platform frame has moved by the twist in its own axes."""
+    """Move the target frame T so that exp(t, w) T stays: the platform frame has moved by the twist
+    in its own axes.
+    """
     r, p = vector_values(values, "target.rotation"), vector_values(values, "target.position")
     return vector_velocity("target.position", -(t + np.cross(w, p))) | vector_velocity(
         "target.rotation", -_rotation_vector_rate(r, w, -1.0)
@@ -170,19 +223,29 @@ def _target_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> 
 
 
 def _rotation_vector_rate(r: np.ndarray, w: np.ndarray, side: float) -> np.ndarray:
-    """Rate of the rotation vector r at an angular velocity w in the turned axes (side 1) or the fixed ones (-1)."""
+    """Rate of the rotation vector r at an angular velocity w in the turned axes (side 1) or the
+    fixed ones (-1).
+    """
     half = 0.5 * float(np.linalg.norm(r))
     if half < 1e-9:
         return w + side * 0.5 * np.cross(r, w)
     axis, share = r / (2.0 * half), half / np.tan(half)
-    return np.asarray(share * w + (1.0 - share) * axis * (axis @ w) + side * half * np.cross(axis, w))
+    return np.asarray(
+        share * w + (1.0 - share) * axis * (axis @ w) + side * half * np.cross(axis, w)
+    )
 
 
 def _elements(
     table: DHTable, values: Mapping[str, float], number: int
 ) -> Iterator[tuple[str, Pose, Pose, tuple[np.ndarray, np.ndarray]]]:
-    """Yield the four elementary motions of a row: key, what stands before and after it in the row, and its twist."""
-    keys = ("theta", "d", "a", "alpha") if table.convention == "standard" else ("alpha", "a", "theta", "d")
+    """Yield the four elementary motions of a row: key, what stands before and after it in the row,
+    and its twist.
+    """
+    keys = (
+        ("theta", "d", "a", "alpha")
+        if table.convention == "standard"
+        else ("alpha", "a", "theta", "d")
+    )
     axes = {key: np.eye(3)[2 if key in ("theta", "d") else 0] for key in keys}
 
     def pose(key: str) -> Pose:
@@ -192,8 +255,15 @@ def _elements(
         return Pose(np.zeros(3), np.asarray(quaternion_from_rotation_vector(value * axis)))
 
     for k, key in enumerate(keys):
-        before, after = (reduce(matmul, map(pose, part), Pose.identity()) for part in (keys[:k], keys[k + 1 :]))
-        yield key, before, after, (axes[key], np.zeros(3)) if key in ("d", "a") else (np.zeros(3), axes[key])
+        before, after = (
+            reduce(matmul, map(pose, part), Pose.identity()) for part in (keys[:k], keys[k + 1 :])
+        )
+        yield (
+            key,
+            before,
+            after,
+            (axes[key], np.zeros(3)) if key in ("d", "a") else (np.zeros(3), axes[key]),
+        )
 
 
 def _seen(frame: Pose, t: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -202,7 +272,9 @@ def _seen(frame: Pose, t: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.nda
     return np.asarray(frame.turn(t)) + np.cross(np.asarray(frame.position), turned), turned
 
 
-def _base_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
+def _base_moved(
+    mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray
+) -> Velocity:
     """Move everything given in the base frame by the twist (t, w)."""
     velocity: Velocity = {}
 
@@ -220,9 +292,18 @@ def _base_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray
                 direction(f"{path}.{key}")
     frame = mechanism.frame_name
     if f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values:
-        _put(velocity, f"{frame}.position", t + np.cross(w, vector_values(values, f"{frame}.position")))
+        _put(
+            velocity,
+            f"{frame}.position",
+            t + np.cross(w, vector_values(values, f"{frame}.position")),
+        )
         q = vector_values(values, f"{frame}.quaternion", "wxyz")
-        _put(velocity, f"{frame}.quaternion", 0.5 * np.asarray(multiply(np.array([0.0, *w]), q)), "wxyz")
+        _put(
+            velocity,
+            f"{frame}.quaternion",
+            0.5 * np.asarray(multiply(np.array([0.0, *w]), q)),
+            "wxyz",
+        )
     return velocity
 
 
@@ -230,27 +311,49 @@ def _base_points(mechanism: Mechanism) -> Iterator[str]:
     """Key paths of all points that are given in the base frame."""
     for path, _ in joint_paths(mechanism):
         yield f"{path}.point"
-    yield from (end.path for bar in mechanism.bars for end in (bar.start, bar.end) if not end.in_platform_frame)
+    yield from (
+        end.path
+        for bar in mechanism.bars
+        for end in (bar.start, bar.end)
+        if not end.in_platform_frame
+    )
     yield from map(point_path, mechanism.link_points)
 
 
-def _platform_moved(mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
-    """Move the platform frame by the twist (t, w) in its own axes; what is given in it moves the other way."""
+def _platform_moved(
+    mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray
+) -> Velocity:
+    """Move the platform frame by the twist (t, w) in its own axes; what is given in it moves the
+    other way.
+    """
     velocity: Velocity = {}
-    for path in (end.path for bar in mechanism.bars for end in (bar.start, bar.end) if end.in_platform_frame):
+    for path in (
+        end.path for bar in mechanism.bars for end in (bar.start, bar.end) if end.in_platform_frame
+    ):
         _put(velocity, path, -(t + np.cross(w, vector_values(values, path))))
     frame = mechanism.frame_name
     if f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values:
         q = vector_values(values, f"{frame}.quaternion", "wxyz")
         _put(velocity, f"{frame}.position", np.asarray(rotate(q / np.linalg.norm(q), t)))
-        _put(velocity, f"{frame}.quaternion", 0.5 * np.asarray(multiply(q, np.array([0.0, *w]))), "wxyz")
+        _put(
+            velocity,
+            f"{frame}.quaternion",
+            0.5 * np.asarray(multiply(q, np.array([0.0, *w]))),
+            "wxyz",
+        )
     return velocity
 
 
-def _stretched(mechanism: Mechanism, values: Mapping[str, float], read: tuple[str, ...]) -> Velocity:
+def _stretched(
+    mechanism: Mechanism, values: Mapping[str, float], read: tuple[str, ...]
+) -> Velocity:
     """Stretch every length in proportion."""
     table = nominal_parameters(mechanism, read)
-    lengths = {name for name, (_, kind) in table.items() if kind == "length" and name not in MEASURING_FRAMES}
+    lengths = {
+        name
+        for name, (_, kind) in table.items()
+        if kind == "length" and name not in MEASURING_FRAMES
+    }
     return {name: value for name, value in values.items() if name in lengths}
 
 
@@ -261,8 +364,9 @@ def _put(velocity: Velocity, path: str, value: np.ndarray, letters: str = "xyz")
 def parallel_offsets(
     mechanism: Mechanism, values: Mapping[str, float], within: float = 0.0
 ) -> Iterator[tuple[str, dict[str, float]]]:
-    """Yield (name, rates of parameters) for neighbouring rows whose axes are parallel to rounding, or `within` an angle: the
-    offset d of one and that of the next move the tool alike."""
+    """Yield (name, rates of parameters) for neighbouring rows whose axes are parallel to rounding,
+    or `within` an angle: the offset d of one and that of the next move the tool alike.
+    """
     if mechanism.dh is None:
         return
     rows, standard = mechanism.dh.rows, mechanism.dh.convention == "standard"
@@ -272,7 +376,8 @@ def parallel_offsets(
             names = " and ".join(mechanism.actuated[i].name for i in (k - 1, k))
             other = -1.0 if np.cos(twist) > 0 else 1.0
             yield (
-                f"parallel axes {names}: only the sum of their offsets dh.{k}.d and dh.{k + 1}.d is told",
+                f"parallel axes {names}: only the sum of their offsets dh.{k}.d and dh.{k + 1}.d "
+                f"is told",
                 {f"dh.{k}.d": 1.0, f"dh.{k + 1}.d": other},
             )
 
@@ -282,5 +387,6 @@ def nearly_parallel(mechanism: Mechanism, values: Mapping[str, float]) -> tuple[
     if mechanism.dh is None:
         return ()
     return tuple(
-        text.split(":")[0].removeprefix("parallel axes ") for text, _ in parallel_offsets(mechanism, values, NEARLY_PARALLEL)
+        text.split(":")[0].removeprefix("parallel axes ")
+        for text, _ in parallel_offsets(mechanism, values, NEARLY_PARALLEL)
     )

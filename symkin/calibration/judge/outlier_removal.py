@@ -1,7 +1,9 @@
-"""Fit without readings that do not belong: one after the other, or all that the majority of the readings speaks against.
+"""Fit without readings that do not belong: one after the other, or all that the majority of the
+readings speaks against.
 
-Each refit starts from the fit before it. One that does not converge, or fits the readings left worse, is undone. What was taken
-out is judged once more by the last fit: a reading that agrees with it is put back.
+Each refit starts from the fit before it. One that does not converge, or fits the readings left
+worse, is undone. What was taken out is judged once more by the last fit: a reading that agrees with
+it is put back.
 """
 
 from __future__ import annotations
@@ -12,13 +14,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.estimate.configurations import SOLVED_TOLERANCE, first_points, newton_configurations
+from symkin.calibration.estimate.configurations import (
+    SOLVED_TOLERANCE,
+    first_points,
+    newton_configurations,
+)
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import deviations
 from symkin.calibration.estimate.robust import normalised_residuals, robust_estimate
 from symkin.calibration.estimate.state import evaluate, joint_covariance, readings_at
 from symkin.calibration.judge.assessment import Fit
-from symkin.calibration.judge.outliers import Outlier, Screening, describe_outlier, max_outliers, reading_kinds, screen_readings
+from symkin.calibration.judge.outliers import (
+    Outlier,
+    Screening,
+    describe_outlier,
+    max_outliers,
+    reading_kinds,
+    screen_readings,
+)
 from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, linear_model
 
 _GROSS_SHARE = 0.1
@@ -26,19 +39,24 @@ _GROSS_SHARE = 0.1
 _MAX_REJECTED_SHARE = 0.45
 """Largest share of the readings that may be taken out by the word of the others."""
 _GROSS_RATIO, _MAX_GROSS_SHARE = 6.0, 0.01
-"""Readings off by so many times the scale of the better half, more than this share of all, are no normal noise stated too
-small."""
+"""Readings off by so many times the scale of the better half, more than this share of all, are no
+normal noise stated too small.
+"""
 _GOOD_SCALE = 2.0
 """Scale of the better half, over the noise stated, from which another start is tried."""
 _WORSE_RATIO = 2.0
-"""A refit whose chi-square per reading is so many times that of the fit before it has lost its minimum."""
+"""A refit whose chi-square per reading is so many times that of the fit before it has lost its
+minimum.
+"""
 
 ReadingKey = tuple[int, str]
 
 
 @dataclass(frozen=True, eq=False)
 class StartValues:
-    """Where a fit starts: parameters p, and unknown coordinates (n, width) of all configurations, NaN where none are known."""
+    """Where a fit starts: parameters p, and unknown coordinates (n, width) of all configurations,
+    NaN where none are known.
+    """
 
     p: np.ndarray
     z: np.ndarray
@@ -58,16 +76,22 @@ FitFunction = Callable[[Measurements, StartValues | None], Fit]
 
 @dataclass(frozen=True, eq=False)
 class ScreenedFit:
-    """A fit, what was found in it, and why nothing of it may be written, None where nothing speaks against it."""
+    """A fit, what was found in it, and why nothing of it may be written, None where nothing speaks
+    against it.
+    """
 
     found: Fit
     screening: Screening
     refused: str | None = None
 
 
-def fit_without_outliers(fit: FitFunction, measurements: Measurements, found: Fit, level: float) -> ScreenedFit:
-    """Fit without outliers. Where there are so many that none can be told one by one, or where they spoil the first fit, the
-    majority of the readings decides; where that decides nothing either and errors are gross, the fit is refused."""
+def fit_without_outliers(
+    fit: FitFunction, measurements: Measurements, found: Fit, level: float
+) -> ScreenedFit:
+    """Fit without outliers. Where there are so many that none can be told one by one, or where they
+    spoil the first fit, the majority of the readings decides; where that decides nothing either and
+    errors are gross, the fit is refused.
+    """
     plain = ScreenedFit(found, Screening((), ()))
     if found.result.status == "ok":
         plain = _one_by_one(fit, measurements, found, level)
@@ -76,19 +100,30 @@ def fit_without_outliers(fit: FitFunction, measurements: Measurements, found: Fi
     return _by_majority(fit, measurements, found, level, plain)
 
 
-# --- one by one ----------------------------------------------------------------------------------------------------
+# --- one by one -----------------------------------------------------------------------------------
 
 
 def _one_by_one(
-    fit: FitFunction, measurements: Measurements, first: Fit, level: float, before: Sequence[Outlier] = ()
+    fit: FitFunction,
+    measurements: Measurements,
+    first: Fit,
+    level: float,
+    before: Sequence[Outlier] = (),
 ) -> ScreenedFit:
-    """Take outliers out one by one. A gross error bends the fit beyond its linear range, so that good readings look bad: in each
-    round only those go whose statistic is `_GROSS_SHARE` of the largest or more, and the rest is judged at a new fit."""
+    """Take outliers out one by one. A gross error bends the fit beyond its linear range, so that
+    good readings look bad: in each round only those go whose statistic is `_GROSS_SHARE` of the
+    largest or more, and the rest is judged at a new fit.
+    """
     found, taken_out, allowed = first, list(before), None
     unchecked: tuple[ReadingKey, ...] = ()
     while True:
         screening = _renumbered(
-            screen_readings(found.problem, linear_model(found.problem, found.result.state), level=level, share=_GROSS_SHARE),
+            screen_readings(
+                found.problem,
+                linear_model(found.problem, found.result.state),
+                level=level,
+                share=_GROSS_SHARE,
+            ),
             found.used,
         )
         if allowed is None:
@@ -102,31 +137,42 @@ def _one_by_one(
         if _is_worse(again, found):
             break
         found, taken_out = again, more
-    return _put_back(fit, measurements, ScreenedFit(found, Screening(tuple(taken_out), unchecked)), level)
+    return _put_back(
+        fit, measurements, ScreenedFit(found, Screening(tuple(taken_out), unchecked)), level
+    )
 
 
 def _is_worse(again: Fit, found: Fit) -> bool:
     """Tell whether a fit to fewer readings failed, or fits them worse."""
     if again.result.status != "ok":
         return True
-    return _per_reading(again) > _WORSE_RATIO * max(_per_reading(found), 1.0 if found.problem.readings.known else 0.0)
+    return _per_reading(again) > _WORSE_RATIO * max(
+        _per_reading(found), 1.0 if found.problem.readings.known else 0.0
+    )
 
 
 def _per_reading(found: Fit) -> float:
     return found.result.state.cost / max(found.problem.readings.count, 1)
 
 
-# --- by majority ---------------------------------------------------------------------------------------------------
+# --- by majority ----------------------------------------------------------------------------------
 
 
-def _by_majority(fit: FitFunction, measurements: Measurements, found: Fit, level: float, plain: ScreenedFit) -> ScreenedFit:
-    """Fit without all that a robust fit leaves far off; keep the plain fit where the errors are not gross, refuse it where
-    they are and the rest does not fit either."""
+def _by_majority(
+    fit: FitFunction, measurements: Measurements, found: Fit, level: float, plain: ScreenedFit
+) -> ScreenedFit:
+    """Fit without all that a robust fit leaves far off; keep the plain fit where the errors are not
+    gross, refuse it where they are and the rest does not fit either.
+    """
     trials = [robust_estimate(found.problem, found.result.state.p, found.result.state.z, "cauchy")]
     if not trials[0].scale < _GOOD_SCALE:
         model, rows = found.problem.model, found.problem.measurements
-        begin, closed = newton_configurations(model, first_points(model, rows, model.nominal), rows.joints, model.nominal)
-        trials += [robust_estimate(found.problem, model.nominal, begin, "cauchy")] if closed.all() else []
+        begin, closed = newton_configurations(
+            model, first_points(model, rows, model.nominal), rows.joints, model.nominal
+        )
+        trials += (
+            [robust_estimate(found.problem, model.nominal, begin, "cauchy")] if closed.all() else []
+        )
     trials = [t for t in trials if np.isfinite(t.scale)]
     best = min(trials, key=lambda t: t.scale, default=None)
     if best is None:
@@ -136,7 +182,8 @@ def _by_majority(fit: FitFunction, measurements: Measurements, found: Fit, level
     if share <= _MAX_GROSS_SHARE:
         return plain
     why = (
-        f"{len(bad)} readings, {100 * share:.0f} % of all, are off by more than {_GROSS_RATIO:g} times the scatter of the better half, and without "
+        f"{len(bad)} readings, {100 * share:.0f} % of all, are off by more than {_GROSS_RATIO:g} "
+        f"times the scatter of the better half, and without "
         "them the others do not fit either: gross errors, or readings of another machine"
     )
     if not bad or share > _MAX_REJECTED_SHARE:
@@ -150,7 +197,9 @@ def _by_majority(fit: FitFunction, measurements: Measurements, found: Fit, level
 
 
 def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], float]:
-    """Find readings that a robust fit leaves off by more than chance allows, and the share of all that are grossly so."""
+    """Find readings that a robust fit leaves off by more than chance allows, and the share of all
+    that are grossly so.
+    """
     problem, state = found.problem, found.result.state
     t = normalised_residuals(problem, problem, state) / scale
     bad, gross, count = list[Outlier](), 0, 0
@@ -179,58 +228,91 @@ def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], flo
 
 
 def _is_explained(found: Fit) -> bool:
-    """Tell whether what a fit leaves is as the noise lets expect, or is normal noise of unknown size."""
+    """Tell whether what a fit leaves is as the noise lets expect, or is normal noise of unknown
+    size.
+    """
     model = linear_model(found.problem, found.result.state)
     if found.problem.readings.known:
-        return chi_square_tail(model.chi_square, model.degrees) > SIGNIFICANCE or model.chi_square < 2.0 * model.degrees
-    t = normalised_residuals(found.problem, found.problem, found.result.state)[found.problem.readings.taken]
-    return float(np.mean(np.abs(t) > _GROSS_RATIO * 1.4826 * np.median(np.abs(t)))) <= _MAX_GROSS_SHARE
+        return (
+            chi_square_tail(model.chi_square, model.degrees) > SIGNIFICANCE
+            or model.chi_square < 2.0 * model.degrees
+        )
+    t = normalised_residuals(found.problem, found.problem, found.result.state)[
+        found.problem.readings.taken
+    ]
+    return (
+        float(np.mean(np.abs(t) > _GROSS_RATIO * 1.4826 * np.median(np.abs(t)))) <= _MAX_GROSS_SHARE
+    )
 
 
-# --- what was taken out --------------------------------------------------------------------------------------------
+# --- what was taken out ---------------------------------------------------------------------------
 
 
-def _put_back(fit: FitFunction, measurements: Measurements, made: ScreenedFit, level: float) -> ScreenedFit:
+def _put_back(
+    fit: FitFunction, measurements: Measurements, made: ScreenedFit, level: float
+) -> ScreenedFit:
     """Test the outliers by the last fit; put those that agree with it back, and fit again."""
     if not made.screening.outliers:
         return made
     outliers = _retest(measurements, made.found, made.screening.outliers)
-    total = sum(len(configurations) for _, configurations, _ in reading_kinds(made.found.problem)) + len(outliers)
+    total = sum(
+        len(configurations) for _, configurations, _ in reading_kinds(made.found.problem)
+    ) + len(outliers)
     kept = [o for o in outliers if o.probability < level / total]
     if len(kept) < len(outliers):
         again = fit(_without(measurements, kept), StartValues.of(made.found, len(measurements)))
         if not _is_worse(again, made.found):
             return replace(
-                made, found=again, screening=replace(made.screening, outliers=tuple(_retest(measurements, again, kept)))
+                made,
+                found=again,
+                screening=replace(
+                    made.screening, outliers=tuple(_retest(measurements, again, kept))
+                ),
             )
     return replace(made, screening=replace(made.screening, outliers=tuple(outliers)))
 
 
 def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier]) -> list[Outlier]:
-    """Compare readings that were taken out with what the fit predicts; they stay as they were judged where their
-    configuration does not close."""
+    """Compare readings that were taken out with what the fit predicts; they stay as they were
+    judged where their configuration does not close.
+    """
     problem = _problem_of_all(found, measurements)
     state, noise = found.result.state, np.zeros(0)
     begin = first_points(problem.model, measurements, found.result.state.p)
     begin[found.used] = state.z
     with np.errstate(all="ignore"):
-        z, closed = newton_configurations(problem.model, begin, measurements.joints, state.p, tolerance=1e2 * SOLVED_TOLERANCE)
+        z, closed = newton_configurations(
+            problem.model, begin, measurements.joints, state.p, tolerance=1e2 * SOLVED_TOLERANCE
+        )
         there = evaluate(problem, state.p, z, "means")
         noise = joint_covariance(problem, there)
-    gap = _less_means(problem, deviations(problem.readings, readings_at(problem, state.p, z)), outliers)
+    gap = _less_means(
+        problem, deviations(problem.readings, readings_at(problem, state.p, z)), outliers
+    )
     spread = 1.0 if problem.readings.known else _per_reading(found)
-    return [_retest_outlier(problem, gap, noise, o, spread) if closed[o.configuration] else o for o in outliers]
+    return [
+        _retest_outlier(problem, gap, noise, o, spread) if closed[o.configuration] else o
+        for o in outliers
+    ]
 
 
 def _problem_of_all(found: Fit, measurements: Measurements) -> CalibrationProblem:
     names = (*found.problem.names, *found.problem.fixed)
     return build_calibration(
-        found.problem.mechanism, measurements, parameters=names, fixed=found.problem.fixed, residual=found.problem.form
+        found.problem.mechanism,
+        measurements,
+        parameters=names,
+        fixed=found.problem.fixed,
+        residual=found.problem.form,
     )
 
 
-def _less_means(problem: CalibrationProblem, gap: np.ndarray, outliers: Sequence[Outlier]) -> np.ndarray:
-    """Deviations of grouped readings from the mean of those of their group that are not taken out."""
+def _less_means(
+    problem: CalibrationProblem, gap: np.ndarray, outliers: Sequence[Outlier]
+) -> np.ndarray:
+    """Deviations of grouped readings from the mean of those of their group that are not taken
+    out.
+    """
     readings = problem.readings
     out = {o.configuration for o in outliers if o.kind == "group"}
     for g in range(readings.groups):
@@ -240,7 +322,9 @@ def _less_means(problem: CalibrationProblem, gap: np.ndarray, outliers: Sequence
     return gap
 
 
-def _retest_outlier(problem: CalibrationProblem, gap: np.ndarray, noise: np.ndarray, o: Outlier, spread: float) -> Outlier:
+def _retest_outlier(
+    problem: CalibrationProblem, gap: np.ndarray, noise: np.ndarray, o: Outlier, spread: float
+) -> Outlier:
     """Give an outlier the shift and the statistic that a fit gives it."""
     named = [
         k
@@ -250,11 +334,20 @@ def _retest_outlier(problem: CalibrationProblem, gap: np.ndarray, noise: np.ndar
     columns = np.array([k for k in named if problem.readings.taken[o.configuration, k]], dtype=int)
     if len(columns) == 0:
         return o
-    block = noise[o.configuration][np.ix_(columns, columns)] + np.diag(problem.readings.sigma[o.configuration, columns] ** 2)
+    block = noise[o.configuration][np.ix_(columns, columns)] + np.diag(
+        problem.readings.sigma[o.configuration, columns] ** 2
+    )
     shift = -gap[o.configuration, columns]
     statistic = float(shift @ np.linalg.solve(spread * block, shift))
     return describe_outlier(
-        problem, o.configuration, o.kind, columns, shift, statistic, len(columns), chi_square_tail(statistic, len(columns))
+        problem,
+        o.configuration,
+        o.kind,
+        columns,
+        shift,
+        statistic,
+        len(columns),
+        chi_square_tail(statistic, len(columns)),
     )
 
 

@@ -1,4 +1,6 @@
-"""Hold the result of a calibration: parameters with standard deviations, residuals, statistics and notes."""
+"""Hold the result of a calibration: parameters with standard deviations, residuals, statistics and
+notes.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +28,10 @@ _FRAME_WORD = "frame"
 
 @dataclass(frozen=True)
 class Parameter:
-    """One identified parameter: nominal and identified value, standard deviation (0 where held; None where unknown:
-    no degrees of freedom). Lengths in the mechanism's unit, angles in radians, numbers (directions, factors) plain."""
+    """One identified parameter: nominal and identified value, standard deviation (0 where held;
+    None where unknown: no degrees of freedom). Lengths in the mechanism's unit, angles in radians,
+    numbers (directions, factors) plain.
+    """
 
     name: str
     kind: ParameterKind
@@ -43,8 +47,10 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Residual:
-    """One reading less its model: configuration number, kind and component; `value` in radians or the length unit (a group's
-    from its mean), `normalised` over the deviation that the reading's own noise and the fit leave it."""
+    """One reading less its model: configuration number, kind and component; `value` in radians or
+    the length unit (a group's from its mean), `normalised` over the deviation that the reading's
+    own noise and the fit leave it.
+    """
 
     configuration: int
     kind: str
@@ -57,17 +63,21 @@ class Residual:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration(Result):
-    """The result of a calibration: parameters, their standard deviations, residuals, and what they rest on.
+    """The result of a calibration: parameters, their standard deviations, residuals, and what they
+    rest on.
 
-    `problem` holds what was fitted: the configurations `used` (numbers in `measurements`) without outliers.
+    `problem` holds what was fitted: the configurations `used` (numbers in `measurements`) without
+    outliers.
 
-    `covariance` is that of `parameters`, held ones 0; `chi_square` has `degrees` of freedom and the tail probability
-    `p_value` (None where standard deviations are unknown; they are then scaled by the fit). `unsolved` are configurations
-    whose direct problem was not solved and `changed_mode` those that crossed a singularity on the way; none is dropped
-    without being named. `given_up` are the first outliers of a fit where so many readings do not belong that none was left
-    out, `silent` configurations without any reading beside the joints, which are not used. All figures are those of the file
-    with the `corrected` geometry, written and read back (see `assessment`); `refused` says why it must not be written, None
-    where nothing speaks against it. `plot()` draws the changes of the parameters, `plot(what="residuals")` the residuals.
+    `covariance` is that of `parameters`, held ones 0; `chi_square` has `degrees` of freedom and the
+    tail probability `p_value` (None where standard deviations are unknown; they are then scaled by
+    the fit). `unsolved` are configurations whose direct problem was not solved and `changed_mode`
+    those that crossed a singularity on the way; none is dropped without being named. `given_up` are
+    the first outliers of a fit where so many readings do not belong that none was left out,
+    `silent` configurations without any reading beside the joints, which are not used. All figures
+    are those of the file with the `corrected` geometry, written and read back (see `assessment`);
+    `refused` says why it must not be written, None where nothing speaks against it. `plot()` draws
+    the changes of the parameters, `plot(what="residuals")` the residuals.
 
     >>> import numpy as np, symkin
     >>> arm = symkin.load("gluon_6l3")
@@ -113,7 +123,9 @@ class Calibration(Result):
 
     @cached_property
     def corrected(self) -> Mechanism:
-        """The mechanism with the identified geometry; factors of readings and measuring frames have no place in it."""
+        """The mechanism with the identified geometry; factors of readings and measuring frames have
+        no place in it.
+        """
         return with_parameters(self.mechanism, self.values)
 
     @property
@@ -122,11 +134,19 @@ class Calibration(Result):
 
     @property
     def believable(self) -> bool:
-        """Whether the fit converged, its rank is clear, every configuration is solved, and the stated noise explains the
-        residuals (neither larger nor smaller than expected), but for some outliers."""
+        """Whether the fit converged, its rank is clear, every configuration is solved, and the
+        stated noise explains the residuals (neither larger nor smaller than expected), but for some
+        outliers.
+        """
         fits = self.p_value is None or SIGNIFICANCE < self.p_value < 1.0 - SIGNIFICANCE
         whole = not self.unsolved and not self.given_up and self.refused is None
-        return self.status == "ok" and self.identifiability.is_clear and whole and fits and self.degrees > 0
+        return (
+            self.status == "ok"
+            and self.identifiability.is_clear
+            and whole
+            and fits
+            and self.degrees > 0
+        )
 
     @property
     def frames(self) -> tuple[str, ...]:
@@ -142,8 +162,10 @@ class Calibration(Result):
         """The fit in one line, the parameters in the mechanism's units, and the notes."""
         p = "" if self.p_value is None else f", probability {self.p_value:.3g}"
         head = (
-            f"{self.mechanism.name}: {self.status} after {self.iterations} iterations ({self.method}), "
-            f"{len(self.used)} of {len(self.measurements)} postures; rank {self.rank} of {len(self.problem.names)}; "
+            f"{self.mechanism.name}: {self.status} after {self.iterations} iterations "
+            f"({self.method}), "
+            f"{len(self.used)} of {len(self.measurements)} postures; rank {self.rank} of "
+            f"{len(self.problem.names)}; "
             f"chi-square {self.chi_square:.4g} with {self.degrees} degrees of freedom{p}"
         )
         rows = [self._row(q) for q in self.parameters]
@@ -155,42 +177,75 @@ class Calibration(Result):
     def _row(self, q: Parameter) -> list[str]:
         one = value_out(self.mechanism, q, 1.0)
         sigma = "held" if q.held else "unknown" if q.sigma is None else f"{one * q.sigma:.2g}"
-        return [q.name, f"{one * q.value:.9g}", sigma, unit_of(self.mechanism, q), f"{one * q.change:+.3g}"]
+        return [
+            q.name,
+            f"{one * q.value:.9g}",
+            sigma,
+            unit_of(self.mechanism, q),
+            f"{one * q.change:+.3g}",
+        ]
 
     def to_dict(self, *, residuals: bool = True) -> dict[str, Any]:
-        """What `report.json` of `symkin calibrate fit` holds of the fit itself, with or without `residuals`; lengths in the
-        mechanism's unit, angles in its angle unit."""
+        """What `report.json` of `symkin calibrate fit` holds of the fit itself, with or without
+        `residuals`; lengths in the mechanism's unit, angles in its angle unit.
+        """
         m = self.mechanism
         return {
-            "mechanism": m.name, "length_unit": m.length_unit, "angle_unit": m.angle_unit, "believable": self.believable,
-            **self.figures(), **self.findings(), "notes": list(self.notes), "elapsed_s": self.elapsed_s,
+            "mechanism": m.name,
+            "length_unit": m.length_unit,
+            "angle_unit": m.angle_unit,
+            "believable": self.believable,
+            **self.figures(),
+            **self.findings(),
+            "notes": list(self.notes),
+            "elapsed_s": self.elapsed_s,
             "residuals": list(self.residual_rows()) if residuals else [],
-        }  # fmt: skip
+        }
 
     def figures(self) -> dict[str, Any]:
         """Status, postures and chi-square, as in `report.json`."""
         labels = self.measurements.labels
         return {
-            "status": self.status, "iterations": self.iterations, "method": self.method, "postures": len(self.measurements),
-            "used": len(self.used), "unsolved": [labels[k] for k in self.unsolved], "silent": [labels[k] for k in self.silent],
+            "status": self.status,
+            "iterations": self.iterations,
+            "method": self.method,
+            "postures": len(self.measurements),
+            "used": len(self.used),
+            "unsolved": [labels[k] for k in self.unsolved],
+            "silent": [labels[k] for k in self.silent],
             "changed_mode": [labels[k] for k in self.changed_mode],
-            "chi_square": finite(self.chi_square), "degrees": self.degrees, "p_value": finite(self.p_value),
-        }  # fmt: skip
+            "chi_square": finite(self.chi_square),
+            "degrees": self.degrees,
+            "p_value": finite(self.p_value),
+        }
 
     def findings(self) -> dict[str, Any]:
         """Rank, what is not observable, parameters and outliers, as in `report.json`."""
         m, found = self.mechanism, self.identifiability
         return {
-            "rank": found.rank, "parameters_in_all": len(found.names), "condition": finite(found.condition),
-            "base_set": list(found.base_set), "singular_values": found.singular_values.tolist(),
-            "frames": list(self.frames), "unobservable": list(self.unobservable), "advice": list(found.advice),
+            "rank": found.rank,
+            "parameters_in_all": len(found.names),
+            "condition": finite(found.condition),
+            "base_set": list(found.base_set),
+            "singular_values": found.singular_values.tolist(),
+            "frames": list(self.frames),
+            "unobservable": list(self.unobservable),
+            "advice": list(found.advice),
             "parameters": [
-                {"name": q.name, "unit": unit_of(m, q) or "1", "nominal": value_out(m, q, q.nominal), "value": value_out(m, q, q.value),
-                 "sigma": None if q.sigma is None else value_out(m, q, q.sigma), "held": q.held}
+                {
+                    "name": q.name,
+                    "unit": unit_of(m, q) or "1",
+                    "nominal": value_out(m, q, q.nominal),
+                    "value": value_out(m, q, q.value),
+                    "sigma": None if q.sigma is None else value_out(m, q, q.sigma),
+                    "held": q.held,
+                }
                 for q in self.parameters
             ],
-            "outliers": [{"posture": o.label, "kind": o.kind, "reason": o.reason} for o in self.outliers],
-        }  # fmt: skip
+            "outliers": [
+                {"posture": o.label, "kind": o.kind, "reason": o.reason} for o in self.outliers
+            ],
+        }
 
     def residual_rows(self) -> Iterator[dict[str, Any]]:
         """The residuals in JSON, one by one."""
@@ -198,8 +253,12 @@ class Calibration(Result):
         for r in self.residuals:
             value = out(r.value) if r.angular else r.value
             yield {
-                "posture": labels[r.configuration], "kind": r.kind, "component": r.component, "value": value, "normalised": finite(r.normalised)
-            }  # fmt: skip
+                "posture": labels[r.configuration],
+                "kind": r.kind,
+                "component": r.component,
+                "value": value,
+                "normalised": finite(r.normalised),
+            }
 
 
 def unit_of(mechanism: Mechanism, q: Parameter) -> str:

@@ -1,15 +1,18 @@
-"""Compute the statistics of a fit: the linear model of its readings, chi-square and F, covariance, curvature.
+"""Compute the statistics of a fit: the linear model of its readings, chi-square and F, covariance,
+curvature.
 
-The whitened residuals of all readings (joint noise included, see `residuals`) are e = (1 - Q Q^T) r with Q an orthonormal basis
-of what the fit may absorb: the unknown inclination of each group and the parameters' columns. The part of the groups is block
-diagonal and is kept as two columns, each group's own rows of them; the rest, orthogonal to it, is dense and as wide as there
-are parameters. In the linear range |e|^2 has the chi-square distribution with as many degrees of freedom as there are readings
-left, whichever form of the residuals was minimised.
+The whitened residuals of all readings (joint noise included, see `residuals`) are e = (1 - Q Q^T) r
+with Q an orthonormal basis of what the fit may absorb: the unknown inclination of each group and
+the parameters' columns. The part of the groups is block diagonal and is kept as two columns, each
+group's own rows of them; the rest, orthogonal to it, is dense and as wide as there are parameters.
+In the linear range |e|^2 has the chi-square distribution with as many degrees of freedom as there
+are readings left, whichever form of the residuals was minimised.
 
-Whether the linear model holds within the standard deviations is measured by curvature. A step of one standard deviation along a
-combination of parameters that the readings determine least moves the residuals by (dr/dp) step + d. Least squares takes d for a
-change of the parameters, (dr/dp)^+ d. Where that is not small against a parameter's standard deviation, the latter is no measure
-of its error (curvature by the parameters, Bates and Watts 1980).
+Whether the linear model holds within the standard deviations is measured by curvature. A step of
+one standard deviation along a combination of parameters that the readings determine least moves the
+residuals by (dr/dp) step + d. Least squares takes d for a change of the parameters, (dr/dp)^+ d.
+Where that is not small against a parameter's standard deviation, the latter is no measure of its
+error (curvature by the parameters, Bates and Watts 1980).
 """
 
 from __future__ import annotations
@@ -22,7 +25,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Readings, deviations, group_basis, group_sum, neighbours, whitening
+from symkin.calibration.estimate.residuals import (
+    Readings,
+    deviations,
+    group_basis,
+    group_sum,
+    neighbours,
+    whitening,
+)
 from symkin.calibration.estimate.state import (
     CONSTRAINT_ROUNDING,
     State,
@@ -48,23 +58,32 @@ _BLOCK_ROWS = 20_000
 _DOUBLE_BITS = 53
 """Bits of tail probabilities."""
 SIGNIFICANCE = 1e-3
-"""Tail probability on either side of chi-square beyond which the stated noise does not explain the residuals."""
+"""Tail probability on either side of chi-square beyond which the stated noise does not explain the
+residuals.
+"""
 
 DOUBTFUL_CURVATURE = 0.5
 """Share of its standard deviation from which a parameter's is called doubtful."""
 _WEAKEST_DIRECTIONS = 3
-"""Directions that are tried: for better determined ones curvature falls by the square of their deviation."""
+"""Directions that are tried: for better determined ones curvature falls by the square of their
+deviation.
+"""
 _BETTER_SHARE = 0.8
-"""Share of the configurations, those that fit better, by which fits are compared: single bad rows do not count."""
+"""Share of the configurations, those that fit better, by which fits are compared: single bad rows
+do not count.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class LinearModel:
-    """Whitened residuals e (N,) after projection, N = n K; `group_columns` (N, 2), the orthonormal columns of each row's group,
-    whose number is `group` (N,), -1 for none; `parameter_columns` (N, k), the rest of the basis; which rows hold a reading (N,),
-    and the transformation W (n, K, K) that whitened them. What is known of the parameters beside the readings stands in rows
-    after those. `within_reach` is the square that the projection to the parameters' columns took away: at a minimum nothing, but
-    for a form of residuals that weighs otherwise than joint noise and correlation ask."""
+    """Whitened residuals e (N,) after projection, N = n K; `group_columns` (N, 2), the orthonormal
+    columns of each row's group, whose number is `group` (N,), -1 for none; `parameter_columns` (N,
+    k), the rest of the basis; which rows hold a reading (N,), and the transformation W (n, K, K)
+    that whitened them. What is known of the parameters beside the readings stands in rows after
+    those. `within_reach` is the square that the projection to the parameters' columns took away: at
+    a minimum nothing, but for a form of residuals that weighs otherwise than joint noise and
+    correlation ask.
+    """
 
     residuals: np.ndarray
     group_columns: np.ndarray
@@ -90,27 +109,43 @@ class LinearModel:
 
     @property
     def absorbed(self) -> np.ndarray:
-        """Share (N,) of a unit shift of each reading that the fit absorbs: the diagonal of Q Q^T."""
+        """Share (N,) of a unit shift of each reading that the fit absorbs: the diagonal of Q
+        Q^T.
+        """
         return np.asarray(
             np.einsum("ij,ij->i", self.group_columns, self.group_columns)
             + np.einsum("ij,ij->i", self.parameter_columns, self.parameter_columns)
         )
 
     def freedom(self, rows: np.ndarray) -> np.ndarray:
-        """Restrict (1 - Q Q^T) to some rows (..., w): what of a shift of these readings the fit cannot absorb, (..., w, w)."""
-        own, shared, group = self.group_columns[rows], self.parameter_columns[rows], self.group[rows]
+        """Restrict (1 - Q Q^T) to some rows (..., w): what of a shift of these readings the fit
+        cannot absorb, (..., w, w).
+        """
+        own, shared, group = (
+            self.group_columns[rows],
+            self.parameter_columns[rows],
+            self.group[rows],
+        )
         together = group[..., :, None] == group[..., None, :]
-        absorbed = shared @ np.swapaxes(shared, -1, -2) + np.where(together, own @ np.swapaxes(own, -1, -2), 0.0)
+        absorbed = shared @ np.swapaxes(shared, -1, -2) + np.where(
+            together, own @ np.swapaxes(own, -1, -2), 0.0
+        )
         return np.asarray(self.taken[rows][..., None] * np.eye(rows.shape[-1]) - absorbed)
 
     def without(self, rows: np.ndarray) -> LinearModel:
         """Let the readings of these rows be free: their shift is one more unknown."""
         shift = -self.parameter_columns @ self.parameter_columns[rows].T
-        shift -= np.where(self.group[:, None] == self.group[rows], self.group_columns @ self.group_columns[rows].T, 0.0)
+        shift -= np.where(
+            self.group[:, None] == self.group[rows],
+            self.group_columns @ self.group_columns[rows].T,
+            0.0,
+        )
         shift[rows, np.arange(len(rows))] += self.taken[rows]
         extra = _orthonormal(shift)
         residuals = self.residuals - extra @ (extra.T @ self.residuals)
-        return replace(self, residuals=residuals, parameter_columns=np.hstack([self.parameter_columns, extra]))
+        return replace(
+            self, residuals=residuals, parameter_columns=np.hstack([self.parameter_columns, extra])
+        )
 
 
 def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
@@ -119,16 +154,26 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     known, by_known = problem.prior_rows(state.p) or (np.zeros(0), np.zeros((0, len(free))))
     by_known = by_known @ free
     shape = readings.values.shape
-    residuals, own, whiten = np.zeros((*shape, 1)), np.zeros((*shape, 2)), np.zeros((*shape, shape[1]))
+    residuals, own, whiten = (
+        np.zeros((*shape, 1)),
+        np.zeros((*shape, 2)),
+        np.zeros((*shape, shape[1])),
+    )
     columns, squares = np.zeros((*shape, free.shape[1])), np.sum(by_known**2, axis=0)
     for rows, part in problem.parts:
         e = evaluate_at(part, state.p, state.z[rows])
         whiten[rows] = whitening(part.readings, joint_covariance_at(part, state.p, state.z[rows]))
         own[rows] = _group_columns(part.readings, whiten[rows])
-        made, r = whiten[rows] @ (e.slopes @ free), whiten[rows] @ deviations(part.readings, e.readings)[:, :, None]
+        made, r = (
+            whiten[rows] @ (e.slopes @ free),
+            whiten[rows] @ deviations(part.readings, e.readings)[:, :, None],
+        )
         squares += np.sum(made**2, axis=(0, 1))
         for _ in range(2):  # the second time takes away what rounding left
-            made, r = _less_group_means(part.readings, own[rows], made), _less_group_means(part.readings, own[rows], r)
+            made, r = (
+                _less_group_means(part.readings, own[rows], made),
+                _less_group_means(part.readings, own[rows], r),
+            )
         columns[rows], residuals[rows] = made, r
     # columns of unit length, so that the rank of the basis is judged alike for all parameters
     kept, count = squares > 0, readings.values.size
@@ -145,14 +190,20 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     own_columns = np.vstack([own.reshape(count, 2), np.zeros((len(known), 2))])
     along = shared.T @ flat
     return LinearModel(
-        residuals=flat - shared @ along, group_columns=own_columns, group=group, parameter_columns=shared, taken=taken, whiten=whiten,
+        residuals=flat - shared @ along,
+        group_columns=own_columns,
+        group=group,
+        parameter_columns=shared,
+        taken=taken,
+        whiten=whiten,
         within_reach=float(along @ along),
-    )  # fmt: skip
+    )
 
 
 def whitened_residuals(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Return residuals (n, K) of all readings and their slopes by the scaled parameters (n, K, P), whitened, less the groups'
-    inclinations."""
+    """Return residuals (n, K) of all readings and their slopes by the scaled parameters (n, K, P),
+    whitened, less the groups' inclinations.
+    """
     readings, e = problem.readings, evaluate_readings(problem, state)
     whiten = whitening(readings, joint_covariance_at(problem, state.p, state.z))
     both = np.concatenate([deviations(readings, e.readings)[:, :, None], e.slopes], axis=2)
@@ -161,29 +212,40 @@ def whitened_residuals(problem: CalibrationProblem, state: State) -> tuple[np.nd
 
 
 def determined_directions(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Return a basis (not of unit length) of the directions in which p is determined and an overconstrained closure stays
-    consistent."""
+    """Return a basis (not of unit length) of the directions in which p is determined and an
+    overconstrained closure stays consistent.
+    """
     found = spectrum(error_free_design(problem, state))
     if state.leftover is None:
         return found.determined
     null = found.null_space
-    return null_space(np.vstack([null.T, state.leftover[1].reshape(-1, null.shape[0])]), CONSTRAINT_ROUNDING).T
+    return null_space(
+        np.vstack([null.T, state.leftover[1].reshape(-1, null.shape[0])]), CONSTRAINT_ROUNDING
+    ).T
 
 
 def _group_columns(readings: Readings, whiten: np.ndarray) -> np.ndarray:
-    """W G (n, K, 2) made orthonormal group by group: W G L^-T with L L^T = sum over the group of (W G)^T W G."""
+    """W G (n, K, 2) made orthonormal group by group: W G L^-T with L L^T = sum over the group of (W
+    G)^T W G.
+    """
     if not readings.groups:
         return np.zeros((*readings.values.shape, 2))
     basis = group_basis(readings, whiten)
     root = np.linalg.cholesky(group_sum(readings, basis.transpose(0, 2, 1) @ basis))
-    return np.where((readings.group >= 0)[:, None, None], basis @ np.linalg.inv(root).transpose(0, 2, 1)[readings.group], 0.0)
+    return np.where(
+        (readings.group >= 0)[:, None, None],
+        basis @ np.linalg.inv(root).transpose(0, 2, 1)[readings.group],
+        0.0,
+    )
 
 
 def _less_group_means(readings: Readings, own: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Columns (n, K, k) less their projection to the groups' columns."""
     if not readings.groups:
         return values
-    return np.asarray(values - own @ group_sum(readings, own.transpose(0, 2, 1) @ values)[readings.group])
+    return np.asarray(
+        values - own @ group_sum(readings, own.transpose(0, 2, 1) @ values)[readings.group]
+    )
 
 
 def _orthonormal(columns: np.ndarray) -> np.ndarray:
@@ -192,7 +254,9 @@ def _orthonormal(columns: np.ndarray) -> np.ndarray:
 
 
 def _basis(columns: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis of columns of unit length or less; directions below RANK_TOLERANCE are rounding."""
+    """Return an orthonormal basis of columns of unit length or less; directions below
+    RANK_TOLERANCE are rounding.
+    """
     if columns.shape[1] == 0:
         return columns
     left, singular, _ = np.linalg.svd(columns, full_matrices=False)
@@ -200,8 +264,10 @@ def _basis(columns: np.ndarray) -> np.ndarray:
 
 
 def _basis_in_place(columns: np.ndarray) -> np.ndarray:
-    """The same of many rows (N, k), which are overwritten block by block: with the triangle R of the columns, R = U S V^T, the
-    basis is columns V / S; what rounding leaves of that is taken away by its own triangle."""
+    """The same of many rows (N, k), which are overwritten block by block: with the triangle R of
+    the columns, R = U S V^T, the basis is columns V / S; what rounding leaves of that is taken away
+    by its own triangle.
+    """
     _, singular, right = np.linalg.svd(_triangle(columns), full_matrices=False)
     kept = singular > RANK_TOLERANCE * max(1.0, float(singular[0]))
     _multiply(columns, right[kept].T / singular[kept])
@@ -229,7 +295,9 @@ def _multiply(columns: np.ndarray, factor: np.ndarray) -> None:
 
 
 def chi_square_tail(value: float, degrees: int) -> float:
-    """Return the probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees / 2, value / 2)."""
+    """Return the probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees /
+    2, value / 2).
+    """
     from flint import arb
 
     from symkin.numeric.balls import precision
@@ -241,8 +309,9 @@ def chi_square_tail(value: float, degrees: int) -> float:
 
 
 def f_tail(value: float, first: int, second: int) -> float:
-    """Return the probability that F(first, second) exceeds `value`: I_x(second / 2, first / 2), x = second / (second + first
-    value)."""
+    """Return the probability that F(first, second) exceeds `value`: I_x(second / 2, first / 2), x =
+    second / (second + first value).
+    """
     from flint import arb
 
     from symkin.numeric.balls import precision
@@ -254,14 +323,22 @@ def f_tail(value: float, first: int, second: int) -> float:
         return float(arb(x).beta_lower(arb(second) / 2, arb(first) / 2, 1))
 
 
-# --- covariance ----------------------------------------------------------------------------------------------------
+# --- covariance -----------------------------------------------------------------------------------
 
 
 def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Return the covariance (P, P) of the free parameters (not scaled) for the form of residuals that was minimised: A S A^T
-    with dp = A d(readings), S the covariance of readings with joint noise; along unobservable directions 0."""
+    """Return the covariance (P, P) of the free parameters (not scaled) for the form of residuals
+    that was minimised: A S A^T with dp = A d(readings), S the covariance of readings with joint
+    noise; along unobservable directions 0.
+    """
     noise = joint_covariance(problem, state)
-    mixed = evaluate(problem, state.p, state.z, problem.form, noise if problem.form == "maximum likelihood" else None)
+    mixed = evaluate(
+        problem,
+        state.p,
+        state.z,
+        problem.form,
+        noise if problem.form == "maximum likelihood" else None,
+    )
     free = determined_directions(problem, mixed)
     inverse = np.linalg.pinv(mixed.linearised.matrix @ free, rcond=RANK_TOLERANCE)
     scaled = problem.model.scales[:, None] * (free @ inverse)
@@ -281,7 +358,9 @@ def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
 
 
 def _propagated(problem: CalibrationProblem, scaled: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """A S A^T, from dp per residual (P, N) and the covariance (n, K, K) that joint noise gives the readings."""
+    """A S A^T, from dp per residual (P, N) and the covariance (n, K, K) that joint noise gives the
+    readings.
+    """
     readings = problem.readings
     gain = _gain(problem, scaled.reshape(len(scaled), len(readings.values), -1))
     spread = np.where(readings.taken, readings.sigma, 0.0) ** 2
@@ -291,7 +370,9 @@ def _propagated(problem: CalibrationProblem, scaled: np.ndarray, noise: np.ndarr
 
 
 def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
-    """dp per reading (P, n, K) from dp per residual: the transpose of how readings make residuals."""
+    """dp per reading (P, n, K) from dp per residual: the transpose of how readings make
+    residuals.
+    """
     readings = problem.readings
     gain = inverse * np.where(readings.taken, 1.0 / readings.sigma, 0.0)
     if problem.form != "differences":
@@ -306,9 +387,11 @@ def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
 
 
 def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) -> np.ndarray:
-    """Return for each free parameter (P,) the largest change that curvature makes of it along the weakest directions, as a
-    share of its standard deviation; inf where configurations have no solution there, 0 where a closure leaves rows to the
-    parameters. `spread` scales the stated variances."""
+    """Return for each free parameter (P,) the largest change that curvature makes of it along the
+    weakest directions, as a share of its standard deviation; inf where configurations have no
+    solution there, 0 where a closure leaves rows to the parameters. `spread` scales the stated
+    variances.
+    """
     found = np.zeros(len(problem.names))
     if state.leftover is not None:
         return found
@@ -324,18 +407,24 @@ def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) ->
             if pull is None:
                 return np.where(sigma > 0, np.inf, 0.0)
             change = inverse @ (right @ (free.T @ pull) / singular) / np.sqrt(spread)
-            found = np.maximum(found, np.divide(np.abs(change), sigma, out=np.zeros_like(sigma), where=sigma > 0))
+            found = np.maximum(
+                found, np.divide(np.abs(change), sigma, out=np.zeros_like(sigma), where=sigma > 0)
+            )
     return found
 
 
 def _departure_gradient(
     problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None
 ) -> np.ndarray | None:
-    """Return (dr/dp)^T d (P,) of the departure d from the linear model, part by part; None where configurations do not close."""
+    """Return (dr/dp)^T d (P,) of the departure d from the linear model, part by part; None where
+    configurations do not close.
+    """
     total = np.zeros(len(step))
     for rows, part in problem.parts:
         some = None if noise is None else noise[rows]
-        near = evaluate(part, here.p, here.z[rows], problem.form, some) if problem.is_large else here
+        near = (
+            evaluate(part, here.p, here.z[rows], problem.form, some) if problem.is_large else here
+        )
         departure = _linear_departure(part, near, step, some)
         if departure is None:
             return None
@@ -343,13 +432,20 @@ def _departure_gradient(
     return total
 
 
-def _linear_departure(problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None) -> np.ndarray | None:
-    """Return d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; None where they do not close."""
+def _linear_departure(
+    problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None
+) -> np.ndarray | None:
+    """Return d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; None where they do
+    not close.
+    """
     z = problem.model.system.move(here.z, here.follow(step))
     with np.errstate(all="ignore"):
         there = closed_state(problem, here.p + problem.model.scales * step, z, problem.form, noise)
         departure = there.linearised.vector - here.linearised.vector - here.linearised.matrix @ step
-    closed = np.max(np.abs(there.pending), initial=0.0) < 1e-9 * problem.model.closure.characteristic_length
+    closed = (
+        np.max(np.abs(there.pending), initial=0.0)
+        < 1e-9 * problem.model.closure.characteristic_length
+    )
     return np.asarray(departure) if closed and np.all(np.isfinite(departure)) else None
 
 
