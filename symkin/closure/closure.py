@@ -15,6 +15,7 @@ from symkin.closure.bodies import PoseForm
 from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.closure.rows import ReplacedUniversalJoint, Row, RowBuilder
 from symkin.computed_once import cached_property, lru_cache
+from symkin.errors import MechanismError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
@@ -201,6 +202,11 @@ def _assemble(builder: RowBuilder) -> Closure:
     )
     pairs = in_file_order + [p for p in pairs if p[0].role != "actuated"]
     coordinates = tuple(pair[0] for pair in pairs)
+    if not coordinates:
+        raise MechanismError(
+            f"{builder.mechanism.name}: no coordinate is left to find; a link on two S joints is a "
+            "rod, whose spin moves nothing else: a machine needs a joint that moves another link"
+        )
     variables = ca.vertcat(*(pair[1] for pair in pairs))
     symbols, names, values = _used_parameters(builder)
     kept = _nonzero_rows(builder, coordinates, variables, symbols, values)

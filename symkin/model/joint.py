@@ -187,14 +187,22 @@ class Joint:
 # --- checks of numbers, shared by every part of a description -------------------------------------
 
 
-def finite(value: float, where: str) -> float:
-    """Refuse what is not a finite number; -0 becomes 0."""
+LARGEST = 1e30
+"""Numbers of a description are at most this, in any unit: products of six of them, and the squares
+of those in a norm, stay within doubles.
+"""
+
+
+def finite(value: float, where: str, largest: float = LARGEST) -> float:
+    """Refuse what is not a finite number, or larger than `largest`; -0 becomes 0."""
     try:
         number = float(value)
     except (TypeError, ValueError):
         raise MechanismError(f"{where} = {value!r} is not a number") from None
     if not math.isfinite(number):
         raise MechanismError(f"{where} = {value!r} is not finite")
+    if abs(number) > largest:
+        raise MechanismError(f"{where} = {value!r} is too large; at most {largest!r} is allowed")
     return number + 0.0
 
 
@@ -231,7 +239,7 @@ def interval(value: Sequence[float] | None, where: str) -> tuple[float, float] |
     if value is None:
         return None
     try:
-        bounds = tuple(finite(bound, where) for bound in value)
+        bounds = tuple(finite(bound, where, math.inf) for bound in value)
     except TypeError:
         raise MechanismError(
             f"{where} = {value!r} is no range; two numbers [low, high] with low < high are needed"

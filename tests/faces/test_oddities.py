@@ -184,3 +184,51 @@ def test_limits_in_degrees_where_radians_are_read(
         for text in ("README.md", "arm.h"):
             told = (tmp_path / unit / text).read_text().replace("\n *", "")
             assert ("are degrees meant?" in told) == (unit == "rad")
+
+
+HEAD = 'format = 1\nname = "m"\nlength_unit = "mm"\nangle_unit = "deg"\n'
+FOUR = HEAD + "".join(
+    f'[[joint]]\nname = "{name}"\ntype = "R"\nlinks = {links}\npoint = {point}\naxis = [0, 0, 1]\n'
+    for name, links, point in (
+        ("a", '["base", "x"]', "[0, 0, 0]"),
+        ("b", '["x", "y"]', "[0, {n}, 0]"),
+        ("c", '["y", "z"]', "[{n}, {n}, 0]"),
+        ("d", '["z", "base"]', "[{n}, 0, 0]"),
+    )
+)
+GEARS = (
+    FOUR.partition('[[joint]]\nname = "c"')[0] + '[[coupling]]\njoint = "b"\nof = {{ a = {n} }}\n'
+)
+ROD = HEAD + "".join(
+    f'[[joint]]\nname = "{name}"\ntype = "S"\nlinks = ["base", "x"]\npoint = [{x}, 0, 0]\n'
+    for name, x in (("s", 0), ("t", 100))
+)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("verb", ["show", "close", "modes", "solve"])
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (FOUR.format(n="1e162"), "joint 'b': point = 1e+162 is too large; at most 1e+30"),
+        (GEARS.format(n="1e300").replace("0, 1e300, 0", "0, 1, 0"), "of.a = 1e+300 is too large"),
+        (ROD, "m: no coordinate is left to find; a link on two S joints is a rod"),
+    ],
+    ids=["lengths", "factor", "a rod alone"],
+)
+def test_what_cannot_be_computed_is_one_sentence(
+    verb: str, text: str, reason: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Numbers whose products overflow, and a machine without a coordinate: status 2, no warning."""
+    (tmp_path / "m.toml").write_text(text, encoding="utf-8")
+    status, _, said = run(capsys, verb, str(tmp_path / "m.toml"))
+    assert status == 2
+    assert reason in said
+
+
+@pytest.mark.filterwarnings("error")
+def test_numbers_as_large_as_are_allowed(tmp_path: Path) -> None:
+    """A four-bar of 1e29 mm has the mobility of one of 100 mm."""
+    (tmp_path / "m.toml").write_text(FOUR.format(n="1e29"), encoding="utf-8")
+    machine = symkin.load(tmp_path / "m.toml")
+    assert symkin.close(machine).mobility == symkin.close(parse(FOUR.format(n="100"))).mobility == 1
