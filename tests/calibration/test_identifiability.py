@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 
 import numpy as np
@@ -10,7 +11,9 @@ import pytest
 import symkin
 from helpers.inclinometer import (
     BASE_LIMBS,
+    INCLINOMETER,
     PLATFORM_LIMBS,
+    ROD,
     geometry,
     groups_of_postures,
     measured,
@@ -29,7 +32,7 @@ from helpers.inside import (
 )
 from helpers.inside import evaluate_state as evaluate
 from helpers.samples import five_bar
-from symkin import InputError, Measurements
+from symkin import InputError, Measurements, Pose
 
 NOMINAL = symkin.load("ren2008")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
@@ -217,3 +220,30 @@ def test_every_parameter_has_a_kind():
     assert kinds["trt1.radial1.zero"] == "length"
     assert kinds["trt1.theta1.axis.x"] == "number"
     assert kinds["op.base.x"] == "length"
+
+
+@pytest.mark.parametrize(
+    "turn", [(0.5**0.5, 0.0, 0.5**0.5, 0.0), (0.0, 1.0, 0.0, 0.0)], ids=["x up", "z down"]
+)
+def test_groups_fit_alike_wherever_the_platform_frame_points(turn):
+    """Chi-square of groups of equal inclination is that of the upright frame: errors of tilt weigh
+    alike (alpha of a frame whose x axis points up does not).
+    """
+    rng = np.random.default_rng(3)
+    truth = random_geometry(geometry(NOMINAL), (), 1e-3, rng)
+    joints, groups = groups_of_postures(truth, rng, each=6, errors=(ROD, INCLINOMETER))
+    data = Measurements(
+        joints,
+        groups=groups,
+        group_sigma=INCLINOMETER / np.sqrt(12),
+        joint_sigma=ROD / np.sqrt(12),
+    )
+    back = Pose(np.zeros(3), np.array(turn)).rotation.T
+    limbs = [
+        dataclasses.replace(limb, platform=tuple(back @ np.array(limb.platform)))
+        for limb in NOMINAL.limbs
+    ]
+    turned = dataclasses.replace(NOMINAL, limbs=limbs, platform_quaternion=turn)
+    upright, found = symkin.calibrate(NOMINAL, data), symkin.calibrate(turned, data)
+    assert found.believable
+    assert found.chi_square == pytest.approx(upright.chi_square, rel=1e-6)

@@ -298,7 +298,11 @@ def _build_model(
     pose = _framed(world, known.pose(seen.pose), target)
     read_of = observables_named(mechanism, read)
     quaternion = ca.SX.sym("measured", 4 + 4 * sum(o.kind == "orientation" for o in read_of))
-    readings, columns = _readings(pose, quaternion[:4], kinds, distances)
+    here = {name: ca.SX(value) for name, (value, _) in table.items()}
+    upright = _framed(_frame(here, "world"), mechanism.reference_pose, _frame(here, "target"))
+    readings, columns = _readings(
+        pose, quaternion[:4], _level(upright.quaternion), kinds, distances
+    )
     others, other_columns = _other_readings(known, read_of, world, quaternion[4:])
     types = tuple(table[n][1] for n in names)
     scales = np.array(
@@ -416,6 +420,7 @@ def _framed(world: Pose | None, pose: Pose, target: Pose | None = None) -> Pose:
 def _readings(
     pose: Pose,
     quaternion: ca.SX,
+    level: ca.SX,
     kinds: Sequence[str],
     distances: Sequence[tuple[str, Sequence[float], Sequence[float]]],
 ) -> tuple[ca.SX, tuple[tuple[str, str], ...]]:
@@ -423,7 +428,9 @@ def _readings(
     columns: list[tuple[str, str]] = []
     for kind in kinds:
         match kind:
-            case "group" | "inclination":
+            case "group":
+                made.extend(inclination(multiply(pose.quaternion, level)))
+            case "inclination":
                 made.extend(inclination(pose.quaternion))
             case "position":
                 made.extend(ca.vertsplit(pose.position))
@@ -484,3 +491,16 @@ def inclination(q: ca.SX) -> tuple[ca.SX, ca.SX]:
     w, x, y, z = q[0], q[1], q[2], q[3]
     first, second, third = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
     return ca.atan2(second, third), ca.atan2(-first, ca.sqrt(second * second + third * third))
+
+
+def _level(quaternion: ca.SX | np.ndarray) -> ca.SX:
+    """The turn of the platform frame after which its z axis points up where its orientation is
+    `quaternion`. Groups are compared by alpha and beta of the frame so turned: these weigh errors
+    of tilt alike about every axis there, where alpha of a frame whose x axis points up is any.
+    """
+    w, x, y, z = (float(component) for component in ca.vertsplit(ca.DM(ca.SX(quaternion))))
+    up = (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
+    turn = np.array([1.0 + up[2], -up[1], up[0], 0.0])
+    if turn[0] < 1e-12:  # z points down: a half turn about x
+        turn = np.array([0.0, 1.0, 0.0, 0.0])
+    return ca.SX(ca.DM(turn / np.linalg.norm(turn)))
