@@ -32,7 +32,12 @@ from symkin.calibration.judge.outliers import (
     reading_kinds,
     screen_readings,
 )
-from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, linear_model
+from symkin.calibration.judge.statistics import (
+    SIGNIFICANCE,
+    chi_square_tail,
+    covariance,
+    linear_model,
+)
 
 _GROSS_SHARE = 0.1
 """Outliers whose statistic is this share of the largest, or more, are taken out together."""
@@ -286,6 +291,7 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
         )
         there = evaluate(problem, state.p, z, "means")
         noise = joint_covariance(problem, there)
+        noise += _parameter_covariance(problem, found, z, outliers)
     gap = _less_means(
         problem, deviations(problem.readings, readings_at(problem, state.p, z)), outliers
     )
@@ -305,6 +311,28 @@ def _problem_of_all(found: Fit, measurements: Measurements) -> CalibrationProble
         fixed=found.problem.fixed,
         residual=found.problem.form,
     )
+
+
+def _parameter_covariance(
+    problem: CalibrationProblem, found: Fit, z: np.ndarray, outliers: Sequence[Outlier]
+) -> np.ndarray:
+    """The covariance (n, K, K) that the estimate's own gives the predictions of the readings that
+    were taken out: J C J^T, which a reading that took part in the fit would lessen.
+    """
+    readings, model = problem.readings, problem.model
+    out = np.array([o.configuration for o in outliers])
+    rows = np.flatnonzero(
+        np.isin(np.arange(len(z)), out)
+        | ((readings.group >= 0) & np.isin(readings.group, readings.group[out]))
+    )
+    e = model.evaluate(
+        z[rows], problem.measurements.joints[rows], found.result.state.p, problem.quaternions[rows]
+    )
+    slopes = np.zeros((len(z), len(model.columns), len(model.names)))
+    slopes[rows] = e.slopes
+    slopes = _less_means(problem, slopes, outliers)
+    free = covariance(found.problem, found.result.state) / np.outer(model.scales, model.scales)
+    return np.asarray(slopes @ free @ slopes.transpose(0, 2, 1))
 
 
 def _less_means(
