@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -150,3 +151,27 @@ def test_robust_losses_keep_to_the_majority(capsys, tmp_path, logged, loss):
     assert ended.value.code == 0
     notes = json.loads((tmp_path / "out" / "report.json").read_text())["notes"]
     assert any(f"loss {loss}: readings count less from" in note for note in notes)
+
+
+@pytest.mark.parametrize("left_out", [0, 4, 9])
+def test_what_is_put_back_is_judged_as_a_reading_that_took_no_part(logged, left_out):
+    """The statistic of a clean reading that was left out is what chi-square grows by once it takes
+    part: its error counts beside the noise and the estimate's own covariance. Few postures, so that
+    the latter is not small.
+    """
+    nominal, data, _ = logged
+    few = data.subset(np.arange(12))
+    with_it, without = (
+        calibrate(nominal, few),
+        calibrate(nominal, few.without(left_out, "position")),
+    )
+    assert with_it.outliers == without.outliers == ()
+    fit = SimpleNamespace(
+        problem=without.problem,
+        used=np.arange(12),
+        result=SimpleNamespace(state=without.state),
+    )
+    outlier = SimpleNamespace(configuration=left_out, kind="position")
+    (judged,) = outlier_removal._retest(few, fit, [outlier])
+    grown = with_it.chi_square - without.chi_square
+    assert judged.statistic == pytest.approx(grown, rel=0.02, abs=0.02)
