@@ -442,3 +442,31 @@ def test_corrected_mechanisms_have_the_values_and_a_file(name):
     np.testing.assert_allclose(
         build_closure(again).parameter_values, after.parameter_values, rtol=1e-14, atol=1e-14
     )
+
+
+@pytest.mark.parametrize("count", [3, 6, 8])
+@pytest.mark.parametrize("per", ["reading", "posture"])
+def test_a_part_of_the_postures_keeps_their_standard_deviations(count, per):
+    """Of joints and of other readings, whether one is given for each column or each posture, and
+    whether these are as many or not.
+    """
+    rng = np.random.default_rng(count)
+
+    def some(width):
+        if per == "reading":
+            return rng.uniform(1.0, 2.0, width)
+        return rng.uniform(1.0, 2.0, (count, 1))
+
+    reading = symkin.Reading("point.tip", rng.normal(size=(count, 3)), some(3))
+    data = Measurements(
+        rng.normal(size=(count, 6)),
+        position=rng.normal(size=(count, 3)),
+        joint_sigma=some(6),
+        position_sigma=some(3),
+        readings=[reading],
+    )
+    for rows in ([0, 1, 2], [2, 0], [1]):
+        part = data.subset(rows)
+        for key in ("joint", "position"):
+            np.testing.assert_array_equal(part.sigma(key), data.sigma(key)[rows])
+        np.testing.assert_array_equal(part.readings[0].sigmas, reading.sigmas[rows])

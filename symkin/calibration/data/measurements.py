@@ -81,6 +81,12 @@ class Reading:
         object.__setattr__(
             self, "values", _unit_quaternions(values, self.name) if self.is_orientation else values
         )
+        object.__setattr__(self, "sigma", _sigma(self.sigma, f"{self.name}: sigma", self._shape))
+
+    @property
+    def _shape(self) -> tuple[int, int]:
+        """That of the standard deviations: of an orientation those of a rotation vector."""
+        return (len(self.values), 3 if self.is_orientation else self.values.shape[1])
 
     @property
     def is_orientation(self) -> bool:
@@ -92,21 +98,11 @@ class Reading:
         """Standard deviations (n, w), of an orientation those of a rotation vector (n, 3); None if
         unknown.
         """
-        shape = (len(self.values), 3 if self.is_orientation else self.values.shape[1])
-        return None if self.sigma is None else _broadcast(self.sigma, shape)
+        return None if self.sigma is None else _broadcast(self.sigma, self._shape)
 
     def subset(self, index: np.ndarray) -> Reading:
         """Keep some configurations, by number."""
-        own = (
-            isinstance(self.sigma, np.ndarray)
-            and self.sigma.ndim
-            and len(self.sigma) == len(self.values)
-        )
-        return replace(
-            self,
-            values=self.values[index],
-            sigma=self.sigma[index] if own else self.sigma,  # type: ignore[index]
-        )
+        return replace(self, values=self.values[index], sigma=_of(self.sigma, index))
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,22 +180,20 @@ class Measurements:
                 self, "starts", _shaped(_matrix(self.starts, "starts"), (len(joints), 7), "starts")
             )
         made = [
-            replace(d, values=_shaped(np.asarray(d.values, dtype=float), (len(joints),), d.name))
+            replace(
+                d,
+                values=_shaped(np.asarray(d.values, dtype=float), (len(joints),), d.name),
+                sigma=_sigma(d.sigma, f"{d.name}: sigma", (len(joints),)),
+            )
             for d in self.distances
         ]
         object.__setattr__(self, "distances", tuple(made))
         for key, width in SIGMA_WIDTHS.items():
-            _check_sigma(getattr(self, key), key, (len(joints), width or joints.shape[1]))
-        for d in self.distances:
-            _check_sigma(d.sigma, f"{d.name}: sigma", (len(joints),))
+            shape = (len(joints), width or joints.shape[1])
+            object.__setattr__(self, key, _sigma(getattr(self, key), key, shape))
         object.__setattr__(self, "readings", tuple(self.readings))
         for r in self.readings:
             _shaped(r.values, (len(joints), r.values.shape[1]), r.name)
-            _check_sigma(
-                r.sigma,
-                f"{r.name}: sigma",
-                (len(joints), 3 if r.is_orientation else r.values.shape[1]),
-            )
 
     def __len__(self) -> int:
         return len(self.joints)
@@ -253,14 +247,7 @@ class Measurements:
             if isinstance(value, np.ndarray) and value.ndim and len(value) == len(self):
                 changes[item.name] = value[index]
         changes["distances"] = tuple(
-            replace(
-                d,
-                values=d.values[index],
-                sigma=d.sigma[index]
-                if isinstance(d.sigma, np.ndarray) and d.sigma.ndim
-                else d.sigma,
-            )
-            for d in self.distances
+            replace(d, values=d.values[index], sigma=_of(d.sigma, index)) for d in self.distances
         )
         changes["readings"] = tuple(r.subset(index) for r in self.readings)
         return replace(self, **changes)
@@ -387,18 +374,27 @@ def _broadcast(value: Any, shape: tuple[int, ...]) -> np.ndarray:
     return np.broadcast_to(array, shape)
 
 
-def _check_sigma(value: Any, what: str, shape: tuple[int, ...]) -> None:
+def _sigma(value: Any, what: str, shape: tuple[int, ...]) -> float | np.ndarray | None:
+    """Standard deviations: a number, or an array of this shape, decided here once, so that a part
+    of the configurations is read as all of them are.
+    """
     if value is None:
-        return
+        return None
     try:
         array = _broadcast(value, shape)
     except ValueError:
         raise InputError(
             f"{what}: an array of shape {np.shape(value)} does not fit {shape}"
         ) from None
-    least = 0.0 if what.startswith("joint") else np.finfo(float).tiny
+    least = 0.0 if what == "joint_sigma" else np.finfo(float).tiny
     given = array[~np.isnan(array)]
     if np.any(given < least) or not np.all(np.isfinite(given)):
         raise InputError(
             f"{what} = {float(given.min()):g}: a standard deviation must be finite and positive"
         )
+    return float(value) if np.ndim(value) == 0 else np.array(array)
+
+
+def _of(sigma: float | np.ndarray | None, index: np.ndarray) -> float | np.ndarray | None:
+    """The standard deviations of some configurations."""
+    return sigma[index] if isinstance(sigma, np.ndarray) else sigma
