@@ -44,6 +44,7 @@ from symkin.calibration.judge.assessment import Fit, build_result
 from symkin.calibration.judge.outlier_removal import ScreenedFit, StartValues, fit_without_outliers
 from symkin.calibration.judge.outliers import OUTLIER_LEVEL, Screening
 from symkin.calibration.judge.result import Calibration, Parameter, Residual
+from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism, require_mechanism
@@ -168,10 +169,16 @@ def calibrate(
     try:
         return _calibrate(mechanism, measurements, options)
     except np.linalg.LinAlgError:
+        closure = build_closure(mechanism)
+        unknown = sum(c.freedom for c in closure.role("passive", "body", "pose"))
+        why = (
+            ": loops that are redundant close at no geometry near the file's for these readings"
+            if int(closure.rows.numel()) > unknown
+            else ""
+        )
         raise InputError(
-            f"{mechanism.name}: the fit broke down, its equations are no finite numbers: loops "
-            f"that are redundant close at no geometry near "
-            "the file's for these readings; identify fewer parameters, or check units and signs"
+            f"{mechanism.name}: the fit broke down, its equations are no finite numbers{why}; "
+            "identify fewer parameters, or check units and signs"
         ) from None
 
 

@@ -470,3 +470,17 @@ def test_a_part_of_the_postures_keeps_their_standard_deviations(count, per):
         for key in ("joint", "position"):
             np.testing.assert_array_equal(part.sigma(key), data.sigma(key)[rows])
         np.testing.assert_array_equal(part.readings[0].sigmas, reading.sigmas[rows])
+
+
+@pytest.mark.parametrize(("name", "redundant"), [("ren2008", False), ("zhao2000_links", True)])
+def test_only_redundant_loops_are_blamed_for_a_fit_that_breaks_down(name, redundant, monkeypatch):
+    """Where equations are no finite numbers, the reason told is one that the machine can have."""
+
+    def breaks_down(*_):
+        raise np.linalg.LinAlgError
+
+    machine = symkin.load(name)
+    monkeypatch.setattr("symkin.calibration.calibrate._calibrate", breaks_down)
+    with pytest.raises(InputError, match="the fit broke down") as error:
+        calibrate(machine, Measurements(np.zeros((1, len(machine.actuated)))))
+    assert ("redundant" in str(error.value)) is redundant
