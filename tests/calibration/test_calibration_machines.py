@@ -197,3 +197,17 @@ def test_a_tolerance_holds_a_machine_that_is_within_and_refuses_one_that_is_not(
         == 0
     )
     assert run(capsys, "calibrate", "fit", machine, data, "-o", out, "--tolerance", "40mm")[0] == 2
+
+
+def test_what_no_reading_sees_has_no_standard_deviation():
+    """The last twist of an arm read by positions alone: unknown, and not exactly known."""
+    arm, rng = symkin.load("gluon_6l3"), np.random.default_rng(0)
+    joints = rng.uniform(-1.5, 1.5, (40, 6))
+    tips = [symkin.solve(arm, joints=np.degrees(row)).solution.pose.position for row in joints]
+    noisy = np.array(tips) + 1e-2 * rng.normal(size=(40, 3))
+    fit = calibrate(arm, symkin.Measurements(joints, position=noisy, position_sigma=1e-2))
+    unknown = [q.name for q in fit.parameters if not q.held and q.sigma is None]
+    assert unknown == ["dh.6.alpha"]
+    told = {q["name"]: q["sigma"] for q in fit.to_dict()["parameters"]}
+    assert told["dh.6.alpha"] is None
+    assert told["dh.6.a"] > 0

@@ -49,6 +49,10 @@ _READING_AGREEMENT = (1e-3, 1e-9)
 """
 _UNIT_VECTORS = (".axis", ".axis2", ".quaternion")
 """Vectors that a mechanism file holds at unit length."""
+_UNSEEN = 1e-12
+"""Standard deviations (of scaled parameters, over the largest) below this are those of parameters
+that no reading depends on.
+"""
 _LIMIT_SLACK = 1e-9
 """Limits may be passed by this share of the size (angles: radians), which is rounding."""
 
@@ -147,16 +151,19 @@ def _parameters(
 ) -> tuple[Parameter, ...]:
     model = problem.model
     sigmas = np.sqrt(np.maximum(np.diag(free), 0.0))
+    # what no reading sees has no variance, which is not to know it exactly
+    scaled = sigmas / model.scales
+    seen = scaled >= _UNSEEN * np.max(scaled, initial=0.0)
     found = [
         Parameter(
             name=name,
             kind=kind,
             nominal=float(nominal),
             value=float(value),
-            sigma=float(sigma) if has_sigma else None,
+            sigma=float(sigma) if has_sigma and told else None,
         )
-        for name, kind, nominal, value, sigma in zip(
-            model.names, model.kinds, model.nominal, state.p, sigmas, strict=True
+        for name, kind, nominal, value, sigma, told in zip(
+            model.names, model.kinds, model.nominal, state.p, sigmas, seen, strict=True
         )
     ]
     table = nominal_parameters(problem.mechanism, problem.measurements.observed)
