@@ -725,8 +725,8 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 break;
             }
             sign = turn;
-            still2 = ((w->spread > 1.0f) && (w->spread < 32800.0f))
-                ? (9.98989e-07f * w->spread) : 9.98989e-07f;
+            still2 = (w->spread > 1.0f) ? ((w->spread < 32800.0f)
+                ? (9.98989e-07f * w->spread) : (1074.7523f / w->spread)) : 9.98989e-07f;
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to
          * 1/8, later 3/8 to 3/10 (README.md) */

@@ -24,7 +24,13 @@ from symkin.codegen.circles import (
     numbers_of,
     of_circle,
 )
-from symkin.codegen.condition_bends import ConditionBend, condition_bend, share_of
+from symkin.codegen.condition_bends import (
+    ConditionBend,
+    condition_bend,
+    even_units,
+    scales_of,
+    share_of,
+)
 from symkin.codegen.formula_guards import free_divisors
 from symkin.codegen.joint_map import Direction, JointMap, Part
 from symkin.codegen.newton_kernel import rounded
@@ -255,22 +261,36 @@ class ClosedDirection:
 
     @property
     def bends(self) -> np.ndarray:
-        """An eighth of the largest second derivative of each condition over its usual size, lengths
-        over the machine's.
+        """An eighth of the largest second derivative of each condition over its usual size, known
+        values in their `units`.
         """
         return np.array([bend.eighth for bend in self._bends])
 
     @cached_property
-    def _bends(self) -> list[ConditionBend]:
-        """The bend of each condition, and how it is known."""
-        values, (known, size) = (
-            ca.SX.sym("v", len(self.direction.known)),
-            (self.direction.known, self.made.size),
-        )
-        plain = [
-            self._put_in(one.value, values) / usual
+    def _known_values(self) -> ca.SX:
+        """Symbols of the known values, angles as they are."""
+        return ca.SX.sym("v", len(self.direction.known))
+
+    @cached_property
+    def _over_usual(self) -> list[ca.SX]:
+        """The conditions over their usual sizes, of the known values."""
+        return [
+            self._put_in(one.value, self._known_values) / usual
             for one, usual in zip(self.conditions, self.usual, strict=True)
         ]
+
+    @cached_property
+    def units(self) -> np.ndarray:
+        """What changes of the known values along a line are told in."""
+        places = self.direction.problem.known_places
+        scales = scales_of(self.direction.known, self.made.size)
+        near = np.array([s.values[places] for s in self.made.samples])
+        return even_units(self._over_usual, self._known_values, scales, near)
+
+    @cached_property
+    def _bends(self) -> list[ConditionBend]:
+        """The bend of each condition, and how it is known."""
+        values, plain, size = self._known_values, self._over_usual, self.made.size
         shares = [
             share_of(v, divides=one.root is None)
             for v, one in zip(plain, self.conditions, strict=True)
@@ -281,7 +301,8 @@ class ClosedDirection:
             share = ca.SX(1)
             for i in read:
                 share = share * shares[i]
-            found.append(condition_bend(one, share, values, known, size, self._points, read))
+            known, units = self.direction.known, self.units
+            found.append(condition_bend(one, share, values, known, size, units, self._points, read))
         return found
 
     def _read_by(self, j: int) -> tuple[int, ...]:
@@ -405,10 +426,7 @@ class ClosedDirection:
 
     @property
     def _weights(self) -> str:
-        return ", ".join(
-            self.real.literal(1.0 if c.is_angular else 1.0 / self.made.size)
-            for c in self.direction.known
-        )
+        return ", ".join(self.real.literal(1.0 / float(unit)) for unit in self.units)
 
     @property
     def _formula_lines(self) -> list[str]:

@@ -17,7 +17,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.codegen.line_bounds import Span, bend_of
-from symkin.codegen.newton_kernel import rounded_up
+from symkin.codegen.newton_kernel import rounded, rounded_up
 from symkin.model.joint import Coordinate
 
 _RAISED = 1.5
@@ -26,15 +26,19 @@ _LEAST_SHARE = 1e-9
 """Share of the conditions that are read below which a sample says nothing but rounding."""
 _STEPS = 60
 """Steps by which the largest samples are followed uphill."""
+_MOST_UNIT = 100.0
+"""How many times its scale a known value's unit is at most."""
+_ALIKE = 0.5
+"""Share of the largest from which on a known value's part of a bend is as large as that one."""
 _MOST_GIVEN = 3
 """Known values of which waves are summed: their samples grow by a power with each."""
 
 
 @dataclass(frozen=True)
 class ConditionBend:
-    """An eighth of a condition's largest second derivative over its usual size, lengths over the
-    machine's, multiplied by the shares of the conditions `read` (their numbers); `ground` says how
-    it is known.
+    """An eighth of a condition's largest second derivative over its usual size, known values in
+    their units, multiplied by the shares of the conditions `read` (their numbers); `ground` says
+    how it is known.
     """
 
     eighth: float
@@ -56,38 +60,58 @@ def condition_bend(
     values: ca.SX,
     known: Sequence[Coordinate],
     size: float,
+    units: np.ndarray,
     points: np.ndarray,
     read: tuple[int, ...],
 ) -> ConditionBend:
     """Bound the bend of a condition over its usual size, a function of `values`, the known
-    coordinates'; `share` is that of the conditions that it reads, `points` (n, known) are samples.
+    coordinates' of a machine of a size, whose changes are told in `units`; `share` is that of the
+    conditions that it reads, `points` (n, known) are samples.
     """
-    scales = np.array([1.0 if c.is_angular else size for c in known])
     if not read:
-        proved = _proved(ca.Function("g", [values], [condition]), known, scales)
+        proved = _proved(ca.Function("g", [values], [condition]), known, units)
         if proved is not None:
             return ConditionBend(rounded_up(proved / 8.0), "proved", read)
     hessian = ca.Function("h", [values], [ca.hessian(condition, values)[0], share])
-    return ConditionBend(
-        rounded_up(_RAISED * _largest(hessian, points, scales) / 8.0), "sampled", read
-    )
+    largest = _largest(hessian, points, scales_of(known, size), units)
+    return ConditionBend(rounded_up(_RAISED * largest / 8.0), "sampled", read)
 
 
-def _proved(
-    condition: ca.Function, known: Sequence[Coordinate], scales: np.ndarray
-) -> float | None:
+def scales_of(known: Sequence[Coordinate], size: float) -> np.ndarray:
+    """What is much of each known value: a radian, and the machine's size."""
+    return np.array([1.0 if c.is_angular else size for c in known])
+
+
+def even_units(
+    conditions: Sequence[ca.SX], values: ca.SX, scales: np.ndarray, near: np.ndarray
+) -> np.ndarray:
+    """Units of the known values in which conditions bend alike with each: of one with which they
+    bend much less than with others more than its scale. `near` (n, known) are known values of
+    regular configurations.
+    """
+    share = np.full(len(scales), 1.0 / _MOST_UNIT)
+    for condition in conditions:
+        hessian = ca.Function("h", [values], [ca.hessian(condition, values)[0]])
+        sizes = np.abs([np.asarray(hessian(at)) for at in near]) * np.outer(scales, scales)
+        rows = np.median(sizes, axis=0).max(axis=1)
+        if np.isfinite(rows).all() and rows.max() > 0.0:
+            share = np.maximum(share, np.sqrt(rows / rows.max()))
+    return scales * [rounded(float(1.0 / v)) if v < _ALIKE else 1.0 for v in share]
+
+
+def _proved(condition: ca.Function, known: Sequence[Coordinate], units: np.ndarray) -> float | None:
     """The bound of a condition that is a sum of waves in bounded known values; None of another
     one.
     """
     spans = []
-    for c, scale in zip(known, scales, strict=True):
+    for c, unit in zip(known, units.tolist(), strict=True):
         if not c.is_angular and c.limits is None:
             return None
         low, high = c.limits or (0.0, 0.0)
         spans.append(
-            Span(True)
+            Span(True, unit=unit)
             if c.is_angular
-            else Span(False, 0.5 * (low + high), 0.5 * (high - low), float(scale))
+            else Span(False, 0.5 * (low + high), 0.5 * (high - low), unit)
         )
     if len(spans) > _MOST_GIVEN:
         return None
@@ -95,9 +119,12 @@ def _proved(
     return None if bend is None else float(np.max(bend.weights))
 
 
-def _largest(hessian: ca.Function, points: np.ndarray, scales: np.ndarray) -> float:
-    """The largest norm of a matrix times its share over points (n, width), the eight largest
-    followed uphill by random steps that shrink; 1 where no point has a share.
+def _largest(
+    hessian: ca.Function, points: np.ndarray, scales: np.ndarray, units: np.ndarray
+) -> float:
+    """The largest norm of a matrix, known values in their units, times its share over points (n,
+    width), the eight largest followed uphill by random steps of the scales that shrink; 1 where no
+    point has a share.
     """
 
     def norms(at: np.ndarray) -> np.ndarray:
@@ -106,7 +133,7 @@ def _largest(hessian: ca.Function, points: np.ndarray, scales: np.ndarray) -> fl
             matrix, share = (np.asarray(part) for part in hessian(point))
             kept = float(share[0, 0])
             size = (
-                np.linalg.norm(matrix * np.outer(scales, scales), 2)
+                np.linalg.norm(matrix * np.outer(units, units), 2)
                 if kept > _LEAST_SHARE and np.isfinite(matrix).all()
                 else 0.0
             )

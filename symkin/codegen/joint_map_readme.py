@@ -24,15 +24,15 @@ by $t$ is $\mp r$: the branches meet where it is singular."""
 _LINE = r"""**Formulas.** Of each choice the sign at the guess is kept. The machine can move along
 the straight line of given values, and stays on this branch, where no discriminant and no divisor
 $g$ vanishes on it. With $M$ the largest second derivative of $g$ along lines and $s$ the way
-between two points of the line, $g \ge \min(g_a, g_b) - M s^2 / 8$ between them: what is above 0 is
-accepted, else the part is halved; where parts are shorter than 1/1024, the status is
-`WRONG_BRANCH`. The code says of each $M$ beside its number how it was found. Proved: $g$ is a sum
-of cosines and sines of sums of the given values, whose amplitudes bound its second derivative.
-Sampled: $M$ is the largest of 400 samples of the given values, the larger ones followed uphill,
-times 1.5. A condition that reads the root or the quotient of others bends the more the nearer these
-are to 0: its $M$ is of the second derivative times $h^{3/2}$ for each $h$ under such a root and
-$h^4$ for each divisor, $h$ over its usual size and at most 1, and is divided by what these keep at
-least in the part."""
+between two points of the line, given values in units in which $g$ bends alike with each, $g \ge
+\min(g_a, g_b) - M s^2 / 8$ between them: what is above 0 is accepted, else the part is halved;
+where parts are shorter than 1/1024, the status is `WRONG_BRANCH`. The code says of each $M$ beside
+its number how it was found. Proved: $g$ is a sum of cosines and sines of sums of the given values,
+whose amplitudes bound its second derivative. Sampled: $M$ is the largest of 400 samples of the
+given values, the larger ones followed uphill, times 1.5. A condition that reads the root or the
+quotient of others bends the more the nearer these are to 0: its $M$ is of the second derivative
+times $h^{3/2}$ for each $h$ under such a root and $h^4$ for each divisor, $h$ over its usual size
+and at most 1, and is divided by what these keep at least in the part."""
 
 _GUESS = r"""**The guess** holds only one side's values. The other side's, and passive ones, are
 those of the reference configuration's branch of the formulas, or, where a direction has none, those

@@ -41,6 +41,10 @@ _FIRST_TURN = 0.5
 """Turn of the actuated joints that is tried first (rad): most longer ones are refused."""
 _TRACKED = 4.0
 """How many times the error that one step of tracking may predict rows of a guess may be off."""
+_STANDS = 4.0
+"""How many times the rounding of an answer's rows those of a guess may be off that is the answer:
+it is rounded itself, and its rows are not solved once more.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,6 +245,7 @@ class LimbPlatformSource:
         ]
         return self._common | {
             "check_branch": indent(branch, 2) if made.has_dead_centres else "",
+            "stand": indent(self._stand_lines(branch), 2) if made.has_dead_centres else "",
             "unwrap": indent(unwrap, 2),
             "enter": indent(self._enter_lines(passive)),
             "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
@@ -255,6 +260,29 @@ class LimbPlatformSource:
             "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))),
             "track2": literal((made.closure.characteristic_length / 24) ** 2),
         }
+
+    def _stand_lines(self, branch: list[str]) -> list[str]:
+        """Statements that take a guess whose own rows vanish for the answer, where a step of
+        rounding has left its branch beside a dead centre: of what stands still no branch is left.
+        """
+        p, ga = self.name, self._ga
+        stands = self.real.literal(_STANDS * self.code.tuning.noise)
+        return [
+            f"if (status == {p.upper()}_WRONG_BRANCH) {{",
+            "    /* a guess whose own rows vanish is the answer: nothing moves */",
+            f"    (void){p}_read_guess({ga}&w, joints, guess);",
+            f"    {p}_direct_set_target({ga}&w, given, {self.real.literal(1.0)});",
+            f"    {p}_direct_rows({ga}&w);",
+            f"    const {self.real.type} residual = {p}_direct_residual(&w);",
+            f"    const {self.real.type} allowed = (config != NULL) ? config->tolerance : "
+            f"{p.upper()}_TOLERANCE;",
+            f"    if (residual <= allowed + {stands}) {{",
+            f"        {p}_write_info(info, 0U, residual, {self.real.literal(0.0)}, w.spread);",
+            f"        status = {self._ok};",
+            "    }",
+            *("    " + line for line in branch),
+            "}",
+        ]
 
     def _enter_lines(self, passive: int) -> list[str]:
         """Statements that set the state to the guess's: its limbs by its pose, then the pose."""

@@ -467,16 +467,17 @@ class NewtonCode:
     @property
     def _still(self) -> dict[str, str]:
         """Below which squared length a step is rounding: what the rows' rounding makes of it where
-        pivots are small, unless they are so small that the rounding could reach a singularity. Of
-        rods, whose matrix is well scaled, a constant.
+        pivots are small, and where they are so small that this could reach a singularity, an eighth
+        of the way to that, which the least pivot tells. Of rods, whose matrix is well scaled, a
+        constant.
         """
         literal, floor = self.real.literal, self.real.literal(self.tuning.floor**2)
         epsilon, state = self.real.epsilon, int(self.kernel.state.shape[0])
         rounding = literal((_ROWS * epsilon * self.kernel.characteristic_length) ** 2)
-        test = (
-            f"(w->spread > {literal((64.0 / _ROWS) ** 2)}) && (w->spread < "
-            f"{literal(rounded(1.0 / (8.0 * _ROWS * epsilon)))})"
-        )
+        far = rounded(1.0 / (8.0 * _ROWS * epsilon))
+        eighth = literal((_ROWS * epsilon * self.kernel.characteristic_length * far) ** 2)
+        test = f"w->spread > {literal((64.0 / _ROWS) ** 2)}"
+        noise = f"(w->spread < {literal(far)}) ? ({rounding} * w->spread) : ({eighth} / w->spread)"
         # what follows a step that is rounding or nothing tells no ratio of steps
         line = literal((_LINE * epsilon * self.kernel.characteristic_length) ** 2)
         common = {
@@ -490,7 +491,7 @@ class NewtonCode:
                 "still_variable": indent(
                     [f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"]
                 ),
-                "noise": indent([f"still2 = ({test}) ? ({rounding} * w->spread) : {floor};"], 3),
+                "noise": indent([f"still2 = ({test}) ? ({noise}) : {floor};"], 3),
                 "stay": indent(copy_loop("w->x", "w->x0", state), 3),
             }
         put_back = [f"{self.k}_retarget({self._ga}w, to, {literal(1.0)}, {literal(0.0)});"]

@@ -100,6 +100,7 @@ class RodSource:
             ),
             "leave": indent(leave),
             "check_branch": "",
+            "stand": "",
             "direct_passive": "",
             "write_tracked": indent([f"{p}_write_pose({self._common['ga']}&w, pose);"], 4),
             "unwrap": "",

@@ -96,26 +96,42 @@ def turn_angle(work: Workspace) -> bool:
 
 
 def _by_known_matrix(work: Workspace, unknown: int, rows: list[Polynomial]) -> bool:
-    """cos t and sin t from two rows; cos^2 + sin^2 = 1 and the other rows are free of the angle."""
+    """d cos t and d sin t from two rows of determinant d; their squares, which add to d^2, and the
+    other rows are free of the angle. Nothing is divided by what is known, so that the rest is as
+    smooth in the known values as the rows: who solves for the angle divides by d.
+    """
     ring = work.ring
     pair = independent_pair(work, rows, unknown)
     if pair is None:
         return False
     (a1, b1, r1), (a2, b2, r2) = (_knowns(work, row, unknown) for row in pair)
-    determinant = work.divisor(a1 * b2 - a2 * b1, "d")
-    cosine = r2.times(b1 / determinant).plus(r1.times(b2 / determinant), -1.0)
-    sine = r1.times(a2 / determinant).plus(r2.times(a1 / determinant), -1.0)
-    rest = [ring.product(cosine, cosine).plus(ring.product(sine, sine)).plus(ring.constant(-1.0))]
+    whole = work.define(a1 * b2 - a2 * b1, "d")
+    unit = _usual_size(work, whole)
+    whole = whole / unit
+    cosine = r2.times(b1 / unit).plus(r1.times(b2 / unit), -1.0)
+    sine = r1.times(a2 / unit).plus(r2.times(a1 / unit), -1.0)
+    squares = ring.product(cosine, cosine).plus(ring.product(sine, sine))
+    rest = [squares.plus(ring.constant(whole * whole), -1.0)]
     for row in rows:
         if row not in pair:
             a, b, r = ring.linear_in(row, unknown)
-            rest.append(ring.product(a, cosine).plus(ring.product(b, sine)).plus(r))
+            rest.append(ring.product(a, cosine).plus(ring.product(b, sine)).plus(r, whole))
     _defer(work, (unknown,), list(pair), rest, rows)
     work.steps.append(
         f"{work.name(unknown)} taken out: cosine and sine are linear in the others, and their "
         f"squares add to 1"
     )
     return True
+
+
+def _usual_size(work: Workspace, expression: ca.SX) -> float:
+    """A constant itself; of another expression a power of two near its size, in which products
+    stay within floats whatever the unit of length.
+    """
+    if expression.is_constant():
+        return float(expression)
+    usual = float(np.median(np.abs(work.numbers([expression]))))
+    return float(2.0 ** np.round(np.log2(usual))) if usual > 0.0 else 1.0
 
 
 def _by_length(work: Workspace, unknown: int, rows: list[Polynomial]) -> bool:

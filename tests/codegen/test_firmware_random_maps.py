@@ -1,5 +1,5 @@
-"""Maps of random machines: groups that stand on groups, hard stretches of a line, any size,
-standing still.
+"""Maps of random machines and of loops that are given by their inner joints: groups that stand on
+groups, hard stretches of a line, any size, standing still.
 """
 
 import ctypes
@@ -12,12 +12,18 @@ import pytest
 
 import symkin
 from helpers import firmware_tools as tools
+from helpers.documents import machines
+from helpers.gate import in_gate
 from helpers.inside import (
     ClosedDirection,
     JointMap,
     Options,
     Real,
+    can_run,
+    folder_files,
     free_divisors,
+    parse,
+    run_own_test,
     share_of,
     write_folder,
 )
@@ -29,6 +35,27 @@ CASES = {
     "nested_dyads": (("j11",), ("j16",)),
     "nested_slides": (("j6", "j5"), ("j15", "j4")),
 }
+INNER = (
+    ("five_bar", "right,left", "pin,elbow2"),
+    ("five_bar", "pin,elbow1", "left,right"),
+    ("pantograph_leg", "horizontal,slider_pin", "vertical,thigh_pin"),
+)
+"""Maps whose given values are of joints inside: angles are taken out of rows with a matrix that
+these turn, and a condition bends far more with one of them than with another.
+"""
+BESIDE_A_FOLD = ("jansen_leg", "upper_crank_pin", "knee")
+"""A map whose inverse, by Newton's method, has a fold a tenth of a radian from the reference."""
+
+
+def _inner(name, given, find, factor=1.0):
+    made = (
+        parse(machines("README.md")["five_bar.toml"], "five_bar.toml")
+        if name == "five_bar"
+        else symkin.load(name)
+    )
+    options = Options("double", given=tuple(given.split(",")), find=tuple(find.split(",")))
+    made = made if factor == 1.0 else scaled(made, factor)
+    return JointMap(made, options, Real("double", f"{name}_real"))
 
 
 def _map(name, real="double", mechanism=None):
@@ -64,14 +91,45 @@ def test_code_of_random_maps_passes_its_own_test(library, name, real):
     assert library(name, real)
 
 
-@pytest.mark.parametrize("name", ["nested_dyads", "nested_slides"])
-def test_conditions_stay_above_their_bound_along_lines(name):
-    """Of a condition that reads others: on lines on which these keep shares, it is no less than its
-    chord's lesser end less the bound.
+@pytest.mark.skipif(not can_run(), reason="no C compiler")
+@pytest.mark.parametrize(
+    ("name", "given", "find"), in_gate((*INNER, BESIDE_A_FOLD), (*INNER[1:], BESIDE_A_FOLD))
+)
+def test_maps_of_inner_joints_pass_their_own_test(name, given, find):
+    """The reference is regular both ways: its surroundings are reached and left in float too,
+    beside a fold too, where steps of rounding come near to the way to it.
     """
-    made, rng, tried = _map(name), np.random.default_rng(3), 0
-    direction = ClosedDirection(made, made.direct, {})
-    values = ca.SX.sym("v", len(made.given))
+    made = _inner(name, given, find)
+    options = Options("float", given=made.options.given, find=made.options.find)
+    run_own_test(made.name, folder_files(made.mechanism, options))
+
+
+@pytest.mark.parametrize("factor", [1e-8, 1e6])
+@pytest.mark.parametrize(("name", "given", "find"), INNER)
+def test_conditions_of_inner_joints_bend_alike_at_any_size(name, given, find, factor):
+    """No condition has its bend from where something vanishes that it is divided by; usual sizes
+    are numbers of a float.
+    """
+    plain, other = _inner(name, given, find), _inner(name, given, find, factor)
+    for one, same in ((plain.direct, other.direct), (plain.inverse, other.inverse)):
+        here, there = ClosedDirection(plain, one, {}), ClosedDirection(other, same, {})
+        assert max(here.bends) < 1e4
+        assert np.allclose(here.bends, there.bends, rtol=0.1)
+        assert np.all(np.abs(np.log10(np.abs(there.usual))) < 37)
+
+
+@pytest.mark.parametrize(
+    ("name", "reach"), [("nested_dyads", 1.0), ("nested_slides", 1.0), ("pantograph_leg", 0.05)]
+)
+def test_conditions_stay_above_their_bound_along_lines(name, reach):
+    """Of a condition that reads others: on lines on which these keep shares, it is no less than its
+    chord's lesser end less the bound. Lines reach so many sizes, and radians, from the reference.
+    """
+    inner = [_inner(*one) for one in INNER if one[0] == name]
+    made, rng, tried = (inner or [_map(name)])[0], np.random.default_rng(3), 0
+    direction = ClosedDirection(made, made.inverse if inner else made.direct, {})
+    coordinates = direction.direction.known
+    values = ca.SX.sym("v", len(coordinates))
     plain = [
         direction._put_in(one.value, values) / usual
         for one, usual in zip(direction.conditions, direction.usual, strict=True)
@@ -81,13 +139,18 @@ def test_conditions_stay_above_their_bound_along_lines(name):
         for v, c in zip(plain, direction.conditions, strict=True)
     ]
     function = ca.Function("f", [values], [ca.vertcat(*plain), ca.vertcat(*shares)])
-    scales = np.array([1.0 if c.is_angular else made.size for c in made.given])
+    scales = np.array([1.0 if c.is_angular else made.size for c in coordinates])
     for _ in range(1000):
-        begin = made.reference_of(made.given) + rng.uniform(-1.0, 1.0, len(scales)) * scales
-        end = begin + 10.0 ** rng.uniform(-2.0, 0.0) * rng.uniform(-1.0, 1.0, len(scales)) * scales
+        begin = (
+            made.reference_of(coordinates) + reach * rng.uniform(-1.0, 1.0, len(scales)) * scales
+        )
+        end = (
+            begin
+            + reach * 10.0 ** rng.uniform(-2.0, 0.0) * rng.uniform(-1.0, 1.0, len(scales)) * scales
+        )
         line = np.linspace(begin, end, 33)
         conditions, kept = (np.asarray(part).T for part in function(line.T))
-        way2 = float(np.sum(((end - begin) / scales) ** 2))
+        way2 = float(np.sum(((end - begin) / direction.units) ** 2))
         for j, bend in enumerate(direction._bends):
             if not np.all(conditions[:, list(bend.read)] > 0.0):
                 continue

@@ -240,7 +240,8 @@ GRAZES = {
 @pytest.mark.parametrize("name", GRAZES)
 def test_what_is_ok_beside_a_dead_centre_can_be_held(name, real, tmp_path):
     """Lines that end at folds and dead centres, goals ever nearer to them: an OK answer is read as
-    a guess, and of formulas its own joint values are OK again.
+    a guess, and of formulas its own joint values are OK again; of Newton's method all but one in
+    200, whose pose is another one after it has been read.
     """
     tools.compiler("gcc")
     closes, grazes, directions = (tools.bench_module(m) for m in ("closes", "grazes", "directions"))
@@ -248,7 +249,8 @@ def test_what_is_ok_beside_a_dead_centre_can_be_held(name, real, tmp_path):
     found = grazes.grazed(direction, 200, np.random.default_rng(3))
     assert found.ok > 500
     assert found.unread == 0, found.examples
-    assert direction.solved_by != "limbs, formulas" or found.moved == 0, found.examples
+    share = 0.0 if direction.solved_by == "limbs, formulas" else 0.005
+    assert found.moved <= share * found.ok, found.examples
 
 
 @pytest.mark.slow

@@ -27,6 +27,7 @@ static @{SHARED} void @{p}_write_pose(@{gp}const @{p}_direct_work *w, @{p}_pose 
 @{unwrap}
         status = @{p}_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, info);
 @{check_branch}
+@{stand}
 @{direct_passive}
         if (status == @{P}_OK) {
             @{p}_write_pose(@{ga}&w, pose);
