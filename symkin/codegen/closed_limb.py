@@ -17,16 +17,13 @@ import numpy as np
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indented_by_braces, indexed
 from symkin.codegen.c_templates import fill
+from symkin.codegen.formula_guards import RESOLVED
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.newton_kernel import rounded
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
 from symkin.text import c_comment
 
-RESOLVED = 32.0
-"""Roundings of a root's usual size below which it is nothing: no configuration has the pose, or the
-joint is not decided there.
-"""
 BESIDE = 4.0
 """Square roots of an answer's error, as shares of a root's usual size, within which the pose does
 not tell a limb's side.

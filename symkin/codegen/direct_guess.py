@@ -10,8 +10,9 @@ from dataclasses import dataclass
 import casadi as ca
 
 from symkin.codegen.c_emitter import Emitter, indexed
-from symkin.codegen.closed_limb import RESOLVED, LimbFormulas
+from symkin.codegen.closed_limb import LimbFormulas
 from symkin.codegen.direct_values import DirectValues
+from symkin.codegen.formula_guards import RESOLVED
 from symkin.codegen.gathered import gathered
 from symkin.codegen.lifted import Generators, lifted
 from symkin.codegen.newton_kernel import rounded

@@ -16,6 +16,10 @@ import numpy as np
 from symkin.elimination.closed_form import ClosedForm
 from symkin.model.joint import Coordinate
 
+RESOLVED = 32.0
+"""Roundings of a root's usual size below which it is nothing: no configuration has the pose, or the
+joint is not decided there.
+"""
 FEASIBLE = 1e-6
 """Share of the size by which given values may be off what the mechanism can take: they are
 projected, as on the command line.

@@ -26,7 +26,8 @@ from symkin.codegen.limbwise import Held
 from symkin.codegen.linear_solver import is_unrolled
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.options import Options
-from symkin.codegen.passive_limits import PassiveLimit, passive_limits
+from symkin.codegen.passive_limits import PassiveCheck, PassiveLimit, passive_limits
+from symkin.codegen.passive_reach import PassiveReach, passive_reaches
 from symkin.codegen.pose_coordinates import restricted
 from symkin.codegen.pose_core import PoseCore, pose_core
 from symkin.codegen.samples import Configuration, configurations
@@ -136,13 +137,14 @@ class LimbPlatform:
     def core(self) -> PoseCore | None:
         """The direct problem over the pose alone, where all passive joints are taken out of the
         limbs' rows and a limb's branch is told by the pose and its actuated joint. Passive joints
-        with limits are not taken out.
+        with limits are not taken out, nor those of which it is not known where they exist.
         """
         if (
             self.geometry.at_run_time
             or not self.samples
             or self.direct_formulas is not None
             or self.passive_limits
+            or self._reaches is None
         ):
             return None
         known = self.inverse.known_coordinates
@@ -153,6 +155,19 @@ class LimbPlatform:
         return pose_core(
             self.closure, split_blocks(system), constant_rows(system), poses, self.actuated
         )
+
+    @cached_property
+    def _reaches(self) -> list[PassiveReach] | None:
+        """Where the limbs' passive joints exist, once they are taken out; None where that is not
+        known.
+        """
+        found = list[PassiveReach]()
+        for limb in split_blocks(self.geometry.system(self.inverse)):
+            reaches = passive_reaches(self.direct, limb, self.samples, self.home_values)
+            if reaches is None:
+                return None
+            found += reaches
+        return found
 
     def direct_state(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """State and known values of the direct problem's iteration at a configuration, all
@@ -194,6 +209,13 @@ class LimbPlatform:
     def passive_limits(self) -> list[PassiveLimit]:
         """Limits of joints that are not actuated."""
         return passive_limits(self.closure, self.actuated, self.real)
+
+    @property
+    def passive_checks(self) -> Sequence[PassiveCheck]:
+        """What is asked of joints that are not actuated: limits, and where they are taken out that
+        they exist.
+        """
+        return self.passive_limits if self.core is None else self._reaches or []
 
     @property
     def limited_angles(self) -> tuple[bool, ...]:

@@ -172,13 +172,13 @@ class LimbPlatformSource:
 
     @property
     def _passive_checks(self) -> dict[str, str]:
-        """Statements that hold joints which are not actuated against their limits: of an inverse,
-        of Newton's method, of formulas.
+        """Statements that hold joints which are not actuated against their limits, or ask whether
+        they exist: of an inverse, of Newton's method, of formulas.
         """
         ga = "geometry, " if self.made.geometry.at_run_time else ""
         ok, count = f"status == {self._ok}", sum(c.width for c in self.made.passive)
         names = ("inverse_passive", "direct_passive", "write_tracked", "check_answer")
-        if not self.made.passive_limits:
+        if not self.made.passive_checks:
             return dict.fromkeys(names, "") | {
                 "write_tracked": indent([f"{self.name}_write_pose({ga}&w, pose);"], 4),
             }
@@ -391,9 +391,9 @@ class LimbPlatformSource:
 
     @property
     def _check_passive(self) -> str:
-        """NAME_check_passive, where joints that are not actuated have limits."""
+        """NAME_check_passive, where joints that are not actuated have limits, or need not exist."""
         made, closure = self.made, self.made.closure
-        if not made.passive_limits:
+        if not made.passive_checks:
             return ""
         arrays = {"actuated": "q", "passive": "passive", "pose": "c"}
         names = {
@@ -405,13 +405,14 @@ class LimbPlatformSource:
         }
         variables = [text for c in closure.coordinates for text in names[c.name]]
         lines = limit_lines(
-            made.passive_limits,
+            made.passive_checks,
             variables,
             made.geometry,
             self.real,
             f"{self.name.upper()}_OUT_OF_RANGE",
         )
-        text = fill("check_passive.c", self._common | {"lines": indent(lines)})
+        asked = "are within their limits" if made.passive_limits else "exist where the rows hold"
+        text = fill("check_passive.c", self._common | {"lines": indent(lines), "asked": asked})
         if made.direct_formulas is None:
             return text
         return text + fill(

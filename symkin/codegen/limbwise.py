@@ -80,6 +80,39 @@ def limbwise_form(
     return _Limbwise(problem, limbs, samples, held).found()
 
 
+def passive_system(problem: Problem, limb: System) -> System:
+    """A limb's rows in its passive joints, given the known values of a direct problem, then the
+    pose.
+    """
+    pose, unknowns = (
+        problem.closure.role("pose"),
+        tuple(c for c in limb.unknowns if c.role != "actuated"),
+    )
+    every, known = (*limb.unknowns, *pose), (*problem.known_coordinates, *pose)
+    rows, errors = limb.rows, limb.errors
+    if all(c.width == 1 for c in every):
+        # no half angles of the pose, of which formulas give cosine and sine of the whole
+        rows, errors = (
+            plain(part, _symbols(problem, every), every, limb.characteristic_length)
+            for part in (rows, errors)
+        )
+    return System(
+        unknowns,
+        _symbols(problem, unknowns),
+        _symbols(problem, known),
+        rows,
+        errors,
+        limb.characteristic_length,
+    )
+
+
+def _symbols(problem: Problem, coordinates: Sequence[Coordinate]) -> ca.SX:
+    closure = problem.closure
+    return ca.vertcat(
+        ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in coordinates)
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class _Limbwise:
     problem: Problem
@@ -92,10 +125,7 @@ class _Limbwise:
         return self.problem.closure.role("pose")
 
     def _symbols(self, coordinates: Sequence[Coordinate]) -> ca.SX:
-        closure = self.problem.closure
-        return ca.vertcat(
-            ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in coordinates)
-        )
+        return _symbols(self.problem, coordinates)
 
     def _values(self, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
         return np.array([self.problem.select_values(s.values, coordinates) for s in self.samples])
@@ -108,7 +138,7 @@ class _Limbwise:
             return None
         reaches, whole = list[Reach](), _Composed(self, pose)
         for number, limb in enumerate(self.limbs):
-            system = self._passive_system(limb)
+            system = passive_system(self.problem, limb)
             if not system.unknowns:
                 continue
             form = closed_form(system, self._values(self._given)[:_COMPARED])
@@ -177,26 +207,6 @@ class _Limbwise:
         pose.
         """
         return (*self.problem.known_coordinates, *self._pose)
-
-    def _passive_system(self, limb: System) -> System:
-        """A limb's rows in its passive joints, given the actuated ones and the pose."""
-        unknowns, every = (
-            tuple(c for c in limb.unknowns if c.role != "actuated"),
-            (*limb.unknowns, *self._pose),
-        )
-        # no half angles of the pose, of which formulas give cosine and sine of the whole
-        rows, errors = (
-            plain(part, self._symbols(every), every, limb.characteristic_length)
-            for part in (limb.rows, limb.errors)
-        )
-        return System(
-            unknowns,
-            self._symbols(unknowns),
-            self._symbols(self._given),
-            rows,
-            errors,
-            limb.characteristic_length,
-        )
 
     def _system(
         self, limb: System, unknowns: tuple[Coordinate, ...], known: Sequence[Coordinate]
@@ -328,6 +338,7 @@ class _Composed:
             discriminants=ca.vertcat(none, *self.discriminants),
             divisors=ca.vertcat(none, *self.divisors),
             implied=frozenset(),
+            squares=frozenset(),
             told=ca.vertcat(none, *(f.told for f in self.forms)),
             steps=tuple(step for f in self.forms for step in f.steps),
             names=tuple(name for f in self.forms for name in f.names),

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import casadi as ca
 import numpy as np
@@ -24,6 +25,19 @@ from symkin.model.joint import Coordinate
 from symkin.text import c_comment
 
 
+class PassiveCheck(Protocol):
+    """What C asks of a joint that is neither given nor found: expressions over the closure's
+    variables that are compared, and the condition on their C texts.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    def compared(self, real: Real, size: float) -> list[ca.SX]: ...
+
+    def test(self, texts: Sequence[str], real: Real, size: float) -> str: ...
+
+
 @dataclass(frozen=True, eq=False)
 class PassiveLimit:
     """A coordinate with limits, and what it reads over the closure's variables: a length, or cosine
@@ -32,6 +46,10 @@ class PassiveLimit:
 
     coordinate: Coordinate
     parts: tuple[ca.SX, ...]
+
+    @property
+    def name(self) -> str:
+        return self.coordinate.name
 
     def _half(self, real: Real, size: float) -> float:
         low, high = range_of(self.coordinate, real, size)
@@ -146,14 +164,14 @@ def keeps_limits(
 
 
 def limit_lines(
-    limits: Sequence[PassiveLimit],
+    limits: Sequence[PassiveCheck],
     variables: Sequence[str],
     geometry: Geometry,
     real: Real,
     status: str,
 ) -> list[str]:
-    """Statements that set the status to `status` where a limit is not kept; `variables` are C text
-    of the closure's variables.
+    """Statements that set the status to `status` where a limit is not kept, or a joint does not
+    exist; `variables` are C text of the closure's variables.
     """
     closure = geometry.closure
     size, inputs = closure.characteristic_length, [closure.variables, geometry.symbols]
@@ -171,7 +189,7 @@ def limit_lines(
         texts = [emitter.value(0, place + i) for i in range(len(parts))]
         place += len(parts)
         tests += [
-            f"if (!({limit.test(texts, real, size)})) {{ /* {c_comment(limit.coordinate.name)} */",
+            f"if (!({limit.test(texts, real, size)})) {{ /* {c_comment(limit.name)} */",
             f"    status = {status};",
             "}",
         ]

@@ -65,7 +65,8 @@ class ClosedForm:
     least 0 where a solution is real; `told` are expressions of (known, unknowns; signs and roots of
     those before) that equal sign times root, by which a configuration says which of the values it
     is. Formulas divide by `divisors`, of which those of the numbers `implied`, A^2 + B^2, are above
-    zero where a discriminant is, A^2 + B^2 - C^2. `first` are lengths and cosines of angles,
+    zero where a discriminant is, A^2 + B^2 - C^2, and those of the numbers `squares` sums of
+    squares, or less one. `first` are lengths and cosines of angles,
     `second` the sines. `steps` are the derivation, a sentence each, `names` what the choices
     decide. `samples` are the known values at which coefficients were compared.
     """
@@ -78,6 +79,7 @@ class ClosedForm:
     discriminants: ca.SX
     divisors: ca.SX
     implied: frozenset[int]
+    squares: frozenset[int]
     told: ca.SX
     steps: tuple[str, ...]
     names: tuple[str, ...]
@@ -344,15 +346,19 @@ def _made(
         second=second,
         discriminants=discriminants,
         divisors=divisors,
-        implied=frozenset(
-            j
-            for j, d in enumerate(work.divisors)
-            if any(ca.is_equal(d, other) for other in work.implied)
-        ),
+        implied=_places(work.divisors, work.implied),
+        squares=_places(work.divisors, work.squares),
         told=_told(work, dict(own)),
         steps=tuple(work.steps),
         names=tuple(c.name for c in work.choices),
         samples=samples,
+    )
+
+
+def _places(symbols: Sequence[ca.SX], among: Sequence[ca.SX]) -> frozenset[int]:
+    """Places of the symbols that are among others."""
+    return frozenset(
+        j for j, d in enumerate(symbols) if any(ca.is_equal(d, other) for other in among)
     )
 
 

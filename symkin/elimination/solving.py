@@ -98,6 +98,7 @@ def _harmonic_angle(work: Workspace, unknown: int, rows: list[Polynomial]) -> bo
     work.steps.append(f"{work.name(unknown)} stands alone in A cos + B sin + C = 0: two values")
     root = work.choose(work.name(unknown), square - c * c, a * sine - b * cosine)
     work.implied.append(square)
+    work.squares.append(square)
     work.solve(unknown, [-(a * c + b * root) / square, (a * root - b * c) / square])
     return True
 
@@ -140,6 +141,10 @@ def _from_rows(work: Workspace, entry: Deferred, rows: list[Polynomial]) -> bool
 def _cramer(work: Workspace, unknown: int, pair: tuple[Polynomial, Polynomial]) -> None:
     (a1, b1, c1), (a2, b2, c2) = (_scalars(work, row, unknown) for row in pair)
     whole = work.divisor(a1 * b2 - a2 * b1, "d")
+    across = work.agree(a1 * a2, -b1 * b2) & work.agree(a1 * a1 + b1 * b1, a2 * a2 + b2 * b2)
+    if across.all():
+        # (a2, b2) is (a1, b1) turned by a quarter
+        work.squares.append(whole)
     work.solve(unknown, [(b1 * c2 - b2 * c1) / whole, (a2 * c1 - a1 * c2) / whole])
 
 

@@ -58,8 +58,8 @@ class Workspace:
     `symbols` are the known values and what has been defined from them, with `samples` of both and
     their `sizes` (see `term_sizes`); lengths are compared in units of `length`; `definitions` in
     their order; `values` are the symbols of solved generators; `divisors` are what formulas divide
-    by, `implied` those that a discriminant keeps above zero; `own` stand for a solution's
-    generators.
+    by, `implied` those that a discriminant keeps above zero, `squares` sums of squares, or less
+    one; `own` stand for a solution's generators.
     """
 
     ring: Ring
@@ -73,6 +73,7 @@ class Workspace:
     choices: list[Choice] = field(default_factory=list)
     divisors: list[ca.SX] = field(default_factory=list)
     implied: list[ca.SX] = field(default_factory=list)
+    squares: list[ca.SX] = field(default_factory=list)
     deferred: list[Deferred] = field(default_factory=list)
     steps: list[str] = field(default_factory=list)
     own: list[ca.SX] = field(init=False)
