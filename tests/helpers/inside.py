@@ -544,6 +544,7 @@ MODULES = {
     "child": "symkin.formats.child",
     "mjcf": "symkin.formats.mjcf",
     "closing": "symkin.formats.closing",
+    "codegen_folder": "symkin.codegen.folder",
     "load_file": "symkin.formats.load",
     "compiled": "symkin.homotopy.compiled",
     "engine": "symkin.homotopy.engine",
