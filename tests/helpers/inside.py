@@ -557,6 +557,7 @@ MODULES = {
     "c_library": "symkin.numeric.c_library",
     "cache_folder": "symkin.numeric.cache_folder",
     "mesh_files": "symkin.page.mesh_files",
+    "calibration_plot": "symkin.plots.calibration_plot",
     "groups": "symkin.position.groups",
     "motion_ranks": "symkin.singularities.motion_ranks",
     "rotation": "symkin.spatial.rotation",
