@@ -24,13 +24,17 @@ settings.register_profile(
 settings.load_profile("symkin")
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _shared_folders_of_c(tmp_path_factory):
-    """Folders of C that are not committed are written once for all workers of a run."""
+@pytest.fixture(scope="session")
+def shared_place(tmp_path_factory):
+    """A folder of this run, the same for all its workers."""
     base = tmp_path_factory.getbasetemp()
-    os.environ["SYMKIN_FOLDERS"] = str(
-        (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "folders"
-    )
+    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _shared_folders_of_c(shared_place):
+    """Folders of C that are not committed are written once for all workers of a run."""
+    os.environ["SYMKIN_FOLDERS"] = str(shared_place / "folders")
 
 
 @pytest.fixture
@@ -41,9 +45,9 @@ def cache(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def kept_starts(tmp_path_factory, monkeypatch):
+def kept_starts(shared_place, monkeypatch):
     """A cache folder of this run: starts are computed once for all tests that share it."""
-    monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path_factory.getbasetemp() / "starts"))
+    monkeypatch.setenv("SYMKIN_CACHE", str(shared_place / "starts"))
 
 
 @pytest.fixture

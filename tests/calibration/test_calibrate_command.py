@@ -56,6 +56,7 @@ def changed(path, target, change):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("rasterised")
 def test_a_fit_gives_a_mechanism_that_modes_takes(capsys, tmp_path, data):
     """Simulate, fit, modes: exit 0, seven files, the corrected mechanism nearer to the truth in
     poses than the nominal one.

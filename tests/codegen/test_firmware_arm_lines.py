@@ -147,8 +147,8 @@ def test_arms_keep_their_limits_along_lines(name, tmp_path):
     """The same of arms of six joints, limits more than a whole turn wide and slides among them;
     lines that are free of limits are as often OK as those of the arm without limits.
     """
-    free = walked(structures(np.random.default_rng(3))[name], tmp_path / "free", 600, 2000, 0.3)
-    found = walked(limited(name), tmp_path / "limited", 600, 2000, 0.3)
+    free = walked(structures(np.random.default_rng(3))[name], tmp_path / "free", 400, 1500, 0.3)
+    found = walked(limited(name), tmp_path / "limited", 400, 1500, 0.3)
     assert found["outside"] > 0.02 * found["lines"]
     assert found["answered"] / found["regular"] >= free["answered"] / free["regular"] - 0.05
 

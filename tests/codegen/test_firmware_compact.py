@@ -11,7 +11,7 @@ import pytest
 import symkin
 from helpers import firmware_tools as tools
 from helpers.arms import free, serial
-from helpers.gate import in_gate
+from helpers.gate import in_gate, in_gate_but
 from helpers.inside import Options, folder_files, write_folder
 from symkin import InputError
 
@@ -56,7 +56,7 @@ def poses_about(mechanism, home, count, reach, turn, rng):
 
 
 @pytest.mark.parametrize("real", in_gate(["float", "double"], ["float"]))
-@pytest.mark.parametrize("machine", PLATFORMS)
+@pytest.mark.parametrize("machine", in_gate_but(PLATFORMS, ["three_rrr"]))
 def test_platforms_answer_as_the_plain_code_does(machine, real):
     """Near poses and far ones, of which some are refused, and joint values without a pose: statuses
     and poses are the same.

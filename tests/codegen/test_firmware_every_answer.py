@@ -67,11 +67,11 @@ GEOMETRY = {"ur5e": (24, 6), "delta": (67, 3)}
 def test_geometry_that_is_not_finite_is_refused_by_every_function(name, library):
     """Any number of the struct: NONFINITE (3), whatever the other arguments are."""
     count, joints = GEOMETRY[name]
-    text = folder_files(symkin.load(name), Options("double", geometry="struct"))[f"{name}.h"]
+    code = library(name, Options("double", geometry="struct"))
+    text = (Path(code._name).parent / f"{name}.h").read_text()
     nominal = re.sub(r"/\*.*?\*/", "", re.search(r"_NOMINAL \\\n((?:.*\\\n)*.*)\n", text)[1])
     numbers = [float(v) for v in re.findall(r"-?\d+\.?\d*(?:e[-+]?\d+)?", nominal)]
     assert len(numbers) == count
-    code = library(name, Options("double", geometry="struct"))
     pose = _doubles([*symkin.load(name).platform_position, 1.0, 0.0, 0.0, 0.0])
     values, six, out = _doubles([0.1] * joints), _doubles([0.1] * 6), _doubles([0.0] * 40)
     calls = {
@@ -230,7 +230,7 @@ def test_the_residual_of_an_arm_is_the_tools(library):
     size, rng, seen, worst = arm.mechanism.characteristic_length, np.random.default_rng(3), 0, 0.0
     allowed = 72 * 2.0**-24 * size
     floats = lambda values: _array(ctypes.c_float, values)  # noqa: E731 - as short as a call
-    for q in rng.uniform(-3, 3, (4000, 6)):
+    for q in rng.uniform(-3, 3, (2000, 6)):
         pose, out, info, every = floats([0.0] * 7), floats([0.0] * 6), _Info(), floats([0.0] * 48)
         if (
             code.ur5e_direct(floats(q), pose) != 0
@@ -244,7 +244,7 @@ def test_the_residual_of_an_arm_is_the_tools(library):
         errors = [_pose_error(arm.forward_at(joints), np.array(pose[:]), size) for joints in found]
         assert abs(errors[0] - info.residual) < 8 * 2.0**-24 * size
         seen, worst = seen + 1, max(worst, *errors)
-    assert seen > 3000
+    assert seen > 1500
     assert worst < allowed
 
 
@@ -317,9 +317,10 @@ def test_bends_hold_everywhere():
                 expression = direction._put_in(one.value, values) / usual
                 hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
                 points = rng.uniform(-np.pi, np.pi, (4000, len(way.known)))
-                units = np.outer(direction.units, direction.units)
-                norms = [np.linalg.norm(np.asarray(hessian(point)) * units, 2) for point in points]
-                assert max(norms) <= 8 * bend * (1 + 1e-6)
+                found = np.asarray(hessian(points.T)).reshape(len(way.known), 4000, -1)
+                found = found.swapaxes(0, 1) * np.outer(direction.units, direction.units)
+                norms = np.linalg.norm(found, 2, axis=(1, 2))
+                assert np.max(norms) <= 8 * bend * (1 + 1e-6)
 
 
 @pytest.mark.parametrize("name", ["float", "double"])

@@ -19,7 +19,6 @@ from helpers.inside import (
     Real,
     build_closure,
     build_problem,
-    build_program,
     fit_passive,
     keeps_motion,
     limb_platform,
@@ -41,9 +40,9 @@ def links():
 
 
 @pytest.fixture(scope="module")
-def declared(links):
+def declared(asked):
     """The same with its motion declared, as it is generated."""
-    return limb_platform(links, Options("double"), Real("double", "x"))
+    return asked.program.kind
 
 
 @pytest.fixture(scope="module")
@@ -61,8 +60,8 @@ def level_poses(count: int, seed: int = 3) -> np.ndarray:
     return np.column_stack([position, np.cos(half), zeros, zeros, np.sin(half)])
 
 
-def test_the_code_is_of_the_implied_motion_and_the_model_that_of_the_file(links):
-    program = build_program(links, Options("float"))
+def test_the_code_is_of_the_implied_motion_and_the_model_that_of_the_file(links, asked):
+    program = asked.program
     assert (links.motion, program.kind.mechanism.motion) == ("spatial", "schoenflies")
     assert isinstance(program.kind, LimbPlatform)
     assert program.kind.direct_formulas is not None

@@ -466,11 +466,14 @@ def test_wheels_follow_their_drivers_over_whole_turns(tmp_path, coupling):
 @pytest.mark.skipif(not can_run(), reason="no C compiler")
 @pytest.mark.parametrize(
     ("given", "find"),
-    [
-        ("bucket_cylinder", "bucket"),
-        ("boom", "boom_cylinder"),
-        ("stick_cylinder,boom_cylinder", "boom,stick"),
-    ],
+    in_gate(
+        [
+            ("bucket_cylinder", "bucket"),
+            ("boom", "boom_cylinder"),
+            ("stick_cylinder,boom_cylinder", "boom,stick"),
+        ],
+        [("boom", "boom_cylinder"), ("stick_cylinder,boom_cylinder", "boom,stick")],
+    ),
 )
 def test_a_map_of_some_loops_of_a_machine_is_of_the_rows_of_these(given, find):
     """The groups of each way hold rows of the loops of their joints, each of the closure's row of

@@ -112,7 +112,7 @@ def test_a_trap_is_told(tmp_path):
             joint_types.rods_at_the_end,
             samples.pieper,
         ],
-        [joint_types.rods_at_the_end, samples.three_rps, samples.pieper],
+        [samples.delta, joint_types.rods_at_the_end, samples.three_rps, samples.pieper],
     ),
 )
 def test_fresh_code_is_as_careful(made, real, tmp_path):

@@ -54,7 +54,11 @@ def test_list_names_all(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", in_gate([name for name in symkin.shipped_names() if name not in UNDRIVEN], TWELVE)
+    "name",
+    in_gate(
+        [name for name in symkin.shipped_names() if name not in UNDRIVEN],
+        set(TWELVE) - {"hexapod_stack", "spherical_wrist", "sarrus"},
+    ),
 )
 def test_modes_json_has_the_contract(capsys: pytest.CaptureFixture[str], name: str) -> None:
     """Contract 3: keys, quaternion w >= 0, rotation matrix of the quaternion, residual small, JSON

@@ -15,7 +15,8 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from helpers.samples import readme_five_bar, rus, three_rrr
+from helpers.gate import in_gate
+from helpers.samples import readme_five_bar, rus_on_rods, three_rrr, two_four_bars
 from symkin import InputError, Joint, Limb, RodLimb
 
 sync_api = pytest.importorskip("playwright.sync_api")
@@ -52,33 +53,44 @@ def browser() -> Iterator[Any]:
         started.close()
 
 
+class Tab:
+    """The one page of the browser, what it told of errors, and what it asked for."""
+
+    def __init__(self, page: Any) -> None:
+        self.page, self.told, self.asked = page, list[str](), list[str]()
+        self.page.on(
+            "console",
+            lambda message: self.told.append(message.text) if message.type == "error" else None,
+        )
+        self.page.on("pageerror", lambda error: self.told.append(str(error)))
+        self.page.on("request", lambda request: self.asked.append(request.url))
+
+
+@pytest.fixture(scope="module")
+def tab(browser: Any) -> Tab:
+    return Tab(browser.new_page())
+
+
 @pytest.fixture
-def open_page(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Any]]:
-    """Open a page's text at a width; at the end no page has told an error or asked for anything
-    beyond its own file.
+def open_page(tab: Tab, tmp_path: Path) -> Iterator[Callable[..., Any]]:
+    """Open a text in place of the last one, at a width; at the end nothing has told an error or
+    asked for anything beyond its own file.
     """
-    told, asked, pages = [], [], []
+    tab.told.clear()
+    tab.asked.clear()
 
     def opened(html: str, width: int = 1280, height: int = 800) -> Any:
-        place = tmp_path / f"page{len(pages)}.html"
+        place = tmp_path / "opened.html"
         place.write_text(html, encoding="utf-8")
-        page = browser.new_page(viewport={"width": width, "height": height})
-        page.on(
-            "console",
-            lambda message: told.append(message.text) if message.type == "error" else None,
-        )
-        page.on("pageerror", lambda error: told.append(str(error)))
-        page.on("request", lambda request: asked.append(request.url))
-        page.goto(place.as_uri())
-        page.wait_for_selector("html[data-ready]", state="attached")
-        pages.append(page)
-        return page
+        tab.page.set_viewport_size({"width": width, "height": height})
+        tab.page.goto(place.as_uri())
+        tab.page.wait_for_selector("html[data-ready]", state="attached")
+        return tab.page
 
     yield opened
-    for page in pages:
-        page.close()
-    assert not told
-    assert all(url.startswith(("file:", "blob:", "data:")) for url in asked)
+    tab.page.goto("about:blank")
+    assert not tab.told
+    assert all(url.startswith(("file:", "blob:", "data:", "about:")) for url in tab.asked)
 
 
 def page_of(name: str, **options: Any) -> str:
@@ -742,18 +754,23 @@ PARTS = """async () => {
 }"""
 
 
-@pytest.mark.parametrize(
-    ("name", "sizes"),
-    [("urdf_loop_joint/strandbeest.urdf", 12 * [6]), ("zhang2009", [7]), ("zhao2000_links", [16])],
-)
+LEGS = Path(__file__).parents[1] / "data" / "models" / "urdf_loop_joint" / "strandbeest.urdf"
+PARTED = {
+    "twelve legs on one crank": (lambda: symkin.load(LEGS), 12 * [6]),
+    "two four-bars on one crank": (two_four_bars, [2, 2]),
+    "a platform": (lambda: symkin.load("zhang2009"), [7]),
+    "a platform of links": (lambda: symkin.load("zhao2000_links"), [16]),
+}
+"""Machines and how many unknowns their parts have; platforms are one part each."""
+
+
+@pytest.mark.parametrize("name", in_gate(PARTED, ["two four-bars on one crank", "a platform"]))
 def test_parts_that_share_nothing_are_solved_as_the_whole(
-    name: str, sizes: list[int], open_page: Callable[..., Any]
+    name: str, open_page: Callable[..., Any]
 ) -> None:
-    """Twelve legs on one crank; platforms are one part each. Least squares, change of the Jacobian
-    and singular values are the same.
-    """
-    file = Path(__file__).parents[1] / "data" / "models" / name
-    found = open_page(symkin.view(symkin.load(file if file.suffix else name)).html).evaluate(PARTS)
+    """Least squares, change of the Jacobian and singular values are the same."""
+    made, sizes = PARTED[name]
+    found = open_page(symkin.view(made()).html).evaluate(PARTS)
     assert found["sizes"] == sizes
     np.testing.assert_allclose(
         *found["solutions"], rtol=1e-7, atol=1e-9 * np.abs(found["solutions"][1]).max()
@@ -908,11 +925,14 @@ def test_a_planar_map_of_poses_tells_its_angle(tmp_path: Path) -> None:
     assert plane["held"] == f"gamma = 0 {machine.angle_unit}"
 
 
-def test_different_machines_stand_before_half_turns(open_page: Callable[..., Any]) -> None:
-    """Of 128 modes at two poses, which differ in U joints otherwise, the first two are at the two
-    poses.
+@pytest.mark.parametrize("limbs", in_gate([2, 6], [2]))
+def test_different_machines_stand_before_half_turns(
+    limbs: int, open_page: Callable[..., Any]
+) -> None:
+    """Of 8 or 128 modes at two poses, which differ in U joints otherwise, the first two are at the
+    two poses.
     """
-    page = open_page(symkin.view(rus(6)).html)
+    page = open_page(symkin.view(rus_on_rods(limbs)).html)
     heights = [mode["position"][2] for mode in page.evaluate("symkin.modes()")]
     poses = len({round(height, 3) for height in heights})
     assert len(heights) > poses > 1

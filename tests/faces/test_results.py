@@ -51,7 +51,7 @@ def results() -> dict[str, Result]:
         "singularity": symkin.singularity(
             symkin.load("zhang2009"), pose=[0, 0, 300, math.sqrt(0.5), 0, 0, math.sqrt(0.5)]
         ),
-        "loci": symkin.singular_loci(bar, ("q1", "q2"), starts=10),
+        "loci": symkin.singular_loci(bar, ("q1", "q2"), starts=4),
         "mode graph": symkin.mode_graph(
             BARS, [("q1", 80, 90), ("q2", 90, 100)], 3, joints=[85.0, 95.0]
         ),

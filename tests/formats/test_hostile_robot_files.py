@@ -42,7 +42,7 @@ TWICE = (
     )
     + "<xacro:macro name='m40' params=''><link name='l'/></xacro:macro><xacro:m0/>"
 )
-SHORT = 3.0
+SHORT = 2.0
 """Seconds in place of the usual ones, for files that take for ever."""
 
 
@@ -70,9 +70,9 @@ def chain(count: int, kind: str) -> str:
         (MJCF.format(GRID, "<geom type='hfield' hfield='h'/>"), "tells no reason"),
         (
             MJCF.format("", COPIES),
-            "MuJoCo's compiler (gave no answer within 3 s|needed more than 2 GB)",
+            "MuJoCo's compiler (gave no answer within 2 s|needed more than 2 GB)",
         ),
-        (MJCF.format("<include file='pipe'/>", ""), "MuJoCo's compiler gave no answer within 3 s"),
+        (MJCF.format("<include file='pipe'/>", ""), "MuJoCo's compiler gave no answer within 2 s"),
     ],
     ids=["attached to itself", "height field", "copies", "FIFO"],
 )
@@ -114,7 +114,7 @@ def test_macros_that_double_forty_times(
     pytest.importorskip("xacro")
     monkeypatch.setattr(child, "SECONDS", SHORT)
     (tmp_path / "r.xacro").write_text(XACRO.format(TWICE), encoding="utf-8")
-    assert "xacro gave no answer within 3 s" in refusal(tmp_path / "r.xacro", capsys)
+    assert "xacro gave no answer within 2 s" in refusal(tmp_path / "r.xacro", capsys)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no FIFOs here")

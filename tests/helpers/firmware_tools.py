@@ -5,10 +5,14 @@ from __future__ import annotations
 import importlib
 import json
 import os
+import pickle
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
+from hashlib import sha256
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from types import ModuleType
 from typing import Any
 
@@ -57,6 +61,23 @@ STRICT = [
     "-fno-math-errno",
     "-ffp-contract=off",
 ]
+
+
+def kept_files(
+    write: Callable[..., dict[str, str]], mechanism: object, *options: object
+) -> dict[str, str]:
+    """The files that `write` makes of a mechanism with options, made once for all workers of a
+    run.
+    """
+    key = sha256(pickle.dumps((mechanism, options))).hexdigest()
+    place = Path(os.environ["SYMKIN_FOLDERS"]) / "files" / key
+    if not place.exists():
+        files = write(mechanism, *options)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with NamedTemporaryFile("w", dir=place.parent, delete=False) as file:
+            json.dump(files, file)
+        Path(file.name).replace(place)
+    return dict(json.loads(place.read_text()))
 
 
 def folder(name: str) -> Path:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
 
+import symkin
 from helpers.documents import machines
 from helpers.inside import parse
-from symkin import Joint, Limb, Mechanism, Rod, RodLimb
+from symkin import Joint, Limb, LinkJoint, Mechanism, Rod, RodLimb
 
 Z = (0.0, 0.0, 1.0)
 seeds = st.integers(0, 2**32 - 1).map(np.random.default_rng)
@@ -418,3 +420,30 @@ def rus(limbs: int) -> Mechanism:
         ]
         made.append(Limb(f"limb{k}", joints))
     return Mechanism("rus", made, platform_position=(0.0, 0.0, 260.0), length_unit="mm")
+
+
+def rus_on_rods(limbs: int) -> Mechanism:
+    """The first limbs of six `rus`, and rods of driven length where the others' U and S joints
+    are: fewer places of the same U joints at the poses of a body on six legs.
+    """
+    whole = rus(6)
+    rods = [
+        RodLimb(f"leg{k}", *(joint.point for joint in limb.joints[1:]))
+        for k, limb in enumerate(whole.limbs[limbs:], start=limbs)
+    ]
+    return replace(whole, limbs=[*whole.limbs[:limbs], *rods])
+
+
+def two_four_bars() -> Mechanism:
+    """Two four-bars that share a crank and nothing else."""
+    bars = symkin.load("four_bar")
+    crank, pin, follower_pin, follower = bars.link_joints
+    points = {"_pin": (0.0, 40.0, 0.0), "_far": (-75.0, 80.0, 0.0), "_end": (-90.0, 5.0, 0.0)}
+    links = [(crank.links[1], "left"), ("left", "left_rocker"), ("base", "left_rocker")]
+    second = [
+        LinkJoint(Joint(f"left{name}", "R", point, Z), pair)
+        for (name, point), pair in zip(points.items(), links, strict=True)
+    ]
+    return replace(
+        bars, name="two_four_bars", link_joints=[crank, pin, follower_pin, follower, *second]
+    )

@@ -33,7 +33,7 @@ unit = (
 angle = st.floats(-math.pi, math.pi)
 
 
-pytestmark = pytest.mark.usefixtures("cache")
+pytestmark = pytest.mark.usefixtures("kept_starts")
 
 
 def turned(axis, value, v):

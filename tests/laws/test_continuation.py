@@ -179,13 +179,14 @@ def test_counts_of_the_shipped_mechanisms_and_of_dietmaier(mechanism, given, com
 @pytest.mark.parametrize(
     ("mechanism", "complex_count"),
     [
-        (five_bar(), 2),
-        (three_rrr("planar"), 6),
-        (delta(), 2),
-        (replace(delta(), motion="spatial"), 40),
-        (three_rps(), 16),
+        pytest.param(five_bar(), 2, id="five-bar"),
+        pytest.param(three_rrr("planar"), 6, id="3-RRR"),
+        pytest.param(delta(), 2, id="delta", marks=pytest.mark.long),
+        pytest.param(
+            replace(delta(), motion="spatial"), 40, id="delta spatial", marks=pytest.mark.long
+        ),
+        pytest.param(three_rps(), 16, id="3-RPS"),
     ],
-    ids=["five-bar", "3-RRR", "delta", "delta spatial", "3-RPS"],
 )
 def test_generic_counts_by_the_same_code(mechanism, complex_count, cache):
     """Known counts: five-bar 2, planar 3-RRR 6 (Gosselin 1992), delta 2, and 40 when its platform
@@ -211,7 +212,7 @@ def test_random_platforms_lose_nothing(cache):
     lengths among them.
     """
     rng = np.random.default_rng(4)
-    for _ in range(8):
+    for _ in range(4):
         platform = hexapod(rng.normal(size=(6, 3)), 0.6 * rng.normal(size=(6, 3)), 1.5)
         q, t = rng.normal(size=4), rng.normal(size=3)
         pose = Pose(t, q / np.linalg.norm(q))

@@ -67,7 +67,7 @@ def same(a: symkin.Modes, b: symkin.Modes) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", in_gate(sorted(MACHINES), ["planar 3-RRR", "five-bar", "delta", "zhao2000", "arm"])
+    "name", in_gate(sorted(MACHINES), ["five-bar", "delta", "zhao2000", "arm"])
 )
 def test_a_graph_has_the_modes_of_its_limbs(name):
     """Direct problem beside the reference."""
@@ -89,7 +89,7 @@ def test_a_graph_has_the_modes_of_its_limbs(name):
 
 
 @pytest.mark.parametrize(
-    "name", in_gate(sorted(MACHINES), ["3-RPS", "five-bar", "four-bar", "zhao2000", "yao2020"])
+    "name", in_gate(sorted(MACHINES), ["3-RPS", "five-bar", "four-bar", "zhao2000", "arm"])
 )
 def test_a_graph_has_the_inverse_solutions_of_its_limbs(name):
     """Inverse problem at the pose of a direct one."""

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.gate import in_gate
 from helpers.inside import implied_motion
 from helpers.samples import delta, four_bar, readme_five_bar, three_rps, three_rrr
 from symkin import Joint, Limb, Mechanism
@@ -77,7 +78,11 @@ def test_declared_the_named_motion_gives_the_complete_list() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "given", [{"pose": [80.0, 20.0, 0.0, 1.0, 0.0, 0.0, 0.0]}, {"given": {"x": 80.0, "y": 20.0}}]
+    "given",
+    in_gate(
+        [{"pose": [80.0, 20.0, 0.0, 1.0, 0.0, 0.0, 0.0]}, {"given": {"x": 80.0, "y": 20.0}}],
+        [{"pose": [80.0, 20.0, 0.0, 1.0, 0.0, 0.0, 0.0]}],
+    ),
 )
 def test_a_motion_around_that_of_the_platform_is_told(given) -> None:
     """The five-bar's platform has two freedoms of a planar motion's three. No crank's end, on a

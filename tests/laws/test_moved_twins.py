@@ -132,17 +132,16 @@ def test_a_linkage_of_micrometres_has_formulas() -> None:
         assert len(symkin.modes(scaled(loops(*rows), factor), given={"j3": 0.0})) == 4
 
 
-@pytest.mark.parametrize("turned", [False, True])
-def test_formulas_are_used_where_paths_find_as_many(turned: bool) -> None:
+@pytest.mark.parametrize(("name", "turned"), each_once(NAMES, [True, False]))
+def test_formulas_are_used_where_paths_find_as_many(name: str, turned: bool) -> None:
     """A turned planar block has a row more than it needs, which cancels to rounding."""
-    for name in NAMES:
-        mechanism = displaced(symkin.load(name), TURN) if turned else symkin.load(name)
-        problem = build_problem(mechanism, "given", tuple(c.name for c in mechanism.actuated))
-        for group in itertools.filterfalse(is_linear, structure_groups(problem)):
-            solver, paths = group_solver(group), group_paths(group)
-            assert paths is not None
-            assert solver is not None
-            assert (solver.method, solver.most_roots) == ("closed", paths.most_roots)
+    mechanism = displaced(symkin.load(name), TURN) if turned else symkin.load(name)
+    problem = build_problem(mechanism, "given", tuple(c.name for c in mechanism.actuated))
+    for group in itertools.filterfalse(is_linear, structure_groups(problem)):
+        solver, paths = group_solver(group), group_paths(group)
+        assert paths is not None
+        assert solver is not None
+        assert (solver.method, solver.most_roots) == ("closed", paths.most_roots)
 
 
 def test_structure_groups_do_not_depend_on_the_unit_of_length() -> None:

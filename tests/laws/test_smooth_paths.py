@@ -35,9 +35,9 @@ def test_no_random_path_changes_its_mode_unnoticed() -> None:
     the complete enumeration holds the followed mode, and small Newton steps come to the same one.
     """
     tracking = benchmark()
-    counts, _ = tracking.run(symkin.load("zhang2009"), 10, 8, 20.0, np.random.default_rng(0))
-    assert counts["certified"] == 10
-    assert counts["reached"] + counts["turning point"] == 10
+    counts, _ = tracking.run(symkin.load("zhang2009"), 6, 8, 20.0, np.random.default_rng(0))
+    assert counts["certified"] == 6
+    assert counts["reached"] + counts["turning point"] == 6
     assert counts["reached"] > 0
     assert all(counts[fault] == 0 for fault in tracking.FAULTS)
 

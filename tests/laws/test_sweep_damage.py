@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.gate import each_once
 from helpers.inside import Swept, main
 from helpers.needed import needs
 from symkin import InputError, sweep
@@ -74,8 +75,7 @@ ARRAYS = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("array", ARRAYS)
-@pytest.mark.parametrize("harm", [lose, cut, empty, blank], ids=lambda harm: harm.__name__)
+@pytest.mark.parametrize(("array", "harm"), each_once(ARRAYS, [lose, cut, empty, blank]))
 def test_a_harmed_file_is_written_anew(array, harm, whole, tmp_path) -> None:
     """Whatever file is harmed and however, the folder holds the same bytes afterwards, and no count
     is a fill value.

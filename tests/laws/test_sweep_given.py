@@ -153,7 +153,7 @@ def test_limbs_are_swept_by_coordinates_of_their_pose(tmp_path):
     """A 3-RPS by height, azimuth and tilt: every mode has the pose that is told, and the legs'
     lengths are distances of its ends.
     """
-    given = {"z": [290.0, 300.0], "azimuth": [0.5, 1.5], "tilt": 0.2}
+    given = {"z": [290.0, 300.0], "azimuth": [0.5], "tilt": 0.2}
     data = sweep(three_rps(), directory=tmp_path / "s", given=given, workers=0).open().load()
     assert (data["count"].values > 0).all()
     there = np.arange(data.sizes["mode"]) < data["count"].values[..., None]
@@ -199,7 +199,7 @@ def test_points_that_close_to_the_digits_of_a_file_only(tmp_path):
 @pytest.mark.slow
 def test_poses_of_a_graph_are_swept(tmp_path):
     """A spherical wrist by rotation vectors: eight working modes at each, with that orientation."""
-    grid = {"rx": [-8.0, 8.0], "rz": [0.0, 5.0, 10.0]}
+    grid = {"rx": [-8.0, 8.0], "rz": [0.0, 10.0]}
     data = (
         sweep(symkin.load("spherical_wrist"), grid, tmp_path / "s", poses=True, workers=0)
         .open()
@@ -235,9 +235,9 @@ def test_processes_compute_the_same_arrays(tmp_path):
     """Two workers and this process write the same files, of a structure that is solved by
     groups.
     """
-    leg, given = symkin.load("jansen_leg"), {"crank": np.linspace(0, 350, 36)}
-    sweep(leg, directory=tmp_path / "here", given=given, chunk=9, workers=0)
-    sweep(leg, directory=tmp_path / "there", given=given, chunk=9, workers=2)
+    leg, given = symkin.load("jansen_leg"), {"crank": np.linspace(0, 340, 18)}
+    sweep(leg, directory=tmp_path / "here", given=given, chunk=5, workers=0)
+    sweep(leg, directory=tmp_path / "there", given=given, chunk=5, workers=2)
     assert same_files(tmp_path / "here", tmp_path / "there")
 
 
