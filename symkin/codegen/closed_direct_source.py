@@ -74,7 +74,7 @@ class ClosedDirectSource:
         values = dict(self.common) | {
             "nu": self.values.count,
             "nk": max(1, len(self.found.formulas.names)),
-            "ng": len(self.found.guards),
+            "ng": max(1, len(self.found.guards)),
             "ny": int(self.values.y.shape[0]),
             "guess_lines": indent(GuessText(self.values).lines, 2),
             "formula_lines": indent(self._formula_lines),
@@ -186,6 +186,8 @@ class ClosedDirectSource:
             if not guard.is_divisor
         ]
         condition = self.values.above("guard", of_divisors=True)
+        if not self.found.guards:
+            lines.append(f"w->guard[0] = {one}; /* nothing can vanish */")
         if not condition:
             return lines
         return [

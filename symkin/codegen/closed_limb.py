@@ -8,6 +8,7 @@ divisor vanishes the limb is singular.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -57,7 +58,11 @@ def closed_limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, 
     text = fill("closed_limb.c", values | own)
     if not count or block.kernel is not None:
         return text
-    return text + fill("closed_rates.c", values | {"rates_lines": indent(written.rates)})
+    rates = written.rates
+    if not any(re.search(r"\bc\[", line) for line in rates):
+        # of slides in a direction that no pose turns
+        rates = ["(void)c;", *rates]
+    return text + fill("closed_rates.c", values | {"rates_lines": indent(rates)})
 
 
 def actuated_places(block: LimbBlock) -> list[int]:

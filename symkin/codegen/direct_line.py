@@ -164,7 +164,10 @@ class LineText:
                     f"const {real.type} under{j} = (least{j} > {zero}) ? least{j} : "
                     f"{real.literal(1.0)};"
                 )
-        return lines
+        # guards that do not bend, of linear formulas, read no changes
+        read = {"w": "w->", "change": "change["}
+        unread = [name for name, text in read.items() if not any(text in line for line in lines)]
+        return [*(f"(void){name};" for name in unread), *lines]
 
     def _weighted(
         self, name: str, weights: Sequence[np.ndarray], lines: list[str], sums: dict[str, str]

@@ -14,7 +14,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers import samples
 from helpers.gate import in_gate
-from helpers.inside import LimbPlatform, Options, build_program, folder_files
+from helpers.inside import LimbPlatform, Options, Real, build_program, folder_files
 from helpers.samples import delta_directions
 from symkin import Joint, Limb, Mechanism, Rod
 
@@ -104,3 +104,21 @@ def test_guards_are_positive_where_the_machine_works():
         discriminants = form.discriminants_at(sample.known[None], signs)
         assert np.all(discriminants > 0.0)
         assert discriminants[0, 0] < found.guards[0].size
+
+
+@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("kind", ["R", "P"])
+def test_formulas_that_nothing_can_stop_compile_without_a_warning(kind, real, tmp_path):
+    """One limb whose joints are all actuated: its pose has formulas that divide by nothing, take no
+    root and have no guard.
+    """
+    tools.compiler("gcc")
+    first = Joint("a", kind, (100.0, 50.0, 0.0), (0.0, 0.0, 1.0), actuated=True)
+    second = Joint("b", "R", (100.0, -50.0, 0.0), (0.0, 0.0, 1.0), actuated=True)
+    limb = Limb("limb", [first, second])
+    made = Mechanism("arm", [limb], platform_position=(-100.0, -100.0, 0.0), motion="schoenflies")
+    found = LimbPlatform(made, Options(real), Real(real)).direct_formulas
+    assert found is not None
+    assert not found.guards
+    symkin.write_firmware(made, tmp_path, real=real)
+    tools.passed(tools.built("gcc", tmp_path, ["arm.c", "arm_test.c"], "own", "-O1"))
