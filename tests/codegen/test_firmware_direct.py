@@ -121,4 +121,6 @@ def test_formulas_that_nothing_can_stop_compile_without_a_warning(kind, real, tm
     assert found is not None
     assert not found.guards
     symkin.write_firmware(made, tmp_path, real=real)
-    tools.passed(tools.built("gcc", tmp_path, ["arm.c", "arm_test.c"], "own", "-O1"))
+    # GCC 12.2 at -O2 loses stores to an array into which a function has written by two loops
+    for optimised in ("-O1", "-O2"):
+        tools.passed(tools.built("gcc", tmp_path, ["arm.c", "arm_test.c"], "own", optimised))

@@ -2,14 +2,18 @@
 static void @{k}_solve(@{k}_work *w)
 {
     @{real} y[@{n}];
-    /* y = Q^T f, and f less its part along each column */
+    @{real} left[@{m}];
+    for (int i = 0; i < @{m}; ++i) {
+        left[i] = w->f[i];
+    }
+    /* y = Q^T f, and what is left of f less its part along each column */
     for (int c = 0; c < @{n}; ++c) {
         y[c] = @{zero};
         for (int i = 0; i < @{m}; ++i) {
-            y[c] += w->a[@{n} * i + c] * w->f[i];
+            y[c] += w->a[@{n} * i + c] * left[i];
         }
         for (int i = 0; i < @{m}; ++i) {
-            w->f[i] -= y[c] * w->a[@{n} * i + c];
+            left[i] -= y[c] * w->a[@{n} * i + c];
         }
     }
     /* back substitution with R */
