@@ -5,7 +5,7 @@ between joints.
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -54,6 +54,7 @@ class Direction:
     lines: Lines
     places: np.ndarray | None
     solved_by: str
+    back: Direction | None = None
 
     @cached_property
     def walker(self) -> Walker:
@@ -95,6 +96,22 @@ class Direction:
         # beside a dead centre joints differ by the root of the pose's rounding
         near = np.sqrt(Real(self.real).epsilon)  # type: ignore[arg-type]
         return np.asarray((status == 0) & (np.max(np.abs(away / units), axis=1) < near))
+
+    def tells(self, guesses: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Whether guesses alone tell the code that it stands at these known values: those of a map
+        hold one side's values only, and mean the configuration to which these lead from home.
+        """
+        if self.back is None:
+            return np.ones(len(guesses), bool)
+        begin = (np.repeat(part, len(guesses), axis=0) for part in self.back._home_values)
+        ends = self.back.walker.reached(*begin, guesses)
+        away = self.back.off(self.back.stated(ends.unknowns, guesses), known)
+        near = 10 * np.sqrt(Real(self.real).epsilon)  # type: ignore[arg-type]
+        return np.asarray((ends.shortest > 0.0) & (away < near))
+
+    @property
+    def _home_values(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.home.unknowns, self.home.known
 
     def off(self, found: np.ndarray, reached: np.ndarray) -> np.ndarray:
         """Differences (n,), over the size or in rad; of maps by whole turns."""
@@ -163,7 +180,8 @@ def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
                 machine, real, library, function, problem, home, lines, places, solved_by(kind, way)
             )
         )
-    return found
+    direct, inverse = found
+    return [replace(direct, back=inverse), replace(inverse, back=direct)]
 
 
 def paths_of(direction: Direction, paths: int, steps: int, rng: np.random.Generator) -> np.ndarray:

@@ -7,8 +7,10 @@ random walks, standing still, and grazing.
 Without names: machines of all kinds (closes.py), maps both ways; `--part 1/4`: every fourth of
 them. Goals move on smooth random paths within limits. Each goal is asked for from the last answer
 that was OK, then once more from its own answer: standing still must be OK. Beside it the same lines
-are walked finely (walk.c) from the last configuration that was OK. Wrong is an OK on a line that is
-not regular, or that leads elsewhere; stuck is a regular line, far from singularities, that is
+are walked finely (walk.c) from the last configuration that was OK. The guess of a map holds one
+side's values only: where these do not lead from home to where a path stands, it begins anew. Wrong
+is an OK on a line that is not regular, or that leads elsewhere; stuck is a regular line, far from
+singularities, to an answer that tells where it stands, that is
 refused. Then `--lines` lines go to where the code refuses, and ever nearer (grazes.py): no OK there
 may be refused as a guess. An interrupted run (Control-C) prints its table. Exit status 1 where
 anything is wrong, stuck, does not stand still or is not read.
@@ -46,12 +48,13 @@ _SECONDS = 150
 
 @dataclass
 class Tally:
-    """What came of walks: steps, OK, wrong ones, refused ones that are regular, and OKs that do not
-    stand still.
+    """What came of walks: steps, OK, paths that begin anew at home because a guess does not tell
+    where they stand, wrong OKs, refused ones that are regular, and OKs that do not stand still.
     """
 
     steps: int = 0
     ok: int = 0
+    anew: int = 0
     wrong: int = 0
     stuck: int = 0
     moved: int = 0
@@ -90,9 +93,11 @@ def _step(direction: Direction, at: State, goal: np.ndarray, tally: Tally) -> St
     allowed = 2e-7 + 64 * epsilon * np.minimum(conditions, 1e6) + 2e-3 * (direction.real == "float")
     wrong = ok & ((ends.shortest <= 0.0) | (away > allowed))
     easy = regular & (conditions < _HARD) & (ends.shortest >= PLAIN)
-    stuck = ~ok & (status != OUT_OF_RANGE) & easy & direction.gives_back(reached, end)
+    stuck = ~ok & (status != OUT_OF_RANGE) & easy
+    stuck &= direction.gives_back(reached, end) & direction.tells(reached, end)
     again, _ = direction.answers(goal, np.where(ok[:, None], found, at.guesses))
-    moved = ok & ~wrong & (again != 0) & regular
+    told = direction.tells(found, end)
+    moved = ok & ~wrong & (again != 0) & regular & told
     tally.steps, tally.ok = tally.steps + len(goal), tally.ok + int(ok.sum())
     for what, which in (("wrong", wrong), ("stuck", stuck), ("moved", moved)):
         setattr(tally, what, getattr(tally, what) + int(which.sum()))
@@ -104,7 +109,12 @@ def _step(direction: Direction, at: State, goal: np.ndarray, tally: Tally) -> St
             for k in np.flatnonzero(which)[:1]
         ]
     pairs = ((ends.unknowns, at.unknowns), (end, at.known), (found, at.guesses))
-    return State(*(np.where((ok & ~wrong)[:, None], new, old) for new, old in pairs))
+    new = State(*(np.where((ok & ~wrong)[:, None], new, old) for new, old in pairs))
+    untold = ~direction.tells(new.guesses, new.known)
+    tally.anew += int(untold.sum())
+    home = direction.home
+    homes = ((home.unknowns, new.unknowns), (home.known, new.known), (home.guesses, new.guesses))
+    return State(*(np.where(untold[:, None], first, there) for first, there in homes))
 
 
 @dataclass
@@ -132,6 +142,7 @@ class Row:
             len(self.machines),
             w.steps,
             w.ok,
+            w.anew,
             w.wrong,
             w.stuck,
             w.moved,
@@ -144,8 +155,8 @@ class Row:
 
 
 _HEAD = (
-    "| solved by | type | machines | steps | OK | wrong | stuck | moved | beside refusals OK | "
-    "moved | not read | lost |"
+    "| solved by | type | machines | steps | OK | anew | wrong | stuck | moved | "
+    "beside refusals OK | moved | not read | lost |"
 )
 
 
