@@ -15,6 +15,12 @@
 #define ANKLE_COLD
 #define ANKLE_SHARED
 #endif
+#if defined(__GNUC__) && !defined(__clang__)
+/* GCC 12 takes what nested loops of such a function store to be less than it is */
+#define ANKLE_ALONE __attribute__((noipa))
+#else
+#define ANKLE_ALONE
+#endif
 
 /* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
  * `otherwise`. */
@@ -1706,7 +1712,8 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
         ankle_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
         ankle_blame(info, joints);
     }
-    bool goes = (status == ANKLE_OK);
+    const bool told = (status == ANKLE_OK);
+    bool goes = told;
     for (int way = 0; way < 2; ++way) {
         if (goes) {
             /* the line begins where the known values are at the guess */
@@ -1727,6 +1734,10 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
         result[0] = ankle_turned(ankle_angle(w.x[1], w.x[0]), guess[0], -1000.0f, 1000.0f);
         result[1] = ankle_turned(ankle_angle(w.x[3], w.x[2]), guess[1], -1000.0f, 1000.0f);
         status = ankle_limit_found(status, result);
+        /* what these values alone do not tell could not be left again */
+        if ((status == ANKLE_OK) && told && (ankle_state_of_found(result, y, at) != ANKLE_OK)) {
+            status = ANKLE_WRONG_BRANCH;
+        }
         if (status == ANKLE_OK) {
             found[0] = result[0];
             found[1] = result[1];
@@ -1820,7 +1831,8 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
     if (status != ANKLE_OK) {
         ankle_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     }
-    bool goes = (status == ANKLE_OK);
+    const bool told = (status == ANKLE_OK);
+    bool goes = told;
     for (int way = 0; way < 2; ++way) {
         if (goes) {
             /* the line begins where the known values are at the guess */
@@ -1844,6 +1856,10 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
         result[0] = ankle_turned(ankle_angle(w.x[1], w.x[0]), guess[0], -1000.0f, 1000.0f);
         result[1] = ankle_turned(ankle_angle(w.x[3], w.x[2]), guess[1], -1000.0f, 1000.0f);
         status = ankle_limit_joints(status, result);
+        /* what these values alone do not tell could not be left again */
+        if ((status == ANKLE_OK) && told && (ankle_state_of_joints(result, y, at) != ANKLE_OK)) {
+            status = ANKLE_WRONG_BRANCH;
+        }
         if (status == ANKLE_OK) {
             joints[0] = result[0];
             joints[1] = result[1];

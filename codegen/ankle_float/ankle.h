@@ -19,18 +19,18 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 400 iterations, 112192 add, 163243 mul, 6101 div, 3658 sqrt
+ *   direct: 400 iterations, 112278 add, 163348 mul, 6109 div, 3662 sqrt
  *   track: 170 add, 226 mul, 11 div, 4 sqrt
- *   inverse: 300 iterations, 45024 add, 60982 mul, 2382 div, 1748 sqrt
+ *   inverse: 400 iterations, 73116 add, 101876 mul, 3909 div, 2662 sqrt
  *   track_inverse: 279 add, 348 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 223 mul, 4 div, 1 sqrt
  *   rates: 160 add, 227 mul, 4 div, 1 sqrt
  *   torques: 160 add, 227 mul, 4 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 19632 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18582 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 73985 instructions, 608 stack, 7592 code
+ *   direct: 73815 instructions, 624 stack, 7648 code
  *   track: 1065 instructions, 184 stack, 3464 code
- *   inverse: 76005 instructions, 608 stack, 10588 code
+ *   inverse: 87595 instructions, 616 stack, 10624 code
  *   track_inverse: 1010 instructions, 192 stack, 4804 code
  *   jacobian: 765 instructions, 216 stack, 2864 code
  *   rates: 870 instructions, 264 stack, 3048 code

@@ -14,6 +14,12 @@
 #define GLUON_6L3_COLD
 #define GLUON_6L3_SHARED
 #endif
+#if defined(__GNUC__) && !defined(__clang__)
+/* GCC 12 takes what nested loops of such a function store to be less than it is */
+#define GLUON_6L3_ALONE __attribute__((noipa))
+#else
+#define GLUON_6L3_ALONE
+#endif
 
 /* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
  * `otherwise`. */

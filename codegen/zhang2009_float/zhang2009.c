@@ -14,6 +14,12 @@
 #define ZHANG2009_COLD
 #define ZHANG2009_SHARED
 #endif
+#if defined(__GNUC__) && !defined(__clang__)
+/* GCC 12 takes what nested loops of such a function store to be less than it is */
+#define ZHANG2009_ALONE __attribute__((noipa))
+#else
+#define ZHANG2009_ALONE
+#endif
 
 /* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
  * `otherwise`. */

@@ -14,6 +14,12 @@
 #define ZHAO2000_COLD
 #define ZHAO2000_SHARED
 #endif
+#if defined(__GNUC__) && !defined(__clang__)
+/* GCC 12 takes what nested loops of such a function store to be less than it is */
+#define ZHAO2000_ALONE __attribute__((noipa))
+#else
+#define ZHAO2000_ALONE
+#endif
 
 /* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
  * `otherwise`. */

@@ -187,9 +187,9 @@ class Joint:
 # --- checks of numbers, shared by every part of a description -------------------------------------
 
 
-LARGEST = 1e30
-"""Numbers of a description are at most this, in any unit: products of six of them, and the squares
-of those in a norm, stay within doubles.
+LARGEST = 1e153
+"""Numbers of a description are at most this, in any unit: sums of their squares stay within
+doubles.
 """
 
 

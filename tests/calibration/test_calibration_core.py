@@ -4,6 +4,7 @@ silence.
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import casadi as ca
@@ -480,7 +481,7 @@ def test_only_redundant_loops_are_blamed_for_a_fit_that_breaks_down(name, redund
         raise np.linalg.LinAlgError
 
     machine = symkin.load(name)
-    monkeypatch.setattr("symkin.calibration.calibrate._calibrate", breaks_down)
+    monkeypatch.setattr(sys.modules[calibrate.__module__], "_calibrate", breaks_down)
     with pytest.raises(InputError, match="the fit broke down") as error:
         calibrate(machine, Measurements(np.zeros((1, len(machine.actuated)))))
     assert ("redundant" in str(error.value)) is redundant

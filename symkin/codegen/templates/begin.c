@@ -14,6 +14,12 @@
 #define @{P}_COLD
 #define @{P}_SHARED
 #endif
+#if defined(__GNUC__) && !defined(__clang__)
+/* GCC 12 takes what nested loops of such a function store to be less than it is */
+#define @{P}_ALONE __attribute__((noipa))
+#else
+#define @{P}_ALONE
+#endif
 
 /* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
 static @{P}_COLD @{p}_status @{p}_check_finite(const @{real} values[], int count, @{p}_status otherwise)

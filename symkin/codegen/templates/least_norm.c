@@ -1,5 +1,5 @@
 /* The shortest step among those that solve the @{n} rows, from w->f into w->f: Q y with y R = the rows. */
-static void @{k}_solve(@{k}_work *w)
+static @{ALONE} void @{k}_solve(@{k}_work *w)
 {
     @{real} y[@{n}];
     /* forward substitution with R transposed */

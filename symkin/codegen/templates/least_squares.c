@@ -1,19 +1,15 @@
 /* The least-squares step from w->f into the first @{n} entries of w->f. */
-static void @{k}_solve(@{k}_work *w)
+static @{ALONE} void @{k}_solve(@{k}_work *w)
 {
     @{real} y[@{n}];
-    @{real} left[@{m}];
-    for (int i = 0; i < @{m}; ++i) {
-        left[i] = w->f[i];
-    }
-    /* y = Q^T f, and what is left of f less its part along each column */
+    /* y = Q^T f, and f less its part along each column */
     for (int c = 0; c < @{n}; ++c) {
         y[c] = @{zero};
         for (int i = 0; i < @{m}; ++i) {
-            y[c] += w->a[@{n} * i + c] * left[i];
+            y[c] += w->a[@{n} * i + c] * w->f[i];
         }
         for (int i = 0; i < @{m}; ++i) {
-            left[i] -= y[c] * w->a[@{n} * i + c];
+            w->f[i] -= y[c] * w->a[@{n} * i + c];
         }
     }
     /* back substitution with R */

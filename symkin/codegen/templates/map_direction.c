@@ -34,7 +34,8 @@ static @{COLD} bool @{f}_stands(const @{real} @{values}[@{nto}], const @{real} g
         @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
 @{blame_values}
     }
-    bool goes = (status == @{P}_OK);
+    const bool told = (status == @{P}_OK);
+    bool goes = told;
     for (int way = 0; way < 2; ++way) {
         if (goes) {
             /* the line begins where the known values are at the guess */
@@ -47,6 +48,10 @@ static @{COLD} bool @{f}_stands(const @{real} @{values}[@{nto}], const @{real} g
     if (status == @{P}_OK) {
 @{results}
         status = @{p}_limit_@{out}(status, result);
+        /* what these values alone do not tell could not be left again */
+        if ((status == @{P}_OK) && told && (@{p}_state_of_@{out}(result, y, at) != @{P}_OK)) {
+            status = @{P}_WRONG_BRANCH;
+        }
 @{passive}
         if (status == @{P}_OK) {
 @{store}
