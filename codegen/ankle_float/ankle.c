@@ -1734,8 +1734,9 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
         result[0] = ankle_turned(ankle_angle(w.x[1], w.x[0]), guess[0], -1000.0f, 1000.0f);
         result[1] = ankle_turned(ankle_angle(w.x[3], w.x[2]), guess[1], -1000.0f, 1000.0f);
         status = ankle_limit_found(status, result);
-        /* what these values alone do not tell could not be left again */
-        if ((status == ANKLE_OK) && told && (ankle_state_of_found(result, y, at) != ANKLE_OK)) {
+        /* what these values alone do not tell could not be left again: there one may but stay */
+        if ((status == ANKLE_OK) && told && (ankle_state_of_found(result, y, at) != ANKLE_OK)
+            && !ankle_direct_stands(joints, guess, y, at)) {
             status = ANKLE_WRONG_BRANCH;
         }
         if (status == ANKLE_OK) {
@@ -1856,8 +1857,9 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
         result[0] = ankle_turned(ankle_angle(w.x[1], w.x[0]), guess[0], -1000.0f, 1000.0f);
         result[1] = ankle_turned(ankle_angle(w.x[3], w.x[2]), guess[1], -1000.0f, 1000.0f);
         status = ankle_limit_joints(status, result);
-        /* what these values alone do not tell could not be left again */
-        if ((status == ANKLE_OK) && told && (ankle_state_of_joints(result, y, at) != ANKLE_OK)) {
+        /* what these values alone do not tell could not be left again: there one may but stay */
+        if ((status == ANKLE_OK) && told && (ankle_state_of_joints(result, y, at) != ANKLE_OK)
+            && !ankle_inverse_stands(found, guess, y, at)) {
             status = ANKLE_WRONG_BRANCH;
         }
         if (status == ANKLE_OK) {

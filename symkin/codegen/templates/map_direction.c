@@ -48,8 +48,9 @@ static @{COLD} bool @{f}_stands(const @{real} @{values}[@{nto}], const @{real} g
     if (status == @{P}_OK) {
 @{results}
         status = @{p}_limit_@{out}(status, result);
-        /* what these values alone do not tell could not be left again */
-        if ((status == @{P}_OK) && told && (@{p}_state_of_@{out}(result, y, at) != @{P}_OK)) {
+        /* what these values alone do not tell could not be left again: there one may but stay */
+        if ((status == @{P}_OK) && told && (@{p}_state_of_@{out}(result, y, at) != @{P}_OK)
+            && !@{f}_stands(@{values}, guess, y, at)) {
             status = @{P}_WRONG_BRANCH;
         }
 @{passive}
