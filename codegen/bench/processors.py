@@ -65,22 +65,24 @@ def on_board(harness: Harness, board: str) -> np.ndarray:
     subprocess.run(
         ["arm-none-eabi-gcc", *COMMON, *flags, *link, *sources], cwd=harness.folder, check=True
     )
+    return _rows(said_on_board(machine, harness.folder / elf))
+
+
+def said_on_board(machine: str, program: Path | str, shift: int = 0) -> str:
+    """What a program says on stderr on a machine of QEMU's, an instruction 2^shift ns."""
     qemu = [
         "qemu-system-arm",
         "-M",
         machine,
         "-nographic",
         "-icount",
-        "shift=0",
+        f"shift={shift}",
         "-semihosting-config",
         "enable=on,target=native",
         "-kernel",
-        elf,
+        str(program),
     ]
-    done = subprocess.run(
-        qemu, cwd=harness.folder, check=True, capture_output=True, text=True, timeout=300
-    )
-    return _rows(done.stderr)
+    return subprocess.run(qemu, check=True, capture_output=True, text=True, timeout=300).stderr
 
 
 def on_host(harness: Harness, cc: str = "gcc") -> np.ndarray:

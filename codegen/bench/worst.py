@@ -24,7 +24,7 @@ from typing import Any
 from folders import FOLDERS, folder_of
 from footprint import LIBRARIES, footprints
 from fuzz import macros
-from processors import BOARDS, COMMON, TARGETS
+from processors import BOARDS, COMMON, TARGETS, said_on_board
 from readme import written
 
 BENCH = Path(__file__).parent
@@ -106,19 +106,7 @@ def searched_instructions(
             *sources,
         ]
         subprocess.run(command, check=True)
-        qemu = [
-            "qemu-system-arm",
-            "-M",
-            machine,
-            "-nographic",
-            "-icount",
-            f"shift={SHIFT}",
-            "-semihosting-config",
-            "enable=on,target=native",
-            "-kernel",
-            elf,
-        ]
-        said = subprocess.run(qemu, check=True, capture_output=True, text=True, timeout=300).stderr
+        said = said_on_board(machine, elf, SHIFT)
     rows = re.findall(r"^(\w+) (\d+) (\d+)$", said, re.M)
     # a call that ends within a tick may have taken all of the next
     instructions = {f: math.ceil((int(ticks) + 1) * 40 / 2**SHIFT) for f, ticks, _ in rows}
