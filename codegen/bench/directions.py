@@ -103,15 +103,12 @@ class Direction:
         """
         if self.back is None:
             return np.ones(len(guesses), bool)
-        begin = (np.repeat(part, len(guesses), axis=0) for part in self.back._home_values)
+        home = self.back.home
+        begin = (np.repeat(part, len(guesses), axis=0) for part in (home.unknowns, home.known))
         ends = self.back.walker.reached(*begin, guesses)
         away = self.back.off(self.back.stated(ends.unknowns, guesses), known)
         near = 10 * np.sqrt(Real(self.real).epsilon)  # type: ignore[arg-type]
         return np.asarray((ends.shortest > 0.0) & (away < near))
-
-    @property
-    def _home_values(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.home.unknowns, self.home.known
 
     def off(self, found: np.ndarray, reached: np.ndarray) -> np.ndarray:
         """Differences (n,), over the size or in rad; of maps by whole turns."""

@@ -94,9 +94,9 @@ def _step(direction: Direction, at: State, goal: np.ndarray, tally: Tally) -> St
     wrong = ok & ((ends.shortest <= 0.0) | (away > allowed))
     easy = regular & (conditions < _HARD) & (ends.shortest >= PLAIN)
     stuck = ~ok & (status != OUT_OF_RANGE) & easy
-    stuck &= direction.gives_back(reached, end) & direction.tells(reached, end)
+    told = direction.tells(np.where(ok[:, None], found, reached), end)
+    stuck &= direction.gives_back(reached, end) & told
     again, _ = direction.answers(goal, np.where(ok[:, None], found, at.guesses))
-    told = direction.tells(found, end)
     moved = ok & ~wrong & (again != 0) & regular & told
     tally.steps, tally.ok = tally.steps + len(goal), tally.ok + int(ok.sum())
     for what, which in (("wrong", wrong), ("stuck", stuck), ("moved", moved)):
@@ -110,7 +110,7 @@ def _step(direction: Direction, at: State, goal: np.ndarray, tally: Tally) -> St
         ]
     pairs = ((ends.unknowns, at.unknowns), (end, at.known), (found, at.guesses))
     new = State(*(np.where((ok & ~wrong)[:, None], new, old) for new, old in pairs))
-    untold = ~direction.tells(new.guesses, new.known)
+    untold = ok & ~wrong & ~told
     tally.anew += int(untold.sum())
     home = direction.home
     homes = ((home.unknowns, new.unknowns), (home.known, new.known), (home.guesses, new.guesses))
