@@ -488,9 +488,14 @@ def inclination(q: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return alpha and beta of R = Rz(gamma) Ry(beta) Rx(alpha), from the last row of R: (-sin b,
     cos b sin a, cos b cos a).
     """
-    w, x, y, z = q[0], q[1], q[2], q[3]
-    first, second, third = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+    first, second, third = _upward(q)
     return ca.atan2(second, third), ca.atan2(-first, ca.sqrt(second * second + third * third))
+
+
+def _upward(q: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """The last row of a rotation: the base's z axis in the turned frame."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    return 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
 
 
 def _level(quaternion: ca.SX | np.ndarray) -> ca.SX:
@@ -498,8 +503,7 @@ def _level(quaternion: ca.SX | np.ndarray) -> ca.SX:
     `quaternion`. Groups are compared by alpha and beta of the frame so turned: these weigh errors
     of tilt alike about every axis there, where alpha of a frame whose x axis points up is any.
     """
-    w, x, y, z = (float(component) for component in ca.vertsplit(ca.DM(ca.SX(quaternion))))
-    up = (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
+    up = [float(component) for component in _upward(ca.SX(quaternion))]
     turn = np.array([1.0 + up[2], -up[1], up[0], 0.0])
     if turn[0] < 1e-12:  # z points down: a half turn about x
         turn = np.array([0.0, 1.0, 0.0, 0.0])

@@ -291,10 +291,9 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
         )
         there = evaluate(problem, state.p, z, "means")
         noise = joint_covariance(problem, there)
-        noise += _parameter_covariance(problem, found, z, outliers)
-    gap = _less_means(
-        problem, deviations(problem.readings, readings_at(problem, state.p, z)), outliers
-    )
+        _add_parameter_covariance(noise, problem, found, z, outliers)
+    gap = deviations(problem.readings, readings_at(problem, state.p, z))
+    _take_means(problem, gap, np.arange(len(z)), outliers)
     spread = 1.0 if problem.readings.known else _per_reading(found)
     return [
         _retest_outlier(problem, gap, noise, o, spread) if closed[o.configuration] else o
@@ -313,11 +312,16 @@ def _problem_of_all(found: Fit, measurements: Measurements) -> CalibrationProble
     )
 
 
-def _parameter_covariance(
-    problem: CalibrationProblem, found: Fit, z: np.ndarray, outliers: Sequence[Outlier]
-) -> np.ndarray:
-    """The covariance (n, K, K) that the estimate's own gives the predictions of the readings that
-    were taken out: J C J^T, which a reading that took part in the fit would lessen.
+def _add_parameter_covariance(
+    noise: np.ndarray,
+    problem: CalibrationProblem,
+    found: Fit,
+    z: np.ndarray,
+    outliers: Sequence[Outlier],
+) -> None:
+    """Add to that of noise (n, K, K) the covariance that the estimate's own gives the predictions
+    of readings that were taken out: J C J^T, which one that took part in the fit would lessen. It
+    stays as it is where none was taken out.
     """
     readings, model = problem.readings, problem.model
     out = np.array([o.configuration for o in outliers])
@@ -328,26 +332,26 @@ def _parameter_covariance(
     e = model.evaluate(
         z[rows], problem.measurements.joints[rows], found.result.state.p, problem.quaternions[rows]
     )
-    slopes = np.zeros((len(z), len(model.columns), len(model.names)))
-    slopes[rows] = e.slopes
-    slopes = _less_means(problem, slopes, outliers)
+    slopes = e.slopes
+    _take_means(problem, slopes, rows, outliers)
     free = covariance(found.problem, found.result.state) / np.outer(model.scales, model.scales)
-    return np.asarray(slopes @ free @ slopes.transpose(0, 2, 1))
+    noise[rows] += slopes @ free @ slopes.transpose(0, 2, 1)
 
 
-def _less_means(
-    problem: CalibrationProblem, gap: np.ndarray, outliers: Sequence[Outlier]
-) -> np.ndarray:
-    """Deviations of grouped readings from the mean of those of their group that are not taken
-    out.
+def _take_means(
+    problem: CalibrationProblem, values: np.ndarray, rows: np.ndarray, outliers: Sequence[Outlier]
+) -> None:
+    """Take from the values (n, K, ...) of configurations `rows`, whole groups, the mean of those of
+    their group that are not taken out, for grouped readings.
     """
     readings = problem.readings
-    out = {o.configuration for o in outliers if o.kind == "group"}
-    for g in range(readings.groups):
-        members = np.flatnonzero(readings.group == g)
-        kept = [i for i in members if i not in out] or list(members)
-        gap[np.ix_(members, readings.columns)] -= gap[np.ix_(kept, readings.columns)].mean(axis=0)
-    return gap
+    group = readings.group[rows]
+    out = np.isin(rows, [o.configuration for o in outliers if o.kind == "group"])
+    for g in np.unique(group[group >= 0]):
+        members = np.flatnonzero(group == g)
+        kept = members[~out[members]] if np.any(~out[members]) else members
+        means = values[np.ix_(kept, readings.columns)].mean(axis=0)
+        values[np.ix_(members, readings.columns)] -= means
 
 
 def _retest_outlier(
