@@ -13,7 +13,7 @@ while low < N < high, which bends less along a line than D does.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -80,28 +80,40 @@ def limbwise_form(
     return _Limbwise(problem, limbs, samples, held).found()
 
 
-def passive_system(problem: Problem, limb: System) -> System:
-    """A limb's rows in its passive joints, given the known values of a direct problem, then the
+def given_coordinates(problem: Problem) -> tuple[Coordinate, ...]:
+    """The coordinates of the passive systems' known values: all joints that are given, then the
     pose.
     """
-    pose, unknowns = (
-        problem.closure.role("pose"),
-        tuple(c for c in limb.unknowns if c.role != "actuated"),
+    return (*problem.known_coordinates, *problem.closure.role("pose"))
+
+
+def passive_system(problem: Problem, limb: System) -> System:
+    """A limb's rows in its passive joints, by the given coordinates."""
+    unknowns = tuple(c for c in limb.unknowns if c.role != "actuated")
+    made = _system(problem, limb, unknowns, given_coordinates(problem))
+    every = (*limb.unknowns, *problem.closure.role("pose"))
+    if any(c.width != 1 for c in every):
+        return made
+    # no half angles of the pose, of which formulas give cosine and sine of the whole
+    rows, errors = (
+        plain(part, _symbols(problem, every), every, limb.characteristic_length)
+        for part in (limb.rows, limb.errors)
     )
-    every, known = (*limb.unknowns, *pose), (*problem.known_coordinates, *pose)
-    rows, errors = limb.rows, limb.errors
-    if all(c.width == 1 for c in every):
-        # no half angles of the pose, of which formulas give cosine and sine of the whole
-        rows, errors = (
-            plain(part, _symbols(problem, every), every, limb.characteristic_length)
-            for part in (rows, errors)
-        )
+    return replace(made, rows=rows, errors=errors)
+
+
+def _system(
+    problem: Problem,
+    limb: System,
+    unknowns: tuple[Coordinate, ...],
+    known: Sequence[Coordinate],
+) -> System:
     return System(
         unknowns,
         _symbols(problem, unknowns),
         _symbols(problem, known),
-        rows,
-        errors,
+        limb.rows,
+        limb.errors,
         limb.characteristic_length,
     )
 
@@ -124,9 +136,6 @@ class _Limbwise:
     def _pose(self) -> tuple[Coordinate, ...]:
         return self.problem.closure.role("pose")
 
-    def _symbols(self, coordinates: Sequence[Coordinate]) -> ca.SX:
-        return _symbols(self.problem, coordinates)
-
     def _values(self, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
         return np.array([self.problem.select_values(s.values, coordinates) for s in self.samples])
 
@@ -141,7 +150,7 @@ class _Limbwise:
             system = passive_system(self.problem, limb)
             if not system.unknowns:
                 continue
-            form = closed_form(system, self._values(self._given)[:_COMPARED])
+            form = closed_form(system, self._values(given_coordinates(self.problem))[:_COMPARED])
             found = None if form is None else self._reaches_of(form, whole, number)
             if form is None or found is None:
                 return None
@@ -174,11 +183,11 @@ class _Limbwise:
             if points is None:
                 return None
             rows += [p.row for p in points]
-        known = self._symbols(joints)
+        known = _symbols(self.problem, joints)
         whole = ca.vertcat(*rows)
         system = System(
             self._pose,
-            self._symbols(self._pose),
+            _symbols(self.problem, self._pose),
             known,
             whole,
             whole,
@@ -192,7 +201,7 @@ class _Limbwise:
         ranks = []
         for unknowns in (passive, (*passive, *self._pose)):
             held = tuple(c for c in (*limb.unknowns, *self._pose) if c not in unknowns)
-            system = self._system(limb, unknowns, held)
+            system = _system(self.problem, limb, unknowns, held)
             sample = self.samples[0].values
             _, matrix = system.linearise_one(
                 self.problem.select_values(sample, unknowns),
@@ -200,25 +209,6 @@ class _Limbwise:
             )
             ranks.append(Rank.of(matrix).value)
         return ranks[1] - ranks[0]
-
-    @property
-    def _given(self) -> tuple[Coordinate, ...]:
-        """The coordinates of the passive systems' known values: all joints that are given, then the
-        pose.
-        """
-        return (*self.problem.known_coordinates, *self._pose)
-
-    def _system(
-        self, limb: System, unknowns: tuple[Coordinate, ...], known: Sequence[Coordinate]
-    ) -> System:
-        return System(
-            unknowns,
-            self._symbols(unknowns),
-            self._symbols(known),
-            limb.rows,
-            limb.errors,
-            limb.characteristic_length,
-        )
 
     def _reaches_of(self, form: ClosedForm, whole: _Composed, number: int) -> list[Reach] | None:
         """What has to stay above zero for a limb's choices; None where that is not known."""
@@ -234,9 +224,9 @@ class _Limbwise:
         which the volume holds, or divisors of the joints alone, which become those of the whole;
         else None.
         """
-        known, poses = self._values(self._given), self._values(self._pose)
+        known, poses = self._values(given_coordinates(self.problem)), self._values(self._pose)
         signs = form.signs_at(self._values(form.system.unknowns)[0], known[0])
-        length = ca.Function("length", [self._symbols(self._pose)], [square])
+        length = ca.Function("length", [_symbols(self.problem, self._pose)], [square])
         lengths = np.array([float(length(v)) for v in poses])
         values = np.hstack([form.discriminants_at(known, signs), form.divisors_at(known, signs)])
         alone = [
@@ -245,7 +235,7 @@ class _Limbwise:
             if not _is_multiple_of_any(values[:, k], lengths[:, None])
         ]
         count = int(form.discriminants.shape[0])
-        others = ca.vertcat(form.roots, form.signs, self._symbols(self._pose))
+        others = ca.vertcat(form.roots, form.signs, _symbols(self.problem, self._pose))
         for k in alone:
             if k < count or ca.depends_on(form.divisors[k - count], others):
                 return None
@@ -258,7 +248,7 @@ class _Limbwise:
         """
         if ca.depends_on(ca.vertcat(form.discriminants, form.divisors), form.roots):
             return None
-        known = self._values(self._given)
+        known = self._values(given_coordinates(self.problem))
         function = ca.Function("d", [form.system.known], [form.discriminants, form.divisors])
         numbers = [function(v) for v in known]
         discriminants, divisors = (
@@ -298,7 +288,7 @@ class _Composed:
         self.discriminants = [self.pose.discriminants]
         self.divisors = [self.pose.divisors]
         known = self.parts.problem.known_coordinates
-        symbols = self.parts._symbols(known)
+        symbols = _symbols(self.parts.problem, known)
         generators = [
             Generators((ca.cos(symbols[k]), ca.sin(symbols[k])) if c.is_angular else (symbols[k],))
             for k, c in enumerate(known)
@@ -312,7 +302,7 @@ class _Composed:
     def of_known(self, expression: ca.SX, others: ca.SX | None = None) -> ca.SX:
         """An expression of joints and pose with the pose's formulas in place of the pose."""
         coordinates = (*self.parts.problem.known_coordinates, *self.pose.system.unknowns)
-        symbols = self.parts._symbols(coordinates)
+        symbols = _symbols(self.parts.problem, coordinates)
         places = [(symbols[k], c.name) for k, c in enumerate(coordinates)]
         return lifted(
             expression, places, self.generators, ca.SX(0, 1) if others is None else others

@@ -16,7 +16,7 @@ import numpy as np
 
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.formula_guards import RESOLVED
-from symkin.codegen.limbwise import passive_system
+from symkin.codegen.limbwise import given_coordinates, passive_system
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.samples import Configuration
 from symkin.elimination.closed_form import ClosedForm, closed_form
@@ -62,7 +62,7 @@ def passive_reaches(
     system = passive_system(problem, limb)
     if not system.unknowns:
         return []
-    given = (*problem.known_coordinates, *problem.closure.role("pose"))
+    given = given_coordinates(problem)
     at = np.array([problem.select_values(s.values, system.unknowns) for s in samples])
     known = np.array([problem.select_values(s.values, given) for s in samples])
     form = closed_form(system, known[:_COMPARED])
