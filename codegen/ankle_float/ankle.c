@@ -15,7 +15,7 @@
 #define ANKLE_COLD
 #define ANKLE_SHARED
 #endif
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__GNUC__) && !defined(__clang__) && (__GNUC__ >= 8)
 /* GCC 12 takes what nested loops of such a function store to be less than it is */
 #define ANKLE_ALONE __attribute__((noipa))
 #else

@@ -14,7 +14,7 @@
 #define DELTA_COLD
 #define DELTA_SHARED
 #endif
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__GNUC__) && !defined(__clang__) && (__GNUC__ >= 8)
 /* GCC 12 takes what nested loops of such a function store to be less than it is */
 #define DELTA_ALONE __attribute__((noipa))
 #else

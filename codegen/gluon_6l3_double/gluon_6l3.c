@@ -14,7 +14,7 @@
 #define GLUON_6L3_COLD
 #define GLUON_6L3_SHARED
 #endif
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__GNUC__) && !defined(__clang__) && (__GNUC__ >= 8)
 /* GCC 12 takes what nested loops of such a function store to be less than it is */
 #define GLUON_6L3_ALONE __attribute__((noipa))
 #else

@@ -14,7 +14,7 @@
 #define REN2008_COLD
 #define REN2008_SHARED
 #endif
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__GNUC__) && !defined(__clang__) && (__GNUC__ >= 8)
 /* GCC 12 takes what nested loops of such a function store to be less than it is */
 #define REN2008_ALONE __attribute__((noipa))
 #else

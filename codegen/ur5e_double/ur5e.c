@@ -14,7 +14,7 @@
 #define UR5E_COLD
 #define UR5E_SHARED
 #endif
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__GNUC__) && !defined(__clang__) && (__GNUC__ >= 8)
 /* GCC 12 takes what nested loops of such a function store to be less than it is */
 #define UR5E_ALONE __attribute__((noipa))
 #else

@@ -14,7 +14,7 @@
 #define YAO2020_COLD
 #define YAO2020_SHARED
 #endif
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__GNUC__) && !defined(__clang__) && (__GNUC__ >= 8)
 /* GCC 12 takes what nested loops of such a function store to be less than it is */
 #define YAO2020_ALONE __attribute__((noipa))
 #else
