@@ -5,6 +5,7 @@ functions take few parameters, and every path and function that the page names e
 from __future__ import annotations
 
 import ast
+import gc
 import re
 from collections.abc import Iterator
 from functools import cache, lru_cache
@@ -32,13 +33,27 @@ command's options.
 @lru_cache(maxsize=1)
 def modules() -> dict[str, ast.Module]:
     """Every module of the package, parsed, by its dotted name."""
-    found = {}
-    for path in sorted(PACKAGE.rglob("*.py")):
-        parts = path.relative_to(ROOT).with_suffix("").parts
-        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = ast.parse(
-            path.read_text(encoding="utf-8")
-        )
-    return found
+    # none of the many objects is garbage: collecting takes twice as long as parsing
+    gc.disable()
+    try:
+        return {
+            dotted_name(path): ast.parse(path.read_text(encoding="utf-8"))
+            for path in sorted(PACKAGE.rglob("*.py"))
+        }
+    finally:
+        gc.enable()
+
+
+def dotted_name(path: Path) -> str:
+    """The name by which a file of the package is imported."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@cache
+def nodes(module: str) -> list[ast.AST]:
+    """Every node of a module."""
+    return list(ast.walk(modules()[module]))
 
 
 @lru_cache(maxsize=1)
@@ -46,11 +61,11 @@ def imports() -> dict[str, set[str]]:
     """Modules that each module imports: at its top, within functions and for type checkers
     alike.
     """
-    return {name: set(_imported(tree)) - {name} for name, tree in modules().items()}
+    return {name: set(_imported(name)) - {name} for name in modules()}
 
 
-def _imported(tree: ast.Module) -> Iterator[str]:
-    for node in ast.walk(tree):
+def _imported(module: str) -> Iterator[str]:
+    for node in nodes(module):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name in modules())
         elif isinstance(node, ast.ImportFrom) and node.module is not None:
@@ -66,6 +81,7 @@ def _imported(tree: ast.Module) -> Iterator[str]:
             yield from (v for v in [getattr(node.args[0], "value", None)] if v in modules())
 
 
+@lru_cache(maxsize=1)
 def layers() -> list[list[str]]:
     """Packages of each line of the page's table of layers, the lowest first; the public names and
     commands are above them.
@@ -74,6 +90,7 @@ def layers() -> list[list[str]]:
     return [line.split(":")[0].split() for line in table.splitlines()]
 
 
+@cache
 def layer_of(module: str) -> int:
     """The number of a module's layer: 0 for modules that stand alone in symkin/, the last for
     symkin itself.
@@ -115,11 +132,9 @@ def deciding_asserts() -> Iterator[str]:
     """Asserts tell a type checker what has been looked at before: that something is there, or of
     which class it is. Whatever compares values is an error with a sentence.
     """
-    for name, tree in modules().items():
+    for name in modules():
         found = (
-            node
-            for node in ast.walk(tree)
-            if isinstance(node, ast.Assert) and not _narrows(node.test)
+            node for node in nodes(name) if isinstance(node, ast.Assert) and not _narrows(node.test)
         )
         yield from (f"{name}:{node.lineno}: an assert decides on input" for node in found)
 
@@ -142,9 +157,9 @@ def rings() -> Iterator[str]:
     yield from (f"{name} imports {sorted(others)} in a ring" for name, others in left.items())
 
 
-def functions(tree: ast.Module) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
+def functions(module: str) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
     return (
-        node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        node for node in nodes(module) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
     )
 
 
@@ -153,13 +168,11 @@ def called() -> set[tuple[str, str]]:
     """Module and name of all that symkin exports or that a module of commands imports from
     below.
     """
-    faces = [
-        tree for name, tree in modules().items() if name == PUBLIC or name.startswith(COMMANDS)
-    ]
     found = [
         node
-        for tree in faces
-        for node in ast.walk(tree)
+        for face in modules()
+        if face == PUBLIC or face.startswith(COMMANDS)
+        for node in nodes(face)
         if isinstance(node, ast.ImportFrom) and node.module in modules()
     ]
     return {
@@ -197,11 +210,11 @@ def many_parameters() -> Iterator[str]:
     are those of their commands: a copy of them in a dictionary or a class hides them from the
     reader, and saves nothing.
     """
-    for module, tree in modules().items():
+    for module in modules():
         if module.startswith(COMMANDS):
             continue
         counted = (
-            (f.name, len(parameters(f, options=not is_verb(module, f)))) for f in functions(tree)
+            (f.name, len(parameters(f, options=not is_verb(module, f)))) for f in functions(module)
         )
         yield from (
             f"{module}: {name} takes {count} parameters"
