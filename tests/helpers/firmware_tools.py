@@ -9,7 +9,7 @@ import pickle
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from hashlib import sha256
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -78,6 +78,38 @@ def kept_files(
             json.dump(files, file)
         Path(file.name).replace(place)
     return dict(json.loads(place.read_text()))
+
+
+def tested_once(
+    run: Callable[[str, Mapping[str, str]], None], name: str, files: Mapping[str, str]
+) -> None:
+    """Run the own test of a folder's files unless these have passed it in this run with the same
+    compiler.
+    """
+    tested = [text for file, text in sorted(files.items()) if file.endswith((".c", ".h"))]
+    compiler = [os.environ.get(name, "") for name in ("CC", "PATH")]
+    key = sha256(json.dumps([name, compiler, tested]).encode()).hexdigest()
+    passed = Path(os.environ["SYMKIN_FOLDERS"]) / "tested" / key
+    if not passed.exists():
+        run(name, files)
+        passed.parent.mkdir(parents=True, exist_ok=True)
+        passed.touch()
+
+
+class KeptKinds:
+    """What a process has derived of machines with options, of the last 40 of them."""
+
+    def __init__(self, derive: Callable[[object, object], object]) -> None:
+        self._derive = derive
+        self._kept: dict[bytes, object] = {}
+
+    def __call__(self, mechanism: object, options: object) -> object:
+        key = sha256(pickle.dumps((mechanism, options))).digest()
+        kind = self._kept.pop(key, None) or self._derive(mechanism, options)
+        self._kept[key] = kind
+        if len(self._kept) > 40:
+            del self._kept[next(iter(self._kept))]
+        return kind
 
 
 def folder(name: str) -> Path:

@@ -545,6 +545,7 @@ MODULES = {
     "mjcf": "symkin.formats.mjcf",
     "closing": "symkin.formats.closing",
     "codegen_folder": "symkin.codegen.folder",
+    "codegen_program": "symkin.codegen.program",
     "load_file": "symkin.formats.load",
     "compiled": "symkin.homotopy.compiled",
     "engine": "symkin.homotopy.engine",
