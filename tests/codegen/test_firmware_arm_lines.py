@@ -116,7 +116,7 @@ def walked(
     "name",
     in_gate(
         ["ur5e", "scara", *list(structures(np.random.default_rng(3)))[:3]],
-        ["ur5e", "parallel_inner"],
+        ["ur5e"],
     ),
 )
 @pytest.mark.parametrize("reach", in_gate([0.2, 1.0, 3.1], [1.0]))

@@ -114,7 +114,7 @@ def cases(arm: symkin.Mechanism, count: int) -> tuple[list[symkin.Pose], list[li
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", in_gate(ARMS, ["wrist_first", "planar_with_slide", "yao2020"]))
+@pytest.mark.parametrize("name", in_gate(ARMS, ["wrist_first", "planar_with_slide"]))
 def test_all_branches_are_the_modes_of_python(name, tmp_path):
     """As many, and the same joint values; the nearest to the guess is the arm's own; in double and
     at well conditioned poses.

@@ -60,9 +60,9 @@ def test_lines_from_all_over_the_workspace(name, real):
     """
     tools.compiler("gcc")
     lines = tools.bench_module("closed_lines")
-    found = lines.study(MACHINES[name](), real, 1500, lines.Reach(0.3, 1.5), 150, 5)
+    found = lines.study(MACHINES[name](), real, 900, lines.Reach(0.3, 1.5), 150, 5)
     assert found.wrong == 0
-    assert found.regular > 500
+    assert found.regular > 300
     assert found.good > 0.96 * found.regular
 
 

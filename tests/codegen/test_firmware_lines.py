@@ -89,9 +89,9 @@ def test_lines_from_home_by_whole_turns(real, motion, tmp_path):
     couplers straight on the way and lets them go again.
     """
     rng = np.random.default_rng(7)
-    reach = rng.choice([0.6, 1.0, 2.0, math.pi], (20000, 1))
+    reach = rng.choice([0.6, 1.0, 2.0, math.pi], (8000, 1))
     goals = np.concatenate(
-        [[[3.8746, 0.5354]], np.array(HOME) + reach * rng.uniform(-1, 1, (20000, 2))]
+        [[[3.8746, 0.5354]], np.array(HOME) + reach * rng.uniform(-1, 1, (8000, 2))]
     )
     goals = _rounded(goals, real)
     status, tips = _direct(real, motion, tmp_path)(

@@ -101,7 +101,7 @@ def asked(machine, real, folder, poses=24):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("written", "real"),
-    in_gate(list(product(WRITTEN, ("float", "double"))), [("U", "float"), ("R R", "double")]),
+    in_gate(list(product(WRITTEN, ("float", "double"))), [("U", "float")]),
 )
 def test_ok_means_that_passive_joints_exist(written, real, tmp_path):
     """Joint values and poses on and off what the limbs reach: an OK closes, what is reached is
