@@ -733,7 +733,7 @@ def mutate(data, draw):
 
 
 @pytest.mark.slow
-@settings(max_examples=400)
+@settings(max_examples=200)
 @given(st.data())
 def test_spoilt_data_is_refused_in_one_line_or_taken(data):
     """Whatever is replaced, removed or renamed in a right file: SymkinError in one line, or a

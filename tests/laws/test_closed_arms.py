@@ -128,7 +128,7 @@ def test_modes_are_those_of_continuation(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", in_gate(ALL, KINDS))
+@pytest.mark.parametrize("name", in_gate(ALL, KINDS[1:]))
 def test_all_structures_have_the_modes_of_continuation(name: str) -> None:
     same_as_continuation(ALL[name], 12)
 
@@ -153,6 +153,7 @@ def same_as_continuation(arm: symkin.Mechanism, count: int) -> None:
         )
 
 
+@pytest.mark.long
 def test_a_wrist_without_an_angle_is_left_to_paths() -> None:
     """Where the axes of joints 4 and 6 fall together the wrist's solutions are a continuum: no
     formula tells them.

@@ -163,6 +163,7 @@ def test_elsewhere_the_closure_does_not_vanish(kinds, rng):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", "RP")
+@settings(max_examples=25)
 @given(rng=seeds)
 def test_half_turns_are_no_spurious_roots(kind, rng):
     """A half turn about a random direction is no displacement of a revolute or a slide: rows and
@@ -534,7 +535,7 @@ def test_rows_that_vanish_in_the_group_are_dropped(make, rows):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("motion", MOTIONS)
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(
     rng=seeds, kinds=st.lists(st.sampled_from("RPCU"), min_size=1, max_size=4), zeros=st.booleans()
 )

@@ -41,7 +41,7 @@ def test_random_smooth_paths_keep_their_mode(zhang):
     """
     rng = np.random.default_rng(5)
     system = build_problem(zhang, "direct").system
-    for _ in range(10):
+    for _ in range(5):
         pose = [
             *rng.uniform(-60, 60, 2),
             rng.uniform(80, 160),

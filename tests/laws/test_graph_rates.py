@@ -96,7 +96,7 @@ def test_rates_there_and_back_are_inverse() -> None:
 def test_a_singular_configuration_has_no_rates() -> None:
     """At the dead centre of a slider-crank the piston does not decide the crank."""
     mechanism = symkin.load("slider_crank")
-    angles = np.linspace(-180.0, 180.0, 721)
+    angles = np.linspace(-180.0, 180.0, 73)
     ratio = symkin.jacobian(mechanism, of=["piston"], by=["crank"])
     slopes = [
         ratio.at(symkin.solve(mechanism, given={"crank": float(a)}).solution)[0, 0] for a in angles
