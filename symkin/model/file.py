@@ -13,6 +13,7 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
+from symkin.computed_once import lru_cache
 from symkin.errors import InputError, MechanismError, SymkinError
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.foreign_keys import (
@@ -43,8 +44,9 @@ def shipped_names() -> list[str]:
     return sorted(path.stem for path in _SHIPPED.glob("*.toml"))
 
 
+@lru_cache(maxsize=64)
 def shipped(name: str) -> Mechanism:
-    """The mechanism of this name that comes with symkin."""
+    """The mechanism of this name that comes with symkin, which a process reads once."""
     return read(_SHIPPED / f"{name}.toml")
 
 
