@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 
 import symkin
+from helpers.gate import in_gate
 from helpers.inside import multiply, quaternion_from_rotation_vector
 from helpers.laws import chain, closes, frame, same_angle, same_pose
 from helpers.samples import (
@@ -154,7 +155,7 @@ def test_forward_kinematics_is_the_product_of_exponentials(rng):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", [3, 4, 5, 7, 8])
+@pytest.mark.parametrize("count", in_gate([3, 4, 5, 7, 8], [3, 5, 7]))
 @settings(max_examples=5)
 @given(rng=seeds)
 def test_arms_of_any_count_are_solved_near_a_start(count, rng):

@@ -153,7 +153,7 @@ def test_points_of_the_loci_are_named(tmp_path):
     of its cranks).
     """
     mechanism = five_bar()
-    axes = {"q1": np.linspace(-180.0, 180.0, 13), "q2": np.linspace(-180.0, 180.0, 13)}
+    axes = {"q1": np.linspace(-180.0, 180.0, 7), "q2": np.linspace(-180.0, 180.0, 7)}
     figure = figure_of_sweep(symkin.sweep(mechanism, axes, tmp_path / "s", workers=0), loci=True)
     named = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
     assert "singular, type 2, self-motion" in named
