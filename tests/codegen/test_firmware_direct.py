@@ -13,7 +13,7 @@ import pytest
 import symkin
 from helpers import firmware_tools as tools
 from helpers import samples
-from helpers.gate import in_gate
+from helpers.gate import each_once, in_gate
 from helpers.inside import LimbPlatform, Options, Real, build_program, folder_files
 from helpers.samples import delta_directions
 from symkin import Joint, Limb, Mechanism, Rod
@@ -106,8 +106,7 @@ def test_guards_are_positive_where_the_machine_works():
         assert discriminants[0, 0] < found.guards[0].size
 
 
-@pytest.mark.parametrize("real", ["float", "double"])
-@pytest.mark.parametrize("kind", ["R", "P"])
+@pytest.mark.parametrize(("kind", "real"), each_once(["R", "P"], ["float", "double"]))
 def test_formulas_that_nothing_can_stop_compile_without_a_warning(kind, real, tmp_path):
     """One limb whose joints are all actuated: its pose has formulas that divide by nothing, take no
     root and have no guard.

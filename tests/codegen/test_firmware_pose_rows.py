@@ -40,7 +40,7 @@ def _platform(name: str) -> LimbPlatform:
     return LimbPlatform(MACHINES[name](), Options("double"), Real("double"))
 
 
-@pytest.fixture(scope="module", params=in_gate_but(MACHINES, ["6-RUS"]))
+@pytest.fixture(scope="module", params=in_gate_but(MACHINES, ["3-RPR", "6-RUS", "hexaglide"]))
 def platform(request):
     return request.param, _platform(request.param)
 

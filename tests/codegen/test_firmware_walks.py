@@ -32,7 +32,7 @@ MECHANISMS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
-@pytest.mark.parametrize("name", in_gate(MECHANISMS, ["five-bar", "3-RRR"]))
+@pytest.mark.parametrize("name", in_gate(MECHANISMS, ["3-RRR"]))
 def test_walks_keep_their_branch(name, real):
     """Three lines after each other from home: what is OK is what fine continuation reaches."""
     tools.compiler("gcc")
@@ -130,7 +130,7 @@ def _short_coupler():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("degrees", in_gate([3.9, 4.0, 4.1, 4.2, 4.3, 6.0], [3.9, 4.1]))
+@pytest.mark.parametrize("degrees", in_gate([3.9, 4.0, 4.1, 4.2, 4.3, 6.0], [3.9]))
 def test_no_answer_lies_beyond_a_dead_centre_however_near(degrees, tmp_path):
     """A crank that passes the line of its coupler: the pose of an OK answer gives the crank's own
     angle back.

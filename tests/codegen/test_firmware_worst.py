@@ -145,8 +145,9 @@ def _counted(folder: str, place: Path, inputs: int) -> dict[str, dict[str, int]]
         "ankle_float",
         *(
             pytest.param(f, marks=pytest.mark.slow)
-            for f in ("delta_double", "ren2008_float", "scara_float", "zhao2000_links_float")
+            for f in ("delta_double", "ren2008_float", "scara_float")
         ),
+        pytest.param("zhao2000_links_float", marks=pytest.mark.long),
     ],
 )
 def test_no_call_does_more_than_its_bound(folder, tmp_path):

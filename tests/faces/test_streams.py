@@ -141,7 +141,7 @@ def run(arguments, folder, *, shell="", environment=None, **options):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", in_gate(COMMANDS, ["modes", "firmware", "sweep"]))
+@pytest.mark.parametrize("name", in_gate(COMMANDS, ["firmware", "sweep"]))
 def test_closed_streams_are_as_the_null_device(name, folder):
     """With all three closed, and a wrong MPLBACKEND, the command does its work and ends with 0;
     what it opens is not taken for its streams.

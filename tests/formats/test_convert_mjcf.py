@@ -56,8 +56,14 @@ def test_mujoco_moves_as_symkin(name: str, tmp_path: Path) -> None:
     assert freedoms[-1] == symkin.mobility(mechanism).mobility + len(mechanism.bars)
 
 
+MINITAUR = [path for path in ROBOTS if path.stem == "minitaur"]
+"""Four legs of one loop each, which take twice as long as the two of digit_like_2legs."""
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("path", in_gate_but(ROBOTS, LARGEST), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", in_gate_but(ROBOTS, [*LARGEST, *MINITAUR]), ids=lambda path: path.stem
+)
 def test_mujoco_moves_as_real_robots(path: Path, tmp_path: Path) -> None:
     """With the freedoms that the closures of the robot's own file leave there, and at generic
     configurations; where they close to digits only, their rank is blurred.

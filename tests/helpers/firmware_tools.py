@@ -45,7 +45,6 @@ KINDS = [
     "zhang2009_double_struct",
     "zhang2009_float_home_relative",
     "zhao2000_double",
-    "zhao2000_links_float",
 ]
 """One of the folders of each kind, for laws that the gate tries on these alone."""
 STRICT = [

@@ -441,7 +441,7 @@ def test_random_platforms_are_certified_whole():
         assert int(np.sum(found.real == "real")) == len(symkin.modes(platform, joints=legs))
 
 
-@pytest.mark.parametrize("shift", [0.0, 12.0])
+@pytest.mark.parametrize("shift", [0.0, pytest.param(12.0, marks=pytest.mark.long)])
 def test_poses_by_six_distances_with_passive_joints_beside_them(shift: float) -> None:
     """Six slides with U and S joints: the poses are those of the same machine with rods, each with
     two ways of every U joint.

@@ -60,7 +60,7 @@ def check_same(together, alone):
         (symkin.load("zhang2009"), 0.5),
         (five_bar(), 0.3),
         (three_rrr("planar"), 0.2),
-        (three_rps(), 0.5),
+        pytest.param(three_rps(), 0.5, marks=pytest.mark.long),
         (symkin.load("zhao2000"), 0.05),
     ],
     ids=lambda value: getattr(value, "name", None),

@@ -78,7 +78,11 @@ def test_direct_problem_as_modes(name, spread):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "length", "turn"),
-    [("zhang2009", 30.0, 0.3), ("zhao2000", 20.0, 0.0), ("gluon_6l3", 200.0, 1.5)],
+    [
+        pytest.param("zhang2009", 30.0, 0.3, marks=pytest.mark.long),
+        ("zhao2000", 20.0, 0.0),
+        ("gluon_6l3", 200.0, 1.5),
+    ],
 )
 def test_inverse_problem_as_modes(name, length, turn):
     """All modes at random poses are those of `symkin.modes`, in the same order."""

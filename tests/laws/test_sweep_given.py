@@ -64,7 +64,7 @@ def close_turns(one, other):
             "excavator_bucket",
             {"boom": [5.0, 10.0], "stick_cylinder": 60.0, "bucket": [-20.0, 20.0]},
         ),
-        ("pantograph_leg", {"x": [90.0, 100.0], "y": 240.0}),
+        pytest.param("pantograph_leg", {"x": [90.0, 100.0], "y": 240.0}, marks=pytest.mark.long),
         ("four_bar", {"follower": np.linspace(-90, 90, 13)}),
     ],
 )
