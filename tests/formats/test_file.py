@@ -165,6 +165,16 @@ def test_sample_mechanisms_come_back_equal(make):
     assert parse(make().to_toml()) == make()
 
 
+def test_a_shipped_mechanism_is_read_once_and_a_file_whenever_it_is_asked_for(tmp_path):
+    """What comes with symkin does not change while a process runs; a file of one's own may."""
+    assert symkin.load("four_bar") is symkin.load("four_bar")
+    path, text = tmp_path / "own.toml", symkin.load("four_bar").to_toml()
+    path.write_text(text, encoding="utf-8")
+    before = symkin.load(path)
+    path.write_text(text.replace('"four_bar"', '"other"'), encoding="utf-8")
+    assert (before.name, symkin.load(path).name) == ("four_bar", "other")
+
+
 def test_files_are_read_from_disk(tmp_path):
     """load of a path (text or Path) is parse of its text; a byte order mark and CRLF do not
     matter.
