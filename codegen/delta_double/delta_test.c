@@ -233,21 +233,22 @@ static void speeds_of(const delta_pose *pose, int k)
     delta_real feed = 0.0;
     double largest = 0.0;
     for (int i = 0; i < DELTA_JOINTS; ++i) {
-        rates[i] = (delta_real)((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25);
+        rates[i] = (delta_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (1.0));
     }
     expect(delta_twist(pose, rates, twist) == DELTA_OK, "twist", k);
     expect(delta_rates(pose, twist, again) == DELTA_OK, "rates", k);
     for (int i = 0; i < DELTA_JOINTS; ++i) {
-        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-9, "rates of the twist of rates", i);
-        limits[i] = (delta_real)0.125;
+        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-9 * (1.0),
+            "rates of the twist of rates", i);
+        limits[i] = (delta_real)(0.125 * (1.0));
     }
     expect(delta_feed(pose, twist, limits, &feed) == DELTA_OK, "feed", k);
     for (int i = 0; i < DELTA_JOINTS; ++i) {
-        largest = fmax(largest, fabs((double)feed * (double)again[i]));
+        largest = fmax(largest, fabs((double)feed * (double)again[i]) / (1.0));
     }
     expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
     for (int i = 0; i < DELTA_JOINTS; ++i) {
-        limits[i] = 4.0;
+        limits[i] = (delta_real)(4.0 * (1.0));
     }
     expect((delta_feed(pose, twist, limits, &feed) == DELTA_OK)
         && (feed == 1.0), "no need for a feed", k);

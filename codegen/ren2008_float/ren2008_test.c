@@ -239,21 +239,23 @@ static void speeds_of(const ren2008_pose *pose, int k)
     ren2008_real feed = 0.0f;
     double largest = 0.0;
     for (int i = 0; i < REN2008_JOINTS; ++i) {
-        rates[i] = (ren2008_real)((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25);
+        rates[i] = (ren2008_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1)
+            ? -0.5 : 0.25) * ((double)REN2008_SIZE));
     }
     expect(ren2008_twist(pose, rates, twist) == REN2008_OK, "twist", k);
     expect(ren2008_rates(pose, twist, again) == REN2008_OK, "rates", k);
     for (int i = 0; i < REN2008_JOINTS; ++i) {
-        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-3, "rates of the twist of rates", i);
-        limits[i] = (ren2008_real)0.125;
+        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-3 * ((double)REN2008_SIZE),
+            "rates of the twist of rates", i);
+        limits[i] = (ren2008_real)(0.125 * ((double)REN2008_SIZE));
     }
     expect(ren2008_feed(pose, twist, limits, &feed) == REN2008_OK, "feed", k);
     for (int i = 0; i < REN2008_JOINTS; ++i) {
-        largest = fmax(largest, fabs((double)feed * (double)again[i]));
+        largest = fmax(largest, fabs((double)feed * (double)again[i]) / ((double)REN2008_SIZE));
     }
     expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
     for (int i = 0; i < REN2008_JOINTS; ++i) {
-        limits[i] = 4.0f;
+        limits[i] = (ren2008_real)(4.0 * ((double)REN2008_SIZE));
     }
     expect((ren2008_feed(pose, twist, limits, &feed) == REN2008_OK)
         && (feed == 1.0f), "no need for a feed", k);

@@ -243,21 +243,23 @@ static void speeds_of(const zhang2009_pose *pose, int k)
     zhang2009_real feed = 0.0f;
     double largest = 0.0;
     for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
-        rates[i] = (zhang2009_real)((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25);
+        rates[i] = (zhang2009_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1)
+            ? -0.5 : 0.25) * ((double)ZHANG2009_SIZE));
     }
     expect(zhang2009_twist(pose, rates, twist) == ZHANG2009_OK, "twist", k);
     expect(zhang2009_rates(pose, twist, again) == ZHANG2009_OK, "rates", k);
     for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
-        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-3, "rates of the twist of rates", i);
-        limits[i] = (zhang2009_real)0.125;
+        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-3 * ((double)ZHANG2009_SIZE),
+            "rates of the twist of rates", i);
+        limits[i] = (zhang2009_real)(0.125 * ((double)ZHANG2009_SIZE));
     }
     expect(zhang2009_feed(pose, twist, limits, &feed) == ZHANG2009_OK, "feed", k);
     for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
-        largest = fmax(largest, fabs((double)feed * (double)again[i]));
+        largest = fmax(largest, fabs((double)feed * (double)again[i]) / ((double)ZHANG2009_SIZE));
     }
     expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
     for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
-        limits[i] = 4.0f;
+        limits[i] = (zhang2009_real)(4.0 * ((double)ZHANG2009_SIZE));
     }
     expect((zhang2009_feed(pose, twist, limits, &feed) == ZHANG2009_OK)
         && (feed == 1.0f), "no need for a feed", k);

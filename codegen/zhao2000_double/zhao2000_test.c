@@ -236,21 +236,24 @@ static void speeds_of(const zhao2000_pose *pose, int k)
     zhao2000_real feed = 0.0;
     double largest = 0.0;
     for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
-        rates[i] = (zhao2000_real)((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25);
+        rates[i] = (zhao2000_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (((i == 3))
+            ? (double)ZHAO2000_SIZE : 1.0));
     }
     expect(zhao2000_twist(pose, rates, twist) == ZHAO2000_OK, "twist", k);
     expect(zhao2000_rates(pose, twist, again) == ZHAO2000_OK, "rates", k);
     for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
-        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-9, "rates of the twist of rates", i);
-        limits[i] = (zhao2000_real)0.125;
+        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-9 * (((i == 3))
+            ? (double)ZHAO2000_SIZE : 1.0), "rates of the twist of rates", i);
+        limits[i] = (zhao2000_real)(0.125 * (((i == 3)) ? (double)ZHAO2000_SIZE : 1.0));
     }
     expect(zhao2000_feed(pose, twist, limits, &feed) == ZHAO2000_OK, "feed", k);
     for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
-        largest = fmax(largest, fabs((double)feed * (double)again[i]));
+        largest = fmax(largest, fabs((double)feed * (double)again[i]) / (((i == 3))
+            ? (double)ZHAO2000_SIZE : 1.0));
     }
     expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
     for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
-        limits[i] = 4.0;
+        limits[i] = (zhao2000_real)(4.0 * (((i == 3)) ? (double)ZHAO2000_SIZE : 1.0));
     }
     expect((zhao2000_feed(pose, twist, limits, &feed) == ZHAO2000_OK)
         && (feed == 1.0), "no need for a feed", k);

@@ -18,6 +18,7 @@ import numpy as np
 from symkin.closure.expression_graph import walk
 from symkin.closure.snapping import snap
 from symkin.computed_once import cached_property
+from symkin.errors import InputError
 from symkin.text import c_comment
 
 _INFIX = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
@@ -50,12 +51,18 @@ class Real:
         return function + self.suffix
 
     def literal(self, value: float) -> str:
-        """The shortest decimal that reads back as the same number of this type; NAN and INFINITY
-        for what is none.
+        """The shortest decimal that reads back as the same number of this type. Raises InputError
+        for a number that the type does not hold: infinity, or what is none.
         """
-        if not math.isfinite(value):
-            return self.hexadecimal(value)
-        text = str(np.float32(value)) if self.name == "float" else repr(float(value))
+        with np.errstate(over="ignore"):
+            number = np.float32(value) if self.name == "float" else np.float64(value)
+        if not np.isfinite(number):
+            remedy = "use --real double" if self.name == "float" else "use another length unit"
+            raise InputError(
+                f"the code would hold the number {value:.3g}, which is no finite {self.name}; "
+                f"{remedy}, or another reference configuration"
+            )
+        text = str(number)
         if not any(mark in text for mark in ".e"):
             text += ".0"
         return text + self.suffix

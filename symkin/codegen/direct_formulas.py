@@ -17,7 +17,14 @@ from math import factorial, prod
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.limbwise import Held, LimbwiseForm, Reach, limbwise_form
+from symkin.codegen.limbwise import (
+    Held,
+    LimbwiseForm,
+    Reach,
+    limbwise_form,
+    of_twin,
+    units_of,
+)
 from symkin.codegen.line_bounds import Bend, Span, bend_of
 from symkin.codegen.samples import Configuration
 from symkin.elimination.closed_form import ClosedForm, closed_form
@@ -53,6 +60,10 @@ class Weights:
     plain: np.ndarray
     by_root: np.ndarray
     by_cube: np.ndarray
+
+    def over(self, squares: np.ndarray) -> Weights:
+        """The bounds by changes whose squares are these times as large."""
+        return Weights(self.plain / squares, self.by_root / squares, self.by_cube / squares)
 
 
 @dataclass(frozen=True)
@@ -105,6 +116,45 @@ class DirectFormulas:
     @property
     def formulas(self) -> ClosedForm:
         return self.whole.form
+
+    def in_unit(self, unit: float, own: Problem, problem: Problem) -> DirectFormulas:
+        """The formulas for the `problem` of a machine that is `unit`, a power of two, times as
+        large as that of these formulas and their `own` problem: they read lengths over the unit
+        and give them times it, so that what stands between does not grow with the size.
+        """
+
+        def read(expression: ca.SX) -> ca.SX:
+            return of_twin(expression, own, problem, unit)
+
+        form = self.formulas
+        made = replace(
+            form,
+            system=problem.system,
+            first=read(form.first) * units_of(problem.system.unknowns, unit),
+            second=read(form.second),
+            discriminants=read(form.discriminants),
+            divisors=read(form.divisors),
+            told=read(form.told),
+            samples=form.samples * [1.0 if span.angular else unit for span in self.spans],
+        )
+        reaches = tuple(
+            Reach(reach.name, read(reach.of_configuration), read(reach.of_known))
+            for reach in self.whole.reaches
+        )
+        spans = tuple(
+            span
+            if span.angular
+            else Span(False, unit * span.middle, unit * span.half, unit * span.unit)
+            for span in self.spans
+        )
+        squares = np.array([1.0 if span.angular else unit**2 for span in spans])
+        guards = tuple(
+            replace(guard, weights=tuple(weights.over(squares) for weights in guard.weights))
+            for guard in self.guards
+        )
+        return replace(
+            self, whole=replace(self.whole, form=made, reaches=reaches), spans=spans, guards=guards
+        )
 
 
 def direct_formulas(
@@ -326,9 +376,7 @@ class _Guarding:
         units.
         """
         squares = np.array([span.unit**2 for span in self.spans])
-        return tuple(
-            Weights(w.plain / squares, w.by_root / squares, w.by_cube / squares) for w in weights
-        )
+        return tuple(w.over(squares) for w in weights)
 
     def _bends(self, expression: ca.SX) -> list[Bend] | None:
         """Bounds of an expression over each part of the slides' ranges; None where it is no

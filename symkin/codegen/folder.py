@@ -238,6 +238,7 @@ def _test_values(program: Program) -> dict[str, object]:
             "gpe": f"const {name}_geometry *geometry, " if struct else "",
             "version": ".".join(re.findall(r"[0-9]+", __version__)[:3]),
             "installed": f"{name}.h" + (f" {name}.hpp" if program.options.cpp else ""),
+            "speed_unit": _speed_unit(program),
             "speed_bound": "1e-3" if real.name == "float" else "1e-9",
             "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
             "closed_test": "",
@@ -297,6 +298,13 @@ def _angle_bound(program: Program) -> str:
         return ""
     slides, weight = _slides(program), f"{2.0 / program.mechanism.characteristic_length!r}"
     return f" * (({slides}) ? 1.0 : {weight})" if slides else f" * {weight}"
+
+
+def _speed_unit(program: Program) -> str:
+    """What a joint's rates are told in, C text by the joint's number `i`: sizes or radians."""
+    slides, size = _slides(program), f"(double){program.mechanism.name.upper()}_SIZE"
+    every = not any(c.is_angular for c in program.mechanism.actuated)
+    return size if every else f"({slides}) ? {size} : 1.0" if slides else "1.0"
 
 
 def _slides(program: Program) -> str:

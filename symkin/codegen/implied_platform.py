@@ -170,7 +170,9 @@ def _holding(made: LimbPlatform, values: np.ndarray, held: Sequence[int]) -> lis
     free = [c for c in range(6) if c not in held]
     scale = np.array([1.0, 1.0, 1.0, 1.0 / size, 1.0 / size, 1.0 / size])
     for limb in limb_screws(made.closure, values):
+        # a unit couple is small beside a unit force times a huge machine's size
         scaled = limb.locked * scale
+        scaled /= np.linalg.norm(scaled, axis=1, keepdims=True)
         kept = null_space(scaled[:, free].T, RANK_TOLERANCE, relative=True) @ scaled
         _, sizes, rows = np.linalg.svd(kept[:, held], full_matrices=False)
         found.append(rows[sizes > RANK_TOLERANCE])

@@ -10,7 +10,7 @@ poses to the given one, so that they stay on the reference's branch.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import casadi as ca
@@ -30,12 +30,14 @@ from symkin.codegen.passive_limits import PassiveCheck, PassiveLimit, passive_li
 from symkin.codegen.passive_reach import PassiveReach, passive_reaches
 from symkin.codegen.pose_coordinates import restricted
 from symkin.codegen.pose_core import PoseCore, pose_core
+from symkin.codegen.pose_rows import unit_of
 from symkin.codegen.samples import Configuration, configurations
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.model.scaling import scaled
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
@@ -49,6 +51,10 @@ form.
 """
 _CHECKED = 5
 """Configurations at which it is checked that a solver can work."""
+_LARGE = 2.0**12
+"""Size, and one over it, from which on direct formulas are those of a machine of a size next to 1:
+they hold up to the eighth power of lengths.
+"""
 _SINGULAR = 1e-9
 """Smallest singular value, over the largest, below which a solver's matrix is singular."""
 
@@ -201,9 +207,16 @@ class LimbPlatform:
         """
         if self.geometry.at_run_time or not _tells_branch(self._closure_blocks):
             return None
-        return direct_formulas(
-            self.direct, [block.system for block in self._closure_blocks], self.samples, self.held
-        )
+        size = self.closure.characteristic_length
+        if 1.0 / _LARGE <= size <= _LARGE:
+            limbs = [block.system for block in self._closure_blocks]
+            return direct_formulas(self.direct, limbs, self.samples, self.held)
+        unit = unit_of(size)
+        twin = LimbPlatform(scaled(self.mechanism, 1.0 / unit), self.options, self.real)
+        if self.held is not None:
+            twin = replace(twin, held=self.held.in_unit(1.0 / unit, self.direct, twin.direct))
+        found = twin.direct_formulas
+        return None if found is None else found.in_unit(unit, twin.direct, self.direct)
 
     @cached_property
     def passive_limits(self) -> list[PassiveLimit]:

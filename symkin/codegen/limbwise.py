@@ -56,6 +56,14 @@ class Held:
     volume: ca.SX
     squares: tuple[ca.SX | None, ...]
 
+    def in_unit(self, unit: float, own: Problem, problem: Problem) -> Held:
+        """The same of the `problem` of a machine whose lengths are `unit` times those of `own`."""
+        volume, *squares = (
+            None if e is None else of_twin(e, own, problem, unit)
+            for e in (self.volume, *self.squares)
+        )
+        return Held(volume, tuple(squares))
+
 
 @dataclass(frozen=True, eq=False)
 class LimbwiseForm:
@@ -78,6 +86,20 @@ def limbwise_form(
     found in this way.
     """
     return _Limbwise(problem, limbs, samples, held).found()
+
+
+def of_twin(expression: ca.SX, own: Problem, problem: Problem, unit: float) -> ca.SX:
+    """An expression of the variables of the `own` problem over those of the `problem` of a twin
+    whose lengths are `unit` times as long.
+    """
+    closure = problem.closure
+    there = closure.variables / units_of(closure.coordinates, unit)
+    return ca.substitute(expression, own.closure.variables, there)
+
+
+def units_of(coordinates: Sequence[Coordinate], unit: float) -> ca.DM:
+    """The unit for each number of the coordinates that is a length, else 1."""
+    return ca.DM([unit if c.kind == "length" else 1.0 for c in coordinates for _ in range(c.width)])
 
 
 def given_coordinates(problem: Problem) -> tuple[Coordinate, ...]:

@@ -324,7 +324,15 @@ def test_bends_hold_everywhere():
 
 
 @pytest.mark.parametrize("name", ["float", "double"])
-def test_numbers_that_are_none_are_macros(name):
-    """A division by a constant zero prints as C, not as nan.0."""
-    real = Real(name)
-    assert [real.literal(v) for v in (np.nan, np.inf, -np.inf)] == ["NAN", "INFINITY", "-INFINITY"]
+def test_no_number_is_printed_that_the_type_does_not_hold(name):
+    """A division by a constant zero, and what is beyond the type's range, are refused with a
+    sentence, not printed as nan.0 and inf.0; macros stand for them in vectors alone.
+    """
+    real, largest = Real(name), np.finfo({"float": "f", "double": "d"}[name]).max
+    assert float(real.literal(largest).rstrip("f")) == pytest.approx(largest, rel=1e-6)
+    beyond = [2.0 * float(largest)] if name == "float" else []
+    for value in (np.nan, np.inf, -np.inf, *beyond):
+        with pytest.raises(symkin.InputError, match=f"no finite {name}; use "):
+            real.literal(value)
+    found = [real.hexadecimal(v) for v in (np.nan, np.inf, -np.inf)]
+    assert found == ["NAN", "INFINITY", "-INFINITY"]

@@ -24,10 +24,10 @@ from helpers.inside import (
     free_divisors,
     parse,
     run_own_test,
+    scaled,
     share_of,
     write_folder,
 )
-from helpers.moved_mechanisms import scaled
 
 MAPS = Path(__file__).parents[1] / "data" / "maps"
 CASES = {

@@ -12,8 +12,7 @@ import pytest
 
 import symkin
 from helpers.gate import in_gate
-from helpers.inside import Options, can_run, folder_files, run_own_test
-from helpers.moved_mechanisms import scaled
+from helpers.inside import Options, can_run, folder_files, run_own_test, scaled
 from helpers.samples import readme_five_bar, three_rrr
 
 MACHINES = Path(__file__).parents[2] / "codegen" / "bench" / "machines"
@@ -37,9 +36,11 @@ KEPT = [
     ("three_rrr", 1e6, "double"),
     ("scara", 1e-8, "float"),
     ("delta", 1e-8, "double"),
+    ("delta", 1e6, "float"),
 ]
 """What the gate runs: machines and sizes of which each was refused once by a scale that was
-absolute, and in place of the platform of links, which takes long, another with formulas.
+absolute, and in place of the platform of links, which takes long, another with formulas, also where
+these are those of a small twin.
 """
 
 

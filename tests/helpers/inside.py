@@ -91,6 +91,7 @@ NAMES = {
     "name_fault": "symkin.model.names",
     "text_fault": "symkin.model.names",
     "oddities": "symkin.model.oddities",
+    "scaled": "symkin.model.scaling",
     "mechanism_to_toml": "symkin.model.writer",
     "written_number": "symkin.model.written_number",
     # tables and files that are written

@@ -11,73 +11,12 @@ import numpy as np
 
 import symkin
 from helpers.inside import build_problem, make_solution
-from symkin import Coupling, Joint, Limb, LinkJoint, LinkRod, Mechanism, RodLimb, Solution
+from symkin import Joint, Limb, LinkJoint, Mechanism, RodLimb, Solution
 
 
 def reference_solution(mechanism: Mechanism) -> Solution:
     problem = build_problem(mechanism, "direct")
     return make_solution(problem, problem.closure.reference)
-
-
-def scaled(mechanism: Mechanism, factor: float) -> Mechanism:
-    """The same machine with every length times `factor`."""
-
-    def times(numbers: object) -> tuple[float, ...] | None:
-        return None if numbers is None else tuple(factor * np.array(numbers))
-
-    def joint(j: Joint) -> Joint:
-        zero, limits = (j.zero * factor, times(j.limits)) if j.type == "P" else (j.zero, j.limits)
-        return replace(j, point=times(j.point), zero=zero, limits=limits, pitch=factor * j.pitch)
-
-    def limb(item: Limb | RodLimb) -> Limb | RodLimb:
-        if isinstance(item, RodLimb):
-            moved = {
-                "base": times(item.base),
-                "platform": times(item.platform),
-                "limits": times(item.limits),
-            }
-            return replace(item, offset=factor * item.offset, **moved)
-        rods = [
-            replace(
-                r,
-                start=times(r.start),
-                platform=times(r.platform),
-                length=None if r.length is None else factor * r.length,
-            )
-            for r in item.rods
-        ]
-        return Limb(item.name, [joint(j) for j in item.joints], rods)
-
-    def rod(item: LinkRod) -> LinkRod:
-        length = None if item.length is None else factor * item.length
-        moved = {"start": times(item.start), "end": times(item.end), "limits": times(item.limits)}
-        return replace(item, offset=factor * item.offset, length=length, **moved)
-
-    powers = {c.name: int(c.kind == "length") for c in mechanism.coordinates}
-
-    def coupling(item: Coupling) -> Coupling:
-        own = powers[item.joint]
-        if item.polynomial is not None:
-            other = powers[str(item.of)]
-            return replace(
-                item,
-                polynomial=[c * factor ** (own - k * other) for k, c in enumerate(item.polynomial)],
-            )
-        of = {name: f * factor ** (own - powers[name]) for name, f in item.terms}
-        return replace(item, of=of, offset=item.offset * factor**own)
-
-    return replace(
-        mechanism,
-        limbs=tuple(limb(item) for item in mechanism.limbs),
-        link_joints=[LinkJoint(joint(item.joint), item.links) for item in mechanism.link_joints],
-        link_rods=[rod(item) for item in mechanism.link_rods],
-        couplings=[coupling(item) for item in mechanism.couplings],
-        link_points=[replace(item, point=times(item.point)) for item in mechanism.link_points],
-        platform_position=times(mechanism.platform_position),
-        length_unit="m",
-        dh=None,
-        example=None,
-    )
 
 
 def displaced(mechanism: Mechanism, by: symkin.Pose) -> Mechanism:

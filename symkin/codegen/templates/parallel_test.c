@@ -226,21 +226,21 @@ static void speeds_of(const @{p}_pose *pose, int k)
     @{p}_real feed = @{zero};
     double largest = 0.0;
     for (int i = 0; i < @{P}_JOINTS; ++i) {
-        rates[i] = (@{p}_real)((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25);
+        rates[i] = (@{p}_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (@{speed_unit}));
     }
     expect(@{p}_twist(@{ga}pose, rates, twist) == @{P}_OK, "twist", k);
     expect(@{p}_rates(@{ga}pose, twist, again) == @{P}_OK, "rates", k);
     for (int i = 0; i < @{P}_JOINTS; ++i) {
-        expect(fabs((double)again[i] - (double)rates[i]) <= @{speed_bound}, "rates of the twist of rates", i);
-        limits[i] = (@{p}_real)0.125;
+        expect(fabs((double)again[i] - (double)rates[i]) <= @{speed_bound} * (@{speed_unit}), "rates of the twist of rates", i);
+        limits[i] = (@{p}_real)(0.125 * (@{speed_unit}));
     }
     expect(@{p}_feed(@{ga}pose, twist, limits, &feed) == @{P}_OK, "feed", k);
     for (int i = 0; i < @{P}_JOINTS; ++i) {
-        largest = fmax(largest, fabs((double)feed * (double)again[i]));
+        largest = fmax(largest, fabs((double)feed * (double)again[i]) / (@{speed_unit}));
     }
     expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
     for (int i = 0; i < @{P}_JOINTS; ++i) {
-        limits[i] = @{four};
+        limits[i] = (@{p}_real)(4.0 * (@{speed_unit}));
     }
     expect((@{p}_feed(@{ga}pose, twist, limits, &feed) == @{P}_OK) && (feed == @{one}), "no need for a feed", k);
     limits[0] = -@{one};
