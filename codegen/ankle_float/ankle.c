@@ -660,7 +660,11 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
     ankle_real room = 0.00012493679f;
     ankle_real still2 = 9.98989e-07f; /* square of a step that is rounding */
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
+    /* of the determinant: a change at the part that is done means that a singularity lies
+     * between */
+    int sign = 0;
+    /* whether the last step has led beyond a singularity: it is refused, as one that is too long */
+    bool beside = false;
     unsigned int count = 0U;
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
@@ -726,11 +730,12 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 status = ANKLE_SINGULAR;
                 break;
             }
-            if (turn + sign == 0) {
+            beside = (turn + sign == 0);
+            if (beside && kept) {
                 status = ANKLE_WRONG_BRANCH;
                 break;
             }
-            sign = turn;
+            sign = beside ? sign : turn;
             still2 = (w->spread > 1.0f) ? ((w->spread < 32800.0f)
                 ? (9.98989e-07f * w->spread) : (1074.7523f / w->spread)) : 9.98989e-07f;
         }
@@ -752,7 +757,10 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             }
             limit = ratio2[far][later] * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
+        if (beside) {
+            limit = -1.0f;
+        }
+        bool accepted = (size <= limit) || (!beside && (taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim
             - done) * turn2 * w->spread > 0.25f)) {
             accepted = ankle_direct_reaches_middle(w, to, done + 0.5f * (aim - done), still2);

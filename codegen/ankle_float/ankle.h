@@ -26,11 +26,11 @@
  *   jacobian: 152 add, 223 mul, 4 div, 1 sqrt
  *   rates: 160 add, 227 mul, 4 div, 1 sqrt
  *   torques: 160 add, 227 mul, 4 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18284 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 17922 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 84325 instructions, 624 stack, 7664 code
- *   track: 1065 instructions, 184 stack, 3464 code
- *   inverse: 102690 instructions, 616 stack, 10644 code
+ *   direct: 76000 instructions, 624 stack, 7768 code
+ *   track: 1070 instructions, 184 stack, 3464 code
+ *   inverse: 90200 instructions, 616 stack, 10748 code
  *   track_inverse: 1010 instructions, 192 stack, 4804 code
  *   jacobian: 765 instructions, 216 stack, 2864 code
  *   rates: 870 instructions, 264 stack, 3048 code

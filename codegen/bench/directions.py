@@ -20,11 +20,15 @@ from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.options import Options
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
-from symkin.position.problem import Problem
+from symkin.position.problem import Problem, build_problem
 
 OUT_OF_RANGE = 4
 PLAIN = 0.25
 """Step of the fine walk, as a part of a line, which lines that nothing is beside take."""
+_FIRM = 0.02
+"""Condition of a limb at a given pose, times the root of rounding, from which on the limb is beside
+a dead centre: an error t of the pose is one of sqrt(t) there, and code keeps bounds of some such.
+"""
 _WAVES = 3
 _REACH = 0.9
 """How far paths go from home (rad, or of the size), where no limits are nearer."""
@@ -96,6 +100,18 @@ class Direction:
         # beside a dead centre joints differ by the root of the pose's rounding
         near = np.sqrt(Real(self.real).epsilon)  # type: ignore[arg-type]
         return np.asarray((status == 0) & (np.max(np.abs(away / units), axis=1) < near))
+
+    def is_firm(self, unknowns: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Whether rounded poses tell on which side of their dead centres limbs stand: those of
+        configurations at which the limbs' rows, the pose given, are far from singular.
+        """
+        if self.places is not None or self.machine.mechanism.serial:
+            return np.ones(len(unknowns), bool)
+        values = self.problem.join_values(unknowns, known)
+        limbs = build_problem(self.machine.mechanism, "inverse")
+        parts = (limbs.system.unknowns, limbs.known_coordinates)
+        conditions = limbs.system.conditions(*(limbs.select_values(values, c) for c in parts))
+        return np.asarray(conditions * np.sqrt(Real(self.real).epsilon) < _FIRM)  # type: ignore[arg-type]
 
     def tells(self, guesses: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Whether guesses alone tell the code that it stands at these known values: those of a map

@@ -10,7 +10,7 @@ that was OK, then once more from its own answer: standing still must be OK. Besi
 are walked finely (walk.c) from the last configuration that was OK. The guess of a map holds one
 side's values only: where these do not lead from home to where a path stands, it begins anew. Wrong
 is an OK on a line that is not regular, or that leads elsewhere; stuck is a regular line, far from
-singularities, to an answer that tells where it stands, that is
+singularities, to an answer that tells where it stands, no limb beside a dead centre, that is
 refused. Then `--lines` lines go to where the code refuses, and ever nearer (grazes.py): no OK there
 may be refused as a guess. An interrupted run (Control-C) prints its table. Exit status 1 where
 anything is wrong, stuck, does not stand still or is not read.
@@ -95,7 +95,7 @@ def _step(direction: Direction, at: State, goal: np.ndarray, tally: Tally) -> St
     easy = regular & (conditions < _HARD) & (ends.shortest >= PLAIN)
     stuck = ~ok & (status != OUT_OF_RANGE) & easy
     told = direction.tells(np.where(ok[:, None], found, reached), end)
-    stuck &= direction.gives_back(reached, end) & told
+    stuck &= direction.gives_back(reached, end) & direction.is_firm(ends.unknowns, end) & told
     again, _ = direction.answers(goal, np.where(ok[:, None], found, at.guesses))
     moved = ok & ~wrong & (again != 0) & regular & told
     tally.steps, tally.ok = tally.steps + len(goal), tally.ok + int(ok.sum())

@@ -724,7 +724,11 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     ren2008_real residual = HUGE_VALF;
     /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
     ren2008_real room = 8.059341e-07f;
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
+    /* of the determinant: a change at the part that is done means that a singularity lies
+     * between */
+    int sign = 0;
+    /* whether the last step has led beyond a singularity: it is refused, as one that is too long */
+    bool beside = false;
     unsigned int count = 0U;
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
@@ -766,11 +770,12 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 status = REN2008_SINGULAR;
                 break;
             }
-            if (turn + sign == 0) {
+            beside = (turn + sign == 0);
+            if (beside && kept) {
                 status = REN2008_WRONG_BRANCH;
                 break;
             }
-            sign = turn;
+            sign = beside ? sign : turn;
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to
          * 1/8, later 3/8 to 3/10 (README.md) */
@@ -790,7 +795,10 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
             }
             limit = ratio2[far][later] * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1569907e-11f));
+        if (beside) {
+            limit = -1.0f;
+        }
+        bool accepted = (size <= limit) || (!beside && (taken > 0U) && (size <= 4.1569907e-11f));
         if (accepted) {
             if (aim >= 1.0f) {
                 /* accepted at the end of the line: predict the error, decide on new factors */

@@ -742,7 +742,11 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
     zhang2009_real residual = HUGE_VALF;
     /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
     zhang2009_real room = 0.00025332413f;
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
+    /* of the determinant: a change at the part that is done means that a singularity lies
+     * between */
+    int sign = 0;
+    /* whether the last step has led beyond a singularity: it is refused, as one that is too long */
+    bool beside = false;
     unsigned int count = 0U;
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
@@ -784,11 +788,12 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
                 status = ZHANG2009_SINGULAR;
                 break;
             }
-            if (turn + sign == 0) {
+            beside = (turn + sign == 0);
+            if (beside && kept) {
                 status = ZHANG2009_WRONG_BRANCH;
                 break;
             }
-            sign = turn;
+            sign = beside ? sign : turn;
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to
          * 1/8, later 3/8 to 3/10 (README.md) */
@@ -808,7 +813,10 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
             }
             limit = ratio2[far][later] * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1070793e-06f));
+        if (beside) {
+            limit = -1.0f;
+        }
+        bool accepted = (size <= limit) || (!beside && (taken > 0U) && (size <= 4.1070793e-06f));
         if (accepted) {
             if (aim >= 1.0f) {
                 /* accepted at the end of the line: predict the error, decide on new factors */

@@ -1086,7 +1086,7 @@ static zhao2000_status zhao2000_read_guess(zhao2000_direct_work *w, const zhao20
                 const zhao2000_real t153 = x[2] * t152;
                 const zhao2000_real t154 = x[2] * t153;
                 w->left[1] = t154;
-                if (!((w->left[0] > 6.91e-10) && (w->left[1] > 2.7))) {
+                if (!((w->left[0] > 6.91e-10) && (w->left[1] > 0.314))) {
                     status = ZHAO2000_SINGULAR;
                 }
             }
@@ -1313,8 +1313,9 @@ static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real cha
     kept = kept && (least0 > 0.0);
     const zhao2000_real under0 = (least0 > 0.0) ? least0 : 1.0;
     /* pose.z */
-    const zhao2000_real a1 = w->left[1] - 2.7;
-    const zhao2000_real b1 = w->guard[1] - 2.7;
+    static const zhao2000_real noise1[3] = { 0.314, 0.549, 2.7 };
+    const zhao2000_real a1 = w->left[1] - noise1[w->reach];
+    const zhao2000_real b1 = w->guard[1] - noise1[w->reach];
     const zhao2000_real lesser1 = (a1 < b1) ? a1 : b1;
     static const zhao2000_real plain1_0[3] = { 259000000000000.0, 421000000000000.0,
         1750000000000000.0 };
@@ -1554,8 +1555,9 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w,
     if (!(*residual <= tolerance + 1.71e-12)) {
         status = ZHAO2000_SINGULAR;
     }
-    bool firm = (w->share > 0.015625) && (w->guard[0] > 4.42e-08) && (w->guard[1] > 173.0)
-        && (w->guard[2] > 1.47e-08) && (w->guard[3] > 1.36e-12);
+    static const zhao2000_real firm1[3] = { 20.1, 35.2, 173.0 };
+    bool firm = (w->share > 0.015625) && (w->guard[0] > 4.42e-08)
+        && (w->guard[1] > firm1[w->reach]) && (w->guard[2] > 1.47e-08) && (w->guard[3] > 1.36e-12);
     if (!(w->y[0] >= 0.0)) { /* radial1 */
         status = ZHAO2000_WRONG_BRANCH;
     }

@@ -179,8 +179,11 @@ class AnswerText:
         tests = (
             [f"(w->share > {real.literal(_SMALL_SHARE)})"] if values.found.usual_roots.size else []
         )
-        tests += [f"(w->guard[{j}] > {least})" for j, least in enumerate(values.least_by(_FIRM))]
-        return [f"bool firm = {' && '.join(tests) or 'true'};"]
+        lines = list[str]()
+        for j, guard in enumerate(values.found.guards):
+            firm = values.by_reach(f"firm{j}", values.roundings(guard, _FIRM), lines)
+            tests.append(f"(w->guard[{j}] > {firm})")
+        return [*lines, f"bool firm = {' && '.join(tests) or 'true'};"]
 
     @property
     def half_lines(self) -> list[str]:

@@ -69,9 +69,9 @@ class Weights:
 @dataclass(frozen=True)
 class Guard:
     """A function of the given values that has to stay above zero: discriminant `choice`, or `reach`
-    of a limb (both None: a divisor), times divisors to some `powers`, times `sign`. `size` bounds
-    it; `weights` are one for each part of the slides' ranges; `root` is the guard whose root it
-    holds (None: it is a polynomial).
+    of a limb (both None: a divisor), times divisors to some `powers`, times `sign`. `sizes` bound
+    it; they and `weights` are one for each part of the slides' ranges; `root` is the guard whose
+    root it holds (None: it is a polynomial).
     """
 
     name: str
@@ -80,7 +80,7 @@ class Guard:
     powers: tuple[int, ...]
     sign: float
     root: int | None
-    size: float
+    sizes: tuple[float, ...]
     weights: tuple[Weights, ...]
 
     @property
@@ -255,7 +255,7 @@ class _Guarding:
                     powers,
                     sign,
                     None,
-                    bends[-1].size,
+                    tuple(bend.size for bend in bends),
                     self._in_units(map(_plain, bends)),
                 )
             )
@@ -309,17 +309,16 @@ class _Guarding:
                     powers,
                     1.0,
                     None,
-                    plain[0][-1].size,
+                    tuple(bend.size for bend in plain[0]),
                     self._in_units(map(_plain, plain[0])),
                 )
             inner = self._bends(discriminants[root])
             if inner is None:
                 continue
-            weights = self._in_units(
-                _with_root(p, q, d) for p, q, d in zip(plain[0], plain[1], inner, strict=True)
-            )
-            size = plain[0][-1].size + plain[1][-1].size * float(np.sqrt(inner[-1].size))
-            return Guard(name, *place, powers, 1.0, root, size, weights)
+            by_part = list(zip(plain[0], plain[1], inner, strict=True))
+            weights = self._in_units(_with_root(p, q, d) for p, q, d in by_part)
+            sizes = tuple(p.size + q.size * float(np.sqrt(d.size)) for p, q, d in by_part)
+            return Guard(name, *place, powers, 1.0, root, sizes, weights)
         return None
 
     def _without_squares(self, value: ca.SX, discriminants: ca.SX) -> ca.SX:

@@ -125,10 +125,11 @@ class LineText:
         roots = {guard.root for guard in self.values.found.guards}
         lines, sums = ["bool kept = true;"], dict[str, str]()
         for j, guard in enumerate(self.values.found.guards):
+            lines.append(f"/* {c_comment(guard.name)} */")
+            rounding = self.values.by_reach(f"noise{j}", self.values.roundings(guard), lines)
             lines += [
-                f"/* {c_comment(guard.name)} */",
-                f"const {real.type} a{j} = w->left[{j}] - {self.values.least[j]};",
-                f"const {real.type} b{j} = w->guard[{j}] - {self.values.least[j]};",
+                f"const {real.type} a{j} = w->left[{j}] - {rounding};",
+                f"const {real.type} b{j} = w->guard[{j}] - {rounding};",
                 f"const {real.type} lesser{j} = (a{j} < b{j}) ? a{j} : b{j};",
             ]
             bend = self._weighted(
@@ -194,13 +195,6 @@ class LineText:
                     sums[added] = f"sum{len(sums)}"
                     lines.append(f"const {real.type} {sums[added]} = {added};")
                 added = sums[added]
-            if np.all(column == column[0]):
-                parts.append(f"{real.literal(float(column[0]))} * {added}")
-                continue
-            texts, table_name = (
-                ", ".join(real.literal(float(v)) for v in column),
-                f"{name}_{alike[0]}",
-            )
-            lines.append(f"static const {real.type} {table_name}[{len(column)}] = {{ {texts} }};")
-            parts.append(f"{table_name}[w->reach] * {added}")
+            weight = self.values.by_reach(f"{name}_{alike[0]}", column.tolist(), lines)
+            parts.append(f"{weight} * {added}")
         return " + ".join(parts) or real.literal(0.0)

@@ -75,7 +75,7 @@ each by its amplitudes; $m$ is the bound of $D$ from below by its own $K$, $\min
 
 The amplitudes are those of exact trigonometric interpolation of $g$, compared with it at points of
 their own when the code was generated. Values of $g$ below 64 roundings of the sum of its amplitudes
-count as zero."""
+count as zero, which is that over the part of the slides' ranges where the line lies."""
 
 _LINE_SIDE = r"""A limb's dead centre leaves the direct problem regular, but a pose does not say on
 which side of it the limb stands: its sign is taken at the answer, and where it is not the
@@ -95,7 +95,7 @@ def _guard_row(guard: Guard) -> str:
         " + ".join(f"{v[i]:.3g}{factor}" for v, factor in parts if v[i] > 0) or "0"
         for i in range(len(last.plain))
     ]
-    return f"| {guard.name} | {', '.join(f'${text}$' for text in sums)} | {guard.size:.3g} |"
+    return f"| {guard.name} | {', '.join(f'${text}$' for text in sums)} | {guard.sizes[-1]:.3g} |"
 
 
 def direct_by_formulas(kind: LimbPlatform, found: DirectFormulas, *, implied: bool) -> list[str]:

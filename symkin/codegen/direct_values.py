@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from symkin.codegen.c_emitter import Emitter, Real
-from symkin.codegen.direct_formulas import DirectFormulas
+from symkin.codegen.direct_formulas import DirectFormulas, Guard
 from symkin.codegen.lifted import Generators
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.newton_kernel import rounded
@@ -103,25 +103,31 @@ class DirectValues:
                 emitter.lines.append(f"w->{array}[{j}] = {emitter.value(output, j)};")
 
     def above(self, array: str, *, of_divisors: bool) -> str:
-        """C condition: these guards are more than rounding."""
+        """C condition: these guards are more than rounding, where it is least: the line asks again
+        by the part of the slides' ranges that holds it.
+        """
         tests = [
-            f"(w->{array}[{j}] > {self.least[j]})"
-            for j, g in enumerate(self.found.guards)
-            if g.is_divisor == of_divisors
+            f"(w->{array}[{j}] > {self.real.literal(self.roundings(guard)[0])})"
+            for j, guard in enumerate(self.found.guards)
+            if guard.is_divisor == of_divisors
         ]
         return " && ".join(tests)
 
-    @cached_property
-    def least(self) -> list[str]:
-        """Values of the guards that are nothing but rounding."""
-        return self.least_by(1.0)
+    def roundings(self, guard: Guard, times: float = 1.0) -> list[float]:
+        """Multiples of the values of a guard that are nothing but rounding, one for each part of
+        the slides' ranges.
+        """
+        return [rounded(times * _NOISE * self.real.epsilon * size) for size in guard.sizes]
 
-    def least_by(self, times: float) -> list[str]:
-        """Multiples of what is nothing but rounding of each guard."""
-        return [
-            self.real.literal(rounded(times * _NOISE * self.real.epsilon * guard.size))
-            for guard in self.found.guards
-        ]
+    def by_reach(self, name: str, values: Sequence[float], lines: list[str]) -> str:
+        """C text of one of the values, by the part of the slides' ranges that holds the line;
+        `lines` get their table where they differ.
+        """
+        if all(value == values[0] for value in values):
+            return self.real.literal(values[0])
+        texts = ", ".join(self.real.literal(value) for value in values)
+        lines.append(f"static const {self.real.type} {name}[{len(values)}] = {{ {texts} }};")
+        return f"{name}[w->reach]"
 
 
 def _places_of(coordinates: Sequence[Coordinate]) -> dict[str, list[int]]:

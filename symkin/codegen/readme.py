@@ -142,7 +142,7 @@ rows of an ill-conditioned answer may leave. Steps that 64 roundings of the rows
 rounding and not judged by the one before, unless the rounding could reach a singularity; a whole
 line whose steps 256 roundings can make is none: the state stays where it was, if its rows close in
 the same way."""
-_SIGN = r", or the sign of $\det J$ (free with the pivots) changes"
+_SIGN = r", or the sign of $\det J$ (free with the pivots) has changed where one ends"
 _DEAD_CENTRE = r"""
 
 A limb's dead centre is a singularity too, and a pose alone does not say on which side of it the

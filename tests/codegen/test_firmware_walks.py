@@ -221,6 +221,43 @@ def test_far_goals_that_were_answered_wrongly(name):
     assert not np.any(outcome.ok & ~outcome.right)
 
 
+REGULAR = {
+    # from beside a singularity; the second step to the end of the line lies beyond it
+    "three_rps": (
+        "double",
+        [-16.517749, 6.103583, 284.362698, 0.90769287, -0.07387884, 0.41308059, 0.0],
+        [275.567196501, 373.355564558, 341.870637067],
+    ),
+    # slides near the middle of their ranges, where a discriminant is rounded far less than at its
+    # largest
+    "orthoglide": (
+        "float",
+        [-79.04155, -93.679596, -40.050316, 1.0, 0.0, 0.0, 0.0],
+        [-47.193333, -80.278160, 5.623045],
+    ),
+}
+"""Regular lines, by machine, that were refused: real numbers' type, guess and goal."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", REGULAR)
+def test_a_regular_line_is_not_refused(name, tmp_path):
+    """A line that is far from singularities is OK, and ends where fifty short ones do."""
+    tools.compiler("gcc")
+    closes, directions = tools.bench_module("closes"), tools.bench_module("directions")
+    real, guess, goal = (np.array([v]) for v in REGULAR[name])
+    machine = symkin.load(Path(closes.__file__).parent / "machines" / f"{name}.toml")
+    (direction,) = directions.directions(closes.Machine(machine), str(real[0]), tmp_path)
+    status, found = direction.answers(goal, guess)
+    assert status[0] == 0
+    back = direction.library.back_all
+    begin, _ = closes.asked(back, str(real[0]), [guess], [goal.shape[1]], "ios")
+    for part in np.linspace(0.0, 1.0, 51)[1:]:
+        status, guess = direction.answers(begin + part * (goal - begin), guess)
+        assert status[0] == 0
+    assert direction.off(found, guess)[0] < 1e-4
+
+
 def _slides_on_arms():
     """Three limbs whose slides stand on turning arms: where a slide's length passes zero its arm's
     angle goes over by half a turn.

@@ -25,7 +25,8 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     @{real} residual = @{huge};
     @{real} room = @{noise_of_rows}; /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
 @{still_variable}
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
+    int sign = 0; /* of the determinant: a change at the part that is done means that a singularity lies between */
+    bool beside = false; /* whether the last step has led beyond a singularity: it is refused, as one that is too long */
     unsigned int count = 0U;
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
@@ -68,11 +69,12 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 status = @{P}_SINGULAR;
                 break;
             }
-            if (turn + sign == 0) {
+            beside = (turn + sign == 0);
+            if (beside && kept) {
                 status = @{P}_WRONG_BRANCH;
                 break;
             }
-            sign = turn;
+            sign = beside ? sign : turn;
 @{noise}
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to 1/8, later 3/8 to 3/10 (README.md) */
@@ -92,7 +94,10 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             }
             limit = ratio2[far][later] * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{still2}));
+        if (beside) {
+            limit = -@{one};
+        }
+        bool accepted = (size <= limit) || (!beside && (taken > 0U) && (size <= @{still2}));
 @{check_middle}
         if (accepted) {
             if (aim >= @{one}) {
