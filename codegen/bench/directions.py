@@ -25,6 +25,10 @@ from symkin.position.problem import Problem, build_problem
 OUT_OF_RANGE = 4
 PLAIN = 0.25
 """Step of the fine walk, as a part of a line, which lines that nothing is beside take."""
+HARD = 50.0
+"""Condition from which on a refusal beside a singularity is not held against the code: bounds are
+kept from it.
+"""
 _FIRM = 0.02
 """Condition of a limb at a given pose, times the root of rounding, from which on the limb is beside
 a dead centre: an error t of the pose is one of sqrt(t) there, and code keeps bounds of some such.
@@ -113,9 +117,10 @@ class Direction:
         conditions = limbs.system.conditions(*(limbs.select_values(values, c) for c in parts))
         return np.asarray(conditions * np.sqrt(Real(self.real).epsilon) < _FIRM)  # type: ignore[arg-type]
 
-    def tells(self, guesses: np.ndarray, known: np.ndarray) -> np.ndarray:
+    def tells(self, guesses: np.ndarray, known: np.ndarray, *, easily: bool = False) -> np.ndarray:
         """Whether guesses alone tell the code that it stands at these known values: those of a map
-        hold one side's values only, and mean the configuration to which these lead from home.
+        hold one side's values only, and mean the configuration to which these lead from home;
+        `easily`: by a line far from singularities.
         """
         if self.back is None:
             return np.ones(len(guesses), bool)
@@ -124,7 +129,11 @@ class Direction:
         ends = self.back.walker.reached(*begin, guesses)
         away = self.back.off(self.back.stated(ends.unknowns, guesses), known)
         near = 10 * np.sqrt(Real(self.real).epsilon)  # type: ignore[arg-type]
-        return np.asarray((ends.shortest > 0.0) & (away < near))
+        told = (ends.shortest > 0.0) & (away < near)
+        if easily:
+            conditions = self.back.problem.system.conditions(ends.unknowns, guesses)
+            told &= (ends.shortest >= PLAIN) & (conditions < HARD)
+        return np.asarray(told)
 
     def off(self, found: np.ndarray, reached: np.ndarray) -> np.ndarray:
         """Differences (n,), over the size or in rad; of maps by whole turns."""

@@ -10,10 +10,11 @@ that was OK, then once more from its own answer: standing still must be OK. Besi
 are walked finely (walk.c) from the last configuration that was OK. The guess of a map holds one
 side's values only: where these do not lead from home to where a path stands, it begins anew. Wrong
 is an OK on a line that is not regular, or that leads elsewhere; stuck is a regular line, far from
-singularities, to an answer that tells where it stands, no limb beside a dead centre, that is
-refused. Then `--lines` lines go to where the code refuses, and ever nearer (grazes.py): no OK there
-may be refused as a guess. An interrupted run (Control-C) prints its table. Exit status 1 where
-anything is wrong, stuck, does not stand still or is not read.
+singularities, to an answer that tells where it stands, no limb beside a dead centre, and of a map
+by a line that is far from them too, that is refused. Then `--lines` lines go to where the code
+refuses, and ever nearer (grazes.py): no OK there may be refused as a guess. An
+interrupted run (Control-C) prints its table. Exit status 1 where anything is wrong, stuck, does not
+stand still or is not read.
 """
 
 from __future__ import annotations
@@ -29,17 +30,13 @@ from pathlib import Path
 import numpy as np
 
 from closes import Machine, drawn, late, named
-from directions import OUT_OF_RANGE, PLAIN, Direction, State, directions, paths_of
+from directions import HARD, OUT_OF_RANGE, PLAIN, Direction, State, directions, paths_of
 from grazes import Grazes, grazed
 from lines import REGULAR
 from symkin.codegen.c_emitter import Real
 from symkin.errors import InputError
 from symkin.formats.load import load
 
-_HARD = 50.0
-"""Condition from which on a refusal beside a singularity is not held against the code: bounds are
-kept from it.
-"""
 _SHOWN = 4
 """Examples of a machine that are printed."""
 _SECONDS = 150
@@ -92,10 +89,12 @@ def _step(direction: Direction, at: State, goal: np.ndarray, tally: Tally) -> St
     epsilon = Real(direction.real).epsilon  # type: ignore[arg-type]
     allowed = 2e-7 + 64 * epsilon * np.minimum(conditions, 1e6) + 2e-3 * (direction.real == "float")
     wrong = ok & ((ends.shortest <= 0.0) | (away > allowed))
-    easy = regular & (conditions < _HARD) & (ends.shortest >= PLAIN)
+    easy = regular & (conditions < HARD) & (ends.shortest >= PLAIN)
     stuck = ~ok & (status != OUT_OF_RANGE) & easy
     told = direction.tells(np.where(ok[:, None], found, reached), end)
-    stuck &= direction.gives_back(reached, end) & direction.is_firm(ends.unknowns, end) & told
+    stuck &= direction.gives_back(reached, end) & direction.is_firm(ends.unknowns, end)
+    # an answer that could not be left again, because the code does not read it, is rightly refused
+    stuck &= direction.tells(reached, end, easily=True)
     again, _ = direction.answers(goal, np.where(ok[:, None], found, at.guesses))
     moved = ok & ~wrong & (again != 0) & regular & told
     tally.steps, tally.ok = tally.steps + len(goal), tally.ok + int(ok.sum())
