@@ -86,15 +86,19 @@ def followed(
     direct: Problem, z: np.ndarray, start: np.ndarray, goal: np.ndarray
 ) -> np.ndarray | None:
     """The unknowns after the joints' straight line from start to goal, in small steps; None where a
-    step fails.
+    step fails, or where the matrix has turned over, det(A^T B) < 0: a fold was leapt.
     """
     system = direct.system
+    _, matrix = system.linearise_one(z, start)
     for k in range(1, _STEPS + 1):
         known = start + k / _STEPS * (goal - start)
         moved = system.polish(z, known, 6)
         if system.residual(
             moved, known
         ) > CLOSURE_TOLERANCE * system.characteristic_length or _jumped(direct, z, moved):
+            return None
+        before, (_, matrix) = matrix, system.linearise_one(moved, known)
+        if np.linalg.slogdet(before.T @ matrix)[0] < 0.0:
             return None
         z = moved
     return system.polish(z, goal, 6)
