@@ -18,28 +18,19 @@ from symkin.calibration.estimate.configurations import (
     determinant_signs,
     first_points,
     is_determined,
-    newton_configurations,
     refuse_undetermined,
     solve_configurations,
     start_points,
 )
-from symkin.calibration.estimate.descent import is_rounding
-from symkin.calibration.estimate.first_guess import fit_measuring_frames, parameters_from_poses
-from symkin.calibration.estimate.lifted import estimate_by_ipopt
+from symkin.calibration.estimate.estimator import Estimate, estimate, parameters_at_poses
+from symkin.calibration.estimate.first_guess import fit_measuring_frames
 from symkin.calibration.estimate.problem import (
     CalibrationProblem,
     NothingReadError,
     build_calibration,
 )
 from symkin.calibration.estimate.robust import LOSSES, loss_note, robust_estimate
-from symkin.calibration.estimate.solver import (
-    Estimate,
-    descend_from,
-    estimate,
-    move_by_least_change,
-)
 from symkin.calibration.estimate.starting import start_configurations, with_starts
-from symkin.calibration.estimate.state import evaluate
 from symkin.calibration.judge.assessment import Fit, build_result
 from symkin.calibration.judge.outlier_removal import ScreenedFit, StartValues, fit_without_outliers
 from symkin.calibration.judge.outliers import OUTLIER_LEVEL, Screening
@@ -61,15 +52,7 @@ __all__ = [
 ]
 
 METHODS = ("nested", "lifted", "ipopt")
-_OTHER_METHOD = {"nested": "lifted", "lifted": "nested"}
-"""The method that is tried where one does not converge: they cross curved valleys in different
-ways.
-"""
-_EXTENSION_FACTOR, _NEARLY_CONVERGED_RATIO, _NEARLY_CONVERGED_SHARE = 5, 3.0, 1e-3
-"""An iteration that has not ended gets so many times its limit more where the residuals, root mean
-square, are below so many standard deviations, or below this share of the size where these are not
-known.
-"""
+"""Names of the method: all are the same now, the two last are accepted for one release."""
 OUTLIER_RULES = ("remove", "report", "ignore")
 
 
@@ -197,6 +180,9 @@ def _calibrate(mechanism: Mechanism, measurements: Measurements, options: _Optio
     if options.outliers != "ignore":
         screened = fit_without_outliers(fit, measurements, found, options.significance)
         found = screened.found if options.outliers == "remove" else found
+    if options.method != "nested":
+        note = f"method {options.method!r} is one with 'nested' now; the name goes with the next release"
+        found = replace(found, notes=(*found.notes, note))
     result = build_result(
         measurements, found, screened.screening, removed=options.outliers == "remove"
     )
@@ -275,10 +261,12 @@ class _Fitting:
             if again.solved.sum() > solved.solved.sum():
                 solved, part = again, self._solved_part(again)
                 result = self._estimate(part, solved, p)
-        result = self._improved(part, solved, p, result)
+        if self.options.loss != "squared" and result.status == "ok":
+            result = robust_estimate(part, result.state.p, result.state.z, self.options.loss).result
+            self.notes.append(loss_note(self.options.loss))
         rows_z = part.model.rows(solved.z[solved.solved], part.measurements.joints, p)[1]
         return Fit(
-            problem=part,
+            problem=replace(part, prior=result.prior),
             result=result,
             used=np.flatnonzero(solved.solved),
             unsolved=np.flatnonzero(~solved.solved),
@@ -288,69 +276,19 @@ class _Fitting:
         )
 
     def _estimate(
-        self,
-        part: CalibrationProblem,
-        solved: SolvedConfigurations,
-        p: np.ndarray,
-        method: str | None = None,
+        self, part: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray
     ) -> Estimate:
-        method, z = method or self.options.method, solved.z[solved.solved]
-        return _estimate_by(method, part, z, p, self.options.max_iterations)
-
-    def _improved(
-        self,
-        part: CalibrationProblem,
-        solved: SolvedConfigurations,
-        p: np.ndarray,
-        result: Estimate,
-    ) -> Estimate:
-        """Improve the estimate: by another method where one does not converge, continued where it
-        nearly has, by descent alone where that leads lower, with the least change along what no
-        reading determines, and with the robust loss that is asked for.
-        """
-        method, limit = self.options.method, self.options.max_iterations
-        if result.status != "ok" and method in _OTHER_METHOD:
-            other = self._estimate(part, solved, p, _OTHER_METHOD[method])
-            if other.status == "ok":
-                self.notes.append(
-                    f"the {method} form did not converge ({result.status}); the "
-                    f"{_OTHER_METHOD[method]} form was used"
-                )
-                result = other
-        if result.status == "max_iterations" and _is_nearly_converged(part, result):
-            longer = _estimate_by(
-                method, part, result.state.z, result.state.p, _EXTENSION_FACTOR * limit
-            )
-            result = replace(longer, iterations=result.iterations + longer.iterations)
-        if result.status == "ok":
-            result = _lower_cost(result, descend_from(part, solved.z[solved.solved], p, result))
-        if result.null_space.shape[1]:
-            result = move_by_least_change(part, result, "nested")
-        if self.options.loss != "squared" and result.status == "ok":
-            result = robust_estimate(part, result.state.p, result.state.z, self.options.loss).result
-            self.notes.append(loss_note(self.options.loss))
-        return result
+        z, limit = solved.z[solved.solved], self.options.max_iterations
+        return estimate(part, z, p=p, max_iterations=limit)
 
     def _start_parameters(self) -> np.ndarray:
-        """Choose the nominal parameters; those that whole measured poses give by themselves where
-        there are such poses and the file's own geometry does not give the readings to rounding
-        already, which nothing may then move.
-        """
+        """Choose the nominal parameters, or those that whole measured poses give by themselves."""
         model, m = self.problem.model, self.problem.measurements
-        start = parameters_from_poses(model, m)
-        if start is None:
-            return model.nominal
+        start = parameters_at_poses(self.problem)
         # the rows close at poses, too, where a geometry has shrunk to what does not move
-        if not is_determined(model, start_points(model, m), m.joints, start):
+        if start is None or not is_determined(model, start_points(model, m), m.joints, start):
             return model.nominal
-        with np.errstate(all="ignore"):
-            z, solved = newton_configurations(
-                model, first_points(model, m, model.nominal), m.joints, model.nominal
-            )
-            stays = bool(solved.all()) and is_rounding(
-                self.problem, evaluate(self.problem, model.nominal, z, "means")
-            )
-        return model.nominal if stays else start
+        return start
 
     def _solve_from(self, near: StartValues) -> SolvedConfigurations:
         """Solve the direct problems from where an earlier fit has left them; configurations that it
@@ -399,29 +337,3 @@ class _Fitting:
                 "are what was read); check that the data is of this mechanism, units, signs and "
                 "the order of joints, or give starts"
             ) from None
-
-
-def _estimate_by(
-    method: str, problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, limit: int
-) -> Estimate:
-    if method == "ipopt":
-        return estimate_by_ipopt(problem, z, max_iterations=limit, p=p)
-    return estimate(problem, z, method=method, max_iterations=limit, p=p)
-
-
-def _is_nearly_converged(problem: CalibrationProblem, result: Estimate) -> bool:
-    """Tell whether the residuals are small although the iteration has not ended: a flat valley,
-    along which it pays to go on.
-    """
-    scatter = float(np.sqrt(result.state.cost / problem.readings.count))
-    known, size = problem.readings.known, problem.model.closure.characteristic_length
-    return scatter < (_NEARLY_CONVERGED_RATIO if known else _NEARLY_CONVERGED_SHARE * size)
-
-
-def _lower_cost(one: Estimate, other: Estimate | None) -> Estimate:
-    """Choose the estimate with the lower cost."""
-    return (
-        one
-        if other is None or other.status != "ok" or other.state.cost >= one.state.cost
-        else other
-    )

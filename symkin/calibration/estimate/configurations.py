@@ -47,6 +47,10 @@ _MAX_FOLLOWED_MOVE = 0.6
 """Furthest that an unknown coordinate (radians, or of the size) may move in such a step: what goes
 further has jumped.
 """
+_FIRST_PASSIVE_DAMPING, _MIN_PASSIVE_DECREASE, _IDLE_PASSIVE_STEPS = 1e-3, 1e-8, 6
+"""First damping of passive joints at a pose, and steps in a row that lower no configuration's cost
+by this share after which they end.
+"""
 _RANDOM_STARTS = 12
 """Random starts for a configuration that neither the reference nor its neighbours reach."""
 
@@ -287,6 +291,49 @@ def follow_joints(
                 _MAX_FOLLOWED_MOVE if k > 1 else np.inf
             )
             z = np.where((closed & near)[:, None], found, z)
+    return z
+
+
+def fit_passive(
+    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray, most: int
+) -> np.ndarray:
+    """Fit the passive joints in z (n, width) at which the geometry p closes best with the pose as it
+    is, each configuration by itself: Levenberg-Marquardt of at most so many steps.
+    """
+    width = model.system.freedom
+    passive = np.flatnonzero(
+        [c.role != "pose" for c in model.system.unknowns for _ in range(c.freedom)]
+    )
+    if not passive.size:
+        return z
+
+    def rows_at(z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        rows, rows_z = model.rows(z, joints, p)
+        return np.sum(rows**2, axis=1), rows, rows_z[:, :, passive]
+
+    (cost, rows, by_x), damping, idle = rows_at(z), np.full(len(z), _FIRST_PASSIVE_DAMPING), 0
+    for _ in range(most):
+        normal = np.swapaxes(by_x, 1, 2) @ by_x
+        normal += (
+            damping[:, None, None]
+            * np.trace(normal, axis1=1, axis2=2)[:, None, None]
+            * np.eye(len(passive))
+        )
+        if not np.isfinite(normal).all():
+            break
+        follow = np.zeros((len(z), width))
+        follow[:, passive] = -(
+            np.linalg.pinv(normal, hermitian=True) @ np.swapaxes(by_x, 1, 2) @ rows[:, :, None]
+        )[:, :, 0]
+        trial = model.system.move(z, follow)
+        found = rows_at(trial)
+        better = found[0] < cost
+        z = np.where(better[:, None], trial, z)
+        damping = np.where(better, damping / 10.0, 4.0 * damping)
+        idle = 0 if (found[0] < (1.0 - _MIN_PASSIVE_DECREASE) * cost).any() else idle + 1
+        if idle == _IDLE_PASSIVE_STEPS:
+            break
+        cost, rows, by_x = rows_at(z)
     return z
 
 

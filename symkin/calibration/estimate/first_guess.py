@@ -20,10 +20,8 @@ from itertools import permutations, product
 
 import numpy as np
 
-from symkin.calibration.data.measurements import Measurements, spread_rows
+from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.estimate.configuration_model import ConfigurationModel
-from symkin.calibration.estimate.configurations import is_carried, known_poses, start_points
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import build_readings, linearise
 from symkin.spatial.rotation import (
@@ -57,114 +55,6 @@ _FIRST_DAMPING = 1e-3
 """First damping, of the columns' lengths."""
 _MIN_COST_DECREASE = 1e-8
 """Steps that lower the cost by less than this share are the last."""
-
-
-def parameters_from_poses(
-    model: ConfigurationModel, measurements: Measurements
-) -> np.ndarray | None:
-    """Fit the parameters (P,) at which the loops close best at the measured poses; None where too
-    few poses are whole, where frames between mechanism and measurement are unknown, and where the
-    joints carry the platform.
-    """
-    given = np.array([pose is not None for pose in known_poses(measurements, measured=True)])
-    if is_carried(model.closure):
-        return None
-    if (
-        np.sum(given) * int(model.system.rows.shape[0]) < len(model.names)
-        or model.observes_through_frames
-    ):
-        return None
-    if np.sum(given) > _MAX_POSES:
-        some = np.flatnonzero(given)[spread_rows(int(np.sum(given)), _MAX_POSES)]
-        return parameters_from_poses(model, measurements.subset(some))
-    joints, z = measurements.joints[given], start_points(model, measurements, measured=True)[given]
-    passive = np.flatnonzero(
-        [c.role != "pose" for c in model.system.unknowns for _ in range(c.freedom)]
-    )
-    with np.errstate(all="ignore"):
-        return _fit_parameters(model, z, joints, passive)
-
-
-def _fit_parameters(
-    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, passive: np.ndarray
-) -> np.ndarray | None:
-    """Minimise the closure rows by Gauss-Newton with halved steps; passive joints are eliminated in
-    each configuration.
-    """
-    p, z = model.nominal, _fit_passive(model, z, joints, passive)
-
-    def rows_at(p: np.ndarray, z: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
-        e = model.evaluate(z, joints, p, np.zeros((len(z), 4)))
-        return float(np.sum(e.rows**2)), e.rows, e.rows_z[:, :, passive], e.rows_p
-
-    cost, rows, by_x, by_p = rows_at(p, z)
-    for _ in range(_MAX_PARAMETER_STEPS):
-        if not (np.isfinite(cost) and np.all(np.isfinite(by_p))):
-            return None
-        inverse = np.linalg.pinv(by_x, rcond=1e-10)
-        project = np.eye(rows.shape[1]) - by_x @ inverse
-        left, right = (
-            (project @ by_p).reshape(-1, len(p)),
-            -(project @ rows[:, :, None]).reshape(-1),
-        )
-        step = np.linalg.lstsq(left, right, rcond=_MIN_SINGULAR_RATIO)[0]
-        follow = -(inverse @ (rows + (by_p @ step))[:, :, None])[:, :, 0]
-        for _ in range(8):
-            whole = np.zeros((len(z), model.system.freedom))
-            whole[:, passive] = follow
-            trial = p + model.scales * step, model.system.move(z, whole)
-            found = rows_at(*trial)
-            if found[0] < cost:
-                break
-            step, follow = 0.5 * step, 0.5 * follow
-        else:
-            break
-        gained = cost - found[0]
-        (p, z), (cost, rows, by_x, by_p) = trial, found
-        if gained < 1e-9 * cost:
-            break
-    return p
-
-
-def _fit_passive(
-    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, passive: np.ndarray
-) -> np.ndarray:
-    """Passive joints at which the nominal geometry closes best at the poses, each configuration by
-    itself: Levenberg-Marquardt. From joints at the reference the parameters would give way where
-    only joints must.
-    """
-    if not passive.size:
-        return z
-    p, width = model.nominal, model.system.freedom
-
-    def rows_at(z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        e = model.evaluate(z, joints, p, np.zeros((len(z), 4)))
-        return np.sum(e.rows**2, axis=1), e.rows, e.rows_z[:, :, passive]
-
-    (cost, rows, by_x), damping, idle = rows_at(z), np.full(len(z), _FIRST_DAMPING), 0
-    for _ in range(_MAX_PASSIVE_STEPS):
-        normal = np.swapaxes(by_x, 1, 2) @ by_x
-        normal += (
-            damping[:, None, None]
-            * np.trace(normal, axis1=1, axis2=2)[:, None, None]
-            * np.eye(len(passive))
-        )
-        if not np.isfinite(normal).all():
-            break
-        follow = np.zeros((len(z), width))
-        follow[:, passive] = -(
-            np.linalg.pinv(normal, hermitian=True) @ np.swapaxes(by_x, 1, 2) @ rows[:, :, None]
-        )[:, :, 0]
-        trial = model.system.move(z, follow)
-        found = rows_at(trial)
-        better = found[0] < cost
-        z = np.where(better[:, None], trial, z)
-        damping = np.where(better, damping / 10.0, 4.0 * damping)
-        idle = 0 if (found[0] < (1.0 - _MIN_COST_DECREASE) * cost).any() else idle + 1
-        if idle == _IDLE_STEPS:
-            break
-        cost, rows, by_x = rows_at(z)
-    return z
 
 
 def fit_measuring_frames(

@@ -39,6 +39,10 @@ MAX_WHOLE_ROWS, PART_ROWS = 10_000, 4_000
 part has: derivatives of 10,000 configurations of a hexapod take some 100 MB.
 """
 
+PRIOR_SHARE = 0.01
+"""Standard deviation of a geometry about nominal, of the size (angles: radians), where no tolerance
+is stated: machines are built to some per mille.
+"""
 _NO_RATE = 1e-9
 """Rates of parameters in a freedom of how the file is written (of the largest) that are
 rounding.
@@ -53,8 +57,9 @@ class NothingReadError(InputError):
 class CalibrationProblem:
     """What is fitted to what: `model.names` are the free parameters, `fixed` those that the user
     asked for and holds at their nominal values. `prior` (P,) holds standard deviations of the
-    scaled parameters about nominal, infinite where there is none: the manufacturing tolerances, by
-    which the estimate is the maximum a posteriori; None: least squares of the readings alone.
+    scaled parameters about nominal, infinite for what has no nominal place: `PRIOR_SHARE` of the
+    size, or the manufacturing tolerances where they are stated (`is_stated`), by which the estimate
+    is the maximum a posteriori.
     """
 
     mechanism: Mechanism
@@ -63,7 +68,8 @@ class CalibrationProblem:
     readings: Readings
     fixed: tuple[str, ...]
     form: Form
-    prior: np.ndarray | None = None
+    prior: np.ndarray
+    is_stated: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -83,16 +89,6 @@ class CalibrationProblem:
         model = build_model(own["mechanism"], own["measurements"], own.pop("_free"))
         self.__dict__.update(own, model=model)
 
-    def prior_rows(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """Return the residuals (k,) of parameters p from nominal over their tolerances, and their
-        derivative (k, P) by scaled parameters; None without tolerances.
-        """
-        if self.prior is None:
-            return None
-        known = np.isfinite(self.prior)
-        change = (p - self.model.nominal) / self.model.scales
-        return (change / self.prior)[known], np.diag(1.0 / self.prior)[known]
-
     @property
     def is_large(self) -> bool:
         """Whether derivatives are made part by part; not where the closure leaves rows to the
@@ -105,8 +101,8 @@ class CalibrationProblem:
 
     @cached_property
     def parts(self) -> tuple[tuple[np.ndarray, CalibrationProblem], ...]:
-        """Numbers of configurations and the problem of these alone, members of a group together and
-        without the prior; one part where the problem is not large.
+        """Numbers of configurations and the problem of these alone, members of a group together;
+        one part where the problem is not large.
         """
         if not self.is_large:
             return ((np.arange(len(self.measurements)), self),)
@@ -114,9 +110,7 @@ class CalibrationProblem:
 
     def _of(self, rows: np.ndarray) -> CalibrationProblem:
         some = self.measurements.subset(rows)
-        return replace(
-            self, measurements=some, readings=build_readings(self.model, some), prior=None
-        )
+        return replace(self, measurements=some, readings=build_readings(self.model, some))
 
     @property
     def quaternions(self) -> np.ndarray:
@@ -165,7 +159,6 @@ def build_calibration(
             "a tolerance is weighed against the noise, and standard deviations of readings are "
             "missing: give them"
         )
-    prior = None if tolerance is None else _prior(model, *tolerance)
     return CalibrationProblem(
         mechanism=mechanism,
         measurements=measurements,
@@ -173,7 +166,8 @@ def build_calibration(
         readings=readings,
         fixed=tuple(fixed),
         form=residual,
-        prior=prior,
+        prior=prior_of(model, tolerance),
+        is_stated=tolerance is not None,
     )
 
 
@@ -211,10 +205,13 @@ def _binding(mechanism: Mechanism) -> str:
     )
 
 
-def _prior(model: ConfigurationModel, length: float, angle: float) -> np.ndarray:
-    """Return the standard deviations (P,) of scaled parameters; frames between the mechanism and
-    what is measured are not made to a tolerance, and factors of readings are no geometry.
+def prior_of(model: ConfigurationModel, tolerance: tuple[float, float] | None = None) -> np.ndarray:
+    """Return the standard deviations (P,) of scaled parameters, `tolerance` that of lengths and of
+    angles; frames between the mechanism and what is measured are not made to a tolerance, and
+    factors of readings are no geometry.
     """
+    size = model.closure.characteristic_length
+    length, angle = (PRIOR_SHARE * size, PRIOR_SHARE) if tolerance is None else tolerance
     if not (0.0 < length < np.inf and 0.0 < angle < np.inf):
         raise InputError(
             f"tolerance = ({length:g}, {angle:g}): both a length and an angle, finite and "

@@ -175,23 +175,19 @@ def _groups(measurements: Measurements) -> tuple[np.ndarray, np.ndarray]:
 @dataclass(frozen=True, eq=False)
 class Linearised:
     """Residuals r (n, K) over their standard deviations, 0 where nothing was read, and dr/dp (n, K,
-    P). `prior` holds residuals (k,) and derivative (k, P) of what is known of the parameters beside
-    the readings; the least squares are over both.
+    P).
     """
 
     residuals: np.ndarray
     jacobian: np.ndarray
-    prior: tuple[np.ndarray, np.ndarray] | None = field(default=None, kw_only=True)
 
     @property
     def vector(self) -> np.ndarray:
-        own = self.residuals.reshape(-1)
-        return own if self.prior is None else np.concatenate([own, self.prior[0]])
+        return self.residuals.reshape(-1)
 
     @property
     def matrix(self) -> np.ndarray:
-        own = self.jacobian.reshape(-1, self.jacobian.shape[2])
-        return own if self.prior is None else np.vstack([own, self.prior[1]])
+        return self.jacobian.reshape(-1, self.jacobian.shape[2])
 
 
 @dataclass(frozen=True, eq=False)

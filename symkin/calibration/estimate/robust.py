@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symkin.calibration.estimate.estimator import Estimate, estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.solver import Estimate, estimate
 from symkin.calibration.estimate.state import State, evaluate, joint_covariance
 
 LOSSES = ("squared", "huber", "cauchy")
@@ -85,7 +85,7 @@ def robust_estimate(
         state, steps = result.state, steps + result.iterations
     status = result.status if result.status != "max_iterations" else "stalled"
     return RobustEstimate(
-        Estimate(evaluate(problem, state.p, state.z, "means"), status, steps, result.null_space),
+        Estimate(evaluate(problem, state.p, state.z, "means"), status, steps, result.prior),
         scale,
     )
 

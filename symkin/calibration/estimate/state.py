@@ -34,10 +34,6 @@ PREDICTION_TOLERANCE = 1e-4
 """A predicted configuration off its closure by less than this (of the size) is corrected to first
 order in the same evaluation.
 """
-CONSTRAINT_WEIGHT = 1e6
-"""Weight of the rows that overconstrained closures leave to p, over the largest slope of a
-residual.
-"""
 CONSTRAINT_ROUNDING = 1e-9
 """Singular values of the rows left over (per length unit of scaled parameters) up to this are
 rounding: such rows bind nothing.
@@ -99,8 +95,6 @@ def evaluate(
     pending = solve_systems(e.rows_z, e.rows[:, :, None])[:, :, 0]
     readings, slopes, leftover = e.condensed(pending)
     fit = linearise(form, problem.readings, readings, slopes, covariance)
-    if problem.prior is not None:
-        fit = replace(fit, prior=problem.prior_rows(p))
     return State(
         p=p,
         z=z,
@@ -185,8 +179,6 @@ def state_after(
     step: np.ndarray,
     form: Form,
     covariance: np.ndarray | None,
-    *,
-    nested: bool,
 ) -> State | None:
     """Take a step in p, configurations moved along; None where a direct problem has no solution
     there.
@@ -197,11 +189,8 @@ def state_after(
     trial = evaluate(problem, p, z, form, covariance)
     if not np.all(np.isfinite(trial.pending)):
         return None
-    if (
-        nested
-        and np.max(np.abs(trial.pending), initial=0.0)
-        > PREDICTION_TOLERANCE * model.closure.characteristic_length
-    ):
+    furthest = np.max(np.abs(trial.pending), initial=0.0)
+    if furthest > PREDICTION_TOLERANCE * model.closure.characteristic_length:
         z, solved = newton_configurations(
             model, z, problem.measurements.joints, p, tolerance=1e2 * SOLVED_TOLERANCE
         )
@@ -212,10 +201,7 @@ def state_after(
 
 
 def restored_after(
-    move: Callable[[State, np.ndarray], State | None],
-    state: State,
-    step: np.ndarray,
-    null_space: np.ndarray,
+    move: Callable[[State, np.ndarray], State | None], state: State, step: np.ndarray
 ) -> State | None:
     """Take a step by `move`, and meet the rows left over again; None where a configuration has no
     solution.
@@ -228,16 +214,8 @@ def restored_after(
             or not np.max(np.abs(trial.leftover[0]), initial=0.0) > 0.0
         ):
             break
-        trial = move(trial, admissible_steps(trial, null_space)[1])
+        trial = move(trial, admissible_steps(trial, np.ones(len(step)))[1])
     return trial
-
-
-def merit(state: State) -> float:
-    """Return the cost, with an exact penalty for rows left over."""
-    if state.leftover is None:
-        return state.cost
-    weight = CONSTRAINT_WEIGHT * float(np.max(np.abs(state.linearised.jacobian), initial=1e-300))
-    return state.cost + weight * float(np.sum(np.abs(state.leftover[0])))
 
 
 def error_free_design(problem: CalibrationProblem, state: State) -> np.ndarray:
@@ -285,11 +263,7 @@ def _evaluate_parts(
     triangle of those before.
     """
     width = len(problem.names)
-    known, by_known = problem.prior_rows(p) or (np.zeros(0), np.zeros((0, width)))
-    triangle, residuals = (
-        np.column_stack([by_known, known]),
-        np.zeros(problem.readings.values.shape),
-    )
+    triangle, residuals = np.zeros((0, width + 1)), np.zeros(problem.readings.values.shape)
     pending, side = np.zeros((len(z), problem.model.system.freedom)), np.zeros(len(z))
     for rows, part in problem.parts:
         state = evaluate(part, p, z[rows], form, None if covariance is None else covariance[rows])
@@ -369,60 +343,24 @@ def _shortest_steps(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
         return np.asarray(np.linalg.pinv(matrix, rcond=1e-10) @ right[:, :, None])[:, :, 0]
 
 
-def damped_step(
-    state: State, null_space: np.ndarray, damping: float, curved: np.ndarray | None = None
-) -> np.ndarray:
-    """Minimise |r + J d|^2 + damping |D d|^2, D the columns' lengths, with no motion in the null
-    space and the leftover rows met. With `curved`, second derivatives of the residuals along a
-    step, its acceleration: |curved + J d|^2 instead.
+def admissible_steps(state: State, units: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
+    """Return an orthonormal basis of the steps, over `units` (P,), that keep the leftover rows, None
+    for all, and the shortest step, not over units, that meets them.
     """
-    matrix, right = (
-        state.linearised.matrix,
-        -(state.linearised.vector if curved is None else curved),
+    count = len(units)
+    if state.leftover is None:
+        return None, np.zeros(count)
+    rows = state.leftover[1].reshape(-1, count) * units
+    both = np.asarray(
+        np.linalg.qr(np.column_stack([rows, -state.leftover[0].reshape(-1)]), mode="r")
     )
-    basis, particular = admissible_steps(state, null_space)
-    particular = particular if curved is None else np.zeros(matrix.shape[1])
-    if basis is not None:
-        matrix, right = matrix @ basis, right - matrix @ particular
-    width = matrix.shape[1]
-    # R of [J, b] = Q R holds all that least squares need of J and b, whatever the number of
-    # readings
-    triangle = np.asarray(np.linalg.qr(np.column_stack([matrix, right]), mode="r"))
-    r, b = triangle[:width, :width], triangle[:width, width]
-    if not np.all(np.isfinite(triangle)):
-        return np.full(state.linearised.matrix.shape[1], np.inf)
-    if damping > 0.0:
-        norms = np.linalg.norm(r, axis=0)
-        lengths = np.maximum(norms, 1e-6 * np.max(norms, initial=0.0))
-        above = np.vstack([r, np.sqrt(damping) * np.diag(lengths)])
-        solution = np.linalg.lstsq(above, np.concatenate([b, np.zeros(width)]), rcond=None)[0]
-    elif r.shape[0] < width or np.min(np.abs(np.diag(r)), initial=np.inf) == 0.0:
-        solution = np.linalg.lstsq(r, b, rcond=None)[0]
-    else:
-        solution = np.linalg.solve(r, b)
-    return np.asarray(solution if basis is None else particular + basis @ solution)
-
-
-def admissible_steps(state: State, null_space: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
-    """Return a basis of the steps that are allowed, None for all, and one step that meets the
-    leftover rows.
-    """
-    count = state.linearised.matrix.shape[1]
-    zero = np.zeros(count)
-    if state.leftover is None and null_space.shape[1] == 0:
-        return None, zero
-    rows, right = null_space.T, np.zeros(null_space.shape[1])
-    if state.leftover is not None:
-        rows = np.vstack([rows, state.leftover[1].reshape(-1, count)])
-        right = np.concatenate([right, -state.leftover[0].reshape(-1)])
-    left, singular, across = np.linalg.svd(rows, full_matrices=True)
-    kept = (
-        int(np.sum(singular > max(RANK_TOLERANCE * float(singular[0]), CONSTRAINT_ROUNDING)))
-        if len(singular)
-        else 0
-    )
-    particular = across[:kept].T @ ((left[:, :kept].T @ right) / singular[:kept])
-    return across[kept:].T, particular
+    if not np.all(np.isfinite(both)):
+        return None, np.full(count, np.nan)
+    left, singular, across = np.linalg.svd(both[:, :count], full_matrices=True)
+    bound = max(RANK_TOLERANCE * float(singular[0]), CONSTRAINT_ROUNDING * float(np.max(units)))
+    kept = int(np.sum(singular > bound))
+    particular = across[:kept].T @ ((left[:, :kept].T @ both[:, count]) / singular[:kept])
+    return across[kept:].T, units * particular
 
 
 def design(state: State) -> np.ndarray:
@@ -510,8 +448,3 @@ def _usual_lengths(norms: np.ndarray) -> np.ndarray:
         _LONG_COLUMN_RATIO * float(np.median(norms[norms > 0.0])) if np.any(norms > 0.0) else 1.0
     )
     return np.asarray(np.maximum(norms, usual))
-
-
-def null_directions(matrix: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
-    """Return orthonormal columns (P, k) along which no residual changes, to first order."""
-    return spectrum(matrix, tolerance).null_space

@@ -20,9 +20,9 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import is_writable, nominal_parameters, with_parameters
 from symkin.calibration.estimate.configuration_model import ConfigurationModel, build_model
 from symkin.calibration.estimate.configurations import newton_configurations
+from symkin.calibration.estimate.estimator import Estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.robust import EFFICIENCY
-from symkin.calibration.estimate.solver import Estimate
 from symkin.calibration.estimate.state import State, closed_state, evaluate, joint_covariance
 from symkin.calibration.judge.fit_notes import fit_notes, is_exact
 from symkin.calibration.judge.identifiability import identifiability_at

@@ -17,9 +17,9 @@ import numpy as np
 from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.estimate.configurations import first_points, newton_configurations
-from symkin.calibration.estimate.first_guess import fit_measuring_frames, parameters_from_poses
+from symkin.calibration.estimate.estimator import estimate, parameters_at_poses
+from symkin.calibration.estimate.first_guess import fit_measuring_frames
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
-from symkin.calibration.estimate.solver import estimate
 from symkin.calibration.estimate.starting import with_starts
 from symkin.calibration.estimate.state import design, spectrum
 from symkin.calibration.judge.plausibility import MAX_NOISE_RATIO
@@ -284,7 +284,7 @@ def _trial_start(
     measurements = with_starts(mechanism, measurements)
     problem = _problem(mechanism, measurements, options)
     model = problem.model
-    first = parameters_from_poses(model, measurements)
+    first = parameters_at_poses(problem)
     p = model.nominal if first is None else first
     with np.errstate(all="ignore"):
         z, solved = newton_configurations(

@@ -144,13 +144,8 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
             unsolved=unsolved,
             seed=seed,
         )
-    problem = CalibrationProblem(
-        mechanism=fit.mechanism,
-        measurements=some,
-        model=model,
-        readings=build_readings(model, some),
-        fixed=fit.problem.fixed,
-        form=fit.problem.form,
+    problem = replace(
+        fit.problem, measurements=some, model=model, readings=build_readings(model, some)
     )
     off = _outliers(fit, problem, z)
     clean = problem

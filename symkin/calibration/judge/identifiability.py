@@ -5,15 +5,15 @@ in parameter terms.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.observables import observables
 from symkin.calibration.estimate.configurations import solve_configurations
+from symkin.calibration.estimate.estimator import estimate
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
-from symkin.calibration.estimate.solver import estimate
 from symkin.calibration.estimate.state import State, design, error_free_state, spectrum
 from symkin.calibration.judge.named_directions import all_values, named_motions, parallel_offsets
 from symkin.computed_once import cached_property
@@ -120,7 +120,7 @@ def identifiability_at(problem: CalibrationProblem, state: State) -> Identifiabi
     """Determine the identifiability at a state with closed configurations: what the readings
     determine, without tolerances.
     """
-    state = error_free_state(replace(problem, prior=None), state)
+    state = error_free_state(problem, state)
     matrix = design(state)
     found = spectrum(matrix)
     named = name_null_space(problem, state.p, found.null_space)

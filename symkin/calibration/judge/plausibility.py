@@ -157,7 +157,7 @@ def is_other_machine(fit: Calibration, departure: Departure) -> bool:
     tolerances stated let expect.
     """
     within = (
-        fit.problem.prior is not None
+        fit.problem.is_stated
         and max((abs(z) for _, z in changes_over_tolerances(fit)), default=0.0)
         <= _EXPECTED_TOLERANCES
     )
@@ -186,7 +186,7 @@ def beyond_tolerances(fit: Calibration) -> list[tuple[str, float]]:
 def changes_over_tolerances(fit: Calibration) -> list[tuple[str, float]]:
     """Return the changes of free parameters over the tolerances stated."""
     prior, model = fit.problem.prior, fit.problem.model
-    if prior is None:
+    if not fit.problem.is_stated:
         return []
     changes = (fit.state.p - model.nominal) / model.scales / prior
     return [

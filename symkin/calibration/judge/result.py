@@ -134,19 +134,12 @@ class Calibration(Result):
 
     @property
     def believable(self) -> bool:
-        """Whether the fit converged, its rank is clear, every configuration is solved, and the
-        stated noise explains the residuals (neither larger nor smaller than expected), but for some
-        outliers.
+        """Whether the fit converged, every configuration is solved, and the stated noise explains
+        the residuals (neither larger nor smaller than expected), but for some outliers.
         """
         fits = self.p_value is None or SIGNIFICANCE < self.p_value < 1.0 - SIGNIFICANCE
         whole = not self.unsolved and not self.given_up and self.refused is None
-        return (
-            self.status == "ok"
-            and self.identifiability.is_clear
-            and whole
-            and fits
-            and self.degrees > 0
-        )
+        return self.status == "ok" and whole and fits and self.degrees > 0
 
     @property
     def frames(self) -> tuple[str, ...]:

@@ -20,10 +20,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear, prior_weight
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import (
     Readings,
@@ -34,23 +34,16 @@ from symkin.calibration.estimate.residuals import (
     whitening,
 )
 from symkin.calibration.estimate.state import (
-    CONSTRAINT_ROUNDING,
     State,
     closed_state,
-    error_free_design,
     evaluate,
     evaluate_at,
     evaluate_readings,
     joint_covariance,
     joint_covariance_at,
-    spectrum,
 )
 from symkin.computed_once import cached_property
-from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
-
-if TYPE_CHECKING:
-    pass
 
 _BLOCK_ROWS = 20_000
 """Rows that are multiplied at once where there are many."""
@@ -78,9 +71,9 @@ do not count.
 class LinearModel:
     """Whitened residuals e (N,) after projection, N = n K; `group_columns` (N, 2), the orthonormal
     columns of each row's group, whose number is `group` (N,), -1 for none; `parameter_columns` (N,
-    k), the rest of the basis; which rows hold a reading (N,), and the transformation W (n, K, K)
-    that whitened them. What is known of the parameters beside the readings stands in rows after
-    those. `within_reach` is the square that the projection to the parameters' columns took away: at
+    k), the rest of the basis; how many parameters were `fitted`, those that the prior decides by a
+    share; which rows hold a reading (N,), and the transformation W (n, K, K) that whitened them.
+    `within_reach` is the square that the projection to the parameters' columns took away: at
     a minimum nothing, but for a form of residuals that weighs otherwise than joint noise and
     correlation ask.
     """
@@ -89,6 +82,7 @@ class LinearModel:
     group_columns: np.ndarray
     group: np.ndarray
     parameter_columns: np.ndarray
+    fitted: float
     taken: np.ndarray
     whiten: np.ndarray
     within_reach: float = 0.0
@@ -96,7 +90,7 @@ class LinearModel:
     @cached_property
     def degrees(self) -> int:
         groups = int(np.max(self.group, initial=-1)) + 1
-        return int(np.sum(self.taken)) - 2 * groups - int(self.parameter_columns.shape[1])
+        return round(int(np.sum(self.taken)) - 2 * groups - self.fitted)
 
     @property
     def chi_square(self) -> float:
@@ -144,22 +138,24 @@ class LinearModel:
         extra = _orthonormal(shift)
         residuals = self.residuals - extra @ (extra.T @ self.residuals)
         return replace(
-            self, residuals=residuals, parameter_columns=np.hstack([self.parameter_columns, extra])
+            self,
+            residuals=residuals,
+            parameter_columns=np.hstack([self.parameter_columns, extra]),
+            fitted=self.fitted + extra.shape[1],
         )
 
 
 def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     """Linearise all readings at a state with closed configurations."""
-    readings, free = problem.readings, determined_directions(problem, state)
-    known, by_known = problem.prior_rows(state.p) or (np.zeros(0), np.zeros((0, len(free))))
-    by_known = by_known @ free
+    readings, told = problem.readings, told_directions(problem, state)
+    free = told.columns[:, told.ratios > 1.0]
     shape = readings.values.shape
     residuals, own, whiten = (
         np.zeros((*shape, 1)),
         np.zeros((*shape, 2)),
         np.zeros((*shape, shape[1])),
     )
-    columns, squares = np.zeros((*shape, free.shape[1])), np.sum(by_known**2, axis=0)
+    columns, squares = np.zeros((*shape, free.shape[1])), np.zeros(free.shape[1])
     for rows, part in problem.parts:
         e = evaluate_at(part, state.p, state.z[rows])
         whiten[rows] = whitening(part.readings, joint_covariance_at(part, state.p, state.z[rows]))
@@ -177,24 +173,17 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
         columns[rows], residuals[rows] = made, r
     # columns of unit length, so that the rank of the basis is judged alike for all parameters
     kept, count = squares > 0, readings.values.size
-    flat_columns = columns.reshape(count, -1)
-    if len(known):
-        flat_columns = np.vstack([flat_columns, by_known])
-    if not kept.all():
-        flat_columns = flat_columns[:, kept]
-    flat_columns /= np.sqrt(squares[kept])
+    flat_columns = columns.reshape(count, -1)[:, kept] / np.sqrt(squares[kept])
     shared = _basis_in_place(flat_columns) if problem.is_large else _basis(flat_columns)
-    flat = np.concatenate([residuals.reshape(count), known])
-    group = np.concatenate([np.repeat(readings.group, shape[1]), np.full(len(known), -1)])
-    taken = np.concatenate([readings.taken.reshape(-1), np.ones(len(known), dtype=bool)])
-    own_columns = np.vstack([own.reshape(count, 2), np.zeros((len(known), 2))])
+    flat = residuals.reshape(count)
     along = shared.T @ flat
     return LinearModel(
         residuals=flat - shared @ along,
-        group_columns=own_columns,
-        group=group,
+        group_columns=own.reshape(count, 2),
+        group=np.repeat(readings.group, shape[1]),
         parameter_columns=shared,
-        taken=taken,
+        fitted=float(np.sum(told.shares)),
+        taken=readings.taken.reshape(-1),
         whiten=whiten,
         within_reach=float(along @ along),
     )
@@ -211,17 +200,32 @@ def whitened_residuals(problem: CalibrationProblem, state: State) -> tuple[np.nd
     return both[:, :, 0], both[:, :, 1:]
 
 
-def determined_directions(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Return a basis (not of unit length) of the directions in which p is determined and an
-    overconstrained closure stays consistent.
+@dataclass(frozen=True, eq=False)
+class Told:
+    """What the readings tell at a state: directions of the scaled parameters as `columns` (P, k),
+    one prior standard deviation long, `ratios` (k,) of the prior's standard deviation to that by
+    the readings, `lengths` (k,) of the residuals' change along them, and what `shares` (k,) of each
+    the readings decide.
     """
-    found = spectrum(error_free_design(problem, state))
-    if state.leftover is None:
-        return found.determined
-    null = found.null_space
-    return null_space(
-        np.vstack([null.T, state.leftover[1].reshape(-1, null.shape[0])]), CONSTRAINT_ROUNDING
-    ).T
+
+    columns: np.ndarray
+    ratios: np.ndarray
+    lengths: np.ndarray
+    shares: np.ndarray
+
+
+def told_directions(problem: CalibrationProblem, state: State) -> Told:
+    """Find what the readings tell, in which an overconstrained closure stays consistent; without
+    what they do not tell at all.
+    """
+    linear = Linear.of(problem, state, problem.prior)
+    lengths, vectors = linear.told
+    ratios = lengths / prior_weight(problem, state, linear)
+    some = ratios > UNTOLD
+    lengths, ratios = lengths[some], ratios[some]
+    decided = ratios > (np.inf if problem.is_stated else WELL_TOLD)
+    shares = np.where(decided, 1.0, ratios**2 / (1.0 + ratios**2))
+    return Told(linear.basis @ vectors[:, some], ratios, lengths, shares)
 
 
 def _group_columns(readings: Readings, whiten: np.ndarray) -> np.ndarray:
@@ -328,32 +332,26 @@ def f_tail(value: float, first: int, second: int) -> float:
 
 def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
     """Return the covariance (P, P) of the free parameters (not scaled) for the form of residuals
-    that was minimised: A S A^T with dp = A d(readings), S the covariance of readings with joint
-    noise; along unobservable directions 0.
+    that was minimised, in variances of the residuals: A S A^T with dp = A d(readings), S the
+    covariance of readings with joint noise, and what the prior leaves open where it decides; along
+    directions of which the readings tell nothing 0.
     """
     noise = joint_covariance(problem, state)
-    mixed = evaluate(
-        problem,
-        state.p,
-        state.z,
-        problem.form,
-        noise if problem.form == "maximum likelihood" else None,
-    )
-    free = determined_directions(problem, mixed)
-    inverse = np.linalg.pinv(mixed.linearised.matrix @ free, rcond=RANK_TOLERANCE)
-    scaled = problem.model.scales[:, None] * (free @ inverse)
-    if problem.form == "maximum likelihood":
-        return np.asarray(scaled @ scaled.T)
-    known = problem.prior_rows(state.p)
-    if not problem.is_large:
-        own, prior = np.split(scaled, [problem.readings.values.size], axis=1)
-        return np.asarray(_propagated(problem, own, noise) + prior @ prior.T)
-    back = scaled @ inverse.T @ free.T  # (J^T J)^+ with J^T in place of J^+
-    prior = back @ (np.zeros((0, len(scaled))) if known is None else known[1]).T
-    total = prior @ prior.T
+    likely = problem.form == "maximum likelihood"
+    mixed = evaluate(problem, state.p, state.z, problem.form, noise if likely else None)
+    told = told_directions(problem, mixed)
+    scaled = problem.model.scales[:, None] * told.columns
+    gain = told.shares / told.lengths**2
+    left = scaled * ((1.0 - told.shares) * told.ratios / told.lengths)
+    total = left @ left.T
+    if likely:
+        own = scaled * (told.shares / told.lengths)
+        return np.asarray(total + own @ own.T)
     for rows, part in problem.parts:
-        slopes = evaluate(part, state.p, state.z[rows], problem.form).linearised.matrix
-        total += _propagated(part, back @ slopes.T, noise[rows])
+        slopes = (
+            evaluate(part, state.p, state.z[rows], problem.form) if problem.is_large else mixed
+        ).linearised.matrix
+        total += _propagated(part, (scaled * gain) @ (slopes @ told.columns).T, noise[rows])
     return np.asarray(total)
 
 
@@ -397,7 +395,8 @@ def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) ->
         return found
     noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
     here = evaluate(problem, state.p, state.z, problem.form, noise)
-    free = determined_directions(problem, here)
+    told = told_directions(problem, here)
+    free = told.columns[:, told.ratios > 1.0]
     _, singular, right = np.linalg.svd(here.linearised.matrix @ free, full_matrices=False)
     inverse = np.sqrt(spread) * free @ right.T / singular
     sigma = np.linalg.norm(inverse, axis=1)

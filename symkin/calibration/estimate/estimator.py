@@ -1,0 +1,360 @@
+"""Estimate parameters: least squares of the readings with a prior, by Levenberg-Marquardt.
+
+    min |r(p)|^2 + w^2 |(p - nominal) / s|^2
+
+with residuals r over their standard deviations, every configuration condensed (see `state`), s the
+prior's standard deviations (see `problem`) and w = 1; where the noise is unknown w^2 is the residual
+variance. What no reading tells stays where the prior has it, at the least change from nominal: rigid
+frames are then a best fit of the joints to nominal (Procrustes). Rows that the unknown coordinates
+cannot meet (overconstrained mechanisms) constrain p: every step keeps C dp = -c.
+
+Steps are taken in prior units, d = dp / s, in the eigenbasis of the normal matrix brought to equal
+diagonal entries; damping tightens the prior about where the iteration stands. A trial is refused
+where a configuration has no solution or passes a singularity. It ends by the Newton decrement, what
+one more step would gain. A geometry that went further than the prior lets expect widens it. The
+prior pulls what the readings tell by far towards nominal, too; the last steps are without it in the
+directions that they tell ten times better than the prior.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symkin.calibration.data.measurements import spread_rows
+from symkin.calibration.estimate.configurations import (
+    fit_passive,
+    is_carried,
+    known_poses,
+    start_points,
+)
+from symkin.calibration.estimate.linear import WELL_TOLD, Linear, prior_weight, rounding_residual
+from symkin.calibration.estimate.problem import CalibrationProblem
+from symkin.calibration.estimate.residuals import Form, build_readings
+from symkin.calibration.estimate.state import (
+    State,
+    closed_state,
+    evaluate,
+    joint_covariance,
+    restored_after,
+    state_after,
+)
+
+_MINIMUM_DECREMENT = 1e-6
+"""The iteration ends when one more step would gain less than this, in variances: next to nothing
+beside the chance fluctuation of chi-square.
+"""
+_COST_ROUNDING = 1e-12
+"""Share of the cost that counts as rounding of it."""
+_FIRST_DAMPING, _DAMPING_INCREASE, _DAMPING_DECREASE, _MAX_DAMPING = 1.0, 10.0, 0.1, 1e12
+"""Damping (in weights of the prior) after the first step that failed, its factors after one that
+fails and one that does not, and the damping at which no step is left.
+"""
+_MAX_UNSHRUNK_STEPS, _CONVERGED_STEP = 8, 1e-13
+"""Most steps without the prior, and their length, of the size, at which they end."""
+_WIDENED, _MAX_PRIOR_CHANGE, _MAX_WIDENINGS = 3.0, 3.0, 8
+"""The prior is widened by this factor while a parameter is further from nominal than so many of its
+standard deviations, so many times at most; a step that goes further than that is damped.
+"""
+_MAX_POSES, _MAX_POSE_STEPS = 2000, 40
+"""Most configurations and steps at measured poses: a start needs no more."""
+_MAX_PASSIVE_STEPS, _PASSIVE_STEPS = 60, 4
+"""Most steps of passive joints at a pose from the reference, and from where they were."""
+_LEFTOVER_TOLERANCE = 1e-9
+"""Rows left over are met to this, of the size."""
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Where an estimation ended: `state` with closed configurations; status "ok", "max_iterations"
+    or "stalled"; the number of steps; the standard deviations of the prior that was used.
+    """
+
+    state: State
+    status: str
+    iterations: int
+    prior: np.ndarray
+
+
+def estimate(
+    problem: CalibrationProblem,
+    z: np.ndarray,
+    *,
+    max_iterations: int = 60,
+    p: np.ndarray | None = None,
+) -> Estimate:
+    """Minimise the squared residuals from p (default: nominal) and configurations z; maximum
+    likelihood begins with the means and then takes the covariance of joint noise at the estimate,
+    twice.
+    """
+    begin = problem.model.nominal if p is None else p
+    with np.errstate(all="ignore"):
+        if problem.form != "maximum likelihood":
+            return _minimise(problem, begin, z, problem.form, None, max_iterations)
+        result = _minimise(problem, begin, z, "means", None, max_iterations)
+        for _ in range(2):
+            noise = joint_covariance(problem, result.state)
+            wide = replace(problem, prior=result.prior)
+            again = _minimise(
+                wide, result.state.p, result.state.z, problem.form, noise, max_iterations
+            )
+            result = replace(again, iterations=result.iterations + again.iterations)
+    return result
+
+
+def is_rounding(problem: CalibrationProblem, state: State) -> bool:
+    """Tell whether the residuals are no more than what arithmetic leaves, so that no step means
+    anything.
+    """
+    return state.cost <= problem.readings.count * rounding_residual(problem) ** 2
+
+
+def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
+    """Estimate the parameters (P,) from nominal at the measured poses, without a direct problem (see
+    `_AtPoses`); None where too few poses are whole, where frames between mechanism and measurement
+    are unknown, and where the joints carry the platform.
+    """
+    model, m = problem.model, problem.measurements
+    given = np.array([pose is not None for pose in known_poses(m, measured=True)])
+    rows = int(np.sum(given)) * int(model.system.rows.shape[0])
+    if is_carried(model.closure) or model.observes_through_frames or rows < len(model.names):
+        return None
+    chosen = np.flatnonzero(given)
+    some = m.subset(chosen[spread_rows(len(chosen), _MAX_POSES)])
+    at_poses = _AtPoses(replace(problem, measurements=some, readings=build_readings(model, some)))
+    with np.errstate(all="ignore"):
+        begin = at_poses.first_state()
+        search = _Search(at_poses, begin)
+        if not np.isfinite(begin.cost) or is_rounding(at_poses.problem, begin):
+            return None
+        search.run(_MAX_POSE_STEPS)
+    return search.state.p
+
+
+def _minimise(
+    problem: CalibrationProblem,
+    p: np.ndarray,
+    z: np.ndarray,
+    form: Form,
+    covariance: np.ndarray | None,
+    limit: int,
+) -> Estimate:
+    state = closed_state(problem, p, z, form, covariance)
+    if is_rounding(problem, state):
+        return Estimate(state, "ok", 0, problem.prior)
+    search = _Search(_Nested(problem, form, covariance), state)
+    status = search.run(limit)
+    best = closed_state(problem, search.state.p, search.state.z, form, covariance)
+    return Estimate(best, status, search.steps, search.prior)
+
+
+# --- objectives -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Nested:
+    """The residuals with the direct problem of every configuration solved."""
+
+    problem: CalibrationProblem
+    form: Form
+    covariance: np.ndarray | None
+
+    def moved(self, state: State, step: np.ndarray) -> State | None:
+        """Take a step of the parameters; None where a configuration has no solution there."""
+        return state_after(self.problem, state, step, self.form, self.covariance)
+
+    def is_same_mode(self, state: State, other: State) -> bool:
+        """Tell whether no configuration has passed a singularity: det F_z changes its sign there
+        alone.
+        """
+        return np.array_equal(state.determinant_signs, other.determinant_signs)
+
+
+@dataclass(frozen=True, eq=False)
+class _AtPoses:
+    """The residuals at the poses measured: passive joints at which the closure is met best there,
+    and the closure to first order in the pose. No direct problem is solved, so that it leads far.
+    """
+
+    problem: CalibrationProblem
+
+    def first_state(self) -> State:
+        """Evaluate at nominal."""
+        model, m = self.problem.model, self.problem.measurements
+        z = start_points(model, m, measured=True)
+        return self._at(model.nominal, z, _MAX_PASSIVE_STEPS)
+
+    def moved(self, state: State, step: np.ndarray) -> State | None:
+        """Take a step of the parameters; None where nothing finite is there."""
+        p = state.p + self.problem.model.scales * step
+        found = self._at(p, state.z, _PASSIVE_STEPS)
+        return found if np.isfinite(found.cost) else None
+
+    def is_same_mode(self, state: State, other: State) -> bool:
+        """Poses that are measured are of one mode."""
+        return True
+
+    def _at(self, p: np.ndarray, z: np.ndarray, steps: int) -> State:
+        z = fit_passive(self.problem.model, z, self.problem.measurements.joints, p, steps)
+        return evaluate(self.problem, p, z, "means")
+
+
+# --- iteration ------------------------------------------------------------------------------------
+
+
+@dataclass(eq=False)
+class _Search:
+    """The iteration: where it stands, how many steps it took, how much the prior was widened."""
+
+    objective: _Nested | _AtPoses
+    state: State
+    damping: float = 0.0
+    steps: int = 0
+    widened: float = 1.0
+
+    @property
+    def problem(self) -> CalibrationProblem:
+        return self.objective.problem
+
+    def run(self, limit: int) -> str:
+        """Iterate; return the status."""
+        while True:
+            status = self._descend(limit)
+            if status != "ok" or self.problem.is_stated or not self._is_far:
+                break
+            if self.widened >= _WIDENED**_MAX_WIDENINGS:
+                break
+            self.widened *= _WIDENED
+        if status == "ok" and not self.problem.is_stated:
+            self._unshrink()
+        return status
+
+    def _descend(self, limit: int) -> str:
+        """Iterate with the prior as wide as it is."""
+        while True:
+            linear = Linear.of(self.problem, self.state, self.prior)
+            weight = prior_weight(self.problem, self.state, linear)
+            solver = _Damped(linear, weight)
+            if not np.all(np.isfinite(solver.gradient)):
+                return "stalled"
+            if solver.decrement < _MINIMUM_DECREMENT * weight**2 and not np.any(linear.particular):
+                return "ok"
+            if self.steps >= limit:
+                return "max_iterations"
+            if not self._advance(solver, weight):
+                # what the linear model promises and no step keeps is rounding
+                return "ok" if solver.decrement < _COST_ROUNDING * self.state.cost else "stalled"
+
+    def _advance(self, solver: _Damped, weight: float) -> bool:
+        """Take one step that lowers the cost, with as much damping as it needs; tell whether there
+        is one.
+        """
+        before = self._cost(self.state, weight)
+        while self.damping < _MAX_DAMPING:
+            step, promised = solver.step(self.damping)
+            trial = None
+            if np.max(np.abs(step) / self.prior, initial=0.0) < _MAX_PRIOR_CHANGE:
+                trial = restored_after(self.objective.moved, self.state, step)
+                self.steps += 1
+            if trial is not None and self._is_better(trial, before, weight):
+                gained = (before - self._cost(trial, weight)) / max(promised, 1e-300)
+                self.damping *= _DAMPING_DECREASE if gained > 0.25 else 1.0
+                if self.damping < 1e-3 * _FIRST_DAMPING:
+                    self.damping = 0.0
+                self.state = trial
+                return True
+            self.damping = max(
+                _DAMPING_INCREASE * self.damping, _FIRST_DAMPING * max(weight**2, 1e-300)
+            )
+        self.damping = 0.0
+        return False
+
+    def _is_better(self, trial: State, before: float, weight: float) -> bool:
+        """Tell whether a trial lowers the cost, or meets rows left over that were not met, in the
+        assembly mode of where the iteration stands.
+        """
+        if not self.objective.is_same_mode(self.state, trial):
+            return False
+        here, there = _unmet(self.state), _unmet(trial)
+        if there > max(_LEFTOVER_TOLERANCE * self._size, 0.5 * here):
+            return False
+        return here > _LEFTOVER_TOLERANCE * self._size or self._cost(trial, weight) < before
+
+    def _unshrink(self) -> None:
+        """Take the last steps without the prior in the directions that readings tell by far."""
+        last = np.inf
+        for _ in range(_MAX_UNSHRUNK_STEPS):
+            linear = Linear.of(self.problem, self.state, self.prior)
+            told, vectors = linear.told
+            kept = told > WELL_TOLD * prior_weight(self.problem, self.state, linear)
+            along = vectors[:, kept]
+            step = -linear.basis @ (along @ ((along.T @ linear.gradient) / told[kept] ** 2))
+            length = float(np.max(np.abs(step), initial=0.0)) / self._size
+            if not _CONVERGED_STEP < length < 0.5 * last:
+                return
+            trial = restored_after(self.objective.moved, self.state, step)
+            if trial is None or not self.objective.is_same_mode(self.state, trial):
+                return
+            self.state, last = trial, length
+            self.steps += 1
+
+    @property
+    def _size(self) -> float:
+        return self.problem.model.closure.characteristic_length
+
+    @property
+    def prior(self) -> np.ndarray:
+        return self.widened * self.problem.prior
+
+    def _cost(self, state: State, weight: float) -> float:
+        return state.cost + float(np.sum((weight * self._over_prior(state)) ** 2))
+
+    def _over_prior(self, state: State) -> np.ndarray:
+        """Change of the parameters (P,) from nominal over the prior's standard deviations."""
+        model = self.problem.model
+        return np.asarray((state.p - model.nominal) / model.scales / self.prior)
+
+    @property
+    def _is_far(self) -> bool:
+        """Whether the geometry is further from nominal than the prior lets expect."""
+        return bool(np.max(np.abs(self._over_prior(self.state)), initial=0.0) > _MAX_PRIOR_CHANGE)
+
+
+def _unmet(state: State) -> float:
+    """The largest row left over."""
+    return 0.0 if state.leftover is None else float(np.max(np.abs(state.leftover[0]), initial=0.0))
+
+
+class _Damped:
+    """Steps of the linear model with the prior of weight w and damping, in the eigenbasis of the
+    normal matrix brought to equal diagonal entries.
+    """
+
+    def __init__(self, linear: Linear, weight: float) -> None:
+        self._linear = linear
+        matrix = linear.normal + weight**2 * linear.weak
+        self.gradient = linear.gradient + weight**2 * linear.off
+        self._lengths = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        if not np.all(np.isfinite(matrix)):
+            self.gradient = np.full(len(self._lengths), np.nan)
+            return
+        self._values, self._vectors = np.linalg.eigh(
+            matrix / np.outer(self._lengths, self._lengths)
+        )
+        self._along = self._vectors.T @ (self.gradient / self._lengths)
+        self._values = np.maximum(self._values, 1e-15 * np.max(self._values, initial=1e-300))
+
+    @property
+    def decrement(self) -> float:
+        """What the step without damping would gain, by the linear model."""
+        return float(np.sum(self._along**2 / self._values))
+
+    def step(self, damping: float) -> tuple[np.ndarray, float]:
+        """Return the change (P,) of the scaled parameters, and what it gains by the linear model."""
+        matrix = self._vectors @ (self._values[:, None] * self._vectors.T)
+        right = self._vectors @ self._along
+        solved = np.linalg.solve(matrix + np.diag(damping / self._lengths**2), right)
+        promised = float(2.0 * right @ solved - solved @ matrix @ solved)
+        step = self._linear.particular - self._linear.basis @ (solved / self._lengths)
+        return np.asarray(step), promised

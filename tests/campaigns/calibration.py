@@ -1,0 +1,193 @@
+"""How do fits of simulated readings end? Machines of all kinds, their geometry off at random, whole
+poses (the shipped delta: positions) read with noise; right data sets and wrong ones.
+
+    python tests/campaigns/calibration.py [MACHINE ...] [--sets 40] [--off 1e-3] [--noise 1e-4]
+        [--postures 40] [--wrong] [--seed 0]
+
+`--off` and `--noise` are shares of the size (angles: radians). Of right sets it counts those that
+end well, those that are believable, and those whose held-out readings (a fifth) agree, whitened by
+noise and covariance (p > 0.001); the bias is that of the pose at held-out joints over its standard
+deviation, root mean square. With `--wrong` the sets are spoilt, a fault each in turn: two columns
+exchanged, a joint's sign reversed, three times the noise, one outlier kept; none may be believable.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+import symkin
+from helpers import samples
+from helpers.inside import (
+    Noise,
+    Workspace,
+    default_parameters,
+    draw_held_out,
+    nominal_parameters,
+    predict_held_out,
+    random_configurations,
+    simulate_readings,
+    with_parameters,
+    workspace_home_pose,
+)
+from symkin.errors import SymkinError
+
+MACHINES: dict[str, tuple[Callable[[], symkin.Mechanism], tuple[str, ...]]] = {
+    "five_bar": (samples.five_bar, ("pose",)),
+    "three_rps": (samples.three_rps, ("pose",)),
+    "three_rrr": (lambda: samples.three_rrr("planar"), ("pose",)),
+    "delta_six": (lambda: replace(samples.delta(), motion="spatial"), ("pose",)),
+    "delta": (lambda: replace(symkin.load("delta"), motion="spatial"), ("position",)),
+    "ankle": (lambda: symkin.load("ankle"), ("pose",)),
+    "gluon_6l3": (lambda: symkin.load("gluon_6l3"), ("pose",)),
+    "ur5e": (lambda: symkin.load("ur5e"), ("pose",)),
+    "ren2008": (lambda: symkin.load("ren2008"), ("pose",)),
+}
+FAULTS = ("exchanged columns", "reversed sign", "tripled noise", "outlier kept")
+
+
+@dataclass(frozen=True)
+class Draw:
+    """A nominal machine and readings of a true one, with their standard deviations as stated."""
+
+    nominal: symkin.Mechanism
+    true: symkin.Mechanism
+    readings: symkin.Measurements
+
+
+def drawn(name: str, off: float, noise: float, postures: int, seed: int, more: float = 1.0) -> Draw:
+    """A set of readings with errors of `more` times the standard deviation that is stated."""
+    make, kinds = MACHINES[name]
+    nominal = make()
+    rng = np.random.default_rng([seed, len(name)])
+    size = nominal.characteristic_length
+    table = nominal_parameters(nominal)
+    while True:
+        changes = {
+            n: table[n][0] + off * rng.normal() * (size if table[n][1] == "length" else 1.0)
+            for n in default_parameters(nominal)
+        }
+        true = with_parameters(replace(nominal, example=None), changes)
+        try:
+            workspace = Workspace.about(true, start=workspace_home_pose(nominal))
+            made = random_configurations(workspace, np.full(postures, -1), Noise(), rng)
+            break
+        except SymkinError:
+            continue
+    stated = Noise(position=noise * size, orientation=noise)
+    groups = np.full(postures, -1)
+    exact = simulate_readings(true, made, groups, kinds, stated, np.random.default_rng([seed, 1]))
+    if more != 1.0:
+        louder = Noise(position=more * noise * size, orientation=more * noise)
+        noisy = simulate_readings(
+            true, made, groups, kinds, louder, np.random.default_rng([seed, 1])
+        )
+        exact = replace(
+            noisy,
+            position_sigma=exact.position_sigma,
+            orientation_sigma=exact.orientation_sigma,
+        )
+    return Draw(nominal, true, exact)
+
+
+def spoilt(draw: Draw, fault: str, seed: int) -> symkin.Measurements:
+    """The readings of a draw with a fault."""
+    m, rng = draw.readings, np.random.default_rng([seed, 2])
+    joints = m.joints.copy()
+    if fault == "exchanged columns":
+        a, b = rng.choice(joints.shape[1], 2, replace=False)
+        joints[:, [a, b]] = joints[:, [b, a]]
+        return replace(m, joints=joints)
+    if fault == "reversed sign":
+        joints[:, rng.integers(joints.shape[1])] *= -1.0
+        return replace(m, joints=joints)
+    if fault == "outlier kept":
+        position = m.position.copy()
+        k = rng.integers(len(position))
+        position[k] += 20.0 * float(np.max(m.position_sigma)) * rng.normal(size=3)
+        return replace(m, position=position)
+    return m
+
+
+def fitted(draw: Draw, m: symkin.Measurements, seed: int, **options):
+    """The fit to four fifths of the readings, and its prediction of the rest."""
+    held = draw_held_out(m, max(1, len(m) // 5), seed)
+    fit = symkin.calibrate(draw.nominal, m.subset(~held), seed=seed, **options)
+    return fit, predict_held_out(fit, m.subset(held), seed)
+
+
+def right_sets(name: str, args: argparse.Namespace) -> None:
+    ended = believed = agreed = 0
+    steps, seconds, why = [], [], []
+    for k in range(args.sets):
+        draw = drawn(name, args.off, args.noise, args.postures, args.seed + k)
+        begin = time.process_time()
+        try:
+            fit, held = fitted(draw, draw.readings, k)
+        except SymkinError as error:
+            why.append(f"{k}: {error}")
+            continue
+        seconds.append(time.process_time() - begin)
+        steps.append(fit.iterations)
+        ended += fit.status == "ok"
+        believed += fit.believable
+        agreed += fit.believable and held.believable
+        if not (fit.believable and held.believable):
+            chi = fit.chi_square / max(fit.degrees, 1)
+            why.append(
+                f"{k}: {fit.status} chi2/dof {chi:.3g} rank {fit.rank}/{len(fit.problem.names)} "
+                f"gap {fit.identifiability.gap:.3g} unsolved {len(fit.unsolved)} refused "
+                f"{fit.refused} held p {held.p_value}"
+            )
+    print(
+        f"{name:12s} ended {ended:3d} believable {believed:3d} agreed {agreed:3d} of {args.sets}; "
+        f"evaluations {np.median(steps or [0]):.0f}, {np.median(seconds or [0]):.2f} s each",
+        flush=True,
+    )
+    for text in why[: args.shown]:
+        print("   ", text[:240], flush=True)
+
+
+def wrong_sets(name: str, args: argparse.Namespace) -> None:
+    believed = 0
+    for k in range(args.sets):
+        fault = FAULTS[k % len(FAULTS)]
+        more = 3.0 if fault == "tripled noise" else 1.0
+        draw = drawn(name, args.off, args.noise, args.postures, args.seed + k, more)
+        options = {"outliers": "ignore"} if fault == "outlier kept" else {}
+        try:
+            fit, held = fitted(draw, spoilt(draw, fault, k), k, **options)
+        except SymkinError:
+            continue
+        if fit.believable and held.believable:
+            believed += 1
+            print(f"    {name} {k}: {fault} is believed", flush=True)
+    print(f"{name:12s} wrong sets believed {believed} of {args.sets}", flush=True)
+
+
+def main() -> None:
+    """Read the command line and run."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("machines", nargs="*", metavar="MACHINE")
+    parser.add_argument("--sets", type=int, default=40)
+    parser.add_argument("--off", type=float, default=1e-3)
+    parser.add_argument("--noise", type=float, default=1e-4)
+    parser.add_argument("--postures", type=int, default=40)
+    parser.add_argument("--wrong", action="store_true")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--shown", type=int, default=3)
+    args = parser.parse_args()
+    for name in args.machines or MACHINES:
+        (wrong_sets if args.wrong else right_sets)(name, args)
+
+
+if __name__ == "__main__":
+    main()
