@@ -70,6 +70,7 @@ class _Options:
     level: float | None
     max_iterations: int
     seed: int
+    any_machine: bool
 
     def __post_init__(self) -> None:
         if self.outliers == "ignore":
@@ -112,6 +113,7 @@ def calibrate(
     level: float | None = None,
     max_iterations: int = 60,
     seed: int = 0,
+    any_machine: bool = False,
 ) -> Calibration:
     """Identify a mechanism's geometry from measurements.
 
@@ -128,7 +130,8 @@ def calibrate(
     maximum a posteriori. `method` is "nested", "lifted" or "ipopt", of at most `max_iterations`
     steps; `loss` "squared", "huber" or "cauchy" (see `robust`); `outliers` "remove", "report" or
     "ignore", where a share `level` (default 0.02) of clean data sets may have a reading called one.
-    `seed` is that of random starts of direct problems.
+    `seed` is that of random starts of direct problems; with `any_machine` a geometry far from the
+    file's is believed, too.
 
     Raises InputError for names, options and readings that do not fit, and where no configuration's
     direct problem is solved. Source: Hollerbach, Khalil, Gautier, Model Identification, Springer
@@ -147,7 +150,17 @@ def calibrate(
     """
     require_mechanism(mechanism)
     options = _Options(
-        parameters, fixed, residual, tolerance, method, loss, outliers, level, max_iterations, seed
+        parameters,
+        fixed,
+        residual,
+        tolerance,
+        method,
+        loss,
+        outliers,
+        level,
+        max_iterations,
+        seed,
+        any_machine,
     )
     try:
         return _calibrate(mechanism, measurements, options)
@@ -273,6 +286,7 @@ class _Fitting:
             start_signs=determinant_signs(rows_z),
             notes=tuple(self.notes),
             loss=self.options.loss,
+            any_machine=self.options.any_machine,
         )
 
     def _estimate(

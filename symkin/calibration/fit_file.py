@@ -25,10 +25,8 @@ from symkin.calibration.judge.diagnoses import diagnose, diagnose_labels, nomina
 from symkin.calibration.judge.euler_sequence import diagnose_sequence, find_sequence
 from symkin.calibration.judge.holdout import draw_held_out, held_out_count, predict_held_out
 from symkin.calibration.judge.plausibility import (
-    Departure,
     is_beyond_noise,
     is_noticeable,
-    measure_departure,
     rejection_reason,
 )
 from symkin.calibration.judge.pose_accuracy import predict_pose_sigma
@@ -89,7 +87,6 @@ def fit_file(
     frames: str = LEAST_CHANGE,
     sigmas: Mapping[str, np.ndarray | float] | None = None,
     hold_out: str | None = None,
-    any_machine: bool = False,
     command: str = "",
     seed: int = 0,
     **options: Any,
@@ -99,8 +96,7 @@ def fit_file(
     `parameters` are patterns of what is identified, separated by commas, by default all; those that
     `hold` matches keep their nominal values. `frames` is "least" or "joints:..." (see
     `frame_names`). `sigmas` are standard deviations by kind of reading, for what the file leaves
-    out; `hold_out` is how many configurations (`20`, `20%`) are only predicted. `any_machine`
-    accepts a geometry far from the file's, `command` is what the report says was run, `seed` that
+    out; `hold_out` is how many configurations (`20`, `20%`) are only predicted. `command` is what the report says was run, `seed` that
     of random starts and draws; other `options` are those of `calibrate`.
 
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be
@@ -115,11 +111,8 @@ def fit_file(
     data, kept_back = _hold_out(data, hold_out, seed)
     task = _FileFit(mechanism, data, {**options, "parameters": names, "fixed": fixed})
     fit = task.fit(seed)
-    departure = measure_departure(fit.problem, fit.state)
-    mistakes = task.mistakes(fit, departure)
-    refused = rejection_reason(
-        fit, task.nominal_misfit(fit), mistakes, departure, any_machine=any_machine
-    )
+    mistakes = task.mistakes(fit)
+    refused = rejection_reason(fit, task.nominal_misfit(fit), mistakes)
     sequence = "" if task.choice is None else task.choice.sequence
     return FitReport(
         fit=fit,
@@ -129,7 +122,6 @@ def fit_file(
         suspicions=mistakes,
         notes=data.notes,
         sigma=predict_pose_sigma(fit, seed),
-        departure=departure,
         refusal=refused,
         held_out=None
         if kept_back is None
@@ -187,11 +179,11 @@ class _FileFit:
                 raise InputError(f"{self.data.path}: {error}") from None
             raise NotFittedError(f"{self.data.path}: {error}", mistakes) from None
 
-    def mistakes(self, fit: Calibration, departure: Departure) -> tuple[str, ...]:
+    def mistakes(self, fit: Calibration) -> tuple[str, ...]:
         """Find mistakes of the file that may explain a fit which is not believable, or which went
         far from the file's geometry.
         """
-        if fit.believable and fit.p_value is not None and not is_noticeable(fit, departure):
+        if fit.believable and fit.p_value is not None and not is_noticeable(fit):
             return ()
         found = diagnose(self.mechanism, self.measurements, self.frames)
         if found or fit.believable:

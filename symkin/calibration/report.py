@@ -17,7 +17,6 @@ from symkin.calibration.judge.euler_sequence import SequenceChoice
 from symkin.calibration.judge.fit_notes import is_exact
 from symkin.calibration.judge.holdout import HeldOut
 from symkin.calibration.judge.plausibility import (
-    Departure,
     describe_other_machine,
     is_other_machine,
 )
@@ -47,7 +46,6 @@ class FitReport:
     suspicions: tuple[str, ...]
     notes: tuple[str, ...]
     sigma: PoseSigma
-    departure: Departure
     refusal: str | None = None
     held_out: HeldOut | None = None
 
@@ -85,11 +83,7 @@ class FitReport:
                 if self.fit.p_value is not None
                 else "the noise is not known"
             )
-            other = (
-                f"; {describe_other_machine(self.fit, self.departure)}"
-                if is_other_machine(self.fit, self.departure)
-                else ""
-            )
+            other = f"; {describe_other_machine(self.fit)}" if is_other_machine(self.fit) else ""
             if self.held_out is not None and self.held_out.p_value is not None:
                 shown = (
                     f"{len(self.held_out.labels)} held-out postures are predicted as well as it "
@@ -223,7 +217,7 @@ class FitReport:
         lines += ["  " + self.residual_text(), "  " + self.sigma_text()]
         lines += [f"  {text}" for text in self.held_out_texts()]
         lines.append(
-            f"  the geometry's poses differ from the file's by {100 * self.departure.share:.2g} % "
+            f"  the geometry's poses differ from the file's by {100 * self.fit.departure.share:.2g} % "
             f"of their spread (frames aligned)"
         )
         changed = [
@@ -335,11 +329,11 @@ class FitReport:
                 "clear": self.sequence.clear,
             },
             "departure": {
-                "share": finite(self.departure.share),
-                "position": self.departure.position,
-                "angle": m.angle_out(self.departure.angle),
-                "open": self.departure.unclosed,
-                "postures": self.departure.configurations,
+                "share": finite(self.fit.departure.share),
+                "position": self.fit.departure.position,
+                "angle": m.angle_out(self.fit.departure.angle),
+                "open": self.fit.departure.unclosed,
+                "postures": self.fit.departure.configurations,
             },
             **fit.findings(),
             "pose_sigma": None

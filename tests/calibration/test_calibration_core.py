@@ -111,28 +111,6 @@ def test_methods_agree(form):
         )
 
 
-@pytest.mark.slow
-def test_ipopt_alone_reaches_the_minimum():
-    """Before it is polished, the end of IPOPT is within 1e-7 m of the nested estimate: it solved
-    the same program.
-    """
-    from helpers.inside import build_lifted_program as build_program
-    from helpers.inside import closed_state, estimate
-
-    rng = np.random.default_rng(5)
-    truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)
-    problem = build_calibration(NOMINAL, measured(truth, rng, noisy=True), fixed=HELD)
-    z = solve_configurations(problem.model, problem.measurements, problem.model.nominal).z
-    program = build_program(
-        problem, closed_state(problem, problem.model.nominal, z, "means", None), None, 200
-    )
-    values = np.asarray(program.solver(x0=program.start, lbg=0.0, ubg=0.0)["x"]).ravel()[
-        : program.parameters
-    ]
-    found = problem.model.nominal + problem.model.scales * values
-    assert np.max(np.abs(found - estimate(problem, z).state.p)) < 1e-7
-
-
 # --- derivatives ----------------------------------------------------------------------------------
 
 

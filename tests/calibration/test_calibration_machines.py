@@ -114,7 +114,7 @@ def test_the_machine_as_built_is_no_other_one(tmp_path, spread, far):
     )
     assert report.believable is not far
     assert report.usable is not far
-    assert (report.departure.share > 0.08) is far
+    assert (report.fit.departure.share > 0.08) is far
 
 
 @pytest.mark.slow
@@ -132,7 +132,7 @@ def test_another_base_frame_is_no_other_machine(tmp_path):
     )
     report = fit_file(mechanism, read_measurements(measured(tmp_path, *true, rng), mechanism))
     assert report.fit.believable
-    assert report.departure.share < 0.01
+    assert report.fit.departure.share < 0.01
     assert report.usable
 
 

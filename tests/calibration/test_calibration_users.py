@@ -19,7 +19,6 @@ from helpers.inside import (
     Noise,
     Workspace,
     build_calibration,
-    determined_directions,
     deviations,
     estimate,
     evaluate_readings,
@@ -31,6 +30,7 @@ from helpers.inside import (
     random_configurations,
     simulate_readings,
     solve_configurations,
+    told_directions,
     with_parameters,
 )
 from symkin import calibrate
@@ -64,7 +64,9 @@ def dense_model(problem, state, model):
     count = readings.values.size
     e = evaluate_readings(problem, state)
     flat = (model.whiten @ deviations(readings, e.readings)[:, :, None]).reshape(count)
-    columns = [(model.whiten @ e.slopes).reshape(count, -1) @ determined_directions(problem, state)]
+    told = told_directions(problem, state)
+    free = told.columns[:, told.ratios > 1.0]
+    columns = [(model.whiten @ e.slopes).reshape(count, -1) @ free]
     basis = group_basis(readings, model.whiten)
     for g in range(readings.groups):
         columns.append(np.where((readings.group == g)[:, None, None], basis, 0.0).reshape(count, 2))
@@ -79,6 +81,7 @@ def dense_model(problem, state, model):
         nothing,
         np.full(count, -1),
         whole,
+        model.fitted + 2 * readings.groups,
         model.taken,
         model.whiten,
     )

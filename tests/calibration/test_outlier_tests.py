@@ -25,6 +25,7 @@ def model_of(errors, absorbed):
         group_columns=np.zeros((n * width, 2)),
         group=np.full(n * width, -1),
         parameter_columns=basis,
+        fitted=float(basis.shape[1]) if basis.size else 0.0,
         taken=np.ones(n * width, dtype=bool),
         whiten=np.tile(np.eye(width), (n, 1, 1)),
     )

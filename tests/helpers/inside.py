@@ -417,6 +417,7 @@ NAMES = {
     "curvature": "symkin.calibration.judge.statistics",
     "f_tail": "symkin.calibration.judge.statistics",
     "linear_model": "symkin.calibration.judge.statistics",
+    "told_directions": "symkin.calibration.judge.statistics",
     "FitReport": "symkin.calibration.report",
     # generated C
     "Emitter": "symkin.codegen.c_emitter",

@@ -32,7 +32,7 @@ from symkin.calibration.design.simulation import (
     random_configurations,
 )
 from symkin.calibration.estimate.configurations import ClosedConfigurations
-from symkin.calibration.estimate.problem import default_parameters
+from symkin.calibration.estimate.problem import PRIOR_SHARE, default_parameters
 from symkin.calibration.estimate.workspace import Workspace, lever
 from symkin.calibration.judge.pose_accuracy import less_frames, pose_slopes
 from symkin.errors import InputError
@@ -58,10 +58,6 @@ _REFINEMENT_NEIGHBOURS = 12
 """Neighbours of each configuration that one round of refinement tries."""
 _REFINEMENT_SCALES = (0.5, 0.3, 0.2, 0.1, 0.05, 0.025)
 """How far the neighbours are, over the workspace, round by round."""
-_PRIOR_SIGMA = 0.1
-"""Standard deviation of parameters before the data, over the size: weak, so that the first
-covariance exists.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,7 +304,7 @@ class _Task:
         slopes, frames = pose_slopes(self.mechanism, tests, self.names)
         self.length = lever(self.mechanism)
         self.pose = less_frames(slopes, frames, self.length) if options.aligned else slopes
-        self.prior = 1.0 / (_PRIOR_SIGMA * self.mechanism.characteristic_length) ** 2
+        self.prior = 1.0 / (PRIOR_SHARE * self.mechanism.characteristic_length) ** 2
         self.directions = np.eye(len(self.names))
         self.seed = int(self.rng.integers(2**31))
 

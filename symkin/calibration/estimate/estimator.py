@@ -55,7 +55,8 @@ _MAX_UNSHRUNK_STEPS, _CONVERGED_STEP = 8, 1e-13
 """Most steps without the prior, and their length, of the size, at which they end."""
 _WIDENED, _MAX_PRIOR_CHANGE, _MAX_WIDENINGS = 3.0, 3.0, 8
 """The prior is widened by this factor while a parameter is further from nominal than so many of its
-standard deviations, so many times at most; a step that goes further than that is damped.
+standard deviations, so many times at most; a step that goes further than that, beyond where it
+begins, is damped.
 """
 _MAX_POSES, _MAX_POSE_STEPS = 2000, 40
 """Most configurations and steps at measured poses: a start needs no more."""
@@ -221,7 +222,8 @@ class _Search:
         """Iterate; return the status."""
         while True:
             status = self._descend(limit)
-            if status != "ok" or self.problem.is_stated or not self._is_far:
+            near = self._change <= _MAX_PRIOR_CHANGE
+            if status != "ok" or self.problem.is_stated or near:
                 break
             if self.widened >= _WIDENED**_MAX_WIDENINGS:
                 break
@@ -251,10 +253,11 @@ class _Search:
         is one.
         """
         before = self._cost(self.state, weight)
+        furthest = _MAX_PRIOR_CHANGE + self._change
         while self.damping < _MAX_DAMPING:
             step, promised = solver.step(self.damping)
             trial = None
-            if np.max(np.abs(step) / self.prior, initial=0.0) < _MAX_PRIOR_CHANGE:
+            if np.max(np.abs(step) / self.prior, initial=0.0) < furthest:
                 trial = restored_after(self.objective.moved, self.state, step)
                 self.steps += 1
             if trial is not None and self._is_better(trial, before, weight):
@@ -282,14 +285,20 @@ class _Search:
         return here > _LEFTOVER_TOLERANCE * self._size or self._cost(trial, weight) < before
 
     def _unshrink(self) -> None:
-        """Take the last steps without the prior in the directions that readings tell by far."""
+        """Take the last steps: without the prior in the directions that readings tell by far, with
+        it in the others.
+        """
         last = np.inf
         for _ in range(_MAX_UNSHRUNK_STEPS):
             linear = Linear.of(self.problem, self.state, self.prior)
+            weight = prior_weight(self.problem, self.state, linear)
             told, vectors = linear.told
-            kept = told > WELL_TOLD * prior_weight(self.problem, self.state, linear)
-            along = vectors[:, kept]
-            step = -linear.basis @ (along @ ((along.T @ linear.gradient) / told[kept] ** 2))
+            well = told > WELL_TOLD * weight
+            free, rest = vectors[:, well], vectors[:, ~well]
+            solver = _Damped(linear, weight)
+            y = -free @ ((free.T @ linear.gradient) / told[well] ** 2)
+            y -= rest @ np.linalg.solve(rest.T @ solver.matrix @ rest, rest.T @ solver.gradient)
+            step = linear.particular + linear.basis @ y
             length = float(np.max(np.abs(step), initial=0.0)) / self._size
             if not _CONVERGED_STEP < length < 0.5 * last:
                 return
@@ -316,9 +325,9 @@ class _Search:
         return np.asarray((state.p - model.nominal) / model.scales / self.prior)
 
     @property
-    def _is_far(self) -> bool:
-        """Whether the geometry is further from nominal than the prior lets expect."""
-        return bool(np.max(np.abs(self._over_prior(self.state)), initial=0.0) > _MAX_PRIOR_CHANGE)
+    def _change(self) -> float:
+        """The largest change of a parameter from nominal over its prior standard deviation."""
+        return float(np.max(np.abs(self._over_prior(self.state)), initial=0.0))
 
 
 def _unmet(state: State) -> float:
@@ -333,14 +342,14 @@ class _Damped:
 
     def __init__(self, linear: Linear, weight: float) -> None:
         self._linear = linear
-        matrix = linear.normal + weight**2 * linear.weak
+        self.matrix = linear.normal + weight**2 * linear.weak
         self.gradient = linear.gradient + weight**2 * linear.off
-        self._lengths = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-        if not np.all(np.isfinite(matrix)):
+        self._lengths = np.sqrt(np.maximum(np.diag(self.matrix), 1e-300))
+        if not np.all(np.isfinite(self.matrix)):
             self.gradient = np.full(len(self._lengths), np.nan)
             return
         self._values, self._vectors = np.linalg.eigh(
-            matrix / np.outer(self._lengths, self._lengths)
+            self.matrix / np.outer(self._lengths, self._lengths)
         )
         self._along = self._vectors.T @ (self.gradient / self._lengths)
         self._values = np.maximum(self._values, 1e-15 * np.max(self._values, initial=1e-300))

@@ -26,6 +26,10 @@ _FREE_WEIGHT = 1e-9
 """Weight of the prior for what has none, beside that of others: it keeps what no reading tells where
 it is.
 """
+_QUIET = 4.0
+"""Noise that is stated counts as it is until its variance is so many times that of the residuals: of
+readings without noise nothing is left to the prior.
+"""
 _ROUNDING_RESIDUAL = 1e-12
 """Residuals below this, over the size, are no more than arithmetic leaves."""
 _ROUNDING_VARIANCE = 1e6
@@ -108,9 +112,13 @@ def _units(matrix: np.ndarray, prior: np.ndarray, size: float) -> np.ndarray:
 
 def prior_weight(problem: CalibrationProblem, state: State, linear: Linear) -> float:
     """Return the weight w of the prior: 1, or the standard deviation of the residuals where the
-    noise is not known; not below what rounding leaves.
+    noise is not known or they are far below it; not below what rounding leaves.
     """
     readings = problem.readings
-    variance = 1.0 if readings.known else state.cost / max(readings.count, 1)
+    freedom = readings.count - len(problem.names)
+    variance = state.cost / max(freedom, 1)
+    if readings.known:
+        quiet = freedom > 0 and not problem.is_stated
+        variance = min(1.0, _QUIET * variance) if quiet else 1.0
     least = _ROUNDING_VARIANCE * rounding_residual(problem) ** 2
     return max(float(np.sqrt(max(variance, least, 1e-300))), _LEAST_WEIGHT * linear.longest)

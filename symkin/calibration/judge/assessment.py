@@ -27,6 +27,7 @@ from symkin.calibration.estimate.state import State, closed_state, evaluate, joi
 from symkin.calibration.judge.fit_notes import fit_notes, is_exact
 from symkin.calibration.judge.identifiability import identifiability_at
 from symkin.calibration.judge.outliers import Screening
+from symkin.calibration.judge.plausibility import measure_departure
 from symkin.calibration.judge.result import Calibration, Parameter, Residual
 from symkin.calibration.judge.statistics import (
     DOUBTFUL_CURVATURE,
@@ -71,6 +72,7 @@ class Fit:
     notes: tuple[str, ...] = ()
     silent: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     loss: str = "squared"
+    any_machine: bool = False
 
 
 def build_result(
@@ -99,6 +101,8 @@ def build_result(
         residuals=_residuals(problem, state, model, spread, found.used),
         chi_square=chi_square,
         degrees=model.degrees,
+        departure=measure_departure(problem, state),
+        any_machine=found.any_machine,
         p_value=chi_square_tail(_tested_chi_square(problem, model), model.degrees)
         if known and model.degrees > 0
         else None,

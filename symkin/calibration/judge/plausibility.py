@@ -96,27 +96,17 @@ def rejection_reason(
     fit: Calibration,
     at_nominal: float,
     suspicions: Sequence[str],
-    departure: Departure,
-    *,
-    any_machine: bool = False,
 ) -> str | None:
     """Say why a converged fit is not to be used, None where nothing speaks against it; `at_nominal`
-    is the misfit of the nominal geometry (see `residual_misfit`). With `any_machine` a geometry far
-    from the file's is not refused for that.
+    is the misfit of the nominal geometry (see `residual_misfit`).
     """
     beyond = _noise_excess(fit)
-    misplaced = is_other_machine(fit, departure) or (
-        bool(suspicions) and is_noticeable(fit, departure)
-    )
+    misplaced = is_other_machine(fit) or (bool(suspicions) and is_noticeable(fit))
     if beyond is not None:
         why = _misfit_reason(fit, beyond, at_nominal, suspicions)
         if why is not None:
             return why
-    return (
-        describe_other_machine(fit, departure, suspicions)
-        if misplaced and not any_machine
-        else None
-    )
+    return describe_other_machine(fit, suspicions) if misplaced and not fit.any_machine else None
 
 
 def _misfit_reason(
@@ -152,7 +142,7 @@ def _misfit_reason(
     return beyond if suspicions else None
 
 
-def is_other_machine(fit: Calibration, departure: Departure) -> bool:
+def is_other_machine(fit: Calibration) -> bool:
     """Tell whether the fit is of another machine than the file describes, and further away than the
     tolerances stated let expect.
     """
@@ -161,16 +151,14 @@ def is_other_machine(fit: Calibration, departure: Departure) -> bool:
         and max((abs(z) for _, z in changes_over_tolerances(fit)), default=0.0)
         <= _EXPECTED_TOLERANCES
     )
-    return (
-        departure.share > OTHER_MACHINE_DEPARTURE and not within and is_noticeable(fit, departure)
-    )
+    return fit.departure.share > OTHER_MACHINE_DEPARTURE and not within and is_noticeable(fit)
 
 
-def is_noticeable(fit: Calibration, departure: Departure) -> bool:
+def is_noticeable(fit: Calibration) -> bool:
     """Tell whether the geometry went so far that mistakes in the file are worth a search although
     it fits.
     """
-    return departure.share > NOTICEABLE_DEPARTURE and any(
+    return fit.departure.share > NOTICEABLE_DEPARTURE and any(
         _relative_change(fit, p) > _NEGLIGIBLE_CHANGE for p in fit.parameters if not p.held
     )
 
@@ -196,11 +184,9 @@ def changes_over_tolerances(fit: Calibration) -> list[tuple[str, float]]:
     ]
 
 
-def describe_other_machine(
-    fit: Calibration, departure: Departure, suspicions: Sequence[str] = ()
-) -> str:
+def describe_other_machine(fit: Calibration, suspicions: Sequence[str] = ()) -> str:
     """Describe a geometry far from the file's, first what would explain it."""
-    m = fit.mechanism
+    m, departure = fit.mechanism, fit.departure
     size, free = m.characteristic_length, [p for p in fit.parameters if not p.held]
     largest = sorted(free, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))[
         :_NAMED_CHANGES

@@ -16,6 +16,7 @@ from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.identifiability import Identifiability
 from symkin.calibration.judge.outliers import Outlier
+from symkin.calibration.judge.plausibility import Departure, is_other_machine
 from symkin.calibration.judge.statistics import SIGNIFICANCE
 from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
@@ -75,7 +76,8 @@ class Calibration(Result):
     those that crossed a singularity on the way; none is dropped without being named. `given_up` are
     the first outliers of a fit where so many readings do not belong that none was left out,
     `silent` configurations without any reading beside the joints, which are not used. All figures
-    are those of the file with the `corrected` geometry, written and read back (see `assessment`);
+    are those of the file with the `corrected` geometry, written and read back (see `assessment`); `departure` says how far its poses went from the
+    file's;
     `refused` says why it must not be written, None where nothing speaks against it. `plot()` draws
     the changes of the parameters, `plot(what="residuals")` the residuals.
 
@@ -100,6 +102,7 @@ class Calibration(Result):
     chi_square: float
     degrees: int
     p_value: float | None
+    departure: Departure
     identifiability: Identifiability
     outliers: tuple[Outlier, ...]
     unchecked: tuple[tuple[int, str], ...]
@@ -115,6 +118,7 @@ class Calibration(Result):
     given_up: tuple[Outlier, ...] = ()
     silent: tuple[int, ...] = ()
     refused: str | None = None
+    any_machine: bool = False
 
     @cached_property
     def values(self) -> dict[str, float]:
@@ -135,10 +139,12 @@ class Calibration(Result):
     @property
     def believable(self) -> bool:
         """Whether the fit converged, every configuration is solved, and the stated noise explains
-        the residuals (neither larger nor smaller than expected), but for some outliers.
+        the residuals (neither larger nor smaller than expected), but for some outliers; and whether
+        it is the machine that the file describes, unless `any_machine` was asked for.
         """
         fits = self.p_value is None or SIGNIFICANCE < self.p_value < 1.0 - SIGNIFICANCE
         whole = not self.unsolved and not self.given_up and self.refused is None
+        whole = whole and (self.any_machine or not is_other_machine(self))
         return self.status == "ok" and whole and fits and self.degrees > 0
 
     @property

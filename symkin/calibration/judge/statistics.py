@@ -73,7 +73,7 @@ class LinearModel:
     columns of each row's group, whose number is `group` (N,), -1 for none; `parameter_columns` (N,
     k), the rest of the basis; how many parameters were `fitted`, those that the prior decides by a
     share; which rows hold a reading (N,), and the transformation W (n, K, K) that whitened them.
-    `within_reach` is the square that the projection to the parameters' columns took away: at
+    Tolerances that are stated stand in rows after those. `within_reach` is the square that the projection to the parameters' columns took away: at
     a minimum nothing, but for a form of residuals that weighs otherwise than joint noise and
     correlation ask.
     """
@@ -148,14 +148,16 @@ class LinearModel:
 def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
     """Linearise all readings at a state with closed configurations."""
     readings, told = problem.readings, told_directions(problem, state)
-    free = told.columns[:, told.ratios > 1.0]
+    free = told.columns[:, (told.ratios > 1.0) | problem.is_stated]
+    known, by_known = _stated_rows(problem, state)
+    by_known = by_known @ free
     shape = readings.values.shape
     residuals, own, whiten = (
         np.zeros((*shape, 1)),
         np.zeros((*shape, 2)),
         np.zeros((*shape, shape[1])),
     )
-    columns, squares = np.zeros((*shape, free.shape[1])), np.zeros(free.shape[1])
+    columns, squares = np.zeros((*shape, free.shape[1])), np.sum(by_known**2, axis=0)
     for rows, part in problem.parts:
         e = evaluate_at(part, state.p, state.z[rows])
         whiten[rows] = whitening(part.readings, joint_covariance_at(part, state.p, state.z[rows]))
@@ -173,20 +175,31 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
         columns[rows], residuals[rows] = made, r
     # columns of unit length, so that the rank of the basis is judged alike for all parameters
     kept, count = squares > 0, readings.values.size
-    flat_columns = columns.reshape(count, -1)[:, kept] / np.sqrt(squares[kept])
+    flat_columns = np.vstack([columns.reshape(count, -1), by_known])[:, kept]
+    flat_columns /= np.sqrt(squares[kept])
     shared = _basis_in_place(flat_columns) if problem.is_large else _basis(flat_columns)
-    flat = residuals.reshape(count)
+    flat = np.concatenate([residuals.reshape(count), known])
+    rows_known = np.ones(len(known), dtype=bool)
     along = shared.T @ flat
     return LinearModel(
         residuals=flat - shared @ along,
-        group_columns=own.reshape(count, 2),
-        group=np.repeat(readings.group, shape[1]),
+        group_columns=np.vstack([own.reshape(count, 2), np.zeros((len(known), 2))]),
+        group=np.concatenate([np.repeat(readings.group, shape[1]), np.full(len(known), -1)]),
         parameter_columns=shared,
-        fitted=float(np.sum(told.shares)),
-        taken=readings.taken.reshape(-1),
+        fitted=float(shared.shape[1] if problem.is_stated else np.sum(told.shares)),
+        taken=np.concatenate([readings.taken.reshape(-1), rows_known]),
         whiten=whiten,
         within_reach=float(along @ along),
     )
+
+
+def _stated_rows(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
+    """Return the residuals (k,) of the parameters from nominal over the tolerances stated, which are
+    readings of them, and their derivative (k, P) by scaled parameters; none without.
+    """
+    known = np.isfinite(problem.prior) & problem.is_stated
+    change = (state.p - problem.model.nominal) / problem.model.scales
+    return (change / problem.prior)[known], np.diag(1.0 / problem.prior)[known]
 
 
 def whitened_residuals(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
@@ -204,28 +217,35 @@ def whitened_residuals(problem: CalibrationProblem, state: State) -> tuple[np.nd
 class Told:
     """What the readings tell at a state: directions of the scaled parameters as `columns` (P, k),
     one prior standard deviation long, `ratios` (k,) of the prior's standard deviation to that by
-    the readings, `lengths` (k,) of the residuals' change along them, and what `shares` (k,) of each
-    the readings decide.
+    the readings, what `shares` (k,) of each the readings decide, and its `gains` (k,), by which a
+    gradient of the squared residuals moves the estimate. `weight` is the prior's.
     """
 
     columns: np.ndarray
     ratios: np.ndarray
-    lengths: np.ndarray
     shares: np.ndarray
+    gains: np.ndarray
+    weight: float
 
 
 def told_directions(problem: CalibrationProblem, state: State) -> Told:
     """Find what the readings tell, in which an overconstrained closure stays consistent; without
-    what they do not tell at all.
+    what they do not tell at all, but where tolerances are stated.
     """
     linear = Linear.of(problem, state, problem.prior)
     lengths, vectors = linear.told
-    ratios = lengths / prior_weight(problem, state, linear)
-    some = ratios > UNTOLD
-    lengths, ratios = lengths[some], ratios[some]
-    decided = ratios > (np.inf if problem.is_stated else WELL_TOLD)
-    shares = np.where(decided, 1.0, ratios**2 / (1.0 + ratios**2))
-    return Told(linear.basis @ vectors[:, some], ratios, lengths, shares)
+    weight = prior_weight(problem, state, linear)
+    some = (lengths > UNTOLD * weight) | problem.is_stated
+    lengths = lengths[some]
+    decided = (lengths > WELL_TOLD * weight) & (not problem.is_stated)
+    gains = 1.0 / (lengths**2 + np.where(decided, 0.0, weight**2))
+    return Told(
+        columns=linear.basis @ vectors[:, some],
+        ratios=lengths / weight,
+        shares=lengths**2 * gains,
+        gains=gains,
+        weight=weight,
+    )
 
 
 def _group_columns(readings: Readings, whiten: np.ndarray) -> np.ndarray:
@@ -341,17 +361,16 @@ def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
     mixed = evaluate(problem, state.p, state.z, problem.form, noise if likely else None)
     told = told_directions(problem, mixed)
     scaled = problem.model.scales[:, None] * told.columns
-    gain = told.shares / told.lengths**2
-    left = scaled * ((1.0 - told.shares) * told.ratios / told.lengths)
+    left = scaled * ((1.0 - told.shares) / told.weight)
     total = left @ left.T
     if likely:
-        own = scaled * (told.shares / told.lengths)
+        own = scaled * np.sqrt(told.shares * told.gains)
         return np.asarray(total + own @ own.T)
     for rows, part in problem.parts:
         slopes = (
             evaluate(part, state.p, state.z[rows], problem.form) if problem.is_large else mixed
         ).linearised.matrix
-        total += _propagated(part, (scaled * gain) @ (slopes @ told.columns).T, noise[rows])
+        total += _propagated(part, (scaled * told.gains) @ (slopes @ told.columns).T, noise[rows])
     return np.asarray(total)
 
 
