@@ -194,7 +194,10 @@ def _calibrate(mechanism: Mechanism, measurements: Measurements, options: _Optio
         screened = fit_without_outliers(fit, measurements, found, options.significance)
         found = screened.found if options.outliers == "remove" else found
     if options.method != "nested":
-        note = f"method {options.method!r} is one with 'nested' now; the name goes with the next release"
+        note = (
+            f"method {options.method!r} is one with 'nested' now; the name goes with the next "
+            f"release"
+        )
         found = replace(found, notes=(*found.notes, note))
     result = build_result(
         measurements, found, screened.screening, removed=options.outliers == "remove"

@@ -96,8 +96,9 @@ def fit_file(
     `parameters` are patterns of what is identified, separated by commas, by default all; those that
     `hold` matches keep their nominal values. `frames` is "least" or "joints:..." (see
     `frame_names`). `sigmas` are standard deviations by kind of reading, for what the file leaves
-    out; `hold_out` is how many configurations (`20`, `20%`) are only predicted. `command` is what the report says was run, `seed` that
-    of random starts and draws; other `options` are those of `calibrate`.
+    out; `hold_out` is how many configurations (`20`, `20%`) are only predicted. `command` is what
+    the report says was run, `seed` that of random starts and draws; other `options` are those of
+    `calibrate`.
 
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be
     fitted.

@@ -136,11 +136,6 @@ class FitReport:
             return self.held_out.doubt
         if self.sequence is not None and not self.sequence.clear:
             return "these data cannot tell the Euler sequence: several fit almost equally"
-        if not fit.identifiability.is_clear:
-            return (
-                "the rank is not clear: something is told by the readings to second order only; "
-                "hold it, or choose postures that differ more"
-            )
         return "see the notes"
 
     @property
@@ -217,8 +212,8 @@ class FitReport:
         lines += ["  " + self.residual_text(), "  " + self.sigma_text()]
         lines += [f"  {text}" for text in self.held_out_texts()]
         lines.append(
-            f"  the geometry's poses differ from the file's by {100 * self.fit.departure.share:.2g} % "
-            f"of their spread (frames aligned)"
+            f"  the geometry's poses differ from the file's by "
+            f"{100 * self.fit.departure.share:.2g} % of their spread (frames aligned)"
         )
         changed = [
             f"{q.name} {_value(self, q, q.change, sign=True)}" for q in self.changes()[:_MAX_SHOWN]

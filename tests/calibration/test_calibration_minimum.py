@@ -62,9 +62,9 @@ def test_the_minimum_is_that_of_the_truth_or_less(delivered, method):
 
 @pytest.mark.slow
 def test_scipy_finds_no_less():
-    """Two random machines: below the chi-square of the true tables, and above the least that SciPy's
-    methods find from the same start by no more than what the prior holds in the directions that the
-    readings hardly tell, one each.
+    """Two random machines: below the chi-square of the true tables, and above the least that
+    SciPy's methods find from the same start by no more than what the prior holds in the directions
+    that the readings hardly tell, one each.
     """
     pytest.importorskip("scipy")
     for seed in (1, 2):
@@ -162,8 +162,8 @@ def hexapod():
 
 
 def test_rods_inside_out_are_refused(hexapod):
-    """All readings negated, in the file of a machine whose offsets are: the fit is perfect with rods
-    inside out, and refused with the legs and rows named; right readings are not.
+    """All readings negated, in the file of a machine whose offsets are: the fit is perfect with
+    rods inside out, and refused with the legs and rows named; right readings are not.
     """
     mechanism, data = hexapod
     assert calibrate(mechanism, data).refused is None

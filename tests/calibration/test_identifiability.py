@@ -60,7 +60,7 @@ def test_inclinations_leave_exactly_the_frames(spread):
     assert found.rank == 32
     assert set(found.unobservable) == TEN
     assert len(found.unobservable) == 10
-    assert found.is_clear
+    assert found.gap > 1e3
 
 
 def test_joint_frames_hold_what_is_free():

@@ -41,7 +41,7 @@ from helpers.inside import (
 from symkin.errors import SymkinError
 
 MACHINES: dict[str, tuple[Callable[[], symkin.Mechanism], tuple[str, ...]]] = {
-    "five_bar": (samples.five_bar, ("pose",)),
+    "five_bar": (lambda: replace(samples.five_bar(), motion="planar"), ("pose",)),
     "three_rps": (samples.three_rps, ("pose",)),
     "three_rrr": (lambda: samples.three_rrr("planar"), ("pose",)),
     "delta_six": (lambda: replace(samples.delta(), motion="spatial"), ("pose",)),
@@ -111,15 +111,20 @@ def spoilt(draw: Draw, fault: str, seed: int) -> symkin.Measurements:
         return replace(m, joints=joints)
     if fault == "outlier kept":
         position = m.position.copy()
-        k = rng.integers(len(position))
-        position[k] += 20.0 * float(np.max(m.position_sigma)) * rng.normal(size=3)
+        k = rng.choice(np.flatnonzero(~_held_out(m, seed)))
+        away = rng.normal(size=3)
+        position[k] += 20.0 * float(np.max(m.position_sigma)) * away / np.linalg.norm(away)
         return replace(m, position=position)
     return m
 
 
+def _held_out(m: symkin.Measurements, seed: int) -> np.ndarray:
+    return draw_held_out(m, max(1, len(m) // 5), seed)
+
+
 def fitted(draw: Draw, m: symkin.Measurements, seed: int, **options):
     """The fit to four fifths of the readings, and its prediction of the rest."""
-    held = draw_held_out(m, max(1, len(m) // 5), seed)
+    held = _held_out(m, seed)
     fit = symkin.calibrate(draw.nominal, m.subset(~held), seed=seed, **options)
     return fit, predict_held_out(fit, m.subset(held), seed)
 

@@ -297,8 +297,8 @@ def follow_joints(
 def fit_passive(
     model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray, most: int
 ) -> np.ndarray:
-    """Fit the passive joints in z (n, width) at which the geometry p closes best with the pose as it
-    is, each configuration by itself: Levenberg-Marquardt of at most so many steps.
+    """Fit the passive joints in z (n, width) at which the geometry p closes best with the pose as
+    it is, each configuration by itself: Levenberg-Marquardt of at most so many steps.
     """
     width = model.system.freedom
     passive = np.flatnonzero(

@@ -1,12 +1,13 @@
 """Estimate parameters: least squares of the readings with a prior, by Levenberg-Marquardt.
 
-    min |r(p)|^2 + w^2 |(p - nominal) / s|^2
+min |r(p)|^2 + w^2 |(p - nominal) / s|^2
 
 with residuals r over their standard deviations, every configuration condensed (see `state`), s the
-prior's standard deviations (see `problem`) and w = 1; where the noise is unknown w^2 is the residual
-variance. What no reading tells stays where the prior has it, at the least change from nominal: rigid
-frames are then a best fit of the joints to nominal (Procrustes). Rows that the unknown coordinates
-cannot meet (overconstrained mechanisms) constrain p: every step keeps C dp = -c.
+prior's standard deviations (see `problem`) and w = 1; where the noise is unknown w^2 is the
+residual variance. What no reading tells stays where the prior has it, at the least change from
+nominal: rigid frames are then a best fit of the joints to nominal (Procrustes). Rows that the
+unknown coordinates cannot meet (overconstrained mechanisms) constrain p: every step keeps C dp =
+-c.
 
 Steps are taken in prior units, d = dp / s, in the eigenbasis of the normal matrix brought to equal
 diagonal entries; damping tightens the prior about where the iteration stands. A trial is refused
@@ -112,9 +113,9 @@ def is_rounding(problem: CalibrationProblem, state: State) -> bool:
 
 
 def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
-    """Estimate the parameters (P,) from nominal at the measured poses, without a direct problem (see
-    `_AtPoses`); None where too few poses are whole, where frames between mechanism and measurement
-    are unknown, and where the joints carry the platform.
+    """Estimate the parameters (P,) from nominal at the measured poses, without a direct problem
+    (see `_AtPoses`); None where too few poses are whole, where frames between mechanism and
+    measurement are unknown, and where the joints carry the platform.
     """
     model, m = problem.model, problem.measurements
     given = np.array([pose is not None for pose in known_poses(m, measured=True)])
@@ -165,12 +166,6 @@ class _Nested:
         """Take a step of the parameters; None where a configuration has no solution there."""
         return state_after(self.problem, state, step, self.form, self.covariance)
 
-    def is_same_mode(self, state: State, other: State) -> bool:
-        """Tell whether no configuration has passed a singularity: det F_z changes its sign there
-        alone.
-        """
-        return np.array_equal(state.determinant_signs, other.determinant_signs)
-
 
 @dataclass(frozen=True, eq=False)
 class _AtPoses:
@@ -192,13 +187,11 @@ class _AtPoses:
         found = self._at(p, state.z, _PASSIVE_STEPS)
         return found if np.isfinite(found.cost) else None
 
-    def is_same_mode(self, state: State, other: State) -> bool:
-        """Poses that are measured are of one mode."""
-        return True
-
     def _at(self, p: np.ndarray, z: np.ndarray, steps: int) -> State:
         z = fit_passive(self.problem.model, z, self.problem.measurements.joints, p, steps)
-        return evaluate(self.problem, p, z, "means")
+        state = evaluate(self.problem, p, z, "means")
+        # poses that are measured are of one mode, whatever the geometry
+        return replace(state, determinant_signs=np.zeros(len(z)))
 
 
 # --- iteration ------------------------------------------------------------------------------------
@@ -275,9 +268,9 @@ class _Search:
 
     def _is_better(self, trial: State, before: float, weight: float) -> bool:
         """Tell whether a trial lowers the cost, or meets rows left over that were not met, in the
-        assembly mode of where the iteration stands.
+        assembly mode of where the iteration stands: det F_z changes its sign only between modes.
         """
-        if not self.objective.is_same_mode(self.state, trial):
+        if not np.array_equal(trial.determinant_signs, self.state.determinant_signs):
             return False
         here, there = _unmet(self.state), _unmet(trial)
         if there > max(_LEFTOVER_TOLERANCE * self._size, 0.5 * here):
@@ -303,7 +296,9 @@ class _Search:
             if not _CONVERGED_STEP < length < 0.5 * last:
                 return
             trial = restored_after(self.objective.moved, self.state, step)
-            if trial is None or not self.objective.is_same_mode(self.state, trial):
+            if trial is None or not np.array_equal(
+                trial.determinant_signs, self.state.determinant_signs
+            ):
                 return
             self.state, last = trial, length
             self.steps += 1
@@ -360,7 +355,7 @@ class _Damped:
         return float(np.sum(self._along**2 / self._values))
 
     def step(self, damping: float) -> tuple[np.ndarray, float]:
-        """Return the change (P,) of the scaled parameters, and what it gains by the linear model."""
+        """Return the change (P,) of the scaled parameters, and its gain by the linear model."""
         matrix = self._vectors @ (self._values[:, None] * self._vectors.T)
         right = self._vectors @ self._along
         solved = np.linalg.solve(matrix + np.diag(damping / self._lengths**2), right)

@@ -1,9 +1,10 @@
-"""Linearise a fit in prior units: what the readings tell of each direction, and the prior beside it.
+"""Linearise a fit in prior units: what the readings tell of each direction, and the prior beside
+it.
 
-One unit of a parameter is one standard deviation of the prior. A singular value of the Jacobian over
-the prior's weight w says how many times better than the prior the readings tell a direction: its
-standard deviation by the readings is the prior's over that. Above `WELL_TOLD` the readings decide;
-below `UNTOLD` they say nothing; between, both do.
+One unit of a parameter is one standard deviation of the prior. A singular value of the Jacobian
+over the prior's weight w says how many times better than the prior the readings tell a direction:
+its standard deviation by the readings is the prior's over that. Above `WELL_TOLD` the readings
+decide; below `UNTOLD` they say nothing; between, both do.
 """
 
 from __future__ import annotations
@@ -23,12 +24,12 @@ _LEAST_WEIGHT = 1e-7
 what no reading tells stays.
 """
 _FREE_WEIGHT = 1e-9
-"""Weight of the prior for what has none, beside that of others: it keeps what no reading tells where
-it is.
+"""Weight of the prior for what has none, beside that of others: it keeps what no reading tells
+where it is.
 """
 _QUIET = 4.0
-"""Noise that is stated counts as it is until its variance is so many times that of the residuals: of
-readings without noise nothing is left to the prior.
+"""Noise that is stated counts as it is until its variance is so many times that of the residuals:
+of readings without noise nothing is left to the prior.
 """
 _ROUNDING_RESIDUAL = 1e-12
 """Residuals below this, over the size, are no more than arithmetic leaves."""
@@ -63,7 +64,7 @@ class Linear:
     def of(problem: CalibrationProblem, state: State, prior: np.ndarray) -> Linear:
         """Linearise at a state; `prior` (P,) are standard deviations of scaled parameters."""
         matrix, model = state.linearised.matrix, problem.model
-        units = _units(matrix, prior, model.closure.characteristic_length)
+        units = prior_units(matrix, prior, model.closure.characteristic_length)
         weights = np.where(np.isfinite(prior), 1.0, _FREE_WEIGHT) ** 2
         change = (state.p - model.nominal) / model.scales / units * np.isfinite(prior)
         allowed, particular = admissible_steps(state, units)
@@ -95,7 +96,7 @@ class Linear:
         return np.sqrt(np.maximum(values, 0.0)), vectors
 
 
-def _units(matrix: np.ndarray, prior: np.ndarray, size: float) -> np.ndarray:
+def prior_units(matrix: np.ndarray, prior: np.ndarray, size: float) -> np.ndarray:
     """The prior's standard deviations (P,); what has none is measured so that its column is as long
     as the others are.
     """

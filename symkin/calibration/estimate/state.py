@@ -344,8 +344,8 @@ def _shortest_steps(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 def admissible_steps(state: State, units: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
-    """Return an orthonormal basis of the steps, over `units` (P,), that keep the leftover rows, None
-    for all, and the shortest step, not over units, that meets them.
+    """Return an orthonormal basis of the steps, over `units` (P,), that keep the leftover rows,
+    None for all, and the shortest step, not over units, that meets them.
     """
     count = len(units)
     if state.leftover is None:

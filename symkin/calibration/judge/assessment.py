@@ -36,6 +36,7 @@ from symkin.calibration.judge.statistics import (
     covariance,
     curvature,
     linear_model,
+    told_directions,
 )
 from symkin.errors import SymkinError
 from symkin.model.file import parse
@@ -89,7 +90,7 @@ def build_result(
     chi_square = model.chi_square_as_is
     spread = 1.0 if known else chi_square / max(model.degrees, 1)
     free = spread * covariance(problem, state) / (1.0 if found.loss == "squared" else EFFICIENCY)
-    identified = identifiability_at(problem, state)
+    identified = identifiability_at(problem, state, told_directions(problem, state).weight)
     crossed = found.used[state.determinant_signs * found.start_signs < 0]
     calibration = Calibration(
         mechanism=mechanism,

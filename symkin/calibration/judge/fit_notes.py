@@ -164,12 +164,13 @@ def _large_changes(fit: Calibration) -> Iterator[str]:
         )
 
 
-def _unclear_rank(fit: Calibration) -> Iterator[str]:
-    found = fit.identifiability
-    if not found.is_clear:
+def _left_to_the_prior(fit: Calibration) -> Iterator[str]:
+    if weak := fit.identifiability.weak:
+        text, share = weak[0]
         yield (
-            f"the rank {found.rank} is not clear: singular values fall by a factor of only "
-            f"{found.gap:.3g} there{_parallel_axes(fit)}"
+            f"hardly told by the readings, and held near nominal by the prior: {len(weak)} "
+            f"combination{'s' * (len(weak) != 1)} of parameters, most of all {text}, whose "
+            f"standard deviation by the readings is {share:.2g} of the prior's{_parallel_axes(fit)}"
         )
 
 
@@ -211,7 +212,7 @@ RULES = (
     Rule("residuals that are rounding only", _rounding_only),
     Rule("parameters beyond their tolerances", _beyond_tolerances),
     Rule("parameters far from nominal", _large_changes),
-    Rule("a rank that is not clear", _unclear_rank),
+    Rule("combinations that the prior decides", _left_to_the_prior),
     Rule("an ill-conditioned identification Jacobian", _poor_condition),
     Rule("combinations that no reading determines", _unobservable),
 )

@@ -13,13 +13,13 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.observables import observables
 from symkin.calibration.estimate.configurations import solve_configurations
 from symkin.calibration.estimate.estimator import estimate
+from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, prior_units
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.state import State, design, error_free_state, spectrum
 from symkin.calibration.judge.named_directions import all_values, named_motions, parallel_offsets
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.tolerances import CLEAR_GAP
 
 _NULL_SPACE_TOLERANCE = 1e-5
 """A unit direction belongs to the null space when its part outside is shorter than this."""
@@ -38,8 +38,10 @@ class Identifiability:
     """Rank of the identification Jacobian (residuals over their standard deviations, columns per
     length unit, angles and directions times the size), its singular values and null space (P, k)
     over `names`; `unobservable` names k independent combinations that no reading determines,
-    `advice` says what to measure besides. `gap` is the ratio of the singular values on both sides
-    of the rank (infinite where nothing is dropped to rounding).
+    `advice` says what to measure besides. `weak` names combinations that the readings tell hardly
+    better than the prior, each with its standard deviation by the readings over the prior's. `gap`
+    is the ratio of the singular values on both sides of the rank (infinite where nothing is dropped
+    to rounding).
     """
 
     names: tuple[str, ...]
@@ -50,6 +52,7 @@ class Identifiability:
     null_space: np.ndarray
     unobservable: tuple[str, ...]
     advice: tuple[str, ...]
+    weak: tuple[tuple[str, float], ...] = ()
 
     @cached_property
     def base_set(self) -> tuple[str, ...]:
@@ -74,16 +77,16 @@ class Identifiability:
             else float("inf")
         )
 
-    @property
-    def is_clear(self) -> bool:
-        return self.gap >= CLEAR_GAP
-
     def __str__(self) -> str:
         lines = [
             f"rank {self.rank} of {len(self.names)} parameters, condition {self.condition:.3g}, "
             f"gap {self.gap:.3g}"
         ]
         lines += [f"  not observable: {text}" for text in self.unobservable]
+        lines += [
+            f"  hardly told: {text} (standard deviation {share:.2g} of the prior's)"
+            for text, share in self.weak
+        ]
         return "\n".join([*lines, *(f"  advice: {text}" for text in self.advice)])
 
 
@@ -96,7 +99,8 @@ def identifiability(
     residual: str = "means",
 ) -> Identifiability:
     """Determine the identifiability at the nominal geometry, over the configurations whose direct
-    problem is solved there.
+    problem is solved there. Where standard deviations are known, what the readings tell ten times
+    worse than the prior (see `estimate.linear`) counts as not told.
     """
     problem = build_calibration(
         mechanism, measurements, parameters=parameters, fixed=fixed, residual=residual
@@ -113,27 +117,49 @@ def identifiability(
             mechanism, some, parameters=parameters, fixed=fixed, residual=residual
         )
     state = estimate(problem, configurations.z[configurations.solved], max_iterations=0).state
-    return identifiability_at(problem, state)
+    return identifiability_at(problem, state, 1.0 if problem.readings.known else 0.0)
 
 
-def identifiability_at(problem: CalibrationProblem, state: State) -> Identifiability:
+def identifiability_at(problem: CalibrationProblem, state: State, weight: float) -> Identifiability:
     """Determine the identifiability at a state with closed configurations: what the readings
-    determine, without tolerances.
+    determine beside a prior of some weight, 0 for none.
     """
     state = error_free_state(problem, state)
     matrix = design(state)
     found = spectrum(matrix)
-    named = name_null_space(problem, state.p, found.null_space)
+    null_space = found.null_space
+    weak: tuple[tuple[str, float], ...] = ()
+    if weight > 0.0:
+        null_space, weak = _beside_prior(problem, matrix, null_space, weight)
+    named = name_null_space(problem, state.p, null_space)
     return Identifiability(
         names=problem.names,
         jacobian=state.linearised.matrix,
         singular_values=found.values,
-        rank=found.rank,
+        rank=len(problem.names) - null_space.shape[1],
         gap=found.gap,
-        null_space=found.null_space,
+        null_space=null_space,
+        weak=weak,
         unobservable=named,
         advice=_advice(problem, state, named),
     )
+
+
+def _beside_prior(
+    problem: CalibrationProblem, matrix: np.ndarray, null_space: np.ndarray, weight: float
+) -> tuple[np.ndarray, tuple[tuple[str, float], ...]]:
+    """Return the directions (P, k) of which the readings tell nothing beside the prior, and those
+    of which they tell little, named.
+    """
+    units = prior_units(matrix, problem.prior, problem.model.closure.characteristic_length)
+    _, values, right = np.linalg.svd(np.linalg.qr(matrix * units, mode="r"))
+    ratios = np.concatenate([values, np.zeros(len(units) - len(values))]) / weight
+    untold = ratios < UNTOLD
+    if np.sum(untold) > null_space.shape[1]:
+        null_space = np.linalg.qr(units[:, None] * right[untold].T)[0]
+    little = np.flatnonzero(~untold & (ratios < WELL_TOLD))
+    weak = [(_combination(problem.names, units * right[k]), 1.0 / ratios[k]) for k in little]
+    return null_space, tuple((text, float(share)) for text, share in weak[::-1])
 
 
 def name_null_space(

@@ -76,10 +76,10 @@ class Calibration(Result):
     those that crossed a singularity on the way; none is dropped without being named. `given_up` are
     the first outliers of a fit where so many readings do not belong that none was left out,
     `silent` configurations without any reading beside the joints, which are not used. All figures
-    are those of the file with the `corrected` geometry, written and read back (see `assessment`); `departure` says how far its poses went from the
-    file's;
-    `refused` says why it must not be written, None where nothing speaks against it. `plot()` draws
-    the changes of the parameters, `plot(what="residuals")` the residuals.
+    are those of the file with the `corrected` geometry, written and read back (see `assessment`);
+    `departure` says how far its poses went from the file's; `refused` says why it must not be
+    written, None where nothing speaks against it. `plot()` draws the changes of the parameters,
+    `plot(what="residuals")` the residuals.
 
     >>> import numpy as np, symkin
     >>> arm = symkin.load("gluon_6l3")

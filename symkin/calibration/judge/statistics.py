@@ -73,9 +73,9 @@ class LinearModel:
     columns of each row's group, whose number is `group` (N,), -1 for none; `parameter_columns` (N,
     k), the rest of the basis; how many parameters were `fitted`, those that the prior decides by a
     share; which rows hold a reading (N,), and the transformation W (n, K, K) that whitened them.
-    Tolerances that are stated stand in rows after those. `within_reach` is the square that the projection to the parameters' columns took away: at
-    a minimum nothing, but for a form of residuals that weighs otherwise than joint noise and
-    correlation ask.
+    Tolerances that are stated stand in rows after those. `within_reach` is the square that the
+    projection to the parameters' columns took away: at a minimum nothing, but for a form of
+    residuals that weighs otherwise than joint noise and correlation ask.
     """
 
     residuals: np.ndarray
@@ -194,8 +194,8 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
 
 
 def _stated_rows(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Return the residuals (k,) of the parameters from nominal over the tolerances stated, which are
-    readings of them, and their derivative (k, P) by scaled parameters; none without.
+    """Return the residuals (k,) of the parameters from nominal over the tolerances stated, which
+    are readings of them, and their derivative (k, P) by scaled parameters; none without.
     """
     known = np.isfinite(problem.prior) & problem.is_stated
     change = (state.p - problem.model.nominal) / problem.model.scales
