@@ -24,6 +24,12 @@ from symkin.calibration.estimate.configurations import (
 )
 from symkin.calibration.estimate.estimator import Estimate, estimate, parameters_at_poses
 from symkin.calibration.estimate.first_guess import fit_measuring_frames
+from symkin.calibration.estimate.joint_lines import (
+    dh_names,
+    has_nearly_parallel_axes,
+    lines_problem,
+    table_of_lines,
+)
 from symkin.calibration.estimate.problem import (
     CalibrationProblem,
     NothingReadError,
@@ -35,6 +41,7 @@ from symkin.calibration.judge.assessment import Fit, build_result
 from symkin.calibration.judge.outlier_removal import ScreenedFit, StartValues, fit_without_outliers
 from symkin.calibration.judge.outliers import OUTLIER_LEVEL, Screening
 from symkin.calibration.judge.result import Calibration, Parameter, Residual
+from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
@@ -127,11 +134,11 @@ def calibrate(
     which is one way to choose frames (see `joint_frames`). `residual` is "means", "differences" or
     "maximum likelihood" (see `residuals`); `tolerance` gives the standard deviations to which
     lengths (length unit) and angles (radians) are manufactured, and the estimate is then the
-    maximum a posteriori. `method` is "nested", "lifted" or "ipopt", of at most `max_iterations`
-    steps; `loss` "squared", "huber" or "cauchy" (see `robust`); `outliers` "remove", "report" or
-    "ignore", where a share `level` (default 0.02) of clean data sets may have a reading called one.
-    `seed` is that of random starts of direct problems; with `any_machine` a geometry far from the
-    file's is believed, too.
+    maximum a posteriori. `method` is "nested" (other names are of before), of at most
+    `max_iterations` steps; `loss` "squared", "huber" or "cauchy" (see `robust`); `outliers`
+    "remove", "report" or "ignore", where a share `level` (default 0.02) of clean data sets may have
+    a reading called one. `seed` is that of random starts of direct problems; with `any_machine` a
+    geometry far from the file's is believed, too.
 
     Raises InputError for names, options and readings that do not fit, and where no configuration's
     direct problem is solved. Source: Hollerbach, Khalil, Gautier, Model Identification, Springer
@@ -277,12 +284,13 @@ class _Fitting:
             if again.solved.sum() > solved.solved.sum():
                 solved, part = again, self._solved_part(again)
                 result = self._estimate(part, solved, p)
+        result = self._by_lines(part, result)
         if self.options.loss != "squared" and result.status == "ok":
             result = robust_estimate(part, result.state.p, result.state.z, self.options.loss).result
             self.notes.append(loss_note(self.options.loss))
         rows_z = part.model.rows(solved.z[solved.solved], part.measurements.joints, p)[1]
         return Fit(
-            problem=replace(part, prior=result.prior),
+            problem=replace(part, widened=result.widened),
             result=result,
             used=np.flatnonzero(solved.solved),
             unsolved=np.flatnonzero(~solved.solved),
@@ -297,6 +305,34 @@ class _Fitting:
     ) -> Estimate:
         z, limit = solved.z[solved.solved], self.options.max_iterations
         return estimate(part, z, p=p, max_iterations=limit)
+
+    def _by_lines(self, part: CalibrationProblem, result: Estimate) -> Estimate:
+        """Fit an arm with nearly parallel axes by its lines, and go on from there, where its table
+        alone does not explain the readings; the better of both.
+        """
+        arm, m, free = part.mechanism, part.measurements, set(part.names)
+        freedom = part.readings.count - len(part.names)
+        cost = result.state.cost
+        explained = part.readings.known and chi_square_tail(cost, freedom) > SIGNIFICANCE
+        if part.is_stated or not has_nearly_parallel_axes(arm) or not free >= set(dh_names(arm)):
+            return result
+        if result.status == "ok" and explained:
+            return result
+        lines = lines_problem(part)
+        z = solve_configurations(lines.model, m, lines.model.nominal).z
+        found = estimate(lines, z, max_iterations=self.options.max_iterations)
+        p = table_of_lines(part, lines, found.state.p)
+        change = (p - part.model.nominal) / part.model.scales / part.prior
+        furthest = float(np.max(np.abs(change), initial=0.0))
+        z = solve_configurations(part.model, m, p).z
+        other = estimate(
+            replace(part, widened=max(1.0, furthest)),
+            z,
+            p=p,
+            max_iterations=self.options.max_iterations,
+        )
+        better = other.status == "ok" and (other.state.cost < cost or result.status != "ok")
+        return replace(other, iterations=found.iterations + other.iterations) if better else result
 
     def _start_parameters(self) -> np.ndarray:
         """Choose the nominal parameters, or those that whole measured poses give by themselves."""

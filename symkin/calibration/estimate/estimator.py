@@ -30,7 +30,12 @@ from symkin.calibration.estimate.configurations import (
     known_poses,
     start_points,
 )
-from symkin.calibration.estimate.linear import WELL_TOLD, Linear, prior_weight, rounding_residual
+from symkin.calibration.estimate.linear import (
+    WELL_TOLD,
+    Linear,
+    prior_weight,
+    rounding_residual,
+)
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Form, build_readings
 from symkin.calibration.estimate.state import (
@@ -70,13 +75,13 @@ _LEFTOVER_TOLERANCE = 1e-9
 @dataclass(frozen=True, eq=False)
 class Estimate:
     """Where an estimation ended: `state` with closed configurations; status "ok", "max_iterations"
-    or "stalled"; the number of steps; the standard deviations of the prior that was used.
+    or "stalled"; the number of steps; by what factor the prior was widened.
     """
 
     state: State
     status: str
     iterations: int
-    prior: np.ndarray
+    widened: float = 1.0
 
 
 def estimate(
@@ -97,7 +102,7 @@ def estimate(
         result = _minimise(problem, begin, z, "means", None, max_iterations)
         for _ in range(2):
             noise = joint_covariance(problem, result.state)
-            wide = replace(problem, prior=result.prior)
+            wide = replace(problem, widened=result.widened)
             again = _minimise(
                 wide, result.state.p, result.state.z, problem.form, noise, max_iterations
             )
@@ -144,11 +149,11 @@ def _minimise(
 ) -> Estimate:
     state = closed_state(problem, p, z, form, covariance)
     if is_rounding(problem, state):
-        return Estimate(state, "ok", 0, problem.prior)
-    search = _Search(_Nested(problem, form, covariance), state)
+        return Estimate(state, "ok", 0)
+    search = _Search(_Nested(problem, form, covariance), state, widened=problem.widened)
     status = search.run(limit)
     best = closed_state(problem, search.state.p, search.state.z, form, covariance)
-    return Estimate(best, status, search.steps, search.prior)
+    return Estimate(best, status, search.steps, search.widened)
 
 
 # --- objectives -----------------------------------------------------------------------------------
@@ -228,12 +233,13 @@ class _Search:
     def _descend(self, limit: int) -> str:
         """Iterate with the prior as wide as it is."""
         while True:
-            linear = Linear.of(self.problem, self.state, self.prior)
+            linear = Linear.of(self.problem, self.state, self.widened)
             weight = prior_weight(self.problem, self.state, linear)
             solver = _Damped(linear, weight)
-            if not np.all(np.isfinite(solver.gradient)):
+            if not solver.is_finite:
                 return "stalled"
-            if solver.decrement < _MINIMUM_DECREMENT * weight**2 and not np.any(linear.particular):
+            met = _unmet(self.state) <= _LEFTOVER_TOLERANCE * self._size
+            if met and solver.decrement < _MINIMUM_DECREMENT * weight**2:
                 return "ok"
             if self.steps >= limit:
                 return "max_iterations"
@@ -250,7 +256,7 @@ class _Search:
         while self.damping < _MAX_DAMPING:
             step, promised = solver.step(self.damping)
             trial = None
-            if np.max(np.abs(step) / self.prior, initial=0.0) < furthest:
+            if np.max(np.abs(step) / self._prior, initial=0.0) < furthest:
                 trial = restored_after(self.objective.moved, self.state, step)
                 self.steps += 1
             if trial is not None and self._is_better(trial, before, weight):
@@ -283,14 +289,14 @@ class _Search:
         """
         last = np.inf
         for _ in range(_MAX_UNSHRUNK_STEPS):
-            linear = Linear.of(self.problem, self.state, self.prior)
+            linear = Linear.of(self.problem, self.state, self.widened)
             weight = prior_weight(self.problem, self.state, linear)
-            told, vectors = linear.told
+            told, directions = linear.told
             well = told > WELL_TOLD * weight
-            free, rest = vectors[:, well], vectors[:, ~well]
+            free, rest = directions[:, well], directions[:, ~well]
+            y = -free @ ((linear.jacobian @ free).T @ linear.residuals / told[well] ** 2)
             solver = _Damped(linear, weight)
-            y = -free @ ((free.T @ linear.gradient) / told[well] ** 2)
-            y -= rest @ np.linalg.solve(rest.T @ solver.matrix @ rest, rest.T @ solver.gradient)
+            y += rest @ np.linalg.lstsq(solver.matrix @ rest, solver.right, rcond=None)[0]
             step = linear.particular + linear.basis @ y
             length = float(np.max(np.abs(step), initial=0.0)) / self._size
             if not _CONVERGED_STEP < length < 0.5 * last:
@@ -307,17 +313,17 @@ class _Search:
     def _size(self) -> float:
         return self.problem.model.closure.characteristic_length
 
-    @property
-    def prior(self) -> np.ndarray:
-        return self.widened * self.problem.prior
-
     def _cost(self, state: State, weight: float) -> float:
         return state.cost + float(np.sum((weight * self._over_prior(state)) ** 2))
 
     def _over_prior(self, state: State) -> np.ndarray:
         """Change of the parameters (P,) from nominal over the prior's standard deviations."""
         model = self.problem.model
-        return np.asarray((state.p - model.nominal) / model.scales / self.prior)
+        return np.asarray((state.p - model.nominal) / model.scales / self._prior)
+
+    @property
+    def _prior(self) -> np.ndarray:
+        return self.widened * self.problem.prior
 
     @property
     def _change(self) -> float:
@@ -331,34 +337,35 @@ def _unmet(state: State) -> float:
 
 
 class _Damped:
-    """Steps of the linear model with the prior of weight w and damping, in the eigenbasis of the
-    normal matrix brought to equal diagonal entries.
+    """Steps of the linear model with the prior of weight w and damping, by the singular values of
+    the columns brought to equal lengths.
     """
 
     def __init__(self, linear: Linear, weight: float) -> None:
         self._linear = linear
-        self.matrix = linear.normal + weight**2 * linear.weak
-        self.gradient = linear.gradient + weight**2 * linear.off
-        self._lengths = np.sqrt(np.maximum(np.diag(self.matrix), 1e-300))
-        if not np.all(np.isfinite(self.matrix)):
-            self.gradient = np.full(len(self._lengths), np.nan)
-            return
-        self._values, self._vectors = np.linalg.eigh(
-            self.matrix / np.outer(self._lengths, self._lengths)
-        )
-        self._along = self._vectors.T @ (self.gradient / self._lengths)
-        self._values = np.maximum(self._values, 1e-15 * np.max(self._values, initial=1e-300))
+        self.matrix = np.vstack([linear.jacobian, weight * linear.tight])
+        self.right = -np.concatenate([linear.residuals, weight * linear.change])
+        self.is_finite = bool(np.all(np.isfinite(self.matrix)) and np.all(np.isfinite(self.right)))
+        if self.is_finite:
+            self._lengths = np.maximum(np.linalg.norm(self.matrix, axis=0), 1e-300)
+            left, self._values, self._across = np.linalg.svd(
+                self.matrix / self._lengths, full_matrices=False
+            )
+            self._along = left.T @ self.right
+            self._values = np.maximum(self._values, 1e-15)
 
     @property
     def decrement(self) -> float:
         """What the step without damping would gain, by the linear model."""
-        return float(np.sum(self._along**2 / self._values))
+        return float(np.sum(self._along**2))
 
     def step(self, damping: float) -> tuple[np.ndarray, float]:
         """Return the change (P,) of the scaled parameters, and its gain by the linear model."""
-        matrix = self._vectors @ (self._values[:, None] * self._vectors.T)
-        right = self._vectors @ self._along
-        solved = np.linalg.solve(matrix + np.diag(damping / self._lengths**2), right)
-        promised = float(2.0 * right @ solved - solved @ matrix @ solved)
-        step = self._linear.particular - self._linear.basis @ (solved / self._lengths)
-        return np.asarray(step), promised
+        y = self._across.T @ (self._along / self._values)
+        if damping > 0.0:
+            weak = np.sqrt(damping) * np.diag(1.0 / self._lengths)
+            above = np.vstack([self._values[:, None] * self._across, weak])
+            y = np.linalg.lstsq(above, np.append(self._along, np.zeros(len(weak))), rcond=None)[0]
+        after = self._values * (self._across @ y) - self._along
+        step = self._linear.particular + self._linear.basis @ (y / self._lengths)
+        return np.asarray(step), self.decrement - float(after @ after)

@@ -19,7 +19,7 @@ from symkin.computed_once import cached_property
 
 WELL_TOLD, UNTOLD = 10.0, 0.1
 """Ratios of the prior's standard deviation to that by the readings."""
-_LEAST_WEIGHT = 1e-7
+_LEAST_WEIGHT = 1e-12
 """Least weight of the prior, of the longest column: where the noise is nothing it still says where
 what no reading tells stays.
 """
@@ -48,52 +48,55 @@ def rounding_residual(problem: CalibrationProblem) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Linear:
-    """The linear model of a state in prior units: normal matrix J^T J and gradient J^T r over
-    `basis` (P, k), the directions that are allowed (dp = units * basis @ y), `particular` (P,) what
-    meets rows left over; the prior's precision `weak` (k, k) of weight 1, `off` (k,) its gradient.
+    """The linear model of a state in prior units, over `basis` (P, k), the directions that are
+    allowed; `particular` (P,) meets rows left over. `jacobian` (k, k) and `residuals` (k,) are the
+    triangle of the readings' J and r, `tight` (P, k) and `change` (P,) those of the prior of weight
+    1.
     """
 
     basis: np.ndarray
     particular: np.ndarray
-    normal: np.ndarray
-    gradient: np.ndarray
-    weak: np.ndarray
-    off: np.ndarray
+    jacobian: np.ndarray
+    residuals: np.ndarray
+    tight: np.ndarray
+    change: np.ndarray
 
     @staticmethod
-    def of(problem: CalibrationProblem, state: State, prior: np.ndarray) -> Linear:
-        """Linearise at a state; `prior` (P,) are standard deviations of scaled parameters."""
-        matrix, model = state.linearised.matrix, problem.model
+    def of(problem: CalibrationProblem, state: State, widened: float) -> Linear:
+        """Linearise at a state, the prior's standard deviations `widened` times the problem's."""
+        matrix, model, prior = state.linearised.matrix, problem.model, widened * problem.prior
         units = prior_units(matrix, prior, model.closure.characteristic_length)
-        weights = np.where(np.isfinite(prior), 1.0, _FREE_WEIGHT) ** 2
-        change = (state.p - model.nominal) / model.scales / units * np.isfinite(prior)
+        known = np.isfinite(prior)
         allowed, particular = admissible_steps(state, units)
-        scaled = matrix * units
-        basis = np.eye(len(units)) if allowed is None else allowed
-        if allowed is not None:
-            scaled = scaled @ basis
-        right = state.linearised.vector + matrix @ particular
+        basis = units[:, None] * (np.eye(len(units)) if allowed is None else allowed)
+        width = basis.shape[1]
+        both = np.column_stack([matrix @ basis, state.linearised.vector + matrix @ particular])
+        if np.all(np.isfinite(both)):
+            both = np.vstack([both, np.zeros((width, width + 1))])
+            both = np.asarray(np.linalg.qr(both, mode="r"))
+        weights = np.where(known, 1.0, _FREE_WEIGHT) / units
+        moved = (state.p - model.nominal) / model.scales * known + particular
         return Linear(
-            basis=units[:, None] * basis,
+            basis=basis,
             particular=particular,
-            normal=scaled.T @ scaled,
-            gradient=scaled.T @ right,
-            weak=basis.T @ (weights[:, None] * basis),
-            off=basis.T @ (weights * (change + particular / units)),
+            jacobian=both[:width, :width],
+            residuals=both[:width, width],
+            tight=weights[:, None] * basis,
+            change=weights * moved,
         )
 
-    @cached_property
+    @property
     def longest(self) -> float:
-        """The longest column."""
-        return float(np.sqrt(np.max(np.diag(self.normal), initial=0.0)))
+        """The longest column of the Jacobian."""
+        return float(np.max(np.linalg.norm(self.jacobian, axis=0), initial=0.0))
 
     @cached_property
     def told(self) -> tuple[np.ndarray, np.ndarray]:
         """Singular values (k,) of the Jacobian, how many times better than a prior of weight 1 the
         readings tell each direction, and the directions (k, k) as columns.
         """
-        values, vectors = np.linalg.eigh(self.normal)
-        return np.sqrt(np.maximum(values, 0.0)), vectors
+        _, values, right = np.linalg.svd(self.jacobian)
+        return values, right.T
 
 
 def prior_units(matrix: np.ndarray, prior: np.ndarray, size: float) -> np.ndarray:

@@ -59,7 +59,8 @@ class CalibrationProblem:
     asked for and holds at their nominal values. `prior` (P,) holds standard deviations of the
     scaled parameters about nominal, infinite for what has no nominal place: `PRIOR_SHARE` of the
     size, or the manufacturing tolerances where they are stated (`is_stated`), by which the estimate
-    is the maximum a posteriori.
+    is the maximum a posteriori. A fit that goes further than the prior lets expect begins or ends
+    with it `widened` by this factor.
     """
 
     mechanism: Mechanism
@@ -70,6 +71,7 @@ class CalibrationProblem:
     form: Form
     prior: np.ndarray
     is_stated: bool = False
+    widened: float = 1.0
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -85,7 +85,7 @@ def robust_estimate(
         state, steps = result.state, steps + result.iterations
     status = result.status if result.status != "max_iterations" else "stalled"
     return RobustEstimate(
-        Estimate(evaluate(problem, state.p, state.z, "means"), status, steps, result.prior),
+        Estimate(evaluate(problem, state.p, state.z, "means"), status, steps, result.widened),
         scale,
     )
 

@@ -13,7 +13,7 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.observables import observables
 from symkin.calibration.estimate.configurations import solve_configurations
 from symkin.calibration.estimate.estimator import estimate
-from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, prior_units
+from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.state import State, design, error_free_state, spectrum
 from symkin.calibration.judge.named_directions import all_values, named_motions, parallel_offsets
@@ -130,7 +130,7 @@ def identifiability_at(problem: CalibrationProblem, state: State, weight: float)
     null_space = found.null_space
     weak: tuple[tuple[str, float], ...] = ()
     if weight > 0.0:
-        null_space, weak = _beside_prior(problem, matrix, null_space, weight)
+        null_space, weak = _beside_prior(problem, state, null_space, weight)
     named = name_null_space(problem, state.p, null_space)
     return Identifiability(
         names=problem.names,
@@ -146,19 +146,19 @@ def identifiability_at(problem: CalibrationProblem, state: State, weight: float)
 
 
 def _beside_prior(
-    problem: CalibrationProblem, matrix: np.ndarray, null_space: np.ndarray, weight: float
+    problem: CalibrationProblem, state: State, null_space: np.ndarray, weight: float
 ) -> tuple[np.ndarray, tuple[tuple[str, float], ...]]:
     """Return the directions (P, k) of which the readings tell nothing beside the prior, and those
     of which they tell little, named.
     """
-    units = prior_units(matrix, problem.prior, problem.model.closure.characteristic_length)
-    _, values, right = np.linalg.svd(np.linalg.qr(matrix * units, mode="r"))
-    ratios = np.concatenate([values, np.zeros(len(units) - len(values))]) / weight
+    linear = Linear.of(problem, state, problem.widened)
+    ratios, directions = linear.told
+    ratios, directions = ratios / weight, linear.basis @ directions
     untold = ratios < UNTOLD
     if np.sum(untold) > null_space.shape[1]:
-        null_space = np.linalg.qr(units[:, None] * right[untold].T)[0]
+        null_space = np.linalg.qr(directions[:, untold])[0]
     little = np.flatnonzero(~untold & (ratios < WELL_TOLD))
-    weak = [(_combination(problem.names, units * right[k]), 1.0 / ratios[k]) for k in little]
+    weak = [(_combination(problem.names, directions[:, k]), 1.0 / ratios[k]) for k in little]
     return null_space, tuple((text, float(share)) for text, share in weak[::-1])
 
 

@@ -232,15 +232,15 @@ def told_directions(problem: CalibrationProblem, state: State) -> Told:
     """Find what the readings tell, in which an overconstrained closure stays consistent; without
     what they do not tell at all, but where tolerances are stated.
     """
-    linear = Linear.of(problem, state, problem.prior)
-    lengths, vectors = linear.told
+    linear = Linear.of(problem, state, problem.widened)
+    lengths, directions = linear.told
     weight = prior_weight(problem, state, linear)
     some = (lengths > UNTOLD * weight) | problem.is_stated
     lengths = lengths[some]
     decided = (lengths > WELL_TOLD * weight) & (not problem.is_stated)
     gains = 1.0 / (lengths**2 + np.where(decided, 0.0, weight**2))
     return Told(
-        columns=linear.basis @ vectors[:, some],
+        columns=linear.basis @ directions[:, some],
         ratios=lengths / weight,
         shares=lengths**2 * gains,
         gains=gains,

@@ -1,0 +1,147 @@
+"""Fit an arm by the lines of its joints and its tool, where its DH table cannot.
+
+Common normals of nearly parallel axes lie anywhere: a table may hold hundreds of metres that
+cancel, and axes that are parallel in the file cannot tilt out of a plane to first order. The lines
+of the joints at zero joint values have neither fault. They are fitted first, and written as a table
+afterwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from symkin.calibration.data.parameters import with_parameters
+from symkin.calibration.estimate.problem import (
+    CalibrationProblem,
+    build_calibration,
+    default_parameters,
+)
+from symkin.model.dh import DHTable, reference_frames
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.pose import Pose
+
+KEYS = ("theta", "d", "a", "alpha")
+_NEARLY_PARALLEL = 0.01
+"""Axes whose twist from parallel is less than this (radians) are nearly parallel."""
+_PARALLEL = 1e-12
+"""Sines below this are rounding: such axes have no common normal of their own."""
+
+
+def dh_names(mechanism: Mechanism) -> tuple[str, ...]:
+    """Name the numbers of an arm's DH table, row after row; none for other mechanisms."""
+    rows = () if mechanism.dh is None else mechanism.dh.rows
+    return tuple(f"dh.{i}.{key}" for i in range(1, len(rows) + 1) for key in KEYS)
+
+
+def has_nearly_parallel_axes(mechanism: Mechanism) -> bool:
+    """Tell whether neighbouring axes of a DH table are parallel or nearly so."""
+    if mechanism.dh is None:
+        return False
+    rows = mechanism.dh.rows
+    between = rows[:-1] if mechanism.dh.convention == "standard" else rows[1:]
+    return any(abs(np.sin(row.alpha)) < _NEARLY_PARALLEL for row in between)
+
+
+def lines_problem(problem: CalibrationProblem) -> CalibrationProblem:
+    """State the problem of an arm's lines and tool from one of its whole table, all else as there.
+    The first line is the base frame's, and stays.
+    """
+    arm = replace(problem.mechanism, dh=None)
+    names = default_parameters(arm, problem.measurements.observed)
+    base = arm.key_path(*next(iter(arm.joints)))
+    first = (f"{base}.point.", f"{base}.axis.")
+    table = set(dh_names(problem.mechanism))
+    chosen = [name for name in names if not name.startswith(first)]
+    chosen += [name for name in problem.names if name not in table]
+    return build_calibration(arm, problem.measurements, parameters=chosen, residual=problem.form)
+
+
+def table_of_lines(
+    problem: CalibrationProblem, lines: CalibrationProblem, p: np.ndarray
+) -> np.ndarray:
+    """Write the lines at parameters p as the parameters (P,) of the problem of the table."""
+    values = dict(zip(lines.names, map(float, p), strict=True))
+    values |= dh_of_lines(problem.mechanism, with_parameters(lines.mechanism, values))
+    return np.array([values[name] for name in problem.names])
+
+
+def dh_of_lines(mechanism: Mechanism, found: Mechanism) -> dict[str, float]:
+    """Write the lines and the tool of an arm `found` as numbers of the table of `mechanism`, common
+    normals on the side of the file's. What a table cannot write (parts of the first axis and of the
+    tool frame) is left out.
+    """
+    assert mechanism.dh is not None  # noqa: S101 (arms alone are asked for)
+    table, base = mechanism.dh, (np.zeros(3), np.array([0.0, 0.0, 1.0]))
+    lines = [(np.array(j.point), np.array(j.axis)) for j in found.limbs[0].joints]
+    modified = table.convention == "modified"
+    steps = _steps([base, *(lines if modified else lines[1:])], _usual_normals(table))
+    if modified:
+        # theta and d of a row follow the normal before it; the base frame has none of its own
+        links = [(0.0, 0.0, *steps[0][2:]), *steps[1:]]
+        rows = [
+            (*after[:2], *before[2:]) for before, after in pairwise([*links, (0.0, 0.0, 0.0, 0.0)])
+        ]
+    else:
+        rows = [*steps, (0.0, 0.0, 0.0, 0.0)]
+    _, frame = reference_frames(table.convention, rows)
+    rows[-1] = _last_row(frame.inverse() @ found.reference_pose, rows[-1], modified=modified)
+    return {
+        f"dh.{i}.{key}": float(value)
+        for i, row in enumerate(rows, start=1)
+        for key, value in zip(KEYS, row, strict=True)
+    }
+
+
+_Line = tuple[np.ndarray, np.ndarray]
+"""A point of a line and its direction."""
+_Row = tuple[float, float, float, float]
+"""theta, d, a, alpha."""
+
+
+def _usual_normals(table: DHTable) -> list[np.ndarray]:
+    """Directions (3,) of the table's own x axes, one for each pair of neighbouring lines."""
+    made, rows = list[np.ndarray](), [[getattr(row, key) for key in KEYS] for row in table.rows]
+    for k in range(1, len(rows) + 1):
+        part = rows[:k]
+        if table.convention == "modified":
+            part = [*rows[: k - 1], [0.0, 0.0, *rows[k - 1][2:]]]
+        _, frame = reference_frames(table.convention, part)
+        made.append(np.asarray(frame.turn(np.array([1.0, 0.0, 0.0]))))
+    return made
+
+
+def _steps(lines: Sequence[_Line], usual: Sequence[np.ndarray]) -> list[_Row]:
+    """Steps from each line to the next: theta and d about and along it to their common normal, a
+    and alpha along and about that.
+    """
+    x, origin, made = np.array([1.0, 0.0, 0.0]), np.zeros(3), list[_Row]()
+    for (p, z), (q, w), side in zip(lines, lines[1:], usual, strict=False):
+        normal, reach = np.cross(z, w), (q - p) @ z
+        if np.linalg.norm(normal) > _PARALLEL:
+            reach = np.linalg.solve(np.column_stack([z, normal, -w]), q - p)[0]
+        else:
+            normal = q - p - reach * z
+            normal = normal if np.linalg.norm(normal) > 0.0 else side
+        normal = normal / np.linalg.norm(normal)
+        normal = normal if normal @ side >= 0.0 else -normal
+        foot = p + reach * z
+        a = float((q - foot) @ normal)
+        theta = np.arctan2(np.cross(x, normal) @ z, x @ normal)
+        alpha = np.arctan2(np.cross(z, w) @ normal, z @ w)
+        made.append((float(theta), float((foot - origin) @ z), a, float(alpha)))
+        x, origin = normal, foot + a * normal
+    return made
+
+
+def _last_row(tool: Pose, row: _Row, *, modified: bool) -> _Row:
+    """The row that leads nearest to a tool frame, seen from the frame before it."""
+    turn, (x, y, d) = tool.turn(np.eye(3)), tool.position
+    theta = float(np.arctan2(turn[1, 0], turn[0, 0]))
+    if modified:
+        return (theta, float(d), *row[2:])
+    a = float(x * np.cos(theta) + y * np.sin(theta))
+    return (theta, float(d), a, float(np.arctan2(turn[2, 1], turn[2, 2])))
