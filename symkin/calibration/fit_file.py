@@ -103,6 +103,10 @@ def fit_file(
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be
     fitted.
     """
+    try:
+        data.measurements.check(mechanism)
+    except InputError as error:
+        raise InputError(f"{data.path}: {error}") from None
     patterns = ALL_PARAMETERS if parameters is None else parameters
     read = data.measurements.observed
     names, fixed = _chosen_names(mechanism, read, patterns, hold, frames)
@@ -184,10 +188,10 @@ class _FileFit:
         """Find mistakes of the file that may explain a fit which is not believable, or which went
         far from the file's geometry.
         """
-        if fit.believable and fit.p_value is not None and not is_noticeable(fit):
+        if fit.believable and not is_noticeable(fit):
             return ()
         found = diagnose(self.mechanism, self.measurements, self.frames)
-        if found or fit.believable:
+        if found or fit.sound:
             return found
         found = diagnose_labels(self.mechanism, self.measurements)
         return (
@@ -200,11 +204,7 @@ class _FileFit:
         """Compute the misfit of the nominal geometry, 0 where the fit is believable and nothing is
         compared with it.
         """
-        return (
-            0.0
-            if fit.believable
-            else nominal_misfit(self.mechanism, self.measurements, self.frames)
-        )
+        return 0.0 if fit.sound else nominal_misfit(self.mechanism, self.measurements, self.frames)
 
     def _wrong_sequence(self) -> tuple[str, ...]:
         return diagnose_sequence(self.mechanism, self.data, self.options)

@@ -64,36 +64,54 @@ class FitReport:
         )
 
     @property
-    def believable(self) -> bool:
-        predicted = self.held_out is None or self.held_out.believable
+    def sound(self) -> bool:
+        """Whether nothing speaks against the fit."""
         return (
             self.usable
-            and self.fit.believable
-            and predicted
+            and self.fit.sound
+            and (self.held_out is None or self.held_out.believable)
             and not self.suspicions
             and (self.sequence is None or self.sequence.clear)
         )
 
     @property
+    def tested(self) -> bool:
+        """Whether the fit was tested: by the noise stated, or by postures held out."""
+        return self.fit.p_value is not None or self._predicted > 0
+
+    @property
+    def _predicted(self) -> int:
+        """How many postures were held out and predicted with a probability."""
+        held = self.held_out
+        return 0 if held is None or held.p_value is None else len(held.labels)
+
+    @property
+    def believable(self) -> bool:
+        return self.sound and self.tested
+
+    @property
     def verdict(self) -> str:
-        """One sentence: believable, or why not."""
-        if self.believable:
+        """One sentence: believable, not tested, or why not."""
+        if self.sound:
+            other = f"; {describe_other_machine(self.fit)}" if is_other_machine(self.fit) else ""
+            if not self.tested:
+                return (
+                    f"NOT TESTED: converged; the noise is not known and no posture was held out, "
+                    f"so that nothing says whether it is right: state standard deviations or take "
+                    f"--hold-out 20%{other}"
+                )
             sure = (
                 "the residuals are as the stated noise lets expect"
                 if self.fit.p_value is not None
                 else "the noise is not known"
             )
-            other = f"; {describe_other_machine(self.fit)}" if is_other_machine(self.fit) else ""
-            if self.held_out is not None and self.held_out.p_value is not None:
-                shown = (
-                    f"{len(self.held_out.labels)} held-out postures are predicted as well as it "
-                    f"lets expect"
-                )
-                link = "and" if self.fit.p_value is not None else "but"
-                return f"believable: {sure}, {link} {shown}{other}"
-            if self.fit.p_value is not None:
+            if not self._predicted:
                 return f"believable: {sure}{other}"
-            return f"converged; {sure}, so that no test says whether it is right{other}"
+            link = "and" if self.fit.p_value is not None else "but"
+            return (
+                f"believable: {sure}, {link} {self._predicted} held-out postures are "
+                f"predicted as well as it lets expect{other}"
+            )
         why = f"; {self.suspicions[0]}" if self.suspicions else ""
         if self.fit.status != "ok":
             return f"NOT USABLE: the fit did not converge ({self.fit.status}){why}"
@@ -311,6 +329,7 @@ class FitReport:
             "angle_unit": m.angle_unit,
             "verdict": self.verdict,
             "believable": self.believable,
+            "tested": self.tested,
             "usable": self.usable,
             **fit.figures(),
             "euler_sequence": None

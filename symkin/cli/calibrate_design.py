@@ -141,12 +141,15 @@ def simulate(
         random_configurations,
         simulate_readings,
     )
-    from symkin.formats.load import load
+    from symkin.formats.load import is_robot
 
     check_output(output, mech, truth, plan)
     check_own_file(output, force=force)
     mechanism = loaded(mech, read)
-    true = mechanism if truth is None else load(truth)
+    true = mechanism
+    if truth is not None:
+        # a robot's file is read as MECH is
+        true = loaded(truth, read if is_robot(Path(truth)) else ReadOptions())
     _check_same_joints(mechanism, true)
     kinds = _split_names(readings)
     beside = [*kinds, *(distance or ())]

@@ -12,7 +12,7 @@ import pytest
 
 import symkin
 from helpers import parallel_arm
-from helpers.inside import METHODS, assessment, main, parse, told_directions, write_measurements
+from helpers.inside import assessment, main, parse, told_directions, write_measurements
 from symkin import Measurements, calibrate, load
 
 
@@ -42,15 +42,14 @@ def projected_gradient(mechanism, data):
     return np.linalg.norm(left[:, singular > 1e-6].T @ gap)
 
 
-@pytest.mark.long
 @pytest.mark.slow
-@pytest.mark.parametrize("method", METHODS)
-def test_the_minimum_is_that_of_the_truth_or_less(delivered, method):
-    """Every method: chi-square of the written file is not above that of the true table, is the one
-    reported, and has no gradient.
+def test_the_minimum_is_that_of_the_truth_or_less(delivered):
+    """Chi-square of the written file is not above that of the true table, is the one reported, and
+    has no gradient; by the arm's lines it takes few steps.
     """
     table, data = delivered
-    fit = calibrate(parallel_arm.arm(), data, method=method, outliers="ignore")
+    fit = calibrate(parallel_arm.arm(), data, outliers="ignore")
+    assert fit.iterations <= 10
     found = parse(fit.corrected.to_toml())
     own = parallel_arm.chi_square(found, data)
     assert fit.status == "ok"

@@ -118,7 +118,7 @@ def test_the_sequence_is_not_stated_where_nothing_fits(tmp_path, pool):
     ],
 )
 def test_a_choice_is_clear_where_noise_cannot_make_the_difference(best, second, clear):
-    """Known noise: the other must be worse than noise. Unknown noise: the ratio must be beyond that
-    of equal fits (F).
+    """Known noise: the other must be worse than noise. Unknown noise: the readings must be less
+    likely by the other, each with the noise that it leaves.
     """
     assert best.better_than(second) is clear

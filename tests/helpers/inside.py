@@ -364,6 +364,7 @@ NAMES = {
     "random_configurations": "symkin.calibration.design.simulation",
     "simulate_readings": "symkin.calibration.design.simulation",
     "build_model": "symkin.calibration.estimate.configuration_model",
+    "nearest_rows": "symkin.calibration.estimate.configurations",
     "solve_configurations": "symkin.calibration.estimate.configurations",
     "map_functions": "symkin.calibration.estimate.mapped_functions",
     "build_calibration": "symkin.calibration.estimate.problem",

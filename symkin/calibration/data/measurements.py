@@ -19,6 +19,8 @@ from symkin.errors import InputError
 from symkin.model.joint import vector3
 from symkin.model.mechanism import Mechanism
 
+_MOST_READING = 1e6
+"""Joint readings beyond so many radians or sizes are slips."""
 NO_GROUP = -1
 """Group number of a configuration that belongs to no group."""
 _WIDTHS = {"inclination": 2, "position": 3, "orientation": 4}
@@ -281,6 +283,16 @@ class Measurements:
                 f"joints: {self.joints.shape[1]} readings a posture, {mechanism.name} has "
                 f"{len(mechanism.actuated)} "
                 f"actuated joints ({names})"
+            )
+        size = mechanism.characteristic_length
+        most = _MOST_READING * np.array([1.0 if c.is_angular else size for c in mechanism.actuated])
+        beyond = np.argwhere(np.abs(self.joints) > most)
+        if len(beyond):
+            row, column = beyond[0]
+            raise InputError(
+                f"joints: posture {self.labels[row]} reads {self.joints[row, column]:g} of "
+                f"{mechanism.actuated[column].name}, beyond {most[column]:g} (a million "
+                f"radians, or times the size); check the units"
             )
         for o, reading in zip(
             observables_named(mechanism, self.observed), self.readings, strict=True

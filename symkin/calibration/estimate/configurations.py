@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.estimate.configuration_model import ConfigurationModel, solve_systems
 from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
@@ -51,6 +51,10 @@ _FIRST_PASSIVE_DAMPING, _MIN_PASSIVE_DECREASE, _IDLE_PASSIVE_STEPS = 1e-3, 1e-8,
 """First damping of passive joints at a pose, and steps in a row that lower no configuration's cost
 by this share after which they end.
 """
+_MAX_COMPARED_ROWS = 1000
+"""Most rows among which neighbours are sought."""
+_NEIGHBOURS = 5
+"""Solved neighbours from which a configuration is tried again."""
 _RANDOM_STARTS = 12
 """Random starts for a configuration that neither the reference nor its neighbours reach."""
 
@@ -143,7 +147,9 @@ def solve_configurations(
         solved &= _on_one_side(model, found, joints, p, solved) | (not carried)
         if not solved.all():
             for k in np.flatnonzero(~solved):
-                near = _neighbours(joints, found, solved, int(k))
+                near = found[solved]
+                if len(near):
+                    near = near[nearest_rows(joints[solved], joints[k : k + 1], _NEIGHBOURS)[0]]
                 starts = near if carried and len(near) else np.vstack([start[k], near])
                 better = _solve_from_many(
                     model, measurements, p, int(k), starts, None if carried else seed
@@ -363,11 +369,19 @@ def without_starts(measurements: Measurements) -> Measurements:
     return replace(without_poses(measurements), starts=None)
 
 
-def _neighbours(
-    joints: np.ndarray, z: np.ndarray, solved: np.ndarray, k: int, count: int = 5
-) -> np.ndarray:
-    near = [int(i) for i in np.argsort(np.linalg.norm(joints - joints[k], axis=1)) if solved[i]]
-    return z[near[:count]]
+def nearest_rows(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarray:
+    """Find the rows of `joints` that are nearest to each row of `wanted`, by number (k, count);
+    columns count by their spread, and of many rows only some are looked at.
+    """
+    chosen = spread_rows(len(joints), _MAX_COMPARED_ROWS)
+    spread = np.std(np.vstack([joints, wanted]), axis=0)
+    weight = 1.0 / np.where(spread > 0.0, spread, 1.0)
+    scaled = joints[chosen] * weight
+    found = [
+        np.argsort(np.sum((scaled - row) ** 2, axis=1), kind="stable")[:count]
+        for row in wanted * weight
+    ]
+    return chosen[np.array(found)]
 
 
 def _solve_from_many(

@@ -25,6 +25,7 @@ from symkin.calibration.estimate.configurations import (
     SolvedConfigurations,
     is_carried,
     known_poses,
+    nearest_rows,
     newton_configurations,
     solve_configurations,
 )
@@ -53,8 +54,8 @@ _MAX_LISTED, _FOLLOWED_NEIGHBOURS = 12, 3
 """Configurations whose modes are listed at most in one round, spread over the file, and neighbours
 that are followed to a configuration.
 """
-_MAX_COMPARED_ROWS, _BLOCK_ROWS = 1000, 5000
-"""Most rows among which neighbours are sought, and rows whose readings are evaluated at once."""
+_BLOCK_ROWS = 5000
+"""Rows whose readings are evaluated at once."""
 _RANDOM_STARTS = 200
 """Random starts where the modes of a configuration cannot be listed by continuation."""
 _MAX_ROUNDS = 3
@@ -106,7 +107,7 @@ def _complete_poses(m: Measurements, starts: np.ndarray, bare: np.ndarray) -> np
     found = starts[rows].copy()
     whole = np.flatnonzero([pose is not None for pose in known_poses(m, measured=True)])
     if len(whole) and m.position is not None and m.orientation is not None:
-        near = whole[_nearest(m.joints[whole], m.joints[rows], 1)[:, 0]]
+        near = whole[nearest_rows(m.joints[whole], m.joints[rows], 1)[:, 0]]
         found = np.hstack([m.position[near], m.orientation[near]])
     if m.position is not None:
         read = m.position[rows]
@@ -127,21 +128,6 @@ def _incline(poses: np.ndarray, inclination: np.ndarray) -> None:
         poses[read, 3:] = np.asarray(
             quaternion_from_euler(np.array([*inclination[read].T, yaw]), "xyz")
         ).T
-
-
-def _nearest(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarray:
-    """Find the rows of `joints` that are nearest to each row of `wanted`, by number (k, count);
-    columns count by their spread, and of many rows only some are looked at.
-    """
-    chosen = spread_rows(len(joints), _MAX_COMPARED_ROWS)
-    spread = np.std(np.vstack([joints, wanted]), axis=0)
-    weight = 1.0 / np.where(spread > 0.0, spread, 1.0)
-    scaled = joints[chosen] * weight
-    found = [
-        np.argsort(np.sum((scaled - row) ** 2, axis=1), kind="stable")[:count]
-        for row in wanted * weight
-    ]
-    return chosen[np.array(found)]
 
 
 # --- modes ----------------------------------------------------------------------------------------
@@ -285,7 +271,7 @@ def _follow_neighbours(
     if not len(good):
         return configurations, gaps
     joints = problem.measurements.joints
-    near = good[_nearest(joints[good], joints[wanted], _FOLLOWED_NEIGHBOURS)]
+    near = good[nearest_rows(joints[good], joints[wanted], _FOLLOWED_NEIGHBOURS)]
     return _take_better_points(
         problem,
         p,
@@ -384,7 +370,7 @@ def _choose_branch(
     (mirror images) the one whose platform is highest.
     """
     m = problem.measurements
-    middle = int(_nearest(m.joints, np.mean(m.joints, axis=0)[None], 1)[0, 0])
+    middle = int(nearest_rows(m.joints, np.mean(m.joints, axis=0)[None], 1)[0, 0])
     points, _ = _all_modes(problem, p, np.array([middle]))
     branches = [_branch(problem, p, middle, z) for z in points]
     whole = [
@@ -422,7 +408,7 @@ def _branch(
         if not len(open_):
             break
         known = np.flatnonzero(solved)
-        near = known[_nearest(joints[known], joints[open_], 1)[:, 0]]
+        near = known[nearest_rows(joints[known], joints[open_], 1)[:, 0]]
         order = np.argsort(
             np.linalg.norm(
                 (joints[open_] - joints[near]) / np.maximum(np.std(joints, axis=0), 1e-300), axis=1

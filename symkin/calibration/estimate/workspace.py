@@ -177,7 +177,24 @@ class Workspace:
                 f"{drawn} draws within joint limits and away from singularities "
                 f"{self._why_none(inclinations[missing[0]], held)}"
             )
-        return ClosedConfigurations.joined([c for c in found if c is not None])
+        made = ClosedConfigurations.joined([c for c in found if c is not None])
+        self._check_motion(made)
+        return made
+
+    def _check_motion(self, made: ClosedConfigurations) -> None:
+        """Raise InputError where all configurations are one although they were drawn apart: loops
+        that close at their reference alone.
+        """
+        size = self.mechanism.characteristic_length
+        apart = max(
+            float(np.max(np.ptp(v, axis=0), initial=0.0)) for v in (made.joints, made.poses)
+        )
+        if len(made) > 1 and np.any(self.half > 0.0) and apart <= _SAME_PLACE * min(size, 1.0):
+            raise InputError(
+                f"{self.mechanism.name}: it does not move; {len(made)} random postures are one: "
+                f"its loops close there alone; check its geometry, or declare the motion that "
+                f"it has"
+            )
 
     def _why_none(self, inclination: np.ndarray, held: bool) -> str:
         """What to do where postures are not found."""

@@ -8,6 +8,7 @@ given order; those that give the same rotations for all rows are one.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -23,7 +24,7 @@ from symkin.calibration.estimate.problem import CalibrationProblem, build_calibr
 from symkin.calibration.estimate.starting import with_starts
 from symkin.calibration.estimate.state import design, spectrum
 from symkin.calibration.judge.plausibility import MAX_NOISE_RATIO
-from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, f_tail
+from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
 from symkin.errors import InputError
 from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism
@@ -68,7 +69,10 @@ class SequenceTrial:
                 ratio > _CLEAR_RATIO
                 and chi_square_tail(other.chi_square, other.degrees) < SIGNIFICANCE
             )
-        return ratio > _CLEAR_RATIO and f_tail(ratio, other.degrees, self.degrees) < SIGNIFICANCE
+        # both are fits of the same readings, each with the noise that it leaves: how much less
+        # likely these are by the other
+        likelihood = -0.5 * min(self.degrees, other.degrees) * math.log(ratio)
+        return ratio > _CLEAR_RATIO and likelihood < math.log(SIGNIFICANCE)
 
 
 @dataclass(frozen=True)

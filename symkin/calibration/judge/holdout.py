@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.data.measurements import NO_GROUP, Measurements, spread_rows
+from symkin.calibration.data.measurements import NO_GROUP, Measurements
 from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import solve_configurations
+from symkin.calibration.estimate.configurations import nearest_rows, solve_configurations
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import build_readings
 from symkin.calibration.estimate.state import evaluate, evaluate_readings, joint_covariance
@@ -35,8 +35,6 @@ _MAX_OUTLIER_SHARE = 0.2
 """Share of the held-out configurations that may be outliers, one by one; where more are off, the
 prediction is.
 """
-_MAX_NEIGHBOURS = 2000
-"""Fitted configurations, spread evenly, among which neighbours are sought."""
 _OUTLIER_LEVEL = 0.02
 """Share of right predictions of which a configuration is called an outlier."""
 
@@ -124,11 +122,7 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
     solutions.
     """
     model, p = build_model(fit.mechanism, measurements, fit.problem.names), fit.state.p
-    fitted = spread_rows(len(fit.state.z), _MAX_NEIGHBOURS)
-    known = fit.problem.measurements.joints[fitted]
-    near = fitted[
-        [int(np.argmin(np.sum((known - row) ** 2, axis=1))) for row in measurements.joints]
-    ]
+    near = nearest_rows(fit.problem.measurements.joints, measurements.joints, 1)[:, 0]
     configurations = solve_configurations(model, measurements, p, z=fit.state.z[near], seed=seed)
     unsolved = tuple(measurements.labels[int(k)] for k in np.flatnonzero(~configurations.solved))
     some, z = measurements.subset(configurations.solved), configurations.z[configurations.solved]

@@ -137,15 +137,23 @@ class Calibration(Result):
         return self.identifiability.rank
 
     @property
-    def believable(self) -> bool:
-        """Whether the fit converged, every configuration is solved, and the stated noise explains
-        the residuals (neither larger nor smaller than expected), but for some outliers; and whether
-        it is the machine that the file describes, unless `any_machine` was asked for.
+    def sound(self) -> bool:
+        """Whether the fit converged, every configuration is solved, and nothing speaks against it:
+        the stated noise, where it is, explains the residuals (neither larger nor smaller than
+        expected), but for some outliers; and it is the machine that the file describes, unless
+        `any_machine` was asked for.
         """
         fits = self.p_value is None or SIGNIFICANCE < self.p_value < 1.0 - SIGNIFICANCE
         whole = not self.unsolved and not self.given_up and self.refused is None
         whole = whole and (self.any_machine or not is_other_machine(self))
         return self.status == "ok" and whole and fits and self.degrees > 0
+
+    @property
+    def believable(self) -> bool:
+        """Whether the fit is sound, and the residuals were tested against the noise stated: without
+        that nothing says whether it is right.
+        """
+        return self.sound and self.p_value is not None
 
     @property
     def frames(self) -> tuple[str, ...]:
@@ -194,6 +202,7 @@ class Calibration(Result):
             "length_unit": m.length_unit,
             "angle_unit": m.angle_unit,
             "believable": self.believable,
+            "tested": self.p_value is not None,
             **self.figures(),
             **self.findings(),
             "notes": list(self.notes),

@@ -1,0 +1,129 @@
+"""The prior: what the readings hardly tell stays near nominal, what they tell is theirs alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import symkin
+from helpers import samples
+from helpers.inside import (
+    Noise,
+    Workspace,
+    default_parameters,
+    evaluate_state,
+    nearest_rows,
+    nominal_parameters,
+    random_configurations,
+    simulate_readings,
+    told_directions,
+    with_parameters,
+    workspace_home_pose,
+)
+from symkin import calibrate
+from symkin.errors import InputError
+
+MACHINES = {
+    "three_rps": samples.three_rps,
+    "delta": lambda: replace(samples.delta(), motion="spatial"),
+    "five_bar": lambda: replace(samples.five_bar(), motion="planar"),
+}
+STUCK = {"stuck": samples.five_bar}
+
+
+def drawn(name, seed, off=1e-3, noise=1e-4, count=32):
+    """A machine, and whole poses of one whose geometry is off by `off` of its size."""
+    nominal, rng = (MACHINES | STUCK)[name](), np.random.default_rng([seed, len(name)])
+    size, table = nominal.characteristic_length, nominal_parameters(nominal)
+    values = {
+        n: table[n][0] + off * rng.normal() * (size if table[n][1] == "length" else 1.0)
+        for n in default_parameters(nominal)
+    }
+    true = with_parameters(nominal, values)
+    workspace = Workspace.about(true, start=workspace_home_pose(nominal))
+    made = random_configurations(workspace, np.full(count, -1), Noise(), rng)
+    stated = Noise(position=noise * size, orientation=noise)
+    return nominal, simulate_readings(true, made, np.full(count, -1), ("pose",), stated, rng)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MACHINES)
+def test_machines_whose_readings_tell_some_of_it_are_calibrated(name):
+    """Directions that poses tell to a few per cent of the size only: the fit ends in few steps and
+    is believable.
+    """
+    for seed in range(2):
+        nominal, data = drawn(name, seed)
+        fit = calibrate(nominal, data)
+        assert fit.status == "ok"
+        assert fit.believable
+        assert fit.iterations <= 30
+        assert all("hardly told" not in text for text in fit.unobservable)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["three_rps", "delta"])
+def test_the_estimate_is_what_readings_and_prior_ask_for(name):
+    """In directions that the readings tell ten times better than the prior the gradient of
+    chi-square vanishes; in the others that of chi-square and the prior together.
+    """
+    nominal, data = drawn(name, 3)
+    fit = calibrate(nominal, data, outliers="ignore")
+    problem, told = fit.problem, told_directions(fit.problem, fit.state)
+    state = evaluate_state(problem, fit.state.p, fit.state.z, "means")
+    by_readings = told.columns.T @ (state.linearised.matrix.T @ state.linearised.vector)
+    change = (fit.state.p - problem.model.nominal) / problem.model.scales / problem.prior**2
+    by_prior = told.columns.T @ change
+    well = told.ratios > 10.0
+    assert np.any(well)
+    assert np.any(~well)
+    # the file holds values to rounding of its digits, so that gradients are small and not zero
+    assert np.max(np.abs(by_readings[well] / told.ratios[well])) < 1e-5
+    assert np.max(np.abs((by_readings + by_prior)[~well])) < 1e-4
+
+
+@pytest.mark.slow
+def test_a_reversed_sign_fits_another_machine():
+    """A joint column with its sign reversed: the readings fit, and nothing is believable."""
+    nominal, data = drawn("delta", 1)
+    joints = data.joints * np.array([1.0, -1.0, 1.0])
+    assert not calibrate(nominal, replace(data, joints=joints)).believable
+
+
+def test_a_machine_that_does_not_move_is_not_simulated():
+    """A five-bar whose axes are not quite parallel closes at its reference alone."""
+    with pytest.raises(InputError, match="does not move; 32 random postures are one"):
+        drawn("stuck", 0)
+
+
+def test_neighbours_do_not_depend_on_units():
+    """Angles beside lengths: the nearest rows are the same in metres and in micrometres."""
+    rng = np.random.default_rng(0)
+    joints, wanted = rng.normal(size=(30, 3)), rng.normal(size=(5, 3))
+    units = np.array([1.0, 1e6, 1.0])
+    ours, theirs = nearest_rows(joints, wanted, 4), nearest_rows(units * joints, units * wanted, 4)
+    np.testing.assert_array_equal(ours, theirs)
+
+
+def test_without_noise_stated_nothing_is_tested():
+    """A sound fit without standard deviations and held-out postures is not believable but not
+    tested, and the JSON says so.
+    """
+    nominal, data = drawn("five_bar", 2)
+    fit = calibrate(nominal, replace(data, position_sigma=None, orientation_sigma=None))
+    assert fit.sound
+    assert not fit.believable
+    assert fit.to_dict(residuals=False)["tested"] is False
+    assert calibrate(nominal, data).to_dict(residuals=False)["tested"] is True
+
+
+def test_a_joint_reading_beyond_all_measure_is_refused():
+    """A slip of 1e300 is named with its posture and joint."""
+    arm = symkin.load("gluon_6l3")
+    joints = np.zeros((3, 6))
+    joints[1, 2] = 1e300
+    data = symkin.Measurements(joints, position=np.zeros((3, 3)))
+    with pytest.raises(InputError, match=r"posture 2 reads 1e\+300 of q3"):
+        calibrate(arm, data)
