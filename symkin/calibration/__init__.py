@@ -5,8 +5,9 @@ The way of the data, by modules:
   data       `files` and `columns` read a file, `measurements` hold it, `parameters` name what it
              may determine
   estimate   `problem` states what is fitted; `workspace`, `configurations`, `starting` and
-             `first_guess` find where to begin; `model`, `residuals` and `state` evaluate and
-             linearise; `solver`, `descent`, `lifted` and `robust` minimise
+             `first_guess` find where to begin; `configuration_model`, `residuals` and
+             `state` evaluate, `linear` sets readings beside the prior; `estimator`, `joint_lines`
+             and `robust` minimise
   judge      `assessment` builds the `result`: `statistics`, `identifiability`, `fit_notes`;
              `outliers` and `outlier_removal` find bad readings, `diagnoses` and `plausibility`
              wrong files, `holdout` and `pose_accuracy` predict

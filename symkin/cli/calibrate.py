@@ -75,7 +75,8 @@ def fit(
         ),
     ] = "least",
     method: Annotated[
-        Method, choice(Method, "--method", "Poses solved inside, or as unknowns, or by IPOPT.", HOW)
+        Method,
+        choice(Method, "--method", "Of one meaning left: nested; others are taken for it.", HOW),
     ] = Method.nested,
     residual: Annotated[
         Residual, choice(Residual, "--residual", "How groups and joint noise enter.", HOW)

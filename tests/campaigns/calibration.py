@@ -2,13 +2,15 @@
 poses (the shipped delta: positions) read with noise; right data sets and wrong ones.
 
     python tests/campaigns/calibration.py [MACHINE ...] [--sets 40] [--off 1e-3] [--noise 1e-4]
-        [--postures 40] [--wrong] [--seed 0]
+        [--postures 40] [--wrong | --covariance] [--seed 0]
 
 `--off` and `--noise` are shares of the size (angles: radians). Of right sets it counts those that
 end well, those that are believable, and those whose held-out readings (a fifth) agree, whitened by
-noise and covariance (p > 0.001); the bias is that of the pose at held-out joints over its standard
-deviation, root mean square. With `--wrong` the sets are spoilt, a fault each in turn: two columns
-exchanged, a joint's sign reversed, three times the noise, one outlier kept; none may be believable.
+noise and covariance (p > 0.001). With `--covariance` one machine is read anew in each set, and the
+scatter of the estimates, in the directions that the readings tell, is compared with the covariance
+that is stated: the ratio of variances is 1. With `--wrong` the sets are spoilt, a fault each in
+turn: two columns exchanged, a joint's sign reversed, three times the noise, one outlier kept; none
+may be believable.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import symkin
 from helpers import samples
 from helpers.inside import (
+    WELL_TOLD,
     Noise,
     Workspace,
     default_parameters,
@@ -35,6 +38,7 @@ from helpers.inside import (
     predict_held_out,
     random_configurations,
     simulate_readings,
+    told_directions,
     with_parameters,
     workspace_home_pose,
 )
@@ -63,8 +67,18 @@ class Draw:
     readings: symkin.Measurements
 
 
-def drawn(name: str, off: float, noise: float, postures: int, seed: int, more: float = 1.0) -> Draw:
-    """A set of readings with errors of `more` times the standard deviation that is stated."""
+def drawn(
+    name: str,
+    off: float,
+    noise: float,
+    postures: int,
+    seed: int,
+    more: float = 1.0,
+    again: int = 0,
+) -> Draw:
+    """A set of readings with errors of `more` times the standard deviation that is stated; `again`
+    draws other errors at the same postures.
+    """
     make, kinds = MACHINES[name]
     nominal = make()
     rng = np.random.default_rng([seed, len(name)])
@@ -84,11 +98,13 @@ def drawn(name: str, off: float, noise: float, postures: int, seed: int, more: f
             continue
     stated = Noise(position=noise * size, orientation=noise)
     groups = np.full(postures, -1)
-    exact = simulate_readings(true, made, groups, kinds, stated, np.random.default_rng([seed, 1]))
+    exact = simulate_readings(
+        true, made, groups, kinds, stated, np.random.default_rng([seed, 1, again])
+    )
     if more != 1.0:
         louder = Noise(position=more * noise * size, orientation=more * noise)
         noisy = simulate_readings(
-            true, made, groups, kinds, louder, np.random.default_rng([seed, 1])
+            true, made, groups, kinds, louder, np.random.default_rng([seed, 1, again])
         )
         exact = replace(
             noisy,
@@ -161,6 +177,32 @@ def right_sets(name: str, args: argparse.Namespace) -> None:
         print("   ", text[:240], flush=True)
 
 
+def covariance(name: str, args: argparse.Namespace) -> None:
+    """Print the mean square of the estimates' scatter over what is stated, and the largest of
+    single directions.
+    """
+    draw = drawn(name, args.off, args.noise, args.postures, args.seed)
+    told, found = None, []
+    for k in range(args.sets):
+        again = drawn(name, args.off, args.noise, args.postures, args.seed, again=k)
+        fit = symkin.calibrate(draw.nominal, again.readings, outliers="ignore")
+        if fit.status != "ok":
+            continue
+        if told is None:
+            told = told_directions(fit.problem, fit.state)
+            model = fit.problem.model
+        found.append((fit.state.p - model.nominal) / model.scales)
+    well = told.ratios > WELL_TOLD
+    along = np.linalg.lstsq(told.columns, np.array(found).T, rcond=None)[0][well]
+    squares = np.var(along, axis=1, ddof=1) * told.ratios[well] ** 2
+    print(
+        f"{name:12s} variance over the stated one: mean {np.mean(squares):.3f}, of "
+        f"{np.sum(well)} directions {np.min(squares):.2f} to {np.max(squares):.2f}; "
+        f"{len(found)} of {args.sets} fits",
+        flush=True,
+    )
+
+
 def wrong_sets(name: str, args: argparse.Namespace) -> None:
     believed = 0
     for k in range(args.sets):
@@ -187,11 +229,13 @@ def main() -> None:
     parser.add_argument("--noise", type=float, default=1e-4)
     parser.add_argument("--postures", type=int, default=40)
     parser.add_argument("--wrong", action="store_true")
+    parser.add_argument("--covariance", action="store_true")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--shown", type=int, default=3)
     args = parser.parse_args()
     for name in args.machines or MACHINES:
-        (wrong_sets if args.wrong else right_sets)(name, args)
+        run = wrong_sets if args.wrong else covariance if args.covariance else right_sets
+        run(name, args)
 
 
 if __name__ == "__main__":

@@ -366,6 +366,7 @@ NAMES = {
     "build_model": "symkin.calibration.estimate.configuration_model",
     "nearest_rows": "symkin.calibration.estimate.configurations",
     "solve_configurations": "symkin.calibration.estimate.configurations",
+    "WELL_TOLD": "symkin.calibration.estimate.linear",
     "map_functions": "symkin.calibration.estimate.mapped_functions",
     "build_calibration": "symkin.calibration.estimate.problem",
     "default_parameters": "symkin.calibration.estimate.problem",
