@@ -402,7 +402,7 @@ def report_time(lines: Lines, seed: int) -> None:
 
 
 def posed_figures(seed: int, repeats: int) -> Iterator[Figure]:
-    """A whole estimate from 600 whole poses over scipy's least squares with an analytic Jacobian."""
+    """A whole estimate from 600 whole poses over scipy's with an analytic Jacobian."""
     figure = "calibration: 600 poses, 42 parameters over scipy, analytic Jacobian"
     if not find_spec("scipy"):
         yield Figure(figure, None, "scipy is not installed (pip install scipy)")

@@ -76,7 +76,7 @@ def fit(
     ] = "least",
     method: Annotated[
         Method,
-        choice(Method, "--method", "Of one meaning left: nested; others are taken for it.", HOW),
+        choice(Method, "--method", "Names of before: all mean nested now.", HOW),
     ] = Method.nested,
     residual: Annotated[
         Residual, choice(Residual, "--residual", "How groups and joint noise enter.", HOW)
