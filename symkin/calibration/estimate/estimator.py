@@ -51,6 +51,10 @@ _MINIMUM_DECREMENT = 1e-6
 """The iteration ends when one more step would gain less than this, in variances: next to nothing
 beside the chance fluctuation of chi-square.
 """
+_STALLED_DECREMENT = 1e-3
+"""An iteration that finds no lower cost stands at the minimum where not even this could be gained:
+configurations are closed to first order on the way.
+"""
 _COST_ROUNDING = 1e-12
 """Share of the cost that counts as rounding of it."""
 _FIRST_DAMPING, _DAMPING_INCREASE, _DAMPING_DECREASE, _MAX_DAMPING = 1.0, 10.0, 0.1, 1e12
@@ -59,6 +63,10 @@ fails and one that does not, and the damping at which no step is left.
 """
 _MAX_UNSHRUNK_STEPS, _CONVERGED_STEP = 8, 1e-13
 """Most steps without the prior, and their length, of the size, at which they end."""
+_GOOD_GAIN, _POOR_GAIN, _POOR_INCREASE = 0.75, 0.5, 4.0
+"""Share of what the linear model promised from which on there is less damping, that below which
+there is more, and its factor: steps that go too far go to and fro.
+"""
 _WIDENED, _MAX_PRIOR_CHANGE, _MAX_WIDENINGS = 3.0, 3.0, 8
 """The prior is widened by this factor while a parameter is further from nominal than so many of its
 standard deviations, so many times at most; a step that goes further than that, beyond where it
@@ -245,7 +253,8 @@ class _Search:
                 return "max_iterations"
             if not self._advance(solver, weight):
                 # what the linear model promises and no step keeps is rounding
-                return "ok" if solver.decrement < _COST_ROUNDING * self.state.cost else "stalled"
+                bound = max(_COST_ROUNDING * self.state.cost, _STALLED_DECREMENT * weight**2)
+                return "ok" if solver.decrement < bound else "stalled"
 
     def _advance(self, solver: _Damped, weight: float) -> bool:
         """Take one step that lowers the cost, with as much damping as it needs; tell whether there
@@ -261,8 +270,13 @@ class _Search:
                 self.steps += 1
             if trial is not None and self._is_better(trial, before, weight):
                 gained = (before - self._cost(trial, weight)) / max(promised, 1e-300)
-                self.damping *= _DAMPING_DECREASE if gained > 0.25 else 1.0
-                if self.damping < 1e-3 * _FIRST_DAMPING:
+                if gained > _GOOD_GAIN:
+                    self.damping *= _DAMPING_DECREASE
+                elif gained < _POOR_GAIN:
+                    self.damping = max(
+                        _POOR_INCREASE * self.damping, 0.1 * _FIRST_DAMPING * weight**2
+                    )
+                if self.damping < 1e-3 * _FIRST_DAMPING * weight**2:
                     self.damping = 0.0
                 self.state = trial
                 return True
