@@ -41,6 +41,8 @@ ALL_PARAMETERS = "all"
 """The pattern that stands for every parameter that moves poses."""
 _MAX_LISTED_NAMES = 12
 """Most names that a message lists."""
+_MANY_OUTLIERS = 0.2
+"""More readings left out than this share of the postures are looked at as a mistake of the file."""
 _READING_NAMES = {
     "group": "groups",
     "inclination": "inclinations",
@@ -188,10 +190,11 @@ class _FileFit:
         """Find mistakes of the file that may explain a fit which is not believable, or which went
         far from the file's geometry.
         """
-        if fit.believable and not is_noticeable(fit):
+        many = len(fit.outliers) > _MANY_OUTLIERS * len(fit.measurements)
+        if fit.believable and not is_noticeable(fit) and not many:
             return ()
         found = diagnose(self.mechanism, self.measurements, self.frames)
-        if found or fit.sound:
+        if found or (fit.sound and not many):
             return found
         found = diagnose_labels(self.mechanism, self.measurements)
         return (

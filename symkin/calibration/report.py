@@ -58,10 +58,15 @@ class FitReport:
         return (
             fit.status == "ok"
             and fit.refused is None
-            and not self.sigma.blind
+            and not self._tells_too_little
             and bool(fit.used)
             and self.refusal is None
         )
+
+    @property
+    def _tells_too_little(self) -> bool:
+        """Whether the readings leave open what moves poses, or tell nothing at all."""
+        return self.sigma.blind or self.fit.rank == 0
 
     @property
     def sound(self) -> bool:
@@ -115,7 +120,7 @@ class FitReport:
         why = f"; {self.suspicions[0]}" if self.suspicions else ""
         if self.fit.status != "ok":
             return f"NOT USABLE: the fit did not converge ({self.fit.status}){why}"
-        if self.sigma.blind:
+        if self._tells_too_little:
             return (
                 f"NOT USABLE: the readings do not determine the geometry; see what is not "
                 f"observable{why}"

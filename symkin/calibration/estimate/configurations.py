@@ -300,16 +300,20 @@ def follow_joints(
     return z
 
 
+def passive_freedoms(model: ConfigurationModel) -> np.ndarray:
+    """Return the places of the unknowns' freedoms that are not the pose's."""
+    return np.flatnonzero(
+        [c.role != "pose" for c in model.system.unknowns for _ in range(c.freedom)]
+    )
+
+
 def fit_passive(
     model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray, most: int
 ) -> np.ndarray:
     """Fit the passive joints in z (n, width) at which the geometry p closes best with the pose as
     it is, each configuration by itself: Levenberg-Marquardt of at most so many steps.
     """
-    width = model.system.freedom
-    passive = np.flatnonzero(
-        [c.role != "pose" for c in model.system.unknowns for _ in range(c.freedom)]
-    )
+    width, passive = model.system.freedom, passive_freedoms(model)
     if not passive.size:
         return z
 

@@ -28,6 +28,7 @@ from symkin.calibration.estimate.configurations import (
     fit_passive,
     is_carried,
     known_poses,
+    passive_freedoms,
     start_points,
 )
 from symkin.calibration.estimate.linear import (
@@ -37,7 +38,7 @@ from symkin.calibration.estimate.linear import (
     rounding_residual,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Form, build_readings
+from symkin.calibration.estimate.residuals import Form, Linearised, build_readings
 from symkin.calibration.estimate.state import (
     State,
     closed_state,
@@ -137,14 +138,19 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
         return None
     chosen = np.flatnonzero(given)
     some = m.subset(chosen[spread_rows(len(chosen), _MAX_POSES)])
-    at_poses = _AtPoses(replace(problem, measurements=some, readings=build_readings(model, some)))
+    here = replace(problem, measurements=some, readings=build_readings(model, some))
     with np.errstate(all="ignore"):
-        begin = at_poses.first_state()
-        search = _Search(at_poses, begin)
-        if not np.isfinite(begin.cost) or is_rounding(at_poses.problem, begin):
+        near, far = _AtPoses(here), _AtPoses(here, by_rows=True)
+        begin = near.first_state()
+        search = _Search(near, begin, widened=problem.widened)
+        if not np.isfinite(begin.cost) or is_rounding(here, begin):
             return None
-        search.run(_MAX_POSE_STEPS)
-    return search.state.p
+        if search.run(_MAX_POSE_STEPS) == "ok":
+            return search.state.p
+        other = _Search(far, far.first_state(), widened=problem.widened)
+        other.run(_MAX_POSE_STEPS)
+        last = near.moved(other.state, np.zeros(len(begin.p)))
+    return search.state.p if last is None or last.cost > search.state.cost else last.p
 
 
 def _minimise(
@@ -184,9 +190,12 @@ class _Nested:
 class _AtPoses:
     """The residuals at the poses measured: passive joints at which the closure is met best there,
     and the closure to first order in the pose. No direct problem is solved, so that it leads far.
+    `by_rows`: the closure rows over the readings' usual standard deviation in their place, which
+    leads further, to where is near the estimate.
     """
 
     problem: CalibrationProblem
+    by_rows: bool = False
 
     def first_state(self) -> State:
         """Evaluate at nominal."""
@@ -201,10 +210,19 @@ class _AtPoses:
         return found if np.isfinite(found.cost) else None
 
     def _at(self, p: np.ndarray, z: np.ndarray, steps: int) -> State:
-        z = fit_passive(self.problem.model, z, self.problem.measurements.joints, p, steps)
-        state = evaluate(self.problem, p, z, "means")
+        problem, model = self.problem, self.problem.model
+        z = fit_passive(model, z, problem.measurements.joints, p, steps)
+        state = evaluate(problem, p, z, "means")
         # poses that are measured are of one mode, whatever the geometry
-        return replace(state, determinant_signs=np.zeros(len(z)))
+        state = replace(state, determinant_signs=np.zeros(len(z)))
+        if not self.by_rows:
+            return state
+        e = state.values
+        passive = e.rows_z[:, :, passive_freedoms(model)]
+        project = np.eye(e.rows.shape[1]) - passive @ np.linalg.pinv(passive, rcond=1e-10)
+        usual = float(np.median((problem.readings.sigma * model.lengths)[problem.readings.taken]))
+        rows = Linearised(e.rows / usual, project @ e.rows_p / usual)
+        return replace(state, linearised=rows, leftover=None)
 
 
 # --- iteration ------------------------------------------------------------------------------------

@@ -31,6 +31,8 @@ from symkin.model.mechanism import Mechanism
 
 _TRIAL_ROWS = 60
 """Configurations that the trial fits use, spread evenly over the file."""
+_TRIAL_WIDENED = 10.0
+"""How much wider the prior of a trial is: the sequence must be found of machines far off, too."""
 _FITTED_SEQUENCES = 4
 """Sequences, the best by their residuals before the fit, that are fitted."""
 _CLEAR_RATIO = 4.0
@@ -279,7 +281,7 @@ def _problem(
     mechanism: Mechanism, measurements: Measurements, options: dict[str, Any]
 ) -> CalibrationProblem:
     chosen = {k: options[k] for k in ("parameters", "fixed", "residual") if k in options}
-    return build_calibration(mechanism, measurements, **chosen)
+    return replace(build_calibration(mechanism, measurements, **chosen), widened=_TRIAL_WIDENED)
 
 
 def _trial_start(

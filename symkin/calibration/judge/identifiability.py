@@ -38,10 +38,11 @@ class Identifiability:
     """Rank of the identification Jacobian (residuals over their standard deviations, columns per
     length unit, angles and directions times the size), its singular values and null space (P, k)
     over `names`; `unobservable` names k independent combinations that no reading determines,
-    `advice` says what to measure besides. `weak` names combinations that the readings tell hardly
-    better than the prior, each with its standard deviation by the readings over the prior's. `gap`
-    is the ratio of the singular values on both sides of the rank (infinite where nothing is dropped
-    to rounding).
+    `advice` says what to measure besides. `blind` (P, j) is that part of the null space which no
+    reading tells at all, whatever its noise. `weak` names combinations that the readings tell
+    hardly better than the prior, each with its standard deviation by the readings over the prior's.
+    `gap` is the ratio of the singular values on both sides of the rank (infinite where nothing is
+    dropped to rounding).
     """
 
     names: tuple[str, ...]
@@ -52,6 +53,7 @@ class Identifiability:
     null_space: np.ndarray
     unobservable: tuple[str, ...]
     advice: tuple[str, ...]
+    blind: np.ndarray
     weak: tuple[tuple[str, float], ...] = ()
 
     @cached_property
@@ -67,6 +69,13 @@ class Identifiability:
             unit = rest[pivot] / sizes[pivot]
             rest -= np.outer(rest @ unit, unit)
         return tuple(n for k, n in enumerate(self.names) if k not in dropped)
+
+    @property
+    def drowned(self) -> np.ndarray:
+        """The rest of the null space (P, k - j): told by readings without noise alone."""
+        rest = self.null_space - self.blind @ (self.blind.T @ self.null_space)
+        left, lengths, _ = np.linalg.svd(rest, full_matrices=False)
+        return np.asarray(left[:, lengths > 0.5])
 
     @property
     def condition(self) -> float:
@@ -139,6 +148,7 @@ def identifiability_at(problem: CalibrationProblem, state: State, weight: float)
         rank=len(problem.names) - null_space.shape[1],
         gap=found.gap,
         null_space=null_space,
+        blind=found.null_space,
         weak=weak,
         unobservable=named,
         advice=_advice(problem, state, named),

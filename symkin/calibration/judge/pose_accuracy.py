@@ -18,6 +18,7 @@ from symkin.calibration.estimate.configurations import (
     is_carried,
     solve_configurations,
 )
+from symkin.calibration.estimate.problem import PRIOR_SHARE
 from symkin.calibration.estimate.starting import has_home
 from symkin.calibration.estimate.workspace import ClosureSolver, Workspace, home_pose, lever
 from symkin.calibration.judge.plausibility import judged_poses
@@ -100,12 +101,15 @@ def _pose_sigma_at(
     slopes = less_frames(slopes, frames, lever(identified))
     scaled = fit.covariance[: len(names), : len(names)] / np.outer(scales, scales)
     variance = np.einsum("nkp,pq,nkq->nk", slopes, scaled, slopes)
+    # what noise drowns is known by the prior alone
+    drowned = fit.identifiability.drowned * (PRIOR_SHARE * fit.mechanism.characteristic_length)
+    variance += np.sum((slopes @ drowned) ** 2, axis=2)
     sigma = np.sqrt(np.maximum(variance, 0.0))
     spread = float(np.sqrt(np.mean(np.sum(sigma[:, :3] ** 2, axis=1)))) / (
         _NOMINAL_ERROR * fit.mechanism.characteristic_length
     )
     blind = bool(
-        np.max(np.abs(slopes @ fit.identifiability.null_space), initial=0.0)
+        np.max(np.abs(slopes @ fit.identifiability.blind), initial=0.0)
         > np.clip(spread, *_UNDETERMINED_SLOPES)
     )
     read = fit.measurements.joints[list(fit.used)]

@@ -145,7 +145,7 @@ class Calibration(Result):
         """
         fits = self.p_value is None or SIGNIFICANCE < self.p_value < 1.0 - SIGNIFICANCE
         whole = not self.unsolved and not self.given_up and self.refused is None
-        whole = whole and (self.any_machine or not is_other_machine(self))
+        whole = whole and self.rank > 0 and (self.any_machine or not is_other_machine(self))
         return self.status == "ok" and whole and fits and self.degrees > 0
 
     @property
