@@ -341,6 +341,30 @@ def _reversed_joints(case: Case) -> Iterator[Finding]:
             yield f"the sign of {c.name} looks reversed", replace(case.measurements, joints=joints)
 
 
+def _reversed_all_joints(case: Case) -> Iterator[Finding]:
+    joints, names = -case.measurements.joints, [c.name for c in case.mechanism.actuated]
+    if len(names) > 1 and is_possible(case.mechanism.actuated, joints):
+        yield (
+            f"the signs of {', '.join(names)} look reversed",
+            replace(case.measurements, joints=joints),
+        )
+
+
+def _rescaled_joints(case: Case) -> Iterator[Finding]:
+    """All joints of a kind in another unit, which would not be out of proportion."""
+    for angular, factors in ((False, _LENGTH_UNITS), (True, _ANGLE_UNITS)):
+        columns = _columns_of_kind(case.mechanism, angular=angular)
+        names = ", ".join(case.mechanism.actuated[k].name for k in columns)
+        for factor, text in factors.items() if columns else ():
+            joints = np.array(case.measurements.joints)
+            joints[:, columns] *= factor
+            if is_possible(case.mechanism.actuated, joints):
+                yield (
+                    f"the readings of {names} look {text}",
+                    replace(case.measurements, joints=joints),
+                )
+
+
 def _reordered_joints(case: Case) -> Iterator[Finding]:
     found = best_column_order(case.mechanism, case.measurements, case.misfit)
     if found is not None:
@@ -458,6 +482,8 @@ RULES = (
     Rule("one joint in another unit than the others", Stage.READINGS, _unit_of_one_joint),
     Rule("two joint columns exchanged", Stage.CORRECTION, _exchanged_joints),
     Rule("the sign of a joint reversed", Stage.CORRECTION, _reversed_joints),
+    Rule("the signs of all joints reversed", Stage.CORRECTION, _reversed_all_joints),
+    Rule("joints in another unit by the misfit", Stage.CORRECTION, _rescaled_joints),
     Rule("positions in another unit", Stage.CORRECTION, _unit_of_positions),
     Rule("orientations of the base in the platform", Stage.CORRECTION, _inverted_orientations),
     Rule("quaternions with their scalar last", Stage.CORRECTION, _scalar_last),
