@@ -151,7 +151,7 @@ MISTAKES_OF_ENCODERS = {
 ARM = symkin.load("scara")
 MISTAKES_OF_ARMS = {
     "the signs of all joints reversed": (with_joints(np.negative), "the signs of shoulder, elbow"),
-    "joints in another unit by the misfit": (
+    "angles of joints in radians": (
         with_joints(lambda q: np.where([c.is_angular for c in ARM.actuated], np.radians(q), q)),
         "look radians taken for degrees",
     ),

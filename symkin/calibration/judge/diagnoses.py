@@ -350,19 +350,19 @@ def _reversed_all_joints(case: Case) -> Iterator[Finding]:
         )
 
 
-def _rescaled_joints(case: Case) -> Iterator[Finding]:
-    """All joints of a kind in another unit, which would not be out of proportion."""
-    for angular, factors in ((False, _LENGTH_UNITS), (True, _ANGLE_UNITS)):
-        columns = _columns_of_kind(case.mechanism, angular=angular)
+def _joints_in_radians(case: Case) -> Iterator[Finding]:
+    """All angles in radians, which spread as degrees may. Of other units the spread tells; and
+    factors below one make any misfit smaller.
+    """
+    columns = _columns_of_kind(case.mechanism, angular=True)
+    factor, joints = 180 / math.pi, np.array(case.measurements.joints)
+    joints[:, columns] *= factor
+    if columns and is_possible(case.mechanism.actuated, joints):
         names = ", ".join(case.mechanism.actuated[k].name for k in columns)
-        for factor, text in factors.items() if columns else ():
-            joints = np.array(case.measurements.joints)
-            joints[:, columns] *= factor
-            if is_possible(case.mechanism.actuated, joints):
-                yield (
-                    f"the readings of {names} look {text}",
-                    replace(case.measurements, joints=joints),
-                )
+        yield (
+            f"the readings of {names} look {_ANGLE_UNITS[factor]}",
+            replace(case.measurements, joints=joints),
+        )
 
 
 def _reordered_joints(case: Case) -> Iterator[Finding]:
@@ -483,7 +483,7 @@ RULES = (
     Rule("two joint columns exchanged", Stage.CORRECTION, _exchanged_joints),
     Rule("the sign of a joint reversed", Stage.CORRECTION, _reversed_joints),
     Rule("the signs of all joints reversed", Stage.CORRECTION, _reversed_all_joints),
-    Rule("joints in another unit by the misfit", Stage.CORRECTION, _rescaled_joints),
+    Rule("angles of joints in radians", Stage.CORRECTION, _joints_in_radians),
     Rule("positions in another unit", Stage.CORRECTION, _unit_of_positions),
     Rule("orientations of the base in the platform", Stage.CORRECTION, _inverted_orientations),
     Rule("quaternions with their scalar last", Stage.CORRECTION, _scalar_last),
