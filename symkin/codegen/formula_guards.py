@@ -38,10 +38,12 @@ formulas that are used.
 """
 _PER_NUMBER = 4.0
 """Roundings of each known value that stand for those inside the formulas."""
-_SHARE = 0.9
-"""Share of the configurations at which rows must be so near to zero: beside a dead centre no
-formula is firm.
+_LOST = 100.0
+"""Multiple of the roundings of known values by which answers may be off: two digits. A limb whose
+hinge is all but perpendicular to its slide, as a calibrated one is, loses more.
 """
+_SHARE = 0.9
+"""Share of the configurations at which that must hold: beside a dead centre no formula is firm."""
 
 
 def feasible_error(epsilon: float, size: float) -> float:
@@ -49,12 +51,12 @@ def feasible_error(epsilon: float, size: float) -> float:
     return max(FEASIBLE, _ROUNDINGS * epsilon) * size
 
 
-def _sizes(form: ClosedForm, known: Sequence[Coordinate]) -> np.ndarray:
-    """The size of each known value: of lengths the machine's, of all others 1."""
+def _sizes(form: ClosedForm, coordinates: Sequence[Coordinate]) -> np.ndarray:
+    """The size of each value of coordinates: of lengths the machine's, of all others 1."""
     return np.array(
         [
             form.system.characteristic_length if c.kind == "length" else 1.0
-            for c in known
+            for c in coordinates
             for _ in range(c.width)
         ]
     )
@@ -81,16 +83,24 @@ def keeps_digits(
     epsilon: float,
 ) -> bool:
     """Whether roundings of values (n, width) of the known coordinates leave the rows of the
-    formulas' answers well within their bound.
+    formulas' answers well within their bound, and the answers where they are to two digits.
     """
     size, rng = form.system.characteristic_length, np.random.default_rng(12)
+    rounding = _PER_NUMBER * epsilon
     scale = np.maximum(np.abs(near), _sizes(form, known))
-    moved = near + _PER_NUMBER * epsilon * scale * rng.choice([-1.0, 1.0], near.shape)
+    moved = near + rounding * scale * rng.choice([-1.0, 1.0], near.shape)
     which = int(np.flatnonzero(np.all(form.choices == signs, axis=1))[0]) if len(signs) else 0
-    values = form.solutions(moved).values[:, which]
+    before, after = (form.solutions(at).values[:, which] for at in (near, moved))
     with np.errstate(all="ignore"):
-        residuals = form.system.residuals(values, moved)
-    largest = np.sort(np.where(np.isfinite(residuals), residuals, np.inf))[
-        int(_SHARE * (len(residuals) - 1))
-    ]
-    return bool(_STEEP * largest <= feasible_error(epsilon, size))
+        residuals = form.system.residuals(after, moved)
+        changes = np.max(np.abs(after - before) / _sizes(form, form.system.unknowns), axis=1)
+    return bool(
+        _STEEP * _usual_largest(residuals) <= feasible_error(epsilon, size)
+        and _usual_largest(changes) <= _LOST * rounding
+    )
+
+
+def _usual_largest(values: np.ndarray) -> float:
+    """The largest of the values (n,) but for the share that may be beside a dead centre."""
+    ordered = np.sort(np.where(np.isfinite(values), values, np.inf))
+    return float(ordered[int(_SHARE * (len(values) - 1))])

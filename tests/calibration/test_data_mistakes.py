@@ -148,6 +148,35 @@ MISTAKES_OF_ENCODERS = {
 }
 
 
+ARM = symkin.load("scara")
+MISTAKES_OF_ARMS = {
+    "the signs of all joints reversed": (with_joints(np.negative), "the signs of shoulder, elbow"),
+    "angles of joints in radians": (
+        with_joints(lambda q: np.where([c.is_angular for c in ARM.actuated], np.radians(q), q)),
+        "look radians taken for degrees",
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def arm() -> Measurements:
+    """Positions of an arm's tool."""
+    rng, groups, noise = np.random.default_rng(6), np.full(24, -1), Noise(0.0, 0.0)
+    made = random_configurations(Workspace.about(ARM), groups, noise, rng)
+    return simulate_readings(ARM, made, groups, ("position",), noise, rng)
+
+
+def test_right_positions_of_an_arm_are_not_suspected(arm: Measurements) -> None:
+    assert diagnose(ARM, arm) == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mistake", MISTAKES_OF_ARMS)
+def test_a_mistake_of_an_arms_joints_is_named_by_its_rule(arm: Measurements, mistake: str) -> None:
+    """Radians that spread as degrees may, so that the readings alone do not show them."""
+    assert_named(ARM, arm, mistake, *MISTAKES_OF_ARMS[mistake])
+
+
 def assert_named(machine, right, mistake, spoil, words) -> None:
     """The spoilt readings are said to have the mistake, in a sentence of its own rule."""
     spoilt = spoil(right)
@@ -175,6 +204,7 @@ def test_every_rule_of_the_table_has_a_case_here() -> None:
     assert {rule.mistake for rule in RULES if rule.stage is not Stage.LABELS} == {
         *MISTAKES,
         *MISTAKES_OF_ENCODERS,
+        *MISTAKES_OF_ARMS,
     }
     assert sum(rule.stage is Stage.LABELS for rule in RULES) == 1
 

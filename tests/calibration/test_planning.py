@@ -251,6 +251,14 @@ def test_24_planned_postures_are_predicted_to_reach_the_accuracy(plan_24):
 
 
 @pytest.mark.slow
+def test_groups_of_a_platform_that_cannot_lean_stand_level():
+    """A delta translates: by default its only wedge is level, and no other is tried."""
+    noise = Noise(angles=1e-4, position=0.01, group=1e-5)
+    plan = plan_measurements(symkin.load("delta"), 10, noise, readings=["position"])
+    assert plan.wedges.tolist() == [[0.0, 0.0]]
+    assert plan.groups.tolist() == [0] * 10
+
+
 def test_plans_without_groups_use_readings():
     """With poses read, every parameter of an arm by DH that poses tell is observable, and a plan
     beats random postures.

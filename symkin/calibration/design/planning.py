@@ -295,7 +295,7 @@ class _Task:
             else tuple(options.parameters)
         )
         wedges = (
-            corner_wedges(workspace.tilt)
+            corner_wedges(workspace.lean)
             if options.wedges is None
             else np.asarray(options.wedges, dtype=float)
         )

@@ -65,6 +65,8 @@ _MIN_DRAWN, _MAX_IDLE_DRAWS = 64, 1000
 the drawing is given up.
 """
 
+_LEANING = ("spatial", "spherical")
+"""Declared motions in which a platform may lean."""
 _POORER_CONDITION = 3.0
 """The example's pose is home where the reference's condition is worse by this factor."""
 _SINGULAR_CONDITION, _WORSE_CONDITION = 1e6, 30.0
@@ -138,9 +140,14 @@ class Workspace:
     def solver(self) -> ClosureSolver:
         return ClosureSolver(self.mechanism, self.home, self.margin)
 
+    @property
+    def lean(self) -> float:
+        """The tilt, or 0 where the declared motion keeps the platform level."""
+        return self.tilt if self.mechanism.motion in _LEANING else 0.0
+
     def inclinations(self, count: int, rng: np.random.Generator) -> np.ndarray:
         """Draw random (alpha, beta), (count, 2)."""
-        return rng.uniform(-self.tilt, self.tilt, (count, 2))
+        return rng.uniform(-self.lean, self.lean, (count, 2))
 
     def draw(
         self,
@@ -208,8 +215,8 @@ class Workspace:
             return f"about the reference; give joints limits within which it moves{redundant}"
         text = ", ".join(f"{math.degrees(a):g}" for a in inclination)
         return (
-            f"(none for alpha, beta = {text} deg); use a smaller workspace or inclinations that "
-            f"the platform can take"
+            f"(none for alpha, beta = {text} deg); use a smaller workspace, inclinations that "
+            f"the platform can take, or no groups of equal inclination"
         )
 
     def near(

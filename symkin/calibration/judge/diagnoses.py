@@ -341,6 +341,30 @@ def _reversed_joints(case: Case) -> Iterator[Finding]:
             yield f"the sign of {c.name} looks reversed", replace(case.measurements, joints=joints)
 
 
+def _reversed_all_joints(case: Case) -> Iterator[Finding]:
+    joints, names = -case.measurements.joints, [c.name for c in case.mechanism.actuated]
+    if len(names) > 1 and is_possible(case.mechanism.actuated, joints):
+        yield (
+            f"the signs of {', '.join(names)} look reversed",
+            replace(case.measurements, joints=joints),
+        )
+
+
+def _joints_in_radians(case: Case) -> Iterator[Finding]:
+    """All angles in radians, which spread as degrees may. Of other units the spread tells; and
+    factors below one make any misfit smaller.
+    """
+    columns = _columns_of_kind(case.mechanism, angular=True)
+    factor, joints = 180 / math.pi, np.array(case.measurements.joints)
+    joints[:, columns] *= factor
+    if columns and is_possible(case.mechanism.actuated, joints):
+        names = ", ".join(case.mechanism.actuated[k].name for k in columns)
+        yield (
+            f"the readings of {names} look {_ANGLE_UNITS[factor]}",
+            replace(case.measurements, joints=joints),
+        )
+
+
 def _reordered_joints(case: Case) -> Iterator[Finding]:
     found = best_column_order(case.mechanism, case.measurements, case.misfit)
     if found is not None:
@@ -458,6 +482,8 @@ RULES = (
     Rule("one joint in another unit than the others", Stage.READINGS, _unit_of_one_joint),
     Rule("two joint columns exchanged", Stage.CORRECTION, _exchanged_joints),
     Rule("the sign of a joint reversed", Stage.CORRECTION, _reversed_joints),
+    Rule("the signs of all joints reversed", Stage.CORRECTION, _reversed_all_joints),
+    Rule("angles of joints in radians", Stage.CORRECTION, _joints_in_radians),
     Rule("positions in another unit", Stage.CORRECTION, _unit_of_positions),
     Rule("orientations of the base in the platform", Stage.CORRECTION, _inverted_orientations),
     Rule("quaternions with their scalar last", Stage.CORRECTION, _scalar_last),
