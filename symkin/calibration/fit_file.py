@@ -26,7 +26,6 @@ from symkin.calibration.judge.euler_sequence import diagnose_sequence, find_sequ
 from symkin.calibration.judge.holdout import draw_held_out, held_out_count, predict_held_out
 from symkin.calibration.judge.plausibility import (
     is_beyond_noise,
-    is_noticeable,
     rejection_reason,
 )
 from symkin.calibration.judge.pose_accuracy import predict_pose_sigma
@@ -191,7 +190,7 @@ class _FileFit:
         far from the file's geometry.
         """
         many = len(fit.outliers) > _MANY_OUTLIERS * len(fit.measurements)
-        if fit.believable and not is_noticeable(fit) and not many:
+        if fit.believable and not fit.is_noticeable and not many:
             return ()
         found = diagnose(self.mechanism, self.measurements, self.frames)
         if found or (fit.sound and not many):

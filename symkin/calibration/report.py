@@ -18,7 +18,6 @@ from symkin.calibration.judge.fit_notes import is_exact
 from symkin.calibration.judge.holdout import HeldOut
 from symkin.calibration.judge.plausibility import (
     describe_other_machine,
-    is_other_machine,
 )
 from symkin.calibration.judge.pose_accuracy import PoseSigma
 from symkin.calibration.judge.result import Calibration, Parameter, unit_of, value_out
@@ -98,7 +97,7 @@ class FitReport:
     def verdict(self) -> str:
         """One sentence: believable, not tested, or why not."""
         if self.sound:
-            other = f"; {describe_other_machine(self.fit)}" if is_other_machine(self.fit) else ""
+            other = f"; {describe_other_machine(self.fit)}" if self.fit.is_other_machine else ""
             if not self.tested:
                 return (
                     f"NOT TESTED: converged; the noise is not known and no posture was held out, "

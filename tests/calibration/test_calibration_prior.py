@@ -22,8 +22,7 @@ from helpers.inside import (
     with_parameters,
     workspace_home_pose,
 )
-from symkin import calibrate
-from symkin.errors import InputError
+from symkin import InputError, calibrate
 
 MACHINES = {
     "three_rps": samples.three_rps,

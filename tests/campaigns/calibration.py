@@ -42,7 +42,7 @@ from helpers.inside import (
     with_parameters,
     workspace_home_pose,
 )
-from symkin.errors import SymkinError
+from symkin import SymkinError
 
 MACHINES: dict[str, tuple[Callable[[], symkin.Mechanism], tuple[str, ...]]] = {
     "five_bar": (lambda: replace(samples.five_bar(), motion="planar"), ("pose",)),

@@ -24,10 +24,10 @@ from symkin.calibration.estimate.estimator import Estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.robust import EFFICIENCY
 from symkin.calibration.estimate.state import State, closed_state, evaluate, joint_covariance
+from symkin.calibration.judge.departure import measure_departure
 from symkin.calibration.judge.fit_notes import fit_notes, is_exact
 from symkin.calibration.judge.identifiability import identifiability_at
 from symkin.calibration.judge.outliers import Screening
-from symkin.calibration.judge.plausibility import measure_departure
 from symkin.calibration.judge.result import Calibration, Parameter, Residual
 from symkin.calibration.judge.statistics import (
     DOUBTFUL_CURVATURE,

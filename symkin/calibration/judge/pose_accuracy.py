@@ -21,7 +21,7 @@ from symkin.calibration.estimate.configurations import (
 from symkin.calibration.estimate.problem import PRIOR_SHARE
 from symkin.calibration.estimate.starting import has_home
 from symkin.calibration.estimate.workspace import ClosureSolver, Workspace, home_pose, lever
-from symkin.calibration.judge.plausibility import judged_poses
+from symkin.calibration.judge.departure import judged_poses
 from symkin.calibration.judge.result import Calibration
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError, SymkinError

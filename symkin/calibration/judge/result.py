@@ -14,15 +14,29 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import ParameterKind, with_parameters
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
+from symkin.calibration.judge.departure import Departure
 from symkin.calibration.judge.identifiability import Identifiability
 from symkin.calibration.judge.outliers import Outlier
-from symkin.calibration.judge.plausibility import Departure, is_other_machine
 from symkin.calibration.judge.statistics import SIGNIFICANCE
 from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.position.solution import finite
 from symkin.result import Result, Summary
 
+OTHER_MACHINE_DEPARTURE, NOTICEABLE_DEPARTURE = 0.08, 0.02
+"""A departure (see `departure`) by more than the first share is no correction of the machine that
+the file describes, but another machine; one by more than the second is, where a mistake in the
+columns would explain it. Tolerances of some per mille of the size leave some per mille, a nominal
+geometry measured with a ruler two or three per cent.
+"""
+_NEGLIGIBLE_CHANGE = 0.03
+"""Changes of all parameters below this share of the size (angles: radians) are the same machine,
+although near singularities its poses may differ by much.
+"""
+EXPECTED_TOLERANCES = 6.0
+"""Changes within so many of the tolerances stated are what the user expects, however far they
+go.
+"""
 _FRAME_WORD = "frame"
 """Unobservable combinations with this word are frames: they move no pose against another."""
 
@@ -145,7 +159,7 @@ class Calibration(Result):
         """
         fits = self.p_value is None or SIGNIFICANCE < self.p_value < 1.0 - SIGNIFICANCE
         whole = not self.unsolved and not self.given_up and self.refused is None
-        whole = whole and self.rank > 0 and (self.any_machine or not is_other_machine(self))
+        whole = whole and self.rank > 0 and (self.any_machine or not self.is_other_machine)
         return self.status == "ok" and whole and fits and self.degrees > 0
 
     @property
@@ -154,6 +168,41 @@ class Calibration(Result):
         that nothing says whether it is right.
         """
         return self.sound and self.p_value is not None
+
+    def relative_change(self, p: Parameter) -> float:
+        """Return the change of a parameter over the size (lengths), in radians or plain."""
+        return abs(p.change) / (self.mechanism.characteristic_length if p.kind == "length" else 1.0)
+
+    @property
+    def is_noticeable(self) -> bool:
+        """Whether the geometry went so far that mistakes in the file are worth a search although it
+        fits.
+        """
+        return self.departure.share > NOTICEABLE_DEPARTURE and any(
+            self.relative_change(p) > _NEGLIGIBLE_CHANGE for p in self.parameters if not p.held
+        )
+
+    @property
+    def is_other_machine(self) -> bool:
+        """Whether the fit is of another machine than the file describes, and further away than the
+        tolerances stated let expect.
+        """
+        changes = [abs(z) for _, z in self.changes_over_tolerances]
+        within = self.problem.is_stated and max(changes, default=0.0) <= EXPECTED_TOLERANCES
+        return self.departure.share > OTHER_MACHINE_DEPARTURE and not within and self.is_noticeable
+
+    @property
+    def changes_over_tolerances(self) -> list[tuple[str, float]]:
+        """The changes of free parameters over the tolerances stated."""
+        prior, model = self.problem.prior, self.problem.model
+        if not self.problem.is_stated:
+            return []
+        changes = (self.state.p - model.nominal) / model.scales / prior
+        return [
+            (name, float(z))
+            for name, z, s in zip(model.names, changes, prior, strict=True)
+            if np.isfinite(s)
+        ]
 
     @property
     def frames(self) -> tuple[str, ...]:
