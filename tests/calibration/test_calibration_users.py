@@ -154,7 +154,7 @@ def test_a_gross_error_makes_no_others():
             o.configuration
             for o in calibrate(NOMINAL, replace(data, joints=joints), fixed=HELD).outliers
         ]
-        assert found[0] == 7
+        assert 7 in found
         others += len(found) - 1
     assert others <= 1
 

@@ -62,7 +62,7 @@ _FIRST_DAMPING, _DAMPING_INCREASE, _DAMPING_DECREASE, _MAX_DAMPING = 1.0, 10.0, 
 """Damping (in weights of the prior) after the first step that failed, its factors after one that
 fails and one that does not, and the damping at which no step is left.
 """
-_MAX_UNSHRUNK_STEPS, _CONVERGED_STEP = 8, 1e-13
+_MAX_UNSHRUNK_STEPS, _CONVERGED_STEP = 4, 1e-13
 """Most steps without the prior, and their length, of the size, at which they end."""
 _GOOD_GAIN, _POOR_GAIN, _POOR_INCREASE = 0.75, 0.5, 4.0
 """Share of what the linear model promised from which on there is less damping, that below which

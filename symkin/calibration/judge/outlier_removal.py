@@ -169,15 +169,15 @@ def _by_majority(
     """Fit without all that a robust fit leaves far off; keep the plain fit where the errors are not
     gross, refuse it where they are and the rest does not fit either.
     """
-    trials = [robust_estimate(found.problem, found.result.state.p, found.result.state.z, "cauchy")]
+    # gross errors bend a fit far: its prior is none of the good readings'
+    problem = replace(found.problem, widened=1.0)
+    trials = [robust_estimate(problem, found.result.state.p, found.result.state.z, "cauchy")]
     if not trials[0].scale < _GOOD_SCALE:
         model, rows = found.problem.model, found.problem.measurements
         begin, closed = newton_configurations(
             model, first_points(model, rows, model.nominal), rows.joints, model.nominal
         )
-        trials += (
-            [robust_estimate(found.problem, model.nominal, begin, "cauchy")] if closed.all() else []
-        )
+        trials += [robust_estimate(problem, model.nominal, begin, "cauchy")] if closed.all() else []
     trials = [t for t in trials if np.isfinite(t.scale)]
     best = min(trials, key=lambda t: t.scale, default=None)
     if best is None:
@@ -342,15 +342,17 @@ def _take_means(
     problem: CalibrationProblem, values: np.ndarray, rows: np.ndarray, outliers: Sequence[Outlier]
 ) -> None:
     """Take from the values (n, K, ...) of configurations `rows`, whole groups, the mean of those of
-    their group that are not taken out, for grouped readings.
+    their group that are not taken out, for grouped readings; their median where all are.
     """
     readings = problem.readings
     group = readings.group[rows]
     out = np.isin(rows, [o.configuration for o in outliers if o.kind == "group"])
     for g in np.unique(group[group >= 0]):
         members = np.flatnonzero(group == g)
-        kept = members[~out[members]] if np.any(~out[members]) else members
-        means = values[np.ix_(kept, readings.columns)].mean(axis=0)
+        if np.any(~out[members]):
+            means = values[np.ix_(members[~out[members]], readings.columns)].mean(axis=0)
+        else:  # what most of them agree on, which a bad one among few does not move
+            means = np.median(values[np.ix_(members, readings.columns)], axis=0)
         values[np.ix_(members, readings.columns)] -= means
 
 
