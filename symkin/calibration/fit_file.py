@@ -189,11 +189,12 @@ class _FileFit:
         """Find mistakes of the file that may explain a fit which is not believable, or which went
         far from the file's geometry.
         """
-        many = len(fit.outliers) > _MANY_OUTLIERS * len(fit.measurements)
-        if fit.believable and not fit.is_noticeable and not many:
+        doubtful = len(fit.outliers) > _MANY_OUTLIERS * len(fit.measurements)
+        doubtful |= fit.identifiability.drowned.shape[1] > 0
+        if fit.believable and not fit.is_noticeable and not doubtful:
             return ()
         found = diagnose(self.mechanism, self.measurements, self.frames)
-        if found or (fit.sound and not many):
+        if found or (fit.sound and not doubtful):
             return found
         found = diagnose_labels(self.mechanism, self.measurements)
         return (

@@ -51,6 +51,10 @@ def rejection_reason(
     """Say why a converged fit is not to be used, None where nothing speaks against it; `at_nominal`
     is the misfit of the nominal geometry (see `residual_misfit`).
     """
+    found = fit.identifiability
+    if suspicions and found.drowned.shape[1]:
+        told = f"{found.rank} of {len(found.names)} parameters"
+        return f"the readings tell {told} beside their noise; {suspicions[0]}"
     beyond = _noise_excess(fit)
     misplaced = fit.is_other_machine or (bool(suspicions) and fit.is_noticeable)
     if beyond is not None:
