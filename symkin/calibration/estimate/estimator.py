@@ -6,11 +6,11 @@ with residuals r over their standard deviations, every configuration condensed (
 prior's standard deviations (see `problem`) and w = 1; where the noise is unknown w^2 is the
 residual variance. What no reading tells stays where the prior has it, at the least change from
 nominal: rigid frames are then a best fit of the joints to nominal (Procrustes). Rows that the
-unknown coordinates cannot meet (overconstrained mechanisms) constrain p: every step keeps C dp =
--c.
+unknown coordinates cannot meet (overconstrained mechanisms) constrain p: every step keeps
+C dp = -c.
 
-Steps are taken in prior units, d = dp / s, in the eigenbasis of the normal matrix brought to equal
-diagonal entries; damping tightens the prior about where the iteration stands. A trial is refused
+Steps are taken in prior units, d = dp / s, by the singular values of the columns brought to equal
+lengths; damping tightens the prior about where the iteration stands. A trial is refused
 where a configuration has no solution or passes a singularity. It ends by the Newton decrement, what
 one more step would gain. A geometry that went further than the prior lets expect widens it. The
 prior pulls what the readings tell by far towards nominal, too; the last steps are without it in the
