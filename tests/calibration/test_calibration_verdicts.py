@@ -280,7 +280,7 @@ def test_wrong_labels_of_groups_are_named(tmp_path, grouped, change, words):
     another; right labels are not suspected.
     """
     report = fitted(tmp_path / "data.csv", RODS, replace(grouped, groups=change(grouped.groups)))
-    assert not report.usable
+    assert not report.believable
     assert words in report.verdict
     assert not fitted(tmp_path / "data.csv", RODS, grouped).suspicions
 
