@@ -218,13 +218,6 @@ def restored_after(
     return trial
 
 
-def error_free_design(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Return the design matrix where the readings of each group agree (see `without_errors`): its
-    null space is what no reading determines.
-    """
-    return design(error_free_state(problem, state))
-
-
 def error_free_state(problem: CalibrationProblem, state: State) -> State:
     """Evaluate the state where the readings of each group agree."""
     other, z = without_errors(problem, state.p, state.z)
@@ -388,46 +381,34 @@ def constraint_rows(rows: np.ndarray, state: State) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Singular values (P,) of a matrix with P columns, and its rank, null space (P, k) and
-    determined directions (P, P - k), judged with very long columns made shorter: what is small
-    beside an angle at a lever of kilometres is not rounding. `gap` is the ratio of the singular
-    values so judged on both sides of the rank, infinite where nothing is dropped.
+    """Singular values (P,) of a matrix with P columns, its rank and null space (P, k), orthonormal,
+    judged with very long columns made shorter: what is small beside an angle at a lever of
+    kilometres is not rounding. `gap` is the ratio of the singular values so judged on both sides of
+    the rank, infinite where nothing is dropped.
     """
 
     values: np.ndarray
     null_space: np.ndarray
-    determined: np.ndarray
+    rank: int
     gap: float
 
-    @property
-    def rank(self) -> int:
-        return int(self.determined.shape[1])
 
-
-def spectrum(matrix: np.ndarray, tolerance: float = RANK_TOLERANCE) -> Spectrum:
-    """Find rank and null space of a matrix. The null space has orthonormal columns; those of
-    `determined` are orthogonal to it and map to orthogonal ones.
-    """
+def spectrum(matrix: np.ndarray) -> Spectrum:
+    """Find rank and null space of a matrix."""
     if matrix.shape[0] > matrix.shape[1]:
         matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
     width = matrix.shape[1]
     lengths = _usual_lengths(np.linalg.norm(matrix, axis=0))
     (values, right), (even, across) = (_singular(m) for m in (matrix, matrix / lengths))
-    rank = _rank(even, tolerance)
+    rank = _rank(even)
     dropped = float(even[rank]) if rank < width else 0.0
-    directions = across.T / lengths[:, None]
     null_space = (
         right[rank:].T
-        if _rank(values, tolerance) == rank
-        else np.linalg.qr(directions[:, rank:])[0]
+        if _rank(values) == rank
+        else np.linalg.qr(across[rank:].T / lengths[:, None])[0]
     )
-    determined = directions[:, :rank] - null_space @ (null_space.T @ directions[:, :rank])
-    return Spectrum(
-        values,
-        null_space,
-        determined,
-        float(even[rank - 1]) / dropped if rank and dropped > 0.0 else float("inf"),
-    )
+    gap = float(even[rank - 1]) / dropped if rank and dropped > 0.0 else float("inf")
+    return Spectrum(values, null_space, rank, gap)
 
 
 def _singular(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -436,8 +417,8 @@ def _singular(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate([values, np.zeros(matrix.shape[1] - len(values))]), right
 
 
-def _rank(values: np.ndarray, tolerance: float) -> int:
-    return int(np.sum(values > tolerance * np.max(values, initial=1e-300)))
+def _rank(values: np.ndarray) -> int:
+    return int(np.sum(values > RANK_TOLERANCE * np.max(values, initial=1e-300)))
 
 
 def _usual_lengths(norms: np.ndarray) -> np.ndarray:
