@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from helpers import hexapod_log
+from helpers import hexapod_log, inside
 from helpers.inside import Fit, estimate, main, outlier_removal, write_measurements
 from symkin import calibrate
 
@@ -175,3 +175,8 @@ def test_what_is_put_back_is_judged_as_a_reading_that_took_no_part(logged, left_
     (judged,) = outlier_removal._retest(few, fit, [outlier])
     grown = with_it.chi_square - without.chi_square
     assert judged.statistic == pytest.approx(grown, rel=0.02, abs=0.02)
+
+
+def test_where_all_readings_are_put_back_none_is_tested_again():
+    """Every outlier agrees with the last fit: there is nothing left to compare with it."""
+    assert inside.outlier_removal._retest(None, None, []) == []

@@ -281,6 +281,8 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     """Compare readings that were taken out with what the fit predicts; they stay as they were
     judged where their configuration does not close.
     """
+    if not outliers:
+        return []
     problem = _problem_of_all(found, measurements)
     state, noise = found.result.state, np.zeros(0)
     begin = first_points(problem.model, measurements, found.result.state.p)
