@@ -23,12 +23,11 @@ from symkin.codegen.limbwise import (
     Reach,
     limbwise_form,
     of_twin,
-    units_of,
 )
 from symkin.codegen.line_bounds import Bend, Span, bend_of
 from symkin.codegen.samples import Configuration
 from symkin.elimination.closed_form import ClosedForm, closed_form
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
 
@@ -130,7 +129,7 @@ class DirectFormulas:
         made = replace(
             form,
             system=problem.system,
-            first=read(form.first) * units_of(problem.system.unknowns, unit),
+            first=read(form.first) * ca.DM(units_of(problem.system.unknowns, unit)),
             second=read(form.second),
             discriminants=read(form.discriminants),
             divisors=read(form.divisors),

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from symkin.elimination.closed_form import ClosedForm
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 
 RESOLVED = 32.0
 """Roundings of a root's usual size below which it is nothing: no configuration has the pose, or the
@@ -51,17 +51,6 @@ def feasible_error(epsilon: float, size: float) -> float:
     return max(FEASIBLE, _ROUNDINGS * epsilon) * size
 
 
-def _sizes(form: ClosedForm, coordinates: Sequence[Coordinate]) -> np.ndarray:
-    """The size of each value of coordinates: of lengths the machine's, of all others 1."""
-    return np.array(
-        [
-            form.system.characteristic_length if c.kind == "length" else 1.0
-            for c in coordinates
-            for _ in range(c.width)
-        ]
-    )
-
-
 def free_divisors(form: ClosedForm) -> list[int]:
     """Numbers of the divisors that may vanish while all discriminants are above zero."""
     return [j for j in range(int(form.divisors.shape[0])) if j not in form.implied]
@@ -87,13 +76,13 @@ def keeps_digits(
     """
     size, rng = form.system.characteristic_length, np.random.default_rng(12)
     rounding = _PER_NUMBER * epsilon
-    scale = np.maximum(np.abs(near), _sizes(form, known))
+    scale = np.maximum(np.abs(near), units_of(known, size))
     moved = near + rounding * scale * rng.choice([-1.0, 1.0], near.shape)
     which = int(np.flatnonzero(np.all(form.choices == signs, axis=1))[0]) if len(signs) else 0
     before, after = (form.solutions(at).values[:, which] for at in (near, moved))
     with np.errstate(all="ignore"):
         residuals = form.system.residuals(after, moved)
-        changes = np.max(np.abs(after - before) / _sizes(form, form.system.unknowns), axis=1)
+        changes = np.max(np.abs(after - before) / units_of(form.system.unknowns, size), axis=1)
     return bool(
         _STEEP * _usual_largest(residuals) <= feasible_error(epsilon, size)
         and _usual_largest(changes) <= _LOST * rounding

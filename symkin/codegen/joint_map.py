@@ -25,7 +25,7 @@ from symkin.codegen.samples import Configuration, followed
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
 from symkin.errors import InputError
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
@@ -465,13 +465,7 @@ def map_configurations(
     )
     begin_known, begin = (made.reference_of(c) for c in (made.given, made.direct.unknown))
     reach = np.array([turn if c.is_angular else spread * made.size for c in made.given])
-    scales = np.array(
-        [
-            made.size if c.kind == "length" else 1.0
-            for c in made.inverse.unknown
-            for _ in range(c.width)
-        ]
-    )
+    scales = np.array(units_of(made.inverse.unknown, made.size))
     found: list[Configuration] = []
     for _ in range(_MOST_TRIES * count):
         if len(found) == count:

@@ -22,7 +22,7 @@ from symkin.codegen.lifted import Generators, lifted
 from symkin.codegen.pose_rows import plain, pose_rows
 from symkin.codegen.samples import Configuration
 from symkin.elimination.closed_form import ClosedForm, closed_form
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
@@ -93,13 +93,8 @@ def of_twin(expression: ca.SX, own: Problem, problem: Problem, unit: float) -> c
     whose lengths are `unit` times as long.
     """
     closure = problem.closure
-    there = closure.variables / units_of(closure.coordinates, unit)
+    there = closure.variables / ca.DM(units_of(closure.coordinates, unit))
     return ca.substitute(expression, own.closure.variables, there)
-
-
-def units_of(coordinates: Sequence[Coordinate], unit: float) -> ca.DM:
-    """The unit for each number of the coordinates that is a length, else 1."""
-    return ca.DM([unit if c.kind == "length" else 1.0 for c in coordinates for _ in range(c.width)])
 
 
 def given_coordinates(problem: Problem) -> tuple[Coordinate, ...]:

@@ -17,7 +17,7 @@ import numpy as np
 from symkin.closure.expression_graph import instructions
 from symkin.computed_once import cached_property, lru_cache
 from symkin.following.trajectory import great_circle
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.balls import BallFunction, raise_constants
 from symkin.numeric.system import System, incidence_of, split_blocks
 from symkin.numeric.tolerances import ROUNDED_STEP
@@ -183,10 +183,7 @@ def _independent(problem: Problem) -> tuple[System, ...]:
 def _path_system(problem: Problem, system: System) -> PathSystem:
     size = problem.closure.characteristic_length
     y = ca.SX.sym("y", system.width + 1)
-    scale = np.concatenate(
-        [np.full(c.width, size if c.kind == "length" else 1.0) for c in system.unknowns]
-        or [np.zeros(0)]
-    )
+    scale = np.array(units_of(system.unknowns, size))
     known, coefficients = _known(problem.known_coordinates, y[system.width])
     rows = ca.substitute(
         system.rows / size,

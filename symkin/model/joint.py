@@ -77,6 +77,11 @@ class Coordinate:
         return self.kind in ("angle", "turns")
 
 
+def units_of(coordinates: Sequence[Coordinate], length: float) -> list[float]:
+    """The unit of each number of the coordinates: of lengths `length`, of all others 1."""
+    return [length if c.kind == "length" else 1.0 for c in coordinates for _ in range(c.width)]
+
+
 @dataclass(frozen=True)
 class Joint:
     """A joint by a point on it and its axis, in the base frame at the reference configuration.

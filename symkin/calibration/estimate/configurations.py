@@ -14,6 +14,7 @@ from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.estimate.configuration_model import ConfigurationModel, solve_systems
 from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
+from symkin.model.joint import units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
@@ -280,12 +281,7 @@ def follow_joints(
     furthest = float(np.max(np.abs(end - begin) * units, initial=0.0))
     count = min(max(1, int(np.ceil(furthest / _FOLLOWED_STEP))), _MAX_FOLLOWED_STEPS)
     size = model.closure.characteristic_length
-    lengths = np.concatenate(
-        [
-            np.zeros(0),
-            *(np.full(c.width, size if c.kind == "length" else 1.0) for c in model.system.unknowns),
-        ]
-    )
+    lengths = np.array(units_of(model.system.unknowns, size))
     with np.errstate(all="ignore"):
         for k in range(1, count + 1):
             joints = begin + (k / count) * (end - begin)
