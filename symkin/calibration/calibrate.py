@@ -310,27 +310,22 @@ class _Fitting:
         """Fit an arm with nearly parallel axes by its lines, and go on from there, where its table
         alone does not explain the readings; the better of both.
         """
-        arm, m, free = part.mechanism, part.measurements, set(part.names)
-        freedom = part.readings.count - len(part.names)
-        cost = result.state.cost
-        explained = part.readings.known and chi_square_tail(cost, freedom) > SIGNIFICANCE
-        if part.is_stated or not has_nearly_parallel_axes(arm) or not free >= set(dh_names(arm)):
+        arm, m, limit = part.mechanism, part.measurements, self.options.max_iterations
+        whole = set(dh_names(arm)) <= set(part.names)
+        if part.is_stated or not whole or not has_nearly_parallel_axes(arm):
             return result
+        cost, freedom = result.state.cost, part.readings.count - len(part.names)
+        explained = part.readings.known and chi_square_tail(cost, freedom) > SIGNIFICANCE
         if result.status == "ok" and explained:
             return result
         lines = lines_problem(part)
         z = solve_configurations(lines.model, m, lines.model.nominal).z
-        found = estimate(lines, z, max_iterations=self.options.max_iterations)
+        found = estimate(lines, z, max_iterations=limit)
         p = table_of_lines(part, lines, found.state.p)
         change = (p - part.model.nominal) / part.model.scales / part.prior
-        furthest = float(np.max(np.abs(change), initial=0.0))
+        wide = replace(part, widened=max(1.0, float(np.max(np.abs(change), initial=0.0))))
         z = solve_configurations(part.model, m, p).z
-        other = estimate(
-            replace(part, widened=max(1.0, furthest)),
-            z,
-            p=p,
-            max_iterations=self.options.max_iterations,
-        )
+        other = estimate(wide, z, p=p, max_iterations=limit)
         better = other.status == "ok" and (other.state.cost < cost or result.status != "ok")
         return replace(other, iterations=found.iterations + other.iterations) if better else result
 

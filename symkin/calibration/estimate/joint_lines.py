@@ -8,13 +8,13 @@ afterwards.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from symkin.calibration.data.parameters import with_parameters
+from symkin.calibration.data.parameters import geometry_parameters, with_parameters
 from symkin.calibration.estimate.problem import (
     CalibrationProblem,
     build_calibration,
@@ -25,8 +25,10 @@ from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 
 KEYS = ("theta", "d", "a", "alpha")
-_NEARLY_PARALLEL = 0.01
-"""Axes whose twist from parallel is less than this (radians) are nearly parallel."""
+NEARLY_PARALLEL = 0.01
+"""Axes whose twist from parallel is less than this (radians) are nearly parallel: readings hardly
+determine their offsets.
+"""
 _PARALLEL = 1e-12
 """Sines below this are rounding: such axes have no common normal of their own."""
 
@@ -37,13 +39,25 @@ def dh_names(mechanism: Mechanism) -> tuple[str, ...]:
     return tuple(f"dh.{i}.{key}" for i in range(1, len(rows) + 1) for key in KEYS)
 
 
+def parallel_axes(
+    mechanism: Mechanism, values: Mapping[str, float], within: float
+) -> Iterator[tuple[int, float]]:
+    """Yield the numbers k of a DH table's axes that are parallel to the next within an angle, with
+    the twist between; none of other mechanisms.
+    """
+    if mechanism.dh is None:
+        return
+    standard = mechanism.dh.convention == "standard"
+    for k in range(1, len(mechanism.dh.rows)):
+        twist = values[f"dh.{k if standard else k + 1}.alpha"]
+        if abs(np.sin(twist)) <= within:
+            yield k, twist
+
+
 def has_nearly_parallel_axes(mechanism: Mechanism) -> bool:
     """Tell whether neighbouring axes of a DH table are parallel or nearly so."""
-    if mechanism.dh is None:
-        return False
-    rows = mechanism.dh.rows
-    between = rows[:-1] if mechanism.dh.convention == "standard" else rows[1:]
-    return any(abs(np.sin(row.alpha)) < _NEARLY_PARALLEL for row in between)
+    nominal = geometry_parameters(mechanism)
+    return any(parallel_axes(mechanism, nominal, NEARLY_PARALLEL))
 
 
 def lines_problem(problem: CalibrationProblem) -> CalibrationProblem:
@@ -89,11 +103,7 @@ def dh_of_lines(mechanism: Mechanism, found: Mechanism) -> dict[str, float]:
         rows = [*steps, (0.0, 0.0, 0.0, 0.0)]
     _, frame = reference_frames(table.convention, rows)
     rows[-1] = _last_row(frame.inverse() @ found.reference_pose, rows[-1], modified=modified)
-    return {
-        f"dh.{i}.{key}": float(value)
-        for i, row in enumerate(rows, start=1)
-        for key, value in zip(KEYS, row, strict=True)
-    }
+    return dict(zip(dh_names(mechanism), np.ravel(rows).tolist(), strict=True))
 
 
 _Line = tuple[np.ndarray, np.ndarray]

@@ -28,6 +28,7 @@ from symkin.calibration.data.parameters import (
 )
 from symkin.calibration.data.reference_motions import reference_motions
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
+from symkin.calibration.estimate.joint_lines import NEARLY_PARALLEL, parallel_axes
 from symkin.model.dh import DHTable
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
@@ -38,10 +39,6 @@ _TURNS = ("roll (about x)", "pitch (about y)", "yaw (about z)")
 
 _HELD_STILL = 1e-9
 """A change leaves held parameters where they are when they move by less than this share of it."""
-NEARLY_PARALLEL = 0.01
-"""Axes whose twist from parallel is less than this (radians) are nearly parallel: readings hardly
-determine their offsets.
-"""
 
 
 def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
@@ -367,25 +364,18 @@ def parallel_offsets(
     """Yield (name, rates of parameters) for neighbouring rows whose axes are parallel to rounding,
     or `within` an angle: the offset d of one and that of the next move the tool alike.
     """
-    if mechanism.dh is None:
-        return
-    rows, standard = mechanism.dh.rows, mechanism.dh.convention == "standard"
-    for k in range(1, len(rows)):
-        twist = values[f"dh.{k if standard else k + 1}.alpha"]
-        if abs(np.sin(twist)) <= max(within, 1e-12):
-            names = " and ".join(mechanism.actuated[i].name for i in (k - 1, k))
-            other = -1.0 if np.cos(twist) > 0 else 1.0
-            yield (
-                f"parallel axes {names}: only the sum of their offsets dh.{k}.d and dh.{k + 1}.d "
-                f"is told",
-                {f"dh.{k}.d": 1.0, f"dh.{k + 1}.d": other},
-            )
+    for k, twist in parallel_axes(mechanism, values, max(within, 1e-12)):
+        names = " and ".join(mechanism.actuated[i].name for i in (k - 1, k))
+        other = -1.0 if np.cos(twist) > 0 else 1.0
+        yield (
+            f"parallel axes {names}: only the sum of their offsets dh.{k}.d and dh.{k + 1}.d is "
+            f"told",
+            {f"dh.{k}.d": 1.0, f"dh.{k + 1}.d": other},
+        )
 
 
 def nearly_parallel(mechanism: Mechanism, values: Mapping[str, float]) -> tuple[str, ...]:
     """Name pairs of neighbouring axes that are parallel or nearly so."""
-    if mechanism.dh is None:
-        return ()
     return tuple(
         text.split(":")[0].removeprefix("parallel axes ")
         for text, _ in parallel_offsets(mechanism, values, NEARLY_PARALLEL)
