@@ -103,15 +103,11 @@ def prior_units(matrix: np.ndarray, prior: np.ndarray, size: float) -> np.ndarra
     """The prior's standard deviations (P,); what has none is measured so that its column is as long
     as the others are.
     """
-    lengths = np.linalg.norm(matrix, axis=0)
-    known = np.isfinite(prior)
-    usual = (
-        float(np.median((lengths * prior)[known & (lengths > 0)]))
-        if np.any(known & (lengths > 0))
-        else 1.0
-    )
-    free = np.where(lengths > 0, usual / np.where(lengths > 0, lengths, 1.0), size)
-    return np.where(known, np.where(known, prior, 1.0), free)
+    lengths, known = np.linalg.norm(matrix, axis=0), np.isfinite(prior)
+    seen = lengths > 0
+    like = (lengths * np.where(known, prior, 0.0))[known & seen]
+    usual = float(np.median(like)) if len(like) else 1.0
+    return np.where(known, prior, np.where(seen, usual / np.where(seen, lengths, 1.0), size))
 
 
 def prior_weight(problem: CalibrationProblem, state: State, linear: Linear) -> float:

@@ -175,7 +175,12 @@ def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
         columns[rows], residuals[rows] = made, r
     # columns of unit length, so that the rank of the basis is judged alike for all parameters
     kept, count = squares > 0, readings.values.size
-    flat_columns = np.vstack([columns.reshape(count, -1), by_known])[:, kept]
+    flat_columns = columns.reshape(count, -1)
+    # of many rows a copy is made only where it must be
+    if len(known):
+        flat_columns = np.vstack([flat_columns, by_known])
+    if not kept.all():
+        flat_columns = flat_columns[:, kept]
     flat_columns /= np.sqrt(squares[kept])
     shared = _basis_in_place(flat_columns) if problem.is_large else _basis(flat_columns)
     flat = np.concatenate([residuals.reshape(count), known])
