@@ -81,7 +81,7 @@ class FitReport:
     @property
     def tested(self) -> bool:
         """Whether the fit was tested: by the noise stated, or by postures held out."""
-        return self.fit.p_value is not None or self._predicted > 0
+        return self.fit.tested or self._predicted > 0
 
     @property
     def _predicted(self) -> int:
@@ -196,9 +196,8 @@ class FitReport:
 
     def changes(self) -> list[Parameter]:
         """List the mechanism's parameters by the size of their change, angles times the size."""
-        size = self.fit.mechanism.characteristic_length
         own = [p for p in self.fit.parameters if p.name not in MEASURING_FRAMES]
-        return sorted(own, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))
+        return sorted(own, key=lambda p: -self.fit.relative_change(p))
 
     def measuring_frames(self) -> list[Parameter]:
         """List the frames between the mechanism and what was measured that were identified."""

@@ -108,10 +108,8 @@ def beyond_tolerances(fit: Calibration) -> list[tuple[str, float]]:
 def describe_other_machine(fit: Calibration, suspicions: Sequence[str] = ()) -> str:
     """Describe a geometry far from the file's, first what would explain it."""
     m, departure = fit.mechanism, fit.departure
-    size, free = m.characteristic_length, [p for p in fit.parameters if not p.held]
-    largest = sorted(free, key=lambda p: -abs(p.change) * (1.0 if p.kind == "length" else size))[
-        :_NAMED_CHANGES
-    ]
+    free = [p for p in fit.parameters if not p.held]
+    largest = sorted(free, key=lambda p: -fit.relative_change(p))[:_NAMED_CHANGES]
     changes = ", ".join(
         f"{p.name} {m.angle_out(p.change):+.3g} {m.angle_unit}"
         if p.kind == "angle"

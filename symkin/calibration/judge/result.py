@@ -163,11 +163,14 @@ class Calibration(Result):
         return self.status == "ok" and whole and fits and self.degrees > 0
 
     @property
+    def tested(self) -> bool:
+        """Whether the residuals were tested, against the noise stated."""
+        return self.p_value is not None
+
+    @property
     def believable(self) -> bool:
-        """Whether the fit is sound, and the residuals were tested against the noise stated: without
-        that nothing says whether it is right.
-        """
-        return self.sound and self.p_value is not None
+        """Whether the fit is sound and tested: without a test nothing says whether it is right."""
+        return self.sound and self.tested
 
     def relative_change(self, p: Parameter) -> float:
         """Return the change of a parameter over the size (lengths), in radians or plain."""
@@ -251,7 +254,7 @@ class Calibration(Result):
             "length_unit": m.length_unit,
             "angle_unit": m.angle_unit,
             "believable": self.believable,
-            "tested": self.p_value is not None,
+            "tested": self.tested,
             **self.figures(),
             **self.findings(),
             "notes": list(self.notes),
