@@ -9,17 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import symkin
-
-
-def rotation_of(q: np.ndarray) -> np.ndarray:
-    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
-    w, x, y, z = q.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.array(rows).transpose(2, 0, 1)
+from helpers.hexapods import matrices
 
 
 def turned(w: np.ndarray) -> np.ndarray:
@@ -43,7 +33,7 @@ class PosedHexapod:
     last: tuple[np.ndarray, np.ndarray] | None = field(default=None)
 
     def __post_init__(self) -> None:
-        self.rotations = rotation_of(self.readings.orientation)
+        self.rotations = matrices(self.readings.orientation)
 
     def direct(self, p: np.ndarray) -> tuple[np.ndarray, ...]:
         """Newton for all postures at once, from its last solutions: places, rotations, directions

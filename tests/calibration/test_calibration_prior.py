@@ -9,18 +9,13 @@ import pytest
 
 import symkin
 from helpers import samples
+from helpers.built_machines import built, random_postures
 from helpers.inside import (
     Noise,
-    Workspace,
-    default_parameters,
     evaluate_state,
     nearest_rows,
-    nominal_parameters,
-    random_configurations,
     simulate_readings,
     told_directions,
-    with_parameters,
-    workspace_home_pose,
 )
 from symkin import InputError, calibrate
 
@@ -35,14 +30,8 @@ STUCK = {"stuck": samples.five_bar}
 def drawn(name, seed, off=1e-3, noise=1e-4, count=32):
     """A machine, and whole poses of one whose geometry is off by `off` of its size."""
     nominal, rng = (MACHINES | STUCK)[name](), np.random.default_rng([seed, len(name)])
-    size, table = nominal.characteristic_length, nominal_parameters(nominal)
-    values = {
-        n: table[n][0] + off * rng.normal() * (size if table[n][1] == "length" else 1.0)
-        for n in default_parameters(nominal)
-    }
-    true = with_parameters(nominal, values)
-    workspace = Workspace.about(true, start=workspace_home_pose(nominal))
-    made = random_configurations(workspace, np.full(count, -1), Noise(), rng)
+    true, size = built(nominal, off, rng), nominal.characteristic_length
+    made = random_postures(nominal, true, count, rng)
     stated = Noise(position=noise * size, orientation=noise)
     return nominal, simulate_readings(true, made, np.full(count, -1), ("pose",), stated, rng)
 

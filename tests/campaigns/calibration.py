@@ -28,19 +28,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import symkin
 from helpers import samples
+from helpers.built_machines import built, random_postures
 from helpers.inside import (
     WELL_TOLD,
     Noise,
-    Workspace,
-    default_parameters,
     draw_held_out,
-    nominal_parameters,
     predict_held_out,
-    random_configurations,
     simulate_readings,
     told_directions,
-    with_parameters,
-    workspace_home_pose,
 )
 from symkin import SymkinError
 
@@ -55,6 +50,8 @@ MACHINES: dict[str, tuple[Callable[[], symkin.Mechanism], tuple[str, ...]]] = {
     "ur5e": (lambda: symkin.load("ur5e"), ("pose",)),
     "ren2008": (lambda: symkin.load("ren2008"), ("pose",)),
 }
+_MOST_TRIES = 20
+"""Machines that are drawn until one moves."""
 FAULTS = ("exchanged columns", "reversed sign", "tripled noise", "outlier kept")
 
 
@@ -63,7 +60,6 @@ class Draw:
     """A nominal machine and readings of a true one, with their standard deviations as stated."""
 
     nominal: symkin.Mechanism
-    true: symkin.Mechanism
     readings: symkin.Measurements
 
 
@@ -81,37 +77,21 @@ def drawn(
     """
     make, kinds = MACHINES[name]
     nominal = make()
-    rng = np.random.default_rng([seed, len(name)])
-    size = nominal.characteristic_length
-    table = nominal_parameters(nominal)
-    while True:
-        changes = {
-            n: table[n][0] + off * rng.normal() * (size if table[n][1] == "length" else 1.0)
-            for n in default_parameters(nominal)
-        }
-        true = with_parameters(replace(nominal, example=None), changes)
+    rng, size = np.random.default_rng([seed, len(name)]), nominal.characteristic_length
+    for tried in range(1, _MOST_TRIES + 1):
+        true = built(nominal, off, rng)
         try:
-            workspace = Workspace.about(true, start=workspace_home_pose(nominal))
-            made = random_configurations(workspace, np.full(postures, -1), Noise(), rng)
+            made = random_postures(nominal, true, postures, rng)
             break
         except SymkinError:
-            continue
-    stated = Noise(position=noise * size, orientation=noise)
-    groups = np.full(postures, -1)
-    exact = simulate_readings(
-        true, made, groups, kinds, stated, np.random.default_rng([seed, 1, again])
-    )
-    if more != 1.0:
-        louder = Noise(position=more * noise * size, orientation=more * noise)
-        noisy = simulate_readings(
-            true, made, groups, kinds, louder, np.random.default_rng([seed, 1, again])
-        )
-        exact = replace(
-            noisy,
-            position_sigma=exact.position_sigma,
-            orientation_sigma=exact.orientation_sigma,
-        )
-    return Draw(nominal, true, exact)
+            if tried == _MOST_TRIES:
+                raise
+    louder = Noise(position=more * noise * size, orientation=more * noise)
+    groups, own = np.full(postures, -1), np.random.default_rng([seed, 1, again])
+    taken = simulate_readings(true, made, groups, kinds, louder, own)
+    turns = None if taken.orientation is None else noise
+    stated = replace(taken, position_sigma=noise * size, orientation_sigma=turns)
+    return Draw(nominal, stated)
 
 
 def spoilt(draw: Draw, fault: str, seed: int) -> symkin.Measurements:

@@ -31,6 +31,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import symkin
+from helpers.hexapods import matrices
 from helpers.inside import FitReport, calibrated_mechanism, fit_file, pose_sigma, read_measurements
 from symkin import SymkinError
 
@@ -78,16 +79,6 @@ class Table:
     position: np.ndarray
     quaternion: np.ndarray
     oriented: bool = True
-
-
-def matrices(q: np.ndarray) -> np.ndarray:
-    w, x, y, z = q.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.array(rows).transpose(2, 0, 1)
 
 
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -25,6 +25,7 @@ def rings(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
 
 
 def matrices(q: np.ndarray) -> np.ndarray:
+    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
     w, x, y, z = q.T
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

@@ -364,6 +364,7 @@ NAMES = {
     "random_configurations": "symkin.calibration.design.simulation",
     "simulate_readings": "symkin.calibration.design.simulation",
     "build_model": "symkin.calibration.estimate.configuration_model",
+    "ClosedConfigurations": "symkin.calibration.estimate.configurations",
     "nearest_rows": "symkin.calibration.estimate.configurations",
     "solve_configurations": "symkin.calibration.estimate.configurations",
     "WELL_TOLD": "symkin.calibration.estimate.linear",
