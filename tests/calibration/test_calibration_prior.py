@@ -12,9 +12,12 @@ from helpers import samples
 from helpers.built_machines import built, random_postures
 from helpers.inside import (
     Noise,
+    build_calibration,
     evaluate_state,
+    lines_problem,
     nearest_rows,
     simulate_readings,
+    table_of_lines,
     told_directions,
 )
 from symkin import InputError, calibrate
@@ -115,3 +118,18 @@ def test_a_joint_reading_beyond_all_measure_is_refused():
     data = symkin.Measurements(joints, position=np.zeros((3, 3)))
     with pytest.raises(InputError, match=r"posture 2 reads 1e\+300 of q3"):
         calibrate(arm, data)
+
+
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_lines_are_written_as_the_table_that_they_are_of(convention):
+    """Of random tables, angles by whole turns as the file has them."""
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        rows = [symkin.DHRow(f"q{k}", "R", *rng.uniform(-3.1, 3.1, 4)) for k in range(1, 7)]
+        arm = symkin.serial_arm_from_dh("arm", symkin.DHTable(convention, rows))
+        problem = build_calibration(
+            arm, symkin.Measurements(np.zeros((9, 6)), position=np.zeros((9, 3)))
+        )
+        lines = lines_problem(problem)
+        found = table_of_lines(problem, lines, lines.model.nominal)
+        np.testing.assert_allclose(found, problem.model.nominal, atol=1e-9)

@@ -365,6 +365,8 @@ NAMES = {
     "simulate_readings": "symkin.calibration.design.simulation",
     "build_model": "symkin.calibration.estimate.configuration_model",
     "ClosedConfigurations": "symkin.calibration.estimate.configurations",
+    "lines_problem": "symkin.calibration.estimate.joint_lines",
+    "table_of_lines": "symkin.calibration.estimate.joint_lines",
     "nearest_rows": "symkin.calibration.estimate.configurations",
     "solve_configurations": "symkin.calibration.estimate.configurations",
     "WELL_TOLD": "symkin.calibration.estimate.linear",

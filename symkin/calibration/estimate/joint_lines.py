@@ -23,6 +23,7 @@ from symkin.calibration.estimate.problem import (
 from symkin.model.dh import DHTable, reference_frames
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import wrapped
 
 KEYS = ("theta", "d", "a", "alpha")
 NEARLY_PARALLEL = 0.01
@@ -77,10 +78,14 @@ def lines_problem(problem: CalibrationProblem) -> CalibrationProblem:
 def table_of_lines(
     problem: CalibrationProblem, lines: CalibrationProblem, p: np.ndarray
 ) -> np.ndarray:
-    """Write the lines at parameters p as the parameters (P,) of the problem of the table."""
+    """Write the lines at parameters p as the parameters (P,) of the problem of the table, angles
+    within half a turn of nominal.
+    """
     values = dict(zip(lines.names, map(float, p), strict=True))
     values |= dh_of_lines(problem.mechanism, with_parameters(lines.mechanism, values))
-    return np.array([values[name] for name in problem.names])
+    found, nominal = np.array([values[name] for name in problem.names]), problem.model.nominal
+    angular = np.array([kind == "angle" for kind in problem.model.kinds])
+    return np.where(angular, nominal + wrapped(found - nominal), found)
 
 
 def dh_of_lines(mechanism: Mechanism, found: Mechanism) -> dict[str, float]:
