@@ -125,7 +125,7 @@ def test_lines_are_written_as_the_table_that_they_are_of(convention):
     """Of random tables, angles by whole turns as the file has them."""
     for seed in range(5):
         rng = np.random.default_rng(seed)
-        rows = [symkin.DHRow(f"q{k}", "R", *rng.uniform(-3.1, 3.1, 4)) for k in range(1, 7)]
+        rows = [symkin.DHRow(f"q{k}", "R", *rng.uniform(-4.0, 4.0, 4)) for k in range(1, 7)]
         arm = symkin.serial_arm_from_dh("arm", symkin.DHTable(convention, rows))
         problem = build_calibration(
             arm, symkin.Measurements(np.zeros((9, 6)), position=np.zeros((9, 3)))
