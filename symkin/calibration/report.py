@@ -16,6 +16,7 @@ from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.judge.euler_sequence import SequenceChoice
 from symkin.calibration.judge.fit_notes import is_exact
 from symkin.calibration.judge.holdout import HeldOut
+from symkin.calibration.judge.identifiability import OPEN_LOOPS
 from symkin.calibration.judge.plausibility import (
     describe_other_machine,
 )
@@ -65,7 +66,7 @@ class FitReport:
     @property
     def _tells_too_little(self) -> bool:
         """Whether the readings leave open what moves poses, or tell nothing at all."""
-        return self.sigma.blind or self.fit.rank == 0
+        return self.sigma.blind or self.fit.rank == 0 or self.fit.identifiability.opens
 
     @property
     def sound(self) -> bool:
@@ -120,6 +121,8 @@ class FitReport:
         if self.fit.status != "ok":
             return f"NOT USABLE: the fit did not converge ({self.fit.status}){why}"
         if self._tells_too_little:
+            if self.fit.identifiability.opens:
+                return f"NOT USABLE: {OPEN_LOOPS}{why}"
             return (
                 f"NOT USABLE: the readings do not determine the geometry; see what is not "
                 f"observable{why}"

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.built_machines import random_postures
 from helpers.inclinometer import (
     BASE_LIMBS,
     INCLINOMETER,
@@ -20,6 +21,7 @@ from helpers.inclinometer import (
     random_geometry,
 )
 from helpers.inside import (
+    Noise,
     build_calibration,
     build_closure,
     build_problem,
@@ -28,11 +30,13 @@ from helpers.inside import (
     joint_frames,
     named_motions,
     nominal_parameters,
+    predict_pose_sigma,
+    simulate_readings,
     solve_configurations,
 )
 from helpers.inside import evaluate_state as evaluate
-from helpers.samples import five_bar
-from symkin import InputError, Measurements, Pose
+from helpers.samples import delta, five_bar
+from symkin import InputError, Measurements, Pose, calibrate
 
 NOMINAL = symkin.load("ren2008")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
@@ -247,3 +251,45 @@ def test_groups_fit_alike_wherever_the_platform_frame_points(turn):
     upright, found = symkin.calibrate(NOMINAL, data), symkin.calibrate(turned, data)
     assert found.believable
     assert found.chi_square == pytest.approx(upright.chi_square, rel=1e-6)
+
+
+def read_delta(count, noise=1e-4):
+    """Positions of a delta whose parallelograms are redundant, with noise."""
+    rng, machine = np.random.default_rng(1), delta()
+    stated = Noise(position=noise * machine.characteristic_length)
+    made = random_postures(machine, machine, count, rng)
+    return simulate_readings(machine, made, np.full(count, -1), ("position",), stated, rng)
+
+
+@pytest.mark.parametrize(("count", "opens"), [(5, True), (20, False)])
+def test_loops_must_close_elsewhere_too(count, opens):
+    """Each parallelogram has six conditions to close everywhere, one a posture: five postures leave
+    three open, and the fit is not believable, however well it fits, and says what to do.
+    """
+    fit = calibrate(delta(), read_delta(count))
+    assert fit.p_value > 1e-3
+    assert fit.identifiability.opens is opens
+    assert fit.believable is not opens
+    assert any("need not close at others" in text for text in fit.notes) is opens
+
+
+@pytest.mark.parametrize(("times", "blind"), [(3.0, True), (0.3, False)])
+def test_a_blind_direction_counts_where_the_prior_leaves_poses_less_sure(times, blind):
+    """A direction that no reading tells is known by the prior alone: it matters where a standard
+    deviation of the prior along it moves poses by more than what the readings leave them.
+    """
+    fit = calibrate(delta(), read_delta(20, 1e-5))
+    found, prior = fit.identifiability, 0.01 * fit.mechanism.characteristic_length
+    quiet = dataclasses.replace(found, null_space=found.blind)
+    seen = np.zeros((len(found.names), 1))
+    seen[found.names.index("limb1.rod1.length")] = 1.0
+    usual = predict_pose_sigma(dataclasses.replace(fit, identifiability=quiet))
+    count = len(found.names)
+    alone = dataclasses.replace(
+        fit, identifiability=quiet, covariance=np.zeros_like(fit.covariance)
+    )
+    alone.covariance[:count, :count] = seen @ seen.T
+    moved = predict_pose_sigma(alone).position
+    share = times * np.sqrt(np.mean(usual.position**2)) / prior / np.max(moved)
+    other = dataclasses.replace(quiet, blind=share * seen, null_space=share * seen)
+    assert predict_pose_sigma(dataclasses.replace(fit, identifiability=other)).blind is blind

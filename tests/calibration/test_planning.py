@@ -12,6 +12,7 @@ import pytest
 
 import symkin
 from helpers import inside
+from helpers.built_machines import random_postures
 from helpers.inside import (
     CRITERIA,
     NO_GROUP,
@@ -156,7 +157,7 @@ def test_pose_slopes_are_differences_of_the_direct_problem():
     workspace = Workspace.about(NOMINAL)
     made = workspace.draw(workspace.inclinations(1, rng), rng, held=False)
     name, step = "leg3.base.x", 1e-5
-    slopes, _ = pose_slopes(NOMINAL, made, [name])
+    slopes, _, _ = pose_slopes(NOMINAL, made, [name])
     value = dict(
         zip(
             build_closure(NOMINAL).parameter_names,
@@ -289,3 +290,19 @@ def test_plans_that_cannot_be_are_refused(options, fragment):
     """Counts, criteria and readings that cannot be are refused in one sentence."""
     with pytest.raises(InputError, match=fragment):
         plan_measurements(Workspace.about(NOMINAL), 24, NOISE, **options)
+
+
+@pytest.mark.parametrize("count", [5, 20])
+def test_a_plan_counts_what_a_fit_counts(count):
+    """The rank of a plan is that of a fit of readings taken there, that of all candidates what many
+    postures tell: redundant loops hold combinations of parameters in both.
+    """
+    machine, noise = delta(), Noise(position=0.02)
+    plan = plan_measurements(machine, count, noise, groups=0, readings=["position"])
+    for made, rank in (
+        (plan.configurations, plan.accuracy.rank),
+        (random_postures(machine, machine, 200, np.random.default_rng(0)), plan.observable),
+    ):
+        rng, groups = np.random.default_rng(0), np.full(len(made), NO_GROUP)
+        read = simulate_readings(machine, made, groups, ("position",), noise, rng)
+        assert calibrate(machine, read).rank == rank

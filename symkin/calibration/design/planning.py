@@ -30,15 +30,24 @@ from symkin.calibration.design.simulation import (
     observed_kinds,
     platform_kinds,
     random_configurations,
+    simulate_readings,
 )
 from symkin.calibration.estimate.configurations import ClosedConfigurations
-from symkin.calibration.estimate.problem import PRIOR_SHARE, default_parameters
+from symkin.calibration.estimate.problem import (
+    PRIOR_SHARE,
+    build_calibration,
+    default_parameters,
+)
+from symkin.calibration.estimate.state import evaluate, unbound
 from symkin.calibration.estimate.workspace import Workspace, lever
+from symkin.calibration.judge.identifiability import told_rank
 from symkin.calibration.judge.pose_accuracy import less_frames, pose_slopes
+from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.position.transfer import many_elsewhere
 from symkin.result import Result, Summary
 from symkin.text import not_among
 
@@ -255,7 +264,7 @@ def plan_measurements(
         seed=chosen.seed,
         accuracy=task.accuracy(planned, numbers),
         random=task.random_accuracy(),
-        observable=task.directions.shape[1],
+        observable=task.observable,
     )
 
 
@@ -301,7 +310,10 @@ class _Task:
         )
         self.offered = wedges if options.groups else None
         tests = workspace.draw(workspace.inclinations(_TEST_POSES, self.rng), self.rng, held=False)
-        slopes, frames = pose_slopes(self.mechanism, tests, self.names)
+        slopes, frames, loops = pose_slopes(self.mechanism, tests, self.names)
+        # steps with which redundant loops stay closed all over the workspace
+        allowed = unbound(loops.reshape(-1, len(self.names)))
+        self.allowed = allowed @ allowed.T
         self.length = lever(self.mechanism)
         self.pose = less_frames(slopes, frames, self.length) if options.aligned else slopes
         self.prior = 1.0 / (PRIOR_SHARE * self.mechanism.characteristic_length) ** 2
@@ -315,6 +327,7 @@ class _Task:
         pool = self._drawn()
         slopes = self.candidates(pool.configurations, pool.wedge)
         self.observe(slopes)
+        self.observable = self.rank(pool.configurations, pool.wedge)
         reduced = self.reduced(slopes)
         allowed = self._search(reduced.thinned(max(_THINNED_CANDIDATES, self.count))).best_wedges(
             self.count, self.options.groups
@@ -365,7 +378,19 @@ class _Task:
             self.names,
             grouped=bool(np.all(wedge >= 0)),
         )
-        return Candidates(slopes.parameters, slopes.group, wedge)
+        return Candidates(slopes.parameters @ self.allowed, slopes.group, wedge)
+
+    def rank(self, made: ClosedConfigurations, groups: np.ndarray) -> int:
+        """Count the combinations of parameters that a fit of readings there determines."""
+        quiet = np.random.default_rng(0)
+        read = simulate_readings(
+            self.mechanism, made, groups, self.options.readings, self.noise, quiet
+        )
+        problem = build_calibration(self.mechanism, read, parameters=self.names)
+        closure = build_closure(self.mechanism)
+        z = many_elsewhere(problem.model.closure, closure, made.values)[:, made.joints.shape[1] :]
+        state = evaluate(problem, problem.model.nominal, np.ascontiguousarray(z), "means")
+        return told_rank(problem, state)
 
     def observe(self, slopes: Candidates) -> None:
         """Keep the directions of parameter space that all candidates together determine."""
@@ -421,7 +446,7 @@ class _Task:
             angle=mean[1],
             worst_position=worst[0],
             worst_angle=worst[1],
-            rank=seen.shape[1],
+            rank=self.rank(planned, groups),
             parameters=len(self.names),
         )
 

@@ -102,6 +102,12 @@ class Evaluation:
         return -solve_systems(self.rows_z, self.rows_p)
 
     @property
+    def left_over(self) -> np.ndarray:
+        """What an overconstrained closure leaves of dF/dp (n, m, P); no rows where none is left."""
+        left = self.condensed(np.zeros((len(self.rows), self.rows_z.shape[2])))[2]
+        return self.rows_p[:, :0] if left is None else left[1]
+
+    @property
     def slopes(self) -> np.ndarray:
         """dh/dp (n, K, P) with the configurations following: h_p - h_z F_z^+ F_p."""
         return self.condensed(np.zeros((len(self.rows), self.rows_z.shape[2])))[1]

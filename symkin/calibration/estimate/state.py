@@ -356,6 +356,13 @@ def admissible_steps(state: State, units: np.ndarray) -> tuple[np.ndarray | None
     return across[kept:].T, units * particular
 
 
+def unbound(rows: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis (P, k) of the steps that rows left over (m, P) leave free."""
+    _, singular, right = np.linalg.svd(rows, full_matrices=rows.shape[0] < rows.shape[1])
+    bound = max(RANK_TOLERANCE * float(np.max(singular, initial=0.0)), CONSTRAINT_ROUNDING)
+    return np.asarray(right[int(np.sum(singular > bound)) :].T)
+
+
 def design(state: State) -> np.ndarray:
     """Return dr/dp of the readings, with the rows that an overconstrained closure leaves to p above
     them.

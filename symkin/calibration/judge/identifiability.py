@@ -9,13 +9,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.observables import observables
-from symkin.calibration.estimate.configurations import solve_configurations
+from symkin.calibration.estimate.configurations import (
+    newton_configurations,
+    solve_configurations,
+)
 from symkin.calibration.estimate.estimator import estimate
 from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
-from symkin.calibration.estimate.state import State, design, error_free_state, spectrum
+from symkin.calibration.estimate.state import (
+    Spectrum,
+    State,
+    design,
+    error_free_state,
+    spectrum,
+    unbound,
+)
 from symkin.calibration.judge.named_directions import all_values, named_motions, parallel_offsets
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
@@ -27,10 +37,22 @@ _SAME_ANGLE = np.radians(2.0)
 """Inclinations or yaws (radians) that spread by less count as one."""
 _SPARSE_DRAWS = 60
 """Draws of parameters in the search for sparse combinations."""
+OPEN_LOOPS = (
+    "loops that are redundant close at the postures measured and need not close at others; add "
+    "postures"
+)
 _FREE_FRAMES = ("base frame translation", "base frame yaw", "platform frame", "tool frame")
 """Combinations that inclinations never determine."""
 _MAX_LISTED_PARAMETERS = 4
 """Most parameters that a combination without a name of its own lists."""
+_JOINTS_BESIDE = 0.1
+"""How far joints are moved (radians, of the size) to see whether loops close beside the postures
+measured, too.
+"""
+_MAX_BESIDE = 200
+"""Most postures beside those measured that are looked at."""
+_OPEN_SLOPE = 1e-6
+"""Rows left over that a unit step changes by less (length unit) stay closed but for rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +64,8 @@ class Identifiability:
     reading tells at all, whatever its noise. `weak` names combinations that the readings tell
     hardly better than the prior, each with its standard deviation by the readings over the prior's.
     `gap` is the ratio of the singular values on both sides of the rank (infinite where nothing is
-    dropped to rounding).
+    dropped to rounding). `opens` says that redundant loops which close at these configurations need
+    not close at others: they ask more of the parameters there.
     """
 
     names: tuple[str, ...]
@@ -55,6 +78,7 @@ class Identifiability:
     advice: tuple[str, ...]
     blind: np.ndarray
     weak: tuple[tuple[str, float], ...] = ()
+    opens: bool = False
 
     @cached_property
     def base_set(self) -> tuple[str, ...]:
@@ -134,13 +158,8 @@ def identifiability_at(problem: CalibrationProblem, state: State, weight: float)
     determine beside a prior of some weight, 0 for none.
     """
     state = error_free_state(problem, state)
-    matrix = design(state)
-    found = spectrum(matrix)
-    null_space = found.null_space
-    weak: tuple[tuple[str, float], ...] = ()
-    if weight > 0.0:
-        null_space, weak = _beside_prior(problem, state, null_space, weight)
-    named = name_null_space(problem, state.p, null_space)
+    found, null_space, weak = _told(problem, state, weight)
+    named, opens = name_null_space(problem, state.p, null_space), _opens_beside(problem, state)
     return Identifiability(
         names=problem.names,
         jacobian=state.linearised.matrix,
@@ -151,16 +170,29 @@ def identifiability_at(problem: CalibrationProblem, state: State, weight: float)
         blind=found.null_space,
         weak=weak,
         unobservable=named,
-        advice=_advice(problem, state, named),
+        advice=(*((OPEN_LOOPS,) if opens else ()), *_advice(problem, state, named)),
+        opens=opens,
     )
 
 
-def _beside_prior(
-    problem: CalibrationProblem, state: State, null_space: np.ndarray, weight: float
-) -> tuple[np.ndarray, tuple[tuple[str, float], ...]]:
-    """Return the directions (P, k) of which the readings tell nothing beside the prior, and those
-    of which they tell little, named.
+def told_rank(problem: CalibrationProblem, state: State) -> int:
+    """Count what a fit of readings without error would determine beside the prior: directions that
+    they tell, and those that redundant loops hold.
     """
+    untold = _told(problem, error_free_state(problem, state), 1.0)[1]
+    return len(problem.names) - int(untold.shape[1])
+
+
+def _told(
+    problem: CalibrationProblem, state: State, weight: float
+) -> tuple[Spectrum, np.ndarray, tuple[tuple[str, float], ...]]:
+    """Return the spectrum of the identification Jacobian, the directions (P, k) of which the
+    readings tell nothing beside the prior, and those of which they tell little, named.
+    """
+    found = spectrum(design(state))
+    null_space = found.null_space
+    if weight == 0.0:
+        return found, null_space, ()
     linear = Linear.of(problem, state, problem.widened)
     ratios, directions = linear.told
     ratios, directions = ratios / weight, linear.basis @ directions
@@ -169,7 +201,30 @@ def _beside_prior(
         null_space = np.linalg.qr(directions[:, untold])[0]
     little = np.flatnonzero(~untold & (ratios < WELL_TOLD))
     weak = [(_combination(problem.names, directions[:, k]), 1.0 / ratios[k]) for k in little]
-    return null_space, tuple((text, float(share)) for text, share in weak[::-1])
+    return found, null_space, tuple((text, float(share)) for text, share in weak[::-1])
+
+
+def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
+    """Tell whether redundant loops ask more of the parameters at joints beside those measured. They
+    are looked at in the file's geometry, of which they close everywhere.
+    """
+    model = problem.model
+    if state.leftover is None:
+        return False
+    every = spread_rows(len(state.z), _MAX_BESIDE)
+    z, joints = state.z[every], problem.measurements.joints[every]
+    size, rng = model.closure.characteristic_length, np.random.default_rng(0)
+    units = np.array([1.0 if c.is_angular else size for c in model.closure.role("actuated")])
+    moved = joints + _JOINTS_BESIDE * units * rng.uniform(-1.0, 1.0, joints.shape)
+    rows = []
+    for q in (joints, moved):
+        with np.errstate(all="ignore"):
+            there, closed = newton_configurations(model, z, q, model.nominal)
+        left = model.evaluate(
+            there[closed], q[closed], model.nominal, problem.quaternions[every][closed]
+        ).left_over
+        rows.append(left.reshape(-1, len(problem.names)))
+    return bool(np.max(np.abs(rows[1] @ unbound(rows[0])), initial=0.0) > _OPEN_SLOPE)
 
 
 def name_null_space(

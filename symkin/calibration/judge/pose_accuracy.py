@@ -31,14 +31,11 @@ from symkin.spatial.pose import Pose
 
 _ACCURACY_POSES = 200
 """Poses of the workspace at which standard deviations are computed."""
-_NOMINAL_ERROR = 1e-3
-"""Share of the size by which the nominal geometry may be off along a direction that no reading
-determines.
-"""
 _UNDETERMINED_SLOPES = (1e-4, 1e-2)
-"""Such a direction moves the pose when the aligned pose slope along it, times that error, is more
-than the pose's standard deviation: slopes below the first are rounding (parameters that matter have
-about 1), slopes above the second always count.
+"""A direction that no reading determines moves the pose when the aligned pose slope along it, times
+the prior's standard deviation, is more than the pose's: by the prior alone is it known where the
+geometry lies there. Slopes below the first are rounding (parameters that matter have about 1),
+slopes above the second always count.
 """
 _REGION_TEXT = f"{_ACCURACY_POSES} random poses in the region measured"
 _DRAWN_POSES = 2 * _ACCURACY_POSES
@@ -97,17 +94,16 @@ def _pose_sigma_at(
     fit: Calibration, identified: Mechanism, made: ClosedConfigurations, where: str
 ) -> PoseSigma:
     names, scales = fit.problem.names, fit.problem.model.scales
-    slopes, frames = pose_slopes(identified, made, names)
+    slopes, frames, _ = pose_slopes(identified, made, names)
     slopes = less_frames(slopes, frames, lever(identified))
     scaled = fit.covariance[: len(names), : len(names)] / np.outer(scales, scales)
     variance = np.einsum("nkp,pq,nkq->nk", slopes, scaled, slopes)
     # what noise drowns is known by the prior alone
-    drowned = fit.identifiability.drowned * (PRIOR_SHARE * fit.mechanism.characteristic_length)
+    prior = PRIOR_SHARE * fit.mechanism.characteristic_length
+    drowned = prior * fit.identifiability.drowned
     variance += np.sum((slopes @ drowned) ** 2, axis=2)
     sigma = np.sqrt(np.maximum(variance, 0.0))
-    spread = float(np.sqrt(np.mean(np.sum(sigma[:, :3] ** 2, axis=1)))) / (
-        _NOMINAL_ERROR * fit.mechanism.characteristic_length
-    )
+    spread = float(np.sqrt(np.mean(np.sum(sigma[:, :3] ** 2, axis=1)))) / prior
     blind = bool(
         np.max(np.abs(slopes @ fit.identifiability.blind), initial=0.0)
         > np.clip(spread, *_UNDETERMINED_SLOPES)
@@ -252,20 +248,24 @@ def pose_sigma(
 
 def pose_slopes(
     mechanism: Mechanism, made: ClosedConfigurations, names: Sequence[str]
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Differentiate the pose by scaled parameters (n, 6, P) and by the twelve constant frames that
     an alignment removes (n, 6, 12): position in the length unit, rotation vector in radians, joints
-    held. Frames may be among the parameters.
+    held; and rows that redundant loops leave over, by scaled parameters (n, m, P). Frames may be
+    among the parameters.
     """
     poses = Measurements(made.joints, position=made.poses[:, :3], orientation=made.poses[:, 3:])
     model = build_model(mechanism, poses, tuple(dict.fromkeys((*names, *MEASURING_FRAMES))))
     e = model.evaluate(
         unknown_coordinates(mechanism, made), made.joints, model.nominal, made.poses[:, 3:]
     )
-    slopes = e.readings_p + e.readings_z @ e.following
-    return slopes[:, :, : len(names)], slopes[
-        :, :, [model.names.index(name) for name in MEASURING_FRAMES]
-    ]
+    slopes = e.slopes
+    frames = [model.names.index(name) for name in MEASURING_FRAMES]
+    return (
+        slopes[:, :, : len(names)],
+        slopes[:, :, frames],
+        e.left_over[:, :, : len(names)],
+    )
 
 
 def less_frames(slopes: np.ndarray, frames: np.ndarray, length: float) -> np.ndarray:

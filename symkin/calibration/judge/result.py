@@ -159,7 +159,8 @@ class Calibration(Result):
         """
         fits = self.p_value is None or SIGNIFICANCE < self.p_value < 1.0 - SIGNIFICANCE
         whole = not self.unsolved and not self.given_up and self.refused is None
-        whole = whole and self.rank > 0 and (self.any_machine or not self.is_other_machine)
+        whole = whole and self.rank > 0 and not self.identifiability.opens
+        whole = whole and (self.any_machine or not self.is_other_machine)
         return self.status == "ok" and whole and fits and self.degrees > 0
 
     @property
