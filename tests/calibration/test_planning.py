@@ -157,7 +157,7 @@ def test_pose_slopes_are_differences_of_the_direct_problem():
     workspace = Workspace.about(NOMINAL)
     made = workspace.draw(workspace.inclinations(1, rng), rng, held=False)
     name, step = "leg3.base.x", 1e-5
-    slopes, _, _ = pose_slopes(NOMINAL, made, [name])
+    slopes, _ = pose_slopes(NOMINAL, made, [name])
     value = dict(
         zip(
             build_closure(NOMINAL).parameter_names,

@@ -40,8 +40,9 @@ from symkin.calibration.estimate.problem import (
 )
 from symkin.calibration.estimate.state import evaluate, unbound
 from symkin.calibration.estimate.workspace import Workspace, lever
+from symkin.calibration.judge.departure import less_frames
 from symkin.calibration.judge.identifiability import told_rank
-from symkin.calibration.judge.pose_accuracy import less_frames, pose_slopes
+from symkin.calibration.judge.pose_accuracy import pose_slopes
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
@@ -310,12 +311,12 @@ class _Task:
         )
         self.offered = wedges if options.groups else None
         tests = workspace.draw(workspace.inclinations(_TEST_POSES, self.rng), self.rng, held=False)
-        slopes, frames, loops = pose_slopes(self.mechanism, tests, self.names)
+        slopes, loops = pose_slopes(self.mechanism, tests, self.names)
         # steps with which redundant loops stay closed all over the workspace
         allowed = unbound(loops.reshape(-1, len(self.names)))
         self.allowed = allowed @ allowed.T
         self.length = lever(self.mechanism)
-        self.pose = less_frames(slopes, frames, self.length) if options.aligned else slopes
+        self.pose = less_frames(slopes, tests.poses, self.length) if options.aligned else slopes
         self.prior = 1.0 / (PRIOR_SHARE * self.mechanism.characteristic_length) ** 2
         self.directions = np.eye(len(self.names))
         self.seed = int(self.rng.integers(2**31))

@@ -85,12 +85,12 @@ def build_result(
     mechanism = found.problem.mechanism
     problem, written = found.problem, read_back(found.problem, found.result.state)
     state = written.state
-    model = linear_model(problem, state)
-    known = problem.readings.known
+    told = told_directions(problem, state)
+    model, known = linear_model(problem, state, told), problem.readings.known
     chi_square = model.chi_square_as_is
     spread = 1.0 if known else chi_square / max(model.degrees, 1)
-    free = spread * covariance(problem, state) / (1.0 if found.loss == "squared" else EFFICIENCY)
-    identified = identifiability_at(problem, state, told_directions(problem, state).weight)
+    used = 1.0 if found.loss == "squared" else EFFICIENCY
+    free = spread / used * covariance(problem, state, told)
     crossed = found.used[state.determinant_signs * found.start_signs < 0]
     calibration = Calibration(
         mechanism=mechanism,
@@ -107,7 +107,7 @@ def build_result(
         p_value=chi_square_tail(_tested_chi_square(problem, model), model.degrees)
         if known and model.degrees > 0
         else None,
-        identifiability=identified,
+        identifiability=identifiability_at(problem, state, told.weight),
         outliers=screening.outliers,
         unchecked=screening.unchecked,
         used=tuple(found.used.tolist()),
@@ -124,7 +124,7 @@ def build_result(
     notes = [*found.notes, *fit_notes(calibration, removed=removed)]
     curved = [
         n
-        for n, share in zip(problem.names, curvature(problem, state, spread), strict=True)
+        for n, share in zip(problem.names, curvature(problem, state, told, spread), strict=True)
         if not share < DOUBTFUL_CURVATURE
     ]
     if curved and not is_exact(calibration):

@@ -1,33 +1,25 @@
 """Hold out configurations from a fit, and test how well the fit predicts them.
 
-Of a prediction at held-out configurations the whitened errors e have the covariance 1 + M M^T, M =
-W (dh/dp) L with L L^T the covariance of the parameters, so that e^T (1 + M M^T)^-1 e = |e|^2 - e^T
-M (1 + M^T M)^-1 M^T e has the chi-square distribution with as many degrees of freedom as readings
-were held out, less two for the unknown inclination of each group.
+The errors e of the prediction (see `prediction`) have covariance S + J C J^T, so that e^T (S + J C
+J^T)^-1 e has the chi-square distribution with as many degrees of freedom as readings were held out,
+less two for the unknown inclination of each group.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
 from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import nearest_rows, solve_configurations
-from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import build_readings
-from symkin.calibration.estimate.state import evaluate, evaluate_readings, joint_covariance
-from symkin.calibration.judge.assessment import state_residuals
+from symkin.calibration.judge.prediction import covariance_root, predict_readings
 from symkin.calibration.judge.result import Calibration
-from symkin.calibration.judge.statistics import (
-    SIGNIFICANCE,
-    chi_square_tail,
-    f_tail,
-    whitened_residuals,
-)
+from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, f_tail
 from symkin.errors import InputError
 
 _COUNT_PATTERN = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(%?)\s*")
@@ -47,14 +39,14 @@ class HeldOut:
     """
 
     labels: tuple[str, ...]
-    rms: dict[str, float]
-    expected: dict[str, float]
-    chi_square: float
-    degrees: int
-    p_value: float | None
-    outliers: tuple[str, ...]
     unsolved: tuple[str, ...]
     seed: int
+    rms: dict[str, float] = field(default_factory=dict)
+    expected: dict[str, float] = field(default_factory=dict)
+    chi_square: float = 0.0
+    degrees: int = 0
+    p_value: float | None = None
+    outliers: tuple[str, ...] = ()
 
     @property
     def believable(self) -> bool:
@@ -124,51 +116,48 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
     model, p = build_model(fit.mechanism, measurements, fit.problem.names), fit.state.p
     near = nearest_rows(fit.problem.measurements.joints, measurements.joints, 1)[:, 0]
     configurations = solve_configurations(model, measurements, p, z=fit.state.z[near], seed=seed)
-    unsolved = tuple(measurements.labels[int(k)] for k in np.flatnonzero(~configurations.solved))
-    some, z = measurements.subset(configurations.solved), configurations.z[configurations.solved]
-    if not len(z):
-        return HeldOut(
-            labels=tuple(measurements.labels),
-            rms={},
-            expected={},
-            chi_square=0.0,
-            degrees=0,
-            p_value=None,
-            outliers=(),
-            unsolved=unsolved,
-            seed=seed,
-        )
-    problem = replace(
-        fit.problem, measurements=some, model=model, readings=build_readings(model, some)
-    )
-    off = _outliers(fit, problem, z)
-    clean = problem
-    if 0 < len(off) <= _MAX_OUTLIER_SHARE * len(z):
-        kept = np.setdiff1d(np.arange(len(z)), off)
-        clean = replace(
-            problem,
-            measurements=some.subset(kept),
-            readings=build_readings(model, some.subset(kept)),
-        )
-    chi_square, degrees = _chi_square(fit, clean, z if clean is problem else z[kept])
-    rms, expected = _error_sizes(fit, problem, z)
-    named = tuple(some.labels[k] for k in off) if clean is not problem else ()
-    return HeldOut(
+    solved = configurations.solved
+    found = HeldOut(
         labels=tuple(measurements.labels),
-        rms=rms,
-        expected=expected,
+        unsolved=tuple(measurements.labels[int(k)] for k in np.flatnonzero(~solved)),
+        seed=seed,
+    )
+    if not solved.any():
+        return found
+    some, z = measurements.subset(solved), configurations.z[solved]
+    readings = build_readings(model, some)
+    problem = replace(fit.problem, measurements=some, model=model, readings=readings)
+    known = fit.problem.readings.known
+    factor = 1.0 if known else max(fit.chi_square / max(fit.degrees, 1), 1e-300)
+    root = covariance_root(fit.covariance, fit.problem)
+    made = predict_readings(problem, p, z, root, factor)
+    taken, every = readings.taken, np.arange(len(z))
+
+    level = 1.0 - (1.0 - _OUTLIER_LEVEL) ** (1.0 / len(z))
+    chances = [
+        _probability(fit, made.chi_square(every[k : k + 1]), int(np.sum(taken[k]))) for k in every
+    ]
+    off = np.array([chance is not None and chance < level for chance in chances])
+    kept = every if np.sum(off) > _MAX_OUTLIER_SHARE * len(z) else every[~off]
+    clean = predict_readings(problem, p, z, root, factor, np.isin(every, kept))
+    groups = set(readings.group[kept].tolist()) - {-1}
+    chi_square, degrees = clean.chi_square(kept), int(np.sum(taken[kept])) - 2 * len(groups)
+    expected = np.diagonal(made.covariance, axis1=1, axis2=2)
+    rms: tuple[dict[str, float], dict[str, float]] = ({}, {})
+    for kind in dict.fromkeys(kind for kind, _ in model.columns):
+        inside = taken & np.array([other == kind for other, _ in model.columns])
+        for made_of, squares in zip(rms, (made.errors**2, expected), strict=True):
+            if inside.any():
+                made_of[kind] = float(np.sqrt(np.mean(squares[inside])))
+    return replace(
+        found,
+        rms=rms[0],
+        expected=rms[1],
         chi_square=chi_square,
         degrees=degrees,
         p_value=_probability(fit, chi_square, degrees),
-        outliers=named,
-        unsolved=unsolved,
-        seed=seed,
+        outliers=tuple(some.labels[k] for k in np.setdiff1d(every, kept)),
     )
-
-
-def _variance_factor(fit: Calibration) -> float:
-    """Factor of the stated variances: 1 where standard deviations are known."""
-    return 1.0 if fit.problem.readings.known else fit.chi_square / max(fit.degrees, 1)
 
 
 def _probability(fit: Calibration, chi_square: float, degrees: int) -> float | None:
@@ -177,71 +166,3 @@ def _probability(fit: Calibration, chi_square: float, degrees: int) -> float | N
     if fit.problem.readings.known:
         return chi_square_tail(chi_square, degrees)
     return f_tail(chi_square / degrees, degrees, fit.degrees)
-
-
-def _covariance_root(fit: Calibration) -> np.ndarray:
-    """L (P, k) with L L^T the covariance of the scaled free parameters."""
-    names, scales = fit.problem.names, fit.problem.model.scales
-    values, vectors = np.linalg.eigh(
-        fit.covariance[: len(names), : len(names)] / np.outer(scales, scales)
-    )
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
-
-
-def _whitened(
-    fit: Calibration, problem: CalibrationProblem, z: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Errors e (n, K) and M (n, K, k), in standard deviations."""
-    state = evaluate(problem, fit.state.p, z, "means")
-    residuals, columns = whitened_residuals(problem, state)
-    scale = 1.0 / math.sqrt(max(_variance_factor(fit), 1e-300))
-    return scale * residuals, scale * (columns @ _covariance_root(fit))
-
-
-def _statistic(errors: np.ndarray, m: np.ndarray) -> float:
-    """e^T (1 + M M^T)^-1 e."""
-    across = m.T @ errors
-    return float(errors @ errors - across @ np.linalg.solve(np.eye(m.shape[1]) + m.T @ m, across))
-
-
-def _chi_square(fit: Calibration, problem: CalibrationProblem, z: np.ndarray) -> tuple[float, int]:
-    errors, m = _whitened(fit, problem, z)
-    return _statistic(errors.reshape(-1), m.reshape(errors.size, -1)), problem.readings.count
-
-
-def _outliers(fit: Calibration, problem: CalibrationProblem, z: np.ndarray) -> np.ndarray:
-    """Find configurations (by number) that are off by themselves, beyond what the share
-    `_OUTLIER_LEVEL` of right predictions has anywhere.
-    """
-    errors, m = _whitened(fit, problem, z)
-    taken = np.sum(problem.readings.taken, axis=1)
-    level = 1.0 - (1.0 - _OUTLIER_LEVEL) ** (1.0 / len(z))
-    chances = [_probability(fit, _statistic(errors[k], m[k]), int(taken[k])) for k in range(len(z))]
-    return np.array(
-        [k for k, chance in enumerate(chances) if chance is not None and chance < level], dtype=int
-    )
-
-
-def _error_sizes(
-    fit: Calibration, problem: CalibrationProblem, z: np.ndarray
-) -> tuple[dict[str, float], dict[str, float]]:
-    """Return the root mean square of the errors of each kind, and of what noise and parameters let
-    expect.
-    """
-    state, readings = evaluate(problem, fit.state.p, z, "means"), problem.readings
-    errors, by_p = (
-        state_residuals(problem, state),
-        evaluate_readings(problem, state).slopes @ _covariance_root(fit),
-    )
-    noise = np.where(readings.taken, readings.sigma, 0.0) ** 2 + np.diagonal(
-        joint_covariance(problem, state), axis1=1, axis2=2
-    )
-    variance = _variance_factor(fit) * noise + np.sum(by_p**2, axis=2)
-    found: tuple[dict[str, float], dict[str, float]] = ({}, {})
-    for kind in dict.fromkeys(kind for kind, _ in problem.model.columns):
-        columns = [k for k, (other, _) in enumerate(problem.model.columns) if other == kind]
-        taken = readings.taken[:, columns]
-        if taken.any():
-            found[0][kind] = float(np.sqrt(np.mean(errors[:, columns][taken] ** 2)))
-            found[1][kind] = float(np.sqrt(np.mean(variance[:, columns][taken])))
-    return found

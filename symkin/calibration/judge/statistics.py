@@ -38,7 +38,6 @@ from symkin.calibration.estimate.state import (
     closed_state,
     evaluate,
     evaluate_at,
-    evaluate_readings,
     joint_covariance,
     joint_covariance_at,
 )
@@ -54,6 +53,8 @@ SIGNIFICANCE = 1e-3
 """Tail probability on either side of chi-square beyond which the stated noise does not explain the
 residuals.
 """
+_LEAST_FREEDOM = 1e-12
+"""A shift of which the fit leaves no more than this share (of its square) is absorbed whole."""
 
 DOUBTFUL_CURVATURE = 0.5
 """Share of its standard deviation from which a parameter's is called doubtful."""
@@ -107,92 +108,67 @@ class LinearModel:
         Q^T.
         """
         return np.asarray(
-            np.einsum("ij,ij->i", self.group_columns, self.group_columns)
-            + np.einsum("ij,ij->i", self.parameter_columns, self.parameter_columns)
+            np.sum(self.group_columns**2, axis=1) + np.sum(self.parameter_columns**2, axis=1)
         )
 
     def freedom(self, rows: np.ndarray) -> np.ndarray:
         """Restrict (1 - Q Q^T) to some rows (..., w): what of a shift of these readings the fit
         cannot absorb, (..., w, w).
         """
-        own, shared, group = (
-            self.group_columns[rows],
-            self.parameter_columns[rows],
-            self.group[rows],
-        )
-        together = group[..., :, None] == group[..., None, :]
-        absorbed = shared @ np.swapaxes(shared, -1, -2) + np.where(
-            together, own @ np.swapaxes(own, -1, -2), 0.0
-        )
+        own, shared = self.group_columns[rows], self.parameter_columns[rows]
+        together = self.group[rows][..., :, None] == self.group[rows][..., None, :]
+        absorbed = shared @ np.swapaxes(shared, -1, -2)
+        absorbed += np.where(together, own @ np.swapaxes(own, -1, -2), 0.0)
         return np.asarray(self.taken[rows][..., None] * np.eye(rows.shape[-1]) - absorbed)
 
     def without(self, rows: np.ndarray) -> LinearModel:
         """Let the readings of these rows be free: their shift is one more unknown."""
         shift = -self.parameter_columns @ self.parameter_columns[rows].T
-        shift -= np.where(
-            self.group[:, None] == self.group[rows],
-            self.group_columns @ self.group_columns[rows].T,
-            0.0,
-        )
+        own = self.group_columns @ self.group_columns[rows].T
+        shift -= np.where(self.group[:, None] == self.group[rows], own, 0.0)
         shift[rows, np.arange(len(rows))] += self.taken[rows]
-        extra = _orthonormal(shift)
-        residuals = self.residuals - extra @ (extra.T @ self.residuals)
+        # the columns of a projector are as long as its diagonal block says
+        values, vectors = np.linalg.eigh(self.freedom(rows))
+        left = values > _LEAST_FREEDOM
+        extra = shift @ (vectors[:, left] / np.sqrt(values[left]))
         return replace(
             self,
-            residuals=residuals,
+            residuals=self.residuals - extra @ (extra.T @ self.residuals),
             parameter_columns=np.hstack([self.parameter_columns, extra]),
             fitted=self.fitted + extra.shape[1],
         )
 
 
-def linear_model(problem: CalibrationProblem, state: State) -> LinearModel:
-    """Linearise all readings at a state with closed configurations."""
-    readings, told = problem.readings, told_directions(problem, state)
+def linear_model(
+    problem: CalibrationProblem, state: State, told: Told | None = None
+) -> LinearModel:
+    """Linearise all readings at a state with closed configurations, over the directions told."""
+    readings, told = problem.readings, told or told_directions(problem, state)
     free = told.columns[:, (told.ratios > 1.0) | problem.is_stated]
     known, by_known = _stated_rows(problem, state)
-    by_known = by_known @ free
-    shape = readings.values.shape
-    residuals, own, whiten = (
-        np.zeros((*shape, 1)),
-        np.zeros((*shape, 2)),
-        np.zeros((*shape, shape[1])),
-    )
-    columns, squares = np.zeros((*shape, free.shape[1])), np.sum(by_known**2, axis=0)
+    shape, count, width = readings.values.shape, readings.values.size, free.shape[1]
+    residuals = np.concatenate([np.zeros(count), known])
+    columns = np.vstack([np.zeros((count, width)), by_known @ free])
+    own, whiten = np.zeros((len(residuals), 2)), np.zeros((*shape, shape[1]))
     for rows, part in problem.parts:
         e = evaluate_at(part, state.p, state.z[rows])
-        whiten[rows] = whitening(part.readings, joint_covariance_at(part, state.p, state.z[rows]))
-        own[rows] = _group_columns(part.readings, whiten[rows])
-        made, r = (
-            whiten[rows] @ (e.slopes @ free),
-            whiten[rows] @ deviations(part.readings, e.readings)[:, :, None],
-        )
-        squares += np.sum(made**2, axis=(0, 1))
+        w = whitening(part.readings, joint_covariance_at(part, state.p, state.z[rows]))
+        both = w @ np.dstack([deviations(part.readings, e.readings), e.slopes @ free])
+        made = _group_columns(part.readings, w)
         for _ in range(2):  # the second time takes away what rounding left
-            made, r = (
-                _less_group_means(part.readings, own[rows], made),
-                _less_group_means(part.readings, own[rows], r),
-            )
-        columns[rows], residuals[rows] = made, r
-    # columns of unit length, so that the rank of the basis is judged alike for all parameters
-    kept, count = squares > 0, readings.values.size
-    flat_columns = columns.reshape(count, -1)
-    # of many rows a copy is made only where it must be
-    if len(known):
-        flat_columns = np.vstack([flat_columns, by_known])
-    if not kept.all():
-        flat_columns = flat_columns[:, kept]
-    flat_columns /= np.sqrt(squares[kept])
-    shared = _basis_in_place(flat_columns) if problem.is_large else _basis(flat_columns)
-    flat = np.concatenate([residuals.reshape(count), known])
-    rows_known = np.ones(len(known), dtype=bool)
-    along = shared.T @ flat
+            both = _less_group_means(part.readings, made, both)
+        whiten[rows], own[:count].reshape(*shape, 2)[rows] = w, made
+        residuals[:count].reshape(shape)[rows] = both[:, :, 0]
+        columns[:count].reshape(*shape, width)[rows] = both[:, :, 1:]
+    columns = _basis_in_place(columns)
+    along = columns.T @ residuals
     return LinearModel(
-        residuals=flat - shared @ along,
-        group_columns=np.vstack([own.reshape(count, 2), np.zeros((len(known), 2))]),
+        residuals=residuals - columns @ along,
+        group_columns=own,
         group=np.concatenate([np.repeat(readings.group, shape[1]), np.full(len(known), -1)]),
-        parameter_columns=shared,
-        fitted=float(shared.shape[1] if problem.is_stated else np.sum(told.shares)),
-        taken=np.concatenate([readings.taken.reshape(-1), rows_known]),
+        parameter_columns=columns,
+        fitted=float(columns.shape[1] if problem.is_stated else np.sum(told.shares)),
+        taken=np.concatenate([readings.taken.reshape(-1), np.ones(len(known), dtype=bool)]),
         whiten=whiten,
         within_reach=float(along @ along),
     )
@@ -207,23 +183,12 @@ def _stated_rows(problem: CalibrationProblem, state: State) -> tuple[np.ndarray,
     return (change / problem.prior)[known], np.diag(1.0 / problem.prior)[known]
 
 
-def whitened_residuals(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Return residuals (n, K) of all readings and their slopes by the scaled parameters (n, K, P),
-    whitened, less the groups' inclinations.
-    """
-    readings, e = problem.readings, evaluate_readings(problem, state)
-    whiten = whitening(readings, joint_covariance_at(problem, state.p, state.z))
-    both = np.concatenate([deviations(readings, e.readings)[:, :, None], e.slopes], axis=2)
-    both = _less_group_means(readings, _group_columns(readings, whiten), whiten @ both)
-    return both[:, :, 0], both[:, :, 1:]
-
-
 @dataclass(frozen=True, eq=False)
 class Told:
     """What the readings tell at a state: directions of the scaled parameters as `columns` (P, k),
     one prior standard deviation long, `ratios` (k,) of the prior's standard deviation to that by
-    the readings, what `shares` (k,) of each the readings decide, and its `gains` (k,), by which a
-    gradient of the squared residuals moves the estimate. `weight` is the prior's.
+    the readings, largest first, what `shares` (k,) of each the readings decide, and its `gains`
+    (k,), by which a gradient of the squared residuals moves the estimate. `weight` is the prior's.
     """
 
     columns: np.ndarray
@@ -261,66 +226,35 @@ def _group_columns(readings: Readings, whiten: np.ndarray) -> np.ndarray:
         return np.zeros((*readings.values.shape, 2))
     basis = group_basis(readings, whiten)
     root = np.linalg.cholesky(group_sum(readings, basis.transpose(0, 2, 1) @ basis))
-    return np.where(
-        (readings.group >= 0)[:, None, None],
-        basis @ np.linalg.inv(root).transpose(0, 2, 1)[readings.group],
-        0.0,
-    )
+    inside = (readings.group >= 0)[:, None, None]
+    turned = basis @ np.linalg.inv(root).transpose(0, 2, 1)[readings.group]
+    return np.where(inside, turned, 0.0)
 
 
 def _less_group_means(readings: Readings, own: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Columns (n, K, k) less their projection to the groups' columns."""
     if not readings.groups:
         return values
-    return np.asarray(
-        values - own @ group_sum(readings, own.transpose(0, 2, 1) @ values)[readings.group]
-    )
-
-
-def _orthonormal(columns: np.ndarray) -> np.ndarray:
-    norms = np.linalg.norm(columns, axis=0)
-    return _basis(columns[:, norms > 0] / norms[norms > 0])
-
-
-def _basis(columns: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis of columns of unit length or less; directions below
-    RANK_TOLERANCE are rounding.
-    """
-    if columns.shape[1] == 0:
-        return columns
-    left, singular, _ = np.linalg.svd(columns, full_matrices=False)
-    return np.asarray(left[:, singular > RANK_TOLERANCE * max(1.0, float(singular[0]))])
+    means = group_sum(readings, own.transpose(0, 2, 1) @ values)
+    return np.asarray(values - own @ means[readings.group])
 
 
 def _basis_in_place(columns: np.ndarray) -> np.ndarray:
-    """The same of many rows (N, k), which are overwritten block by block: with the triangle R of
-    the columns, R = U S V^T, the basis is columns V / S; what rounding leaves of that is taken away
-    by its own triangle.
+    """Overwrite columns (N, k), block by block, by an orthonormal basis: with their triangle R = U
+    S V^T, columns V / S; what rounding leaves of that is taken away by its own.
     """
-    _, singular, right = np.linalg.svd(_triangle(columns), full_matrices=False)
-    kept = singular > RANK_TOLERANCE * max(1.0, float(singular[0]))
-    _multiply(columns, right[kept].T / singular[kept])
-    basis = columns[:, : int(kept.sum())]
-    _multiply(basis, np.linalg.inv(_triangle(basis)))
-    return basis
-
-
-def _blocks(columns: np.ndarray) -> Iterator[np.ndarray]:
-    yield from (columns[k : k + _BLOCK_ROWS] for k in range(0, len(columns), _BLOCK_ROWS))
-
-
-def _triangle(columns: np.ndarray) -> np.ndarray:
-    """R (k, k) of columns (N, k) = Q R."""
-    found = np.zeros((0, columns.shape[1]))
-    for block in _blocks(columns):
-        found = np.asarray(np.linalg.qr(np.vstack([found, block]), mode="r"))
-    return found
-
-
-def _multiply(columns: np.ndarray, factor: np.ndarray) -> None:
-    """columns @ factor, in the first columns."""
-    for block in _blocks(columns):
-        block[:, : factor.shape[1]] = block @ factor
+    columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    for _ in range(2 if columns.shape[1] else 0):
+        triangle = np.zeros((0, columns.shape[1]))
+        blocks = [columns[k : k + _BLOCK_ROWS] for k in range(0, len(columns), _BLOCK_ROWS)]
+        for block in blocks:
+            triangle = np.linalg.qr(np.vstack([triangle, block]), mode="r")
+        _, lengths, right = np.linalg.svd(triangle, full_matrices=False)
+        kept = lengths > RANK_TOLERANCE * lengths[0]
+        columns = columns[:, : int(np.sum(kept))]
+        for block in blocks:
+            block[:, : columns.shape[1]] = block @ (right[kept].T / lengths[kept])
+    return columns
 
 
 def chi_square_tail(value: float, degrees: int) -> float:
@@ -355,40 +289,42 @@ def f_tail(value: float, first: int, second: int) -> float:
 # --- covariance -----------------------------------------------------------------------------------
 
 
-def covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
+def _in_form(
+    problem: CalibrationProblem, state: State, noise: np.ndarray
+) -> Iterator[tuple[np.ndarray, CalibrationProblem, State]]:
+    """Yield the parts of a problem with their configurations by number, and their states in the
+    form of residuals that was minimised.
+    """
+    likely = problem.form == "maximum likelihood"
+    for rows, part in problem.parts:
+        covariance = noise[rows] if likely else None
+        yield rows, part, evaluate(part, state.p, state.z[rows], problem.form, covariance)
+
+
+def covariance(problem: CalibrationProblem, state: State, told: Told | None = None) -> np.ndarray:
     """Return the covariance (P, P) of the free parameters (not scaled) for the form of residuals
     that was minimised, in variances of the residuals: A S A^T with dp = A d(readings), S the
     covariance of readings with joint noise, and what the prior leaves open where it decides; along
     directions of which the readings tell nothing 0.
     """
-    noise = joint_covariance(problem, state)
-    likely = problem.form == "maximum likelihood"
-    mixed = evaluate(problem, state.p, state.z, problem.form, noise if likely else None)
-    told = told_directions(problem, mixed)
+    noise, likely = joint_covariance(problem, state), problem.form == "maximum likelihood"
+    if told is None:
+        given = noise if likely else None
+        told = told_directions(problem, evaluate(problem, state.p, state.z, problem.form, given))
     scaled = problem.model.scales[:, None] * told.columns
     left = scaled * ((1.0 - told.shares) / told.weight)
     total = left @ left.T
     if likely:
         own = scaled * np.sqrt(told.shares * told.gains)
         return np.asarray(total + own @ own.T)
-    for rows, part in problem.parts:
-        slopes = (
-            evaluate(part, state.p, state.z[rows], problem.form) if problem.is_large else mixed
-        ).linearised.matrix
-        total += _propagated(part, (scaled * told.gains) @ (slopes @ told.columns).T, noise[rows])
+    for rows, part, near in _in_form(problem, state, noise):
+        readings = part.readings
+        moved = (scaled * told.gains) @ (near.linearised.matrix @ told.columns).T
+        gain = _gain(part, moved.reshape(len(scaled), *readings.values.shape)).transpose(1, 0, 2)
+        spread = np.where(readings.taken, readings.sigma, 0.0) ** 2
+        s = noise[rows] + spread[:, :, None] * np.eye(spread.shape[1])
+        total += np.sum(gain @ s @ gain.transpose(0, 2, 1), axis=0)
     return np.asarray(total)
-
-
-def _propagated(problem: CalibrationProblem, scaled: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """A S A^T, from dp per residual (P, N) and the covariance (n, K, K) that joint noise gives the
-    readings.
-    """
-    readings = problem.readings
-    gain = _gain(problem, scaled.reshape(len(scaled), len(readings.values), -1))
-    spread = np.where(readings.taken, readings.sigma, 0.0) ** 2
-    s = noise + spread[:, :, None] * np.eye(spread.shape[1])
-    flat = gain.transpose(1, 0, 2)
-    return np.asarray(np.sum(flat @ s @ flat.transpose(0, 2, 1), axis=0))
 
 
 def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
@@ -408,68 +344,46 @@ def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
     return np.asarray(gain)
 
 
-def curvature(problem: CalibrationProblem, state: State, spread: float = 1.0) -> np.ndarray:
+def curvature(
+    problem: CalibrationProblem, state: State, told: Told | None = None, spread: float = 1.0
+) -> np.ndarray:
     """Return for each free parameter (P,) the largest change that curvature makes of it along the
     weakest directions, as a share of its standard deviation; inf where configurations have no
     solution there, 0 where a closure leaves rows to the parameters. `spread` scales the stated
     variances.
     """
-    found = np.zeros(len(problem.names))
     if state.leftover is not None:
-        return found
-    noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
-    here = evaluate(problem, state.p, state.z, problem.form, noise)
-    told = told_directions(problem, here)
-    free = told.columns[:, told.ratios > 1.0]
-    _, singular, right = np.linalg.svd(here.linearised.matrix @ free, full_matrices=False)
-    inverse = np.sqrt(spread) * free @ right.T / singular
-    sigma = np.linalg.norm(inverse, axis=1)
-    for step in inverse.T[-_WEAKEST_DIRECTIONS:]:
-        for sign in (1.0, -1.0):
-            pull = _departure_gradient(problem, here, sign * step, noise)
-            if pull is None:
-                return np.where(sigma > 0, np.inf, 0.0)
-            change = inverse @ (right @ (free.T @ pull) / singular) / np.sqrt(spread)
-            found = np.maximum(
-                found, np.divide(np.abs(change), sigma, out=np.zeros_like(sigma), where=sigma > 0)
-            )
-    return found
+        return np.zeros(len(problem.names))
+    noise, told = joint_covariance(problem, state), told or told_directions(problem, state)
+    free = told.ratios > 1.0
+    # along one of them the residuals move by one standard deviation
+    units = np.sqrt(spread) / told.weight * told.columns[:, free] / told.ratios[free]
+    steps = [sign * step for step in units.T[-_WEAKEST_DIRECTIONS:] for sign in (1.0, -1.0)]
+    pulls = np.zeros((len(problem.names), len(steps)))
+    for rows, part, near in _in_form(problem, state, noise):
+        for k, step in enumerate(steps):
+            pulls[:, k] += near.linearised.matrix.T @ _bend(part, near, step, noise[rows])
+    sigma, change = np.linalg.norm(units, axis=1), np.abs(units @ (units.T @ pulls)) / spread
+    largest = np.max(np.where(np.isfinite(change), change, np.inf), axis=1, initial=0.0)
+    return np.divide(largest, sigma, out=np.zeros_like(sigma), where=sigma > 0)
 
 
-def _departure_gradient(
-    problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None
-) -> np.ndarray | None:
-    """Return (dr/dp)^T d (P,) of the departure d from the linear model, part by part; None where
-    configurations do not close.
+def _bend(
+    problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray
+) -> np.ndarray:
+    """Return d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; not a number where
+    they do not close.
     """
-    total = np.zeros(len(step))
-    for rows, part in problem.parts:
-        some = None if noise is None else noise[rows]
-        near = (
-            evaluate(part, here.p, here.z[rows], problem.form, some) if problem.is_large else here
-        )
-        departure = _linear_departure(part, near, step, some)
-        if departure is None:
-            return None
-        total += near.linearised.matrix.T @ departure
-    return total
-
-
-def _linear_departure(
-    problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray | None
-) -> np.ndarray | None:
-    """Return d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; None where they do
-    not close.
-    """
-    z = problem.model.system.move(here.z, here.follow(step))
-    with np.errstate(all="ignore"):
-        there = closed_state(problem, here.p + problem.model.scales * step, z, problem.form, noise)
-        departure = there.linearised.vector - here.linearised.vector - here.linearised.matrix @ step
-    closed = (
-        np.max(np.abs(there.pending), initial=0.0)
-        < 1e-9 * problem.model.closure.characteristic_length
+    z, size = (
+        problem.model.system.move(here.z, here.follow(step)),
+        problem.model.closure.characteristic_length,
     )
-    return np.asarray(departure) if closed and np.all(np.isfinite(departure)) else None
+    given = noise if problem.form == "maximum likelihood" else None
+    with np.errstate(all="ignore"):
+        there = closed_state(problem, here.p + problem.model.scales * step, z, problem.form, given)
+        bend = there.linearised.vector - here.linearised.vector - here.linearised.matrix @ step
+    closed = np.max(np.abs(there.pending), initial=0.0) < 1e-9 * size
+    return np.asarray(bend if closed else np.full_like(bend, np.nan))
 
 
 def rms_of_better_part(squares: np.ndarray) -> float:
