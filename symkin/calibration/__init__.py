@@ -9,8 +9,8 @@ The way of the data, by modules:
              `state` evaluate, `linear` sets readings beside the prior; `estimator`, `joint_lines`
              and `robust` minimise
   judge      `assessment` builds the `result`: `statistics`, `identifiability`, `fit_notes`;
-             `outliers` and `outlier_removal` find bad readings, `diagnoses` and `plausibility`
-             wrong files, `holdout` and `pose_accuracy` predict
+             `outliers` finds bad readings, `diagnoses` and `plausibility` wrong files,
+             `holdout` and `pose_accuracy` judge by what `prediction` says
   design     `simulation` makes readings, `planning` chooses configurations worth measuring
 `calibrate` runs this for measurements, `fit_file` for a file, and `report` says what came of it.
 """

@@ -37,9 +37,14 @@ from symkin.calibration.estimate.problem import (
 )
 from symkin.calibration.estimate.robust import LOSSES, loss_note, robust_estimate
 from symkin.calibration.estimate.starting import start_configurations, with_starts
-from symkin.calibration.judge.assessment import Fit, build_result
-from symkin.calibration.judge.outlier_removal import ScreenedFit, StartValues, fit_without_outliers
-from symkin.calibration.judge.outliers import OUTLIER_LEVEL, Screening
+from symkin.calibration.judge.assessment import build_result
+from symkin.calibration.judge.outliers import (
+    OUTLIER_LEVEL,
+    Fit,
+    Screening,
+    StartValues,
+    fit_without_outliers,
+)
 from symkin.calibration.judge.result import Calibration, Parameter, Residual
 from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
 from symkin.closure.closure import build_closure
@@ -196,23 +201,19 @@ def _calibrate(mechanism: Mechanism, measurements: Measurements, options: _Optio
         return _fit_measurements(mechanism, readings, options, near)
 
     found = fit(measurements)
-    screened = ScreenedFit(found, Screening((), ()))
+    screening = Screening()
     if options.outliers != "ignore":
-        screened = fit_without_outliers(fit, measurements, found, options.significance)
-        found = screened.found if options.outliers == "remove" else found
+        clean, screening = fit_without_outliers(fit, measurements, found, options.significance)
+        found = clean if options.outliers == "remove" else found
     if options.method != "nested":
         note = (
             f"method {options.method!r} is one with 'nested' now; the name goes with the next "
             f"release"
         )
         found = replace(found, notes=(*found.notes, note))
-    result = build_result(
-        measurements, found, screened.screening, removed=options.outliers == "remove"
-    )
-    elapsed = time.perf_counter() - begin
-    return replace(
-        result, method=options.method, elapsed_s=elapsed, refused=result.refused or screened.refused
-    )
+    result = build_result(measurements, found, screening, removed=options.outliers == "remove")
+    elapsed, refused = time.perf_counter() - begin, result.refused or screening.refused
+    return replace(result, method=options.method, elapsed_s=elapsed, refused=refused)
 
 
 def _check_residual_form(residual: str, measurements: Measurements) -> None:

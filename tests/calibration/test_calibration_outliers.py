@@ -12,8 +12,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from helpers import hexapod_log, inside
-from helpers.inside import Fit, estimate, main, outlier_removal, write_measurements
+from helpers import hexapod_log
+from helpers.inside import Fit, estimate, main, outliers, write_measurements
 from symkin import calibrate
 
 
@@ -93,10 +93,10 @@ def test_a_removal_that_does_not_converge_is_undone(logged):
     found = Fit(
         first.problem, result, np.arange(60), np.zeros(0, dtype=int), first.state.determinant_signs
     )
-    made = outlier_removal.fit_without_outliers(fit, bad, found, 0.02)
-    assert made.found is found
-    assert made.refused is None
-    assert not made.screening.outliers
+    made, screening = outliers.fit_without_outliers(fit, bad, found, 0.02)
+    assert made is found
+    assert screening.refused is None
+    assert not screening.outliers
     np.testing.assert_array_equal(begun[0].p, result.state.p)
 
 
@@ -172,11 +172,11 @@ def test_what_is_put_back_is_judged_as_a_reading_that_took_no_part(logged, left_
         result=SimpleNamespace(state=without.state),
     )
     outlier = SimpleNamespace(configuration=left_out, kind="position")
-    (judged,) = outlier_removal._retest(few, fit, [outlier])
+    (judged,) = outliers._retest(few, fit, [outlier])
     grown = with_it.chi_square - without.chi_square
     assert judged.statistic == pytest.approx(grown, rel=0.02, abs=0.02)
 
 
 def test_where_all_readings_are_put_back_none_is_tested_again():
     """Every outlier agrees with the last fit: there is nothing left to compare with it."""
-    assert inside.outlier_removal._retest(None, None, []) == []
+    assert outliers._retest(None, None, []) == []

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,14 +20,13 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import is_writable, nominal_parameters, with_parameters
 from symkin.calibration.estimate.configuration_model import ConfigurationModel, build_model
 from symkin.calibration.estimate.configurations import newton_configurations
-from symkin.calibration.estimate.estimator import Estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.robust import EFFICIENCY
 from symkin.calibration.estimate.state import State, closed_state, evaluate, joint_covariance
 from symkin.calibration.judge.departure import measure_departure
 from symkin.calibration.judge.fit_notes import fit_notes, is_exact
 from symkin.calibration.judge.identifiability import identifiability_at
-from symkin.calibration.judge.outliers import Screening
+from symkin.calibration.judge.outliers import Fit, Screening
 from symkin.calibration.judge.result import Calibration, Parameter, Residual
 from symkin.calibration.judge.statistics import (
     DOUBTFUL_CURVATURE,
@@ -57,23 +56,6 @@ that no reading depends on.
 """
 _LIMIT_SLACK = 1e-9
 """Limits may be passed by this share of the size (angles: radians), which is rounding."""
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """An estimate over the configurations `used`, those `unsolved`, the sign of det F_z of each
-    used one where the estimation began, and configurations without a reading, `silent`.
-    """
-
-    problem: CalibrationProblem
-    result: Estimate
-    used: np.ndarray
-    unsolved: np.ndarray
-    start_signs: np.ndarray
-    notes: tuple[str, ...] = ()
-    silent: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
-    loss: str = "squared"
-    any_machine: bool = False
 
 
 def build_result(

@@ -1,22 +1,44 @@
-"""Find readings that do not belong by mean-shift statistics, one by one, with deletion.
+"""Find readings that do not belong by mean-shift statistics, one by one, and fit without them; or
+without all that the majority of the readings speaks against.
 
 A reading y_i (both angles of an inclination, the components of a position) may be shifted by an
 unknown d: the chi-square falls by T_i = e_i^T (1 - Q Q^T)_ii^+ e_i, which without a shift has the
 chi-square distribution with as many degrees of freedom as that block has rank. The largest is taken
 out and the rest judged again, while its probability is below 1 - (1 - level)^(1 / m) for m readings
 (Sidak): of clean sets at most the share `level` has any reading flagged.
+
+Each refit starts from the fit before it. One that does not converge, or fits the readings left
+worse, is undone. What was taken out is judged once more by how the last fit predicts it: a reading
+that agrees with it is put back.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from symkin.calibration.data.measurements import NO_GROUP, Measurements
 from symkin.calibration.data.observables import is_angular
-from symkin.calibration.estimate.problem import CalibrationProblem
+from symkin.calibration.estimate.configurations import (
+    SOLVED_TOLERANCE,
+    first_points,
+    newton_configurations,
+)
+from symkin.calibration.estimate.estimator import Estimate
+from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import only_rounding
-from symkin.calibration.judge.statistics import LinearModel, chi_square_tail, f_tail
+from symkin.calibration.estimate.robust import normalised_residuals, robust_estimate
+from symkin.calibration.judge.prediction import covariance_root, predict_readings
+from symkin.calibration.judge.statistics import (
+    SIGNIFICANCE,
+    LinearModel,
+    chi_square_tail,
+    covariance,
+    f_tail,
+    linear_model,
+)
 
 OUTLIER_LEVEL = 0.02
 """Share of clean data sets in which a reading may be flagged."""
@@ -26,52 +48,98 @@ is wrong as a whole.
 """
 _MIN_REDUNDANCY = 1e-3
 """A shift of which the fit absorbs all but this share (of its square) cannot be judged."""
-
 _MIN_SHOWN_PROBABILITY = 1e-16
 """Probabilities below this are not given: no distribution of errors is known so far out."""
+_GROSS_SHARE = 0.1
+"""Outliers whose statistic is this share of the largest, or more, are taken out together."""
+_MAX_REJECTED_SHARE = 0.45
+"""Largest share of the readings that may be taken out by the word of the others."""
+_GROSS_RATIO, _MAX_GROSS_SHARE = 6.0, 0.01
+"""Readings off by so many times the scale of the better half, more than this share of all, are no
+normal noise stated too small.
+"""
+_GOOD_SCALE = 2.0
+"""Scale of the better half, over the noise stated, from which another start is tried."""
+_WORSE_RATIO = 2.0
+"""A refit whose chi-square per reading is so many times that of the fit before it has lost its
+minimum.
+"""
 
 
 @dataclass(frozen=True)
 class Outlier:
     """A flagged reading: number and label of its configuration, kind, estimated shift of its
-    components (radians, length unit), the statistic with its degrees of freedom and probability,
-    and the reason in one sentence.
+    components (radians, length unit), the statistic in variances, with its degrees of freedom and
+    probability, and the reason in one sentence.
     """
 
     configuration: int
-    label: str
     kind: str
-    shift: tuple[float, ...]
     statistic: float
     degrees: int
-    probability: float
-    reason: str
+    label: str = ""
+    shift: tuple[float, ...] = ()
+    probability: float = 0.0
+    reason: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class Screening:
     """Outliers in the order in which they were taken out, and readings (configuration, kind) that
     nothing else checks. `given_up` holds those found where there were so many that none is to be
-    left out: the fit is wrong as a whole.
+    left out: the fit is wrong as a whole. `refused` says why nothing may be written, None where
+    nothing speaks against it.
     """
 
-    outliers: tuple[Outlier, ...]
-    unchecked: tuple[tuple[int, str], ...]
+    outliers: tuple[Outlier, ...] = ()
+    unchecked: tuple[tuple[int, str], ...] = ()
     given_up: tuple[Outlier, ...] = ()
+    refused: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
-class _ReadingTests:
-    """Readings of one kind: configurations (m,), rows of the linear model (m, w), statistics and
-    degrees of freedom (m,), whitened shifts (m, w).
+class Fit:
+    """An estimate over the configurations `used`, those `unsolved`, the sign of det F_z of each
+    used one where the estimation began, and configurations without a reading, `silent`.
     """
 
-    kind: str
-    configurations: np.ndarray
-    rows: np.ndarray
-    statistic: np.ndarray
-    degrees: np.ndarray
-    shift: np.ndarray
+    problem: CalibrationProblem
+    result: Estimate
+    used: np.ndarray
+    unsolved: np.ndarray
+    start_signs: np.ndarray
+    notes: tuple[str, ...] = ()
+    silent: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+    loss: str = "squared"
+    any_machine: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class StartValues:
+    """Where a fit starts: parameters p, and unknown coordinates (n, width) of all configurations,
+    NaN where none are known.
+    """
+
+    p: np.ndarray
+    z: np.ndarray
+
+    def subset(self, rows: np.ndarray) -> StartValues:
+        return StartValues(self.p, self.z[rows])
+
+    @staticmethod
+    def of(found: Fit, count: int) -> StartValues:
+        state = found.result.state
+        z = np.full((count, state.z.shape[1]), np.nan)
+        z[found.used] = state.z
+        return StartValues(state.p, z)
+
+
+FitFunction = Callable[[Measurements, StartValues | None], Fit]
+_Kind = tuple[str, np.ndarray, np.ndarray]
+"""Name of a kind of readings, configurations (m,) that have any, and rows (m, w) of these."""
+
+
+# --- the search -----------------------------------------------------------------------------------
 
 
 def screen_readings(
@@ -87,192 +155,336 @@ def screen_readings(
     readings would go.
     """
     kinds = reading_kinds(problem)
-    first = [_test_readings(model, *kind) for kind in kinds]
-    unchecked = tuple(
-        sorted((int(i), j.kind) for j in first for i in j.configurations[j.degrees == 0])
+    tests = [_test_readings(model, rows) for _, _, rows in kinds]
+    unchecked = sorted(
+        (int(i), kind)
+        for (kind, configurations, _), (_, degrees, _) in zip(kinds, tests, strict=True)
+        for i in configurations[degrees == 0]
     )
-    count, least = sum(len(j.configurations) for j in first), 2 * model.degrees // 3
-    most, found = max_outliers(problem), list[Outlier]()
+    count, most, least = _count(kinds), max_outliers(problem), 2 * model.degrees // 3
+    found = list[Outlier]()
     while model.degrees > 0 and len(found) < count:
-        probability, judged, m = _least_likely(
-            model, [_test_readings(model, *kind) for kind in kinds], problem.readings.known
-        )
-        if judged is None or probability >= 1.0 - (1.0 - level) ** (1.0 / (count - len(found))):
+        outlier, rows = _least_likely(problem, model, kinds, tests)
+        if outlier.probability >= 1.0 - (1.0 - level) ** (1.0 / (count - len(found))):
             break
-        if judged.statistic[m] < share * max((o.statistic for o in found), default=0.0):
+        if outlier.statistic < share * max((o.statistic for o in found), default=0.0):
             break
-        outlier = _outlier(problem, model, judged, m, probability)
-        if only_rounding(
-            np.array(outlier.shift),
-            1.0
-            if is_angular(problem.mechanism, outlier.kind)
-            else problem.mechanism.characteristic_length,
-        ):
+        angular = is_angular(problem.mechanism, outlier.kind)
+        unit = 1.0 if angular else problem.mechanism.characteristic_length
+        if only_rounding(np.array(outlier.shift), unit):
             break
         if len(found) >= most or model.degrees <= least:
-            return Screening((), unchecked, tuple(found))
+            return Screening(unchecked=tuple(unchecked), given_up=tuple(found))
         found.append(outlier)
-        model = model.without(_taken_rows(model, judged.rows[m]))
-    return Screening(tuple(found), unchecked)
+        model = model.without(rows)
+        tests = [_test_readings(model, rows) for _, _, rows in kinds]
+    return Screening(tuple(found), tuple(unchecked))
 
 
 def max_outliers(problem: CalibrationProblem) -> int:
     """Return the number of readings that may be left out one by one."""
-    return min(
-        _MAX_OUTLIERS,
-        int(
-            _MAX_OUTLIER_SHARE
-            * sum(len(configurations) for _, configurations, _ in reading_kinds(problem))
-        ),
-    )
+    return min(_MAX_OUTLIERS, int(_MAX_OUTLIER_SHARE * _count(reading_kinds(problem))))
 
 
-def reading_kinds(problem: CalibrationProblem) -> list[tuple[str, np.ndarray, np.ndarray]]:
-    """List the kinds of readings (a distance by its name) with the configurations (m,) that have
-    any component of it and rows (m, w).
+def reading_kinds(problem: CalibrationProblem) -> list[_Kind]:
+    """List the kinds of readings (a distance by its name) with the configurations that have any
+    component of it and their rows.
     """
-    columns, taken = problem.model.columns, problem.readings.taken
-    members: dict[str, list[int]] = {}
-    for k, (kind, component) in enumerate(columns):
-        members.setdefault(component if kind == "distance" else kind, []).append(k)
-    made = []
-    for kind, inside in members.items():
+    taken, made = problem.readings.taken, list[_Kind]()
+    for kind in dict.fromkeys(_kinds_of_columns(problem)):
+        inside = np.flatnonzero([other == kind for other in _kinds_of_columns(problem)])
         configurations = np.flatnonzero(taken[:, inside].any(axis=1))
         if len(configurations):
-            made.append(
-                (kind, configurations, configurations[:, None] * len(columns) + np.array(inside))
-            )
+            rows = configurations[:, None] * taken.shape[1] + inside
+            made.append((kind, configurations, rows))
     return made
 
 
-def _taken_rows(model: LinearModel, rows: np.ndarray) -> np.ndarray:
-    return np.asarray(rows[model.taken[rows]])
+def _kinds_of_columns(problem: CalibrationProblem) -> list[str]:
+    columns = problem.model.columns
+    return [component if kind == "distance" else kind for kind, component in columns]
+
+
+def _count(kinds: Sequence[_Kind]) -> int:
+    return sum(len(configurations) for _, configurations, _ in kinds)
 
 
 def _test_readings(
-    model: LinearModel, kind: str, configurations: np.ndarray, rows: np.ndarray
-) -> _ReadingTests:
+    model: LinearModel, rows: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Test the readings in rows (m, w): statistics and degrees of freedom (m,), whitened shifts (m,
+    w).
+    """
     values, vectors = np.linalg.eigh(model.freedom(rows))
     seen = values > _MIN_REDUNDANCY
-    part = np.where(
-        seen, (vectors.transpose(0, 2, 1) @ model.residuals[rows][:, :, None])[:, :, 0], 0.0
-    )
-    scaled = part / np.where(seen, values, 1.0)
+    part = (vectors.transpose(0, 2, 1) @ model.residuals[rows][:, :, None])[:, :, 0]
+    scaled = np.where(seen, part, 0.0) / np.where(seen, values, 1.0)
     shift = (vectors @ scaled[:, :, None])[:, :, 0]
-    return _ReadingTests(
-        kind=kind,
-        configurations=configurations,
-        rows=rows,
-        statistic=np.sum(part * scaled, axis=1),
-        degrees=np.sum(seen, axis=1),
-        shift=shift,
-    )
+    return np.sum(part * scaled, axis=1), np.sum(seen, axis=1), shift
 
 
 def _least_likely(
-    model: LinearModel, kinds: list[_ReadingTests], known: bool
-) -> tuple[float, _ReadingTests | None, int]:
-    """Find the least likely reading, with probability, kind and place: one of those with the
-    largest statistic of their degrees of freedom; the larger statistic where several have
-    probability 0.
-    """
-    best: tuple[float, float, _ReadingTests | None, int] = (1.0, 0.0, None, 0)
-    for judged in kinds:
-        for d in (int(d) for d in np.unique(judged.degrees) if d):
-            m = int(np.argmax(np.where(judged.degrees == d, judged.statistic, -1.0)))
-            statistic = float(judged.statistic[m])
-            probability = _probability(model, statistic, d, known=known)
-            if (probability, -statistic) < (best[0], -best[1]):
-                best = probability, statistic, judged, m
-    return best[0], best[2], best[3]
-
-
-def _probability(model: LinearModel, statistic: float, degrees: int, *, known: bool) -> float:
-    """Return the probability of a statistic; unknown noise is studentised without the reading that
-    is judged.
-    """
-    if known:
-        return chi_square_tail(statistic, degrees)
-    left = model.degrees - degrees
-    if left <= 0:
-        return 1.0
-    return f_tail(statistic / degrees / _scatter(model, statistic, degrees), degrees, left)
-
-
-def _scatter(model: LinearModel, statistic: float, degrees: int) -> float:
-    """Return the variance of the readings that are left when one with such a statistic is taken
-    out.
-    """
-    return max((model.chi_square - statistic) / max(model.degrees - degrees, 1), 1e-300)
-
-
-def _outlier(
     problem: CalibrationProblem,
     model: LinearModel,
-    judged: _ReadingTests,
-    m: int,
-    probability: float,
-) -> Outlier:
-    configuration, kind, rows = int(judged.configurations[m]), judged.kind, judged.rows[m]
-    given = model.taken[rows]
-    columns = rows[given] - configuration * len(problem.model.columns)
-    degrees = int(judged.degrees[m])
-    unit = 1.0 if problem.readings.known else _scatter(model, float(judged.statistic[m]), degrees)
-    shift = np.linalg.solve(
-        model.whiten[configuration][np.ix_(columns, columns)], judged.shift[m][given]
-    )
-    return describe_outlier(
-        problem,
-        configuration,
-        kind,
-        columns,
-        shift,
-        float(judged.statistic[m]) / unit,
-        degrees,
-        probability,
-    )
-
-
-def describe_outlier(
-    problem: CalibrationProblem,
-    configuration: int,
-    kind: str,
-    columns: np.ndarray,
-    shift: np.ndarray,
-    statistic: float,
-    degrees: int,
-    probability: float,
-) -> Outlier:
-    """Describe an outlier in a sentence; `columns` are those of the readings, the statistic counts
-    in variances.
+    kinds: Sequence[_Kind],
+    tests: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]],
+) -> tuple[Outlier, np.ndarray]:
+    """Describe the least likely reading, with its rows: one of those with the largest statistic of
+    their degrees of freedom; the larger statistic where several have probability 0. Unknown noise
+    is studentised without the reading that is judged.
     """
-    label = problem.measurements.labels[configuration]
-    names = [problem.model.columns[k][1] for k in columns]
-    angular = is_angular(problem.mechanism, kind)
-    unit = "deg" if angular else problem.mechanism.length_unit
-    shown = np.degrees(shift) if angular else shift
-    text = ", ".join(f"{name} {v:+.3g} {unit}" for name, v in zip(names, shown, strict=True))
+    best = (1.0, 0.0, 0, 0, 0, 1.0)
+    for k, (statistic, degrees, _) in enumerate(tests):
+        for d in map(int, np.unique(degrees[degrees > 0])):
+            m = int(np.argmax(np.where(degrees == d, statistic, -1.0)))
+            largest, left, scatter = float(statistic[m]), model.degrees - d, 1.0
+            if problem.readings.known:
+                probability = chi_square_tail(largest, d)
+            else:
+                scatter = max((model.chi_square - largest) / max(left, 1), 1e-300)
+                probability = f_tail(largest / d / scatter, d, left)
+            best = min(best, (probability, -largest, d, k, m, scatter))
+    probability, negative, degree, k, m, scatter = best
+    kind, configurations, every = kinds[k]
+    i, rows = int(configurations[m]), every[m][model.taken[every[m]]]
+    columns = rows - i * len(problem.model.columns)
+    whitened = tests[k][2][m][model.taken[every[m]]]
+    shift = np.linalg.solve(model.whiten[i][np.ix_(columns, columns)], whitened)
+    made = Outlier(i, kind, -negative / scatter, degree, probability=probability)
+    return _described(problem, i, made, columns, shift), rows
+
+
+def _described(
+    problem: CalibrationProblem, row: int, o: Outlier, columns: np.ndarray, shift: np.ndarray
+) -> Outlier:
+    """Say in a sentence by how much the readings of some columns of a row are off."""
+    label, mechanism = problem.measurements.labels[row], problem.mechanism
+    angular = is_angular(mechanism, o.kind)
+    unit = "deg" if angular else mechanism.length_unit
+    text = ", ".join(
+        f"{problem.model.columns[k][1]} {v:+.3g} {unit}"
+        for k, v in zip(columns, np.degrees(shift) if angular else shift, strict=True)
+    )
+    shown = f"below {_MIN_SHOWN_PROBABILITY:.0e}"
+    if o.probability >= _MIN_SHOWN_PROBABILITY:
+        shown = f"{o.probability:.1g}"
     reason = (
-        f"posture {label}, {kind}: off by {text} of what the other readings say; "
-        f"statistic {statistic:.4g} with {degrees} degrees of freedom, probability "
-        f"{_probability_text(probability)}"
+        f"posture {label}, {o.kind}: off by {text} of what the other readings say; "
+        f"statistic {o.statistic:.4g} with {o.degrees} degrees of freedom, probability {shown}"
     )
-    return Outlier(
-        configuration=configuration,
-        label=label,
-        kind=kind,
-        shift=tuple(float(v) for v in shift),
-        statistic=statistic,
-        degrees=degrees,
-        probability=probability,
-        reason=reason,
-    )
+    return replace(o, label=label, shift=tuple(map(float, shift)), reason=reason)
 
 
-def _probability_text(probability: float) -> str:
-    """A probability with one digit, or that it is too small to be meant."""
-    return (
-        f"{probability:.1g}"
-        if probability >= _MIN_SHOWN_PROBABILITY
-        else f"below {_MIN_SHOWN_PROBABILITY:.0e}"
+# --- fits without them ----------------------------------------------------------------------------
+
+
+def fit_without_outliers(
+    fit: FitFunction, measurements: Measurements, found: Fit, level: float
+) -> tuple[Fit, Screening]:
+    """Fit without outliers. Where there are so many that none can be told one by one, or where they
+    spoil the first fit, the majority of the readings decides; where that decides nothing either and
+    errors are gross, the fit is refused.
+    """
+    plain = found, Screening()
+    if found.result.status == "ok":
+        plain = _one_by_one(fit, measurements, found, level)
+        if not plain[1].given_up:
+            return plain
+    return _by_majority(fit, measurements, found, level, plain)
+
+
+def _one_by_one(
+    fit: FitFunction,
+    measurements: Measurements,
+    first: Fit,
+    level: float,
+    before: Sequence[Outlier] = (),
+) -> tuple[Fit, Screening]:
+    """Take outliers out one by one. A gross error bends the fit beyond its linear range, so that
+    good readings look bad: in each round only those go whose statistic is `_GROSS_SHARE` of the
+    largest or more, and the rest is judged at a new fit.
+    """
+    found, taken_out = first, list(before)
+    allowed, unchecked = max_outliers(first.problem) + len(before), None
+    while True:
+        model = linear_model(found.problem, found.result.state)
+        made = screen_readings(found.problem, model, level=level, share=_GROSS_SHARE)
+        if unchecked is None:
+            unchecked = tuple((int(found.used[k]), kind) for k, kind in made.unchecked)
+        fresh = [
+            replace(o, configuration=int(found.used[o.configuration]))
+            for o in (*made.outliers, *made.given_up)
+        ]
+        more = [*taken_out, *fresh]
+        if made.given_up or len(more) > allowed:
+            return first, Screening(unchecked=unchecked, given_up=tuple(more))
+        if not fresh:
+            break
+        again = fit(_without(measurements, more), StartValues.of(found, len(measurements)))
+        if _is_worse(again, found):
+            break
+        found, taken_out = again, more
+    return _put_back(fit, measurements, found, Screening(tuple(taken_out), unchecked), level)
+
+
+def _is_worse(again: Fit, found: Fit) -> bool:
+    """Tell whether a fit to fewer readings failed, or fits them worse."""
+    least = 1.0 if found.problem.readings.known else 0.0
+    bound = _WORSE_RATIO * max(_per_reading(found), least)
+    return again.result.status != "ok" or _per_reading(again) > bound
+
+
+def _per_reading(found: Fit) -> float:
+    return found.result.state.cost / max(found.problem.readings.count, 1)
+
+
+def _without(measurements: Measurements, outliers: Sequence[Outlier]) -> Measurements:
+    for o in outliers:
+        measurements = measurements.without(o.configuration, o.kind)
+    return measurements
+
+
+def _by_majority(
+    fit: FitFunction,
+    measurements: Measurements,
+    found: Fit,
+    level: float,
+    plain: tuple[Fit, Screening],
+) -> tuple[Fit, Screening]:
+    """Fit without all that a robust fit leaves far off; keep the plain fit where the errors are not
+    gross, refuse it where they are and the rest does not fit either.
+    """
+    # gross errors bend a fit far: its prior is none of the good readings'
+    problem = replace(found.problem, widened=1.0)
+    trials = [robust_estimate(problem, found.result.state.p, found.result.state.z, "cauchy")]
+    if not trials[0].scale < _GOOD_SCALE:
+        model, rows = found.problem.model, found.problem.measurements
+        begin, closed = newton_configurations(
+            model, first_points(model, rows, model.nominal), rows.joints, model.nominal
+        )
+        trials += [robust_estimate(problem, model.nominal, begin, "cauchy")] if closed.all() else []
+    trials = [t for t in trials if np.isfinite(t.scale)]
+    best = min(trials, key=lambda t: t.scale, default=None)
+    if best is None:
+        return plain
+    robust = replace(found, result=best.result)
+    bad, share = _far_off(robust, best.scale, level)
+    if share <= _MAX_GROSS_SHARE:
+        return plain
+    why = (
+        f"{len(bad)} readings, {100 * share:.0f} % of all, are off by more than {_GROSS_RATIO:g} "
+        f"times the scatter of the better half, and without "
+        "them the others do not fit either: gross errors, or readings of another machine"
     )
+    refused = plain[0], replace(plain[1], refused=why)
+    if not bad or share > _MAX_REJECTED_SHARE:
+        return refused
+    again = fit(_without(measurements, bad), StartValues.of(robust, len(measurements)))
+    if again.result.status != "ok" or not _is_explained(again):
+        return refused
+    final = _one_by_one(fit, measurements, again, level, bad)
+    return refused if final[1].given_up else final
+
+
+def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], float]:
+    """Find readings that a robust fit leaves off by more than chance allows, and the share of all
+    that are grossly so.
+    """
+    problem, kinds = found.problem, reading_kinds(found.problem)
+    squares = (normalised_residuals(problem, problem, found.result.state) / scale) ** 2
+    bad, gross, total = list[Outlier](), 0, max(_count(kinds), 1)
+    for kind, configurations, rows in kinds:
+        statistics = np.sum(squares.reshape(-1)[rows], axis=1)
+        degrees = np.sum(problem.readings.taken.reshape(-1)[rows], axis=1)
+        gross += int(np.sum(statistics > _GROSS_RATIO**2 * degrees))
+        bad += [
+            Outlier(int(found.used[i]), kind, float(statistic), int(d))
+            for i, statistic, d in zip(configurations, statistics, degrees, strict=True)
+            if chi_square_tail(float(statistic), int(d)) < level / total
+        ]
+    return bad, gross / total
+
+
+def _is_explained(found: Fit) -> bool:
+    """Tell whether what a fit leaves is as the noise lets expect, or is normal noise of unknown
+    size.
+    """
+    problem, state = found.problem, found.result.state
+    if problem.readings.known:
+        model = linear_model(problem, state)
+        likely = chi_square_tail(model.chi_square, model.degrees) > SIGNIFICANCE
+        return likely or model.chi_square < 2.0 * model.degrees
+    t = np.abs(normalised_residuals(problem, problem, state)[problem.readings.taken])
+    return float(np.mean(t > _GROSS_RATIO * 1.4826 * np.median(t))) <= _MAX_GROSS_SHARE
+
+
+# --- what was taken out ---------------------------------------------------------------------------
+
+
+def _put_back(
+    fit: FitFunction, measurements: Measurements, found: Fit, made: Screening, level: float
+) -> tuple[Fit, Screening]:
+    """Test the outliers by the last fit; put those that agree with it back, and fit again."""
+    outliers = _retest(measurements, found, made.outliers)
+    total = _count(reading_kinds(found.problem)) + len(outliers)
+    kept = [o for o in outliers if o.probability < level / total]
+    if len(kept) < len(outliers):
+        again = fit(_without(measurements, kept), StartValues.of(found, len(measurements)))
+        if not _is_worse(again, found):
+            found, outliers = again, _retest(measurements, again, kept)
+    return found, replace(made, outliers=tuple(outliers))
+
+
+def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier]) -> list[Outlier]:
+    """Compare readings that were taken out with what the fit predicts, inclinations with those of
+    the others in their group; they stay as they were judged where their configuration does not
+    close.
+    """
+    if not outliers:
+        return []
+    out = np.array([o.configuration for o in outliers])
+    none = np.full(len(measurements), NO_GROUP)
+    group = none if measurements.groups is None else measurements.groups
+    beside = (group != NO_GROUP) & np.isin(group, group[out])
+    rows = np.flatnonzero(beside | np.isin(np.arange(len(none)), out))
+    problem = build_calibration(
+        found.problem.mechanism,
+        measurements.subset(rows),
+        parameters=(*found.problem.names, *found.problem.fixed),
+        fixed=found.problem.fixed,
+        residual=found.problem.form,
+    )
+    apart = {o.configuration: o.statistic for o in outliers if o.kind == "group"}
+    for members in ([int(k) for k in np.flatnonzero(group == group[i])] for i in list(apart)):
+        if all(k in apart for k in members):  # the others are compared with the likeliest
+            del apart[min(members, key=lambda k: apart[k])]
+    start = StartValues.of(found, len(measurements)).subset(rows)
+    p, joints, known = start.p, problem.measurements.joints, problem.readings.known
+    factor, degrees = 1.0, 0
+    if not known:
+        model = linear_model(found.problem, found.result.state)
+        factor, degrees = max(model.chi_square / max(model.degrees, 1), 1e-300), model.degrees
+    free = factor * covariance(found.problem, found.result.state)
+    with np.errstate(all="ignore"):
+        begin = first_points(problem.model, problem.measurements, p)
+        begin = np.where(np.isnan(start.z), begin, start.z)
+        z, closed = newton_configurations(
+            problem.model, begin, joints, p, tolerance=1e2 * SOLVED_TOLERANCE
+        )
+        root, telling = covariance_root(free, found.problem), ~np.isin(rows, list(apart))
+        made = predict_readings(problem, p, z, root, factor, telling)
+    tested = []
+    for o in outliers:
+        i = int(np.searchsorted(rows, o.configuration))
+        columns = np.flatnonzero(
+            [kind == o.kind for kind in _kinds_of_columns(problem)] & problem.readings.taken[i]
+        )
+        if closed[i] and len(columns):
+            shift, d = -made.errors[i, columns], len(columns)
+            block = made.covariance[i][np.ix_(columns, columns)]
+            statistic = float(shift @ np.linalg.solve(block, shift))
+            chance = chi_square_tail(statistic, d) if known else f_tail(statistic / d, d, degrees)
+            fresh = Outlier(o.configuration, o.kind, statistic, d, probability=chance)
+            o = _described(problem, i, fresh, columns, shift)
+        tested.append(o)
+    return tested

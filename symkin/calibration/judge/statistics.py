@@ -248,7 +248,7 @@ def _basis_in_place(columns: np.ndarray) -> np.ndarray:
         triangle = np.zeros((0, columns.shape[1]))
         blocks = [columns[k : k + _BLOCK_ROWS] for k in range(0, len(columns), _BLOCK_ROWS)]
         for block in blocks:
-            triangle = np.linalg.qr(np.vstack([triangle, block]), mode="r")
+            triangle = np.asarray(np.linalg.qr(np.vstack([triangle, block]), mode="r"))
         _, lengths, right = np.linalg.svd(triangle, full_matrices=False)
         kept = lengths > RANK_TOLERANCE * lengths[0]
         columns = columns[:, : int(np.sum(kept))]
@@ -365,7 +365,7 @@ def curvature(
             pulls[:, k] += near.linearised.matrix.T @ _bend(part, near, step, noise[rows])
     sigma, change = np.linalg.norm(units, axis=1), np.abs(units @ (units.T @ pulls)) / spread
     largest = np.max(np.where(np.isfinite(change), change, np.inf), axis=1, initial=0.0)
-    return np.divide(largest, sigma, out=np.zeros_like(sigma), where=sigma > 0)
+    return np.asarray(np.divide(largest, sigma, out=np.zeros_like(sigma), where=sigma > 0))
 
 
 def _bend(
