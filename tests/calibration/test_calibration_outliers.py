@@ -12,9 +12,20 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import symkin
 from helpers import hexapod_log
-from helpers.inside import Fit, estimate, main, outliers, write_measurements
+from helpers.inclinometer import (
+    BASE_LIMBS,
+    PLATFORM_LIMBS,
+    geometry,
+    measured,
+    random_geometry,
+)
+from helpers.inside import Fit, estimate, joint_frames, main, outliers, write_measurements
 from symkin import calibrate
+
+INCLINED = symkin.load("ren2008")
+HELD = joint_frames(INCLINED, PLATFORM_LIMBS, BASE_LIMBS)
 
 
 @pytest.fixture(scope="module")
@@ -175,6 +186,50 @@ def test_what_is_put_back_is_judged_as_a_reading_that_took_no_part(logged, left_
     (judged,) = outliers._retest(few, fit, [outlier])
     grown = with_it.chi_square - without.chi_square
     assert judged.statistic == pytest.approx(grown, rel=0.02, abs=0.02)
+
+
+def left_out(case, rng):
+    """Clean readings of a machine off nominal, and one of them; few postures, so that the estimate
+    is uncertain, too.
+    """
+    if case == "groups":
+        truth = random_geometry(geometry(INCLINED), HELD, 1e-3, rng)
+        data = measured(truth, rng, noisy=True)
+        return INCLINED, data, "group", HELD
+    nominal, data = hexapod_log.off_nominal(rng), hexapod_log.log(rng, 24 - 10 * (case == "poses"))
+    if case == "positions, noise unknown":
+        data = replace(hexapod_log.unstated(data), orientation=None)
+    return nominal, data, "position", ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "case",
+    [
+        "poses",
+        pytest.param("positions, noise unknown", marks=pytest.mark.long),
+        pytest.param("groups", marks=pytest.mark.long),
+    ],
+)
+def test_probabilities_of_clean_readings_that_were_left_out_are_uniform(case):
+    """Over 60 sets, by the test of Kolmogorov and Smirnov at 1 %: sqrt(60) times the largest
+    distance between the distributions is below 1.63.
+    """
+    chances = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        nominal, data, kind, fixed = left_out(case, rng)
+        k = int(rng.integers(len(data)))
+        fit = calibrate(nominal, data.without(k, kind), fixed=fixed, outliers="ignore")
+        found = SimpleNamespace(
+            problem=fit.problem, used=np.array(fit.used), result=SimpleNamespace(state=fit.state)
+        )
+        outlier = SimpleNamespace(configuration=k, kind=kind, statistic=0.0)
+        (judged,) = outliers._retest(data, found, [outlier])
+        chances.append(judged.probability)
+    steps, chances = np.arange(61) / 60, np.sort(chances)
+    apart = max(np.max(steps[1:] - chances), np.max(chances - steps[:-1]))
+    assert np.sqrt(60) * apart < 1.63
 
 
 def test_where_all_readings_are_put_back_none_is_tested_again():

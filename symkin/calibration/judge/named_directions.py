@@ -8,18 +8,17 @@ readings cannot tell, and has a name.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from functools import reduce
 from operator import matmul
 
 import numpy as np
 
-from symkin.calibration.data.observables import observables_named, point_path
+from symkin.calibration.data.observables import point_path
 from symkin.calibration.data.parameters import (
     AXES,
     MEASURING_FRAMES,
     Velocity,
-    geometry_parameters,
     joint_paths,
     nominal_parameters,
     vector_values,
@@ -29,6 +28,7 @@ from symkin.calibration.data.parameters import (
 from symkin.calibration.data.reference_motions import reference_motions
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.calibration.estimate.joint_lines import NEARLY_PARALLEL, parallel_axes
+from symkin.model.bar import RodEnd
 from symkin.model.dh import DHTable
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
@@ -46,26 +46,19 @@ def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[st
     telling first. What a change would need of parameters that are held is made up for by freedoms
     in how the file is written; a change that cannot be so is left out.
     """
-    values, read = all_values(model, p), tuple(o.name for o in model.read)
+    mechanism, read, values = model.mechanism, _read(model), all_values(model, p)
     names, free = list(values), np.isin(list(values), model.names)
     order = [names.index(name) for name in model.names]
-    table, size = nominal_parameters(model.mechanism, read), model.closure.characteristic_length
-    units = np.array(
-        [1.0 if table.get(name, (0.0, "length"))[1] == "length" else size for name in names]
-    )
+    table, size = nominal_parameters(mechanism, read), model.closure.characteristic_length
+    units = np.where([table.get(name, ("", "length"))[1] == "length" for name in names], 1.0, size)
 
-    def row(velocity: Mapping[str, float]) -> np.ndarray:
-        return np.asarray(units * np.array([velocity.get(name, 0.0) for name in names]))
+    def rows(changes: Iterable[tuple[str, Velocity]]) -> list[tuple[str, np.ndarray]]:
+        return [(text, units * [v.get(name, 0.0) for name in names]) for text, v in changes]
 
-    freedoms = [
-        (text, row(velocity))
-        for text, velocity in _description_freedoms(model.mechanism, values, read)
-    ]
+    written = written_freedoms(mechanism, values, read)
+    freedoms = rows((*written, *reference_motions(mechanism, values, read)))
     basis = np.array([one for _, one in freedoms]).reshape(-1, len(names)).T
-    motions = [
-        (text, row(velocity)) for text, velocity in _all_motions(model.mechanism, values, read)
-    ]
-    for text, direction in (*motions, *freedoms):
+    for text, direction in (*rows(_all_motions(model, values)), *freedoms):
         made = direction - basis @ _made_up(basis[~free], direction[~free])
         length = float(np.linalg.norm(made))
         if length > 0.0 and np.linalg.norm(made[~free]) <= _HELD_STILL * length:
@@ -81,142 +74,84 @@ def _made_up(held: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     return np.asarray(np.linalg.lstsq(held, wanted, rcond=1e-10)[0])
 
 
-def _description_freedoms(
-    mechanism: Mechanism, values: Mapping[str, float], read: Sequence[str]
-) -> Iterator[tuple[str, Velocity]]:
-    yield from written_freedoms(mechanism, values, read)
-    yield from reference_motions(mechanism, values, read)
+def _read(model: ConfigurationModel) -> tuple[str, ...]:
+    return tuple(o.name for o in model.read)
 
 
 def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
-    """Return the values of all parameters by name: nominal, those of the model's as p has them."""
-    return _nominal_values(model) | dict(zip(model.names, map(float, p), strict=True))
+    """Return the values of all parameters by name: nominal, those of the model's as p has them;
+    measuring frames only among these.
+    """
+    table = nominal_parameters(model.mechanism, _read(model))
+    values = {name: value for name, (value, _) in table.items() if name not in MEASURING_FRAMES}
+    return values | dict(zip(model.names, map(float, p), strict=True))
 
 
-def _nominal_values(model: ConfigurationModel) -> Velocity:
-    read = tuple(o.name for o in model.read)
-    table = {**geometry_parameters(model.mechanism, read)}
-    return table | {
+def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[str, Velocity]]:
+    yield from _frame_motions(model.mechanism, values)
+    table = nominal_parameters(model.mechanism, _read(model))
+    stretched = {
         name: value
-        for name, (value, _) in nominal_parameters(model.mechanism, read).items()
-        if name.endswith(".scale")
+        for name, value in values.items()
+        if table.get(name, ("", ""))[1] == "length" and name not in MEASURING_FRAMES
     }
-
-
-def _all_motions(
-    mechanism: Mechanism, values: Mapping[str, float], read: tuple[str, ...]
-) -> Iterator[tuple[str, Velocity]]:
-    if mechanism.dh is None:
-        yield from _frames(mechanism, values)
-    yield from _measuring(mechanism, values)
-    stretched = _stretched(mechanism, values, read)
     yield "size of the whole mechanism", stretched
-    lengths = {f"{c.name}.scale": 1.0 for c in mechanism.actuated if not c.is_angular}
-    lengths |= {
-        f"{o.name}.scale": 1.0
-        for o in observables_named(mechanism, read)
-        if o.kind == "joint" and not o.angular
-    }
+    lengths = [c.name for c in model.mechanism.actuated if not c.is_angular]
+    lengths += [o.name for o in model.read if o.kind == "joint" and not o.angular]
     if lengths:
         yield (
             "size of the whole mechanism with the factors of all length readings",
-            stretched | lengths,
+            stretched | {f"{name}.scale": 1.0 for name in lengths},
         )
 
 
 # --- frames ---------------------------------------------------------------------------------------
 
 
-def _frames(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
-    for frame, move in ((BASE, _base_moved), (mechanism.frame_name, _platform_moved)):
-        label = f"{frame} frame"
-        for k, axis in enumerate(AXES):
-            yield f"{label} translation {axis}", move(mechanism, values, np.eye(3)[k], np.zeros(3))
-        for k, turn in enumerate(_TURNS):
-            text = turn if frame == BASE else f"rotation about {AXES[k]}"
-            yield f"{label} {text}", move(mechanism, values, np.zeros(3), np.eye(3)[k])
-
-
-def _measuring(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[tuple[str, Velocity]]:
-    """Move the frame that readings are taken in against the frame of the mechanism that it is fixed
-    to; of the target frame also the position alone, which is all that positions determine.
+def _frame_motions(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str, Velocity]]:
+    """Move base and platform frame by unit twists (t, w), an arm's first and last row by what they
+    give; then, with these, the frame that readings are taken in, and of the target frame also the
+    position alone, which is all that positions determine.
     """
-    for text, velocity, (t, w) in (
-        *_base_twists(mechanism, values),
-        *_platform_twists(mechanism, values),
-    ):
-        if text.startswith("world"):
-            yield text, velocity | _world_moved(values, t, w)
-            continue
-        moved = _target_moved(values, t, w)
-        yield text, velocity | moved
-        yield text, velocity | {name: v for name, v in moved.items() if ".position." in name}
-
-
-_Twisted = tuple[str, Velocity, tuple[np.ndarray, np.ndarray]]
-"""Text, velocity of the mechanism's parameters and the twist (t, w) that it gives one of the
-mechanism's ends.
-"""
-
-
-def _base_twists(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[_Twisted]:
+    moves: list[tuple[str, str, Velocity, np.ndarray, np.ndarray]] = []
     if mechanism.dh is not None:
-        for key, before, _, (t, w) in _elements(mechanism.dh, values, 1):
-            yield f"world frame with dh.1.{key}", {f"dh.1.{key}": 1.0}, _seen(before, t, w)
-        return
-    for k, axis in enumerate(AXES):
-        for what, t, w in (
-            ("position", np.eye(3)[k], np.zeros(3)),
-            ("rotation", np.zeros(3), np.eye(3)[k]),
+        for end, number in (("world", 1), ("target", len(mechanism.dh.rows))):
+            for key, before, after, t, w in _elements(mechanism.dh, values, number):
+                name, stands = f"dh.{number}.{key}", before if end == "world" else after.inverse()
+                moves.append((end, f"with {name}", {name: 1.0}, *_seen(stands, t, w)))
+    else:
+        for end, frame, move in (
+            ("world", BASE, _base_moved),
+            ("target", mechanism.frame_name, _platform_moved),
         ):
-            yield (
-                f"world frame {what} {axis} with the base frame",
-                _base_moved(mechanism, values, t, w),
-                (t, w),
-            )
+            for k, twist in enumerate(np.eye(6)):
+                t, w, axis = twist[:3], twist[3:], AXES[k % 3]
+                velocity, turn = move(mechanism, values, t, w), f"rotation about {axis}"
+                turn = _TURNS[k % 3] if frame == BASE else turn
+                yield f"{frame} frame {turn if k > 2 else f'translation {axis}'}", velocity
+                what = f"{'rotation' if k > 2 else 'position'} {axis}"
+                fixed = "base" if frame == BASE else "platform"
+                moves.append((end, f"{what} with the {fixed} frame", velocity, t, w))
+    for end, text, velocity, t, w in moves:
+        moved = _measuring_moved(values, end, t, w)
+        yield f"{end} frame {text}", velocity | moved
+        if end == "target":
+            alone = {name: v for name, v in moved.items() if ".position." in name}
+            yield f"{end} frame {text}", velocity | alone
 
 
-def _platform_twists(mechanism: Mechanism, values: Mapping[str, float]) -> Iterator[_Twisted]:
-    if mechanism.dh is not None:
-        last = len(mechanism.dh.rows)
-        for key, _, after, (t, w) in _elements(mechanism.dh, values, last):
-            yield (
-                f"target frame with dh.{last}.{key}",
-                {f"dh.{last}.{key}": 1.0},
-                _seen(after.inverse(), t, w),
-            )
-        return
-    for k, axis in enumerate(AXES):
-        for what, t, w in (
-            ("position", np.eye(3)[k], np.zeros(3)),
-            ("rotation", np.zeros(3), np.eye(3)[k]),
-        ):
-            yield (
-                f"target frame {what} {axis} with the platform frame",
-                _platform_moved(mechanism, values, t, w),
-                (t, w),
-            )
-
-
-def _world_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
-    """Move the world frame W so that W exp(t, w) stays: the base frame has moved by the twist in
-    its own axes.
+def _measuring_moved(values: Velocity, frame: str, t: np.ndarray, w: np.ndarray) -> Velocity:
+    """Move the world frame W so that W exp(t, w) stays, or the target frame T so that exp(t, w) T
+    does: the mechanism's frame has moved by the twist in its own axes.
     """
-    r = vector_values(values, "world.rotation")
-    turned = rotate(np.asarray(quaternion_from_rotation_vector(r)), t)
-    return vector_velocity("world.position", -np.asarray(turned)) | vector_velocity(
-        "world.rotation", -_rotation_vector_rate(r, w, 1.0)
-    )
-
-
-def _target_moved(values: Mapping[str, float], t: np.ndarray, w: np.ndarray) -> Velocity:
-    """Move the target frame T so that exp(t, w) T stays: the platform frame has moved by the twist
-    in its own axes.
-    """
-    r, p = vector_values(values, "target.rotation"), vector_values(values, "target.position")
-    return vector_velocity("target.position", -(t + np.cross(w, p))) | vector_velocity(
-        "target.rotation", -_rotation_vector_rate(r, w, -1.0)
-    )
+    r, p = vector_values(values, f"{frame}.rotation"), vector_values(values, f"{frame}.position")
+    if frame == "world":
+        shift = np.asarray(rotate(np.asarray(quaternion_from_rotation_vector(r)), t))
+    else:
+        shift = t + np.cross(w, p)
+    turn = _rotation_vector_rate(r, w, 1.0 if frame == "world" else -1.0)
+    rates = vector_velocity(f"{frame}.position", -shift)
+    return rates | vector_velocity(f"{frame}.rotation", -turn)
 
 
 def _rotation_vector_rate(r: np.ndarray, w: np.ndarray, side: float) -> np.ndarray:
@@ -233,34 +168,25 @@ def _rotation_vector_rate(r: np.ndarray, w: np.ndarray, side: float) -> np.ndarr
 
 
 def _elements(
-    table: DHTable, values: Mapping[str, float], number: int
-) -> Iterator[tuple[str, Pose, Pose, tuple[np.ndarray, np.ndarray]]]:
+    table: DHTable, values: Velocity, number: int
+) -> Iterator[tuple[str, Pose, Pose, np.ndarray, np.ndarray]]:
     """Yield the four elementary motions of a row: key, what stands before and after it in the row,
     and its twist.
     """
-    keys = (
-        ("theta", "d", "a", "alpha")
-        if table.convention == "standard"
-        else ("alpha", "a", "theta", "d")
-    )
-    axes = {key: np.eye(3)[2 if key in ("theta", "d") else 0] for key in keys}
-
-    def pose(key: str) -> Pose:
-        value, axis = values.get(f"dh.{number}.{key}", 0.0), axes[key]
-        if key in ("d", "a"):
-            return Pose(value * axis, np.array([1.0, 0.0, 0.0, 0.0]))
-        return Pose(np.zeros(3), np.asarray(quaternion_from_rotation_vector(value * axis)))
-
+    standard = table.convention == "standard"
+    keys = ("theta", "d", "a", "alpha") if standard else ("alpha", "a", "theta", "d")
+    none, twists, poses = np.zeros(3), [], []
+    for key in keys:
+        axis, slides = np.eye(3)[2 if key in ("theta", "d") else 0], key in ("d", "a")
+        t, w = (axis, none) if slides else (none, axis)
+        value = values.get(f"dh.{number}.{key}", 0.0)
+        twists.append((t, w))
+        turned = np.asarray(quaternion_from_rotation_vector(value * w))
+        poses.append(Pose(value * t, turned))
     for k, key in enumerate(keys):
-        before, after = (
-            reduce(matmul, map(pose, part), Pose.identity()) for part in (keys[:k], keys[k + 1 :])
-        )
-        yield (
-            key,
-            before,
-            after,
-            (axes[key], np.zeros(3)) if key in ("d", "a") else (np.zeros(3), axes[key]),
-        )
+        before = reduce(matmul, poses[:k], Pose.identity())
+        after = reduce(matmul, poses[k + 1 :], Pose.identity())
+        yield key, before, after, *twists[k]
 
 
 def _seen(frame: Pose, t: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -269,93 +195,54 @@ def _seen(frame: Pose, t: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.nda
     return np.asarray(frame.turn(t)) + np.cross(np.asarray(frame.position), turned), turned
 
 
-def _base_moved(
-    mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray
-) -> Velocity:
+def _base_moved(mechanism: Mechanism, values: Velocity, t: np.ndarray, w: np.ndarray) -> Velocity:
     """Move everything given in the base frame by the twist (t, w)."""
+    joints, spin, frame = list(joint_paths(mechanism)), np.array([0.0, *w]), mechanism.frame_name
+    points = [f"{path}.point" for path, _ in joints] + [*map(point_path, mechanism.link_points)]
+    points += [end.path for end in _ends(mechanism) if not end.in_platform_frame]
     velocity: Velocity = {}
-
-    def point(path: str) -> None:
-        _put(velocity, path, t + np.cross(w, vector_values(values, path)))
-
-    def direction(path: str) -> None:
-        _put(velocity, path, np.cross(w, vector_values(values, path)))
-
-    for path in _base_points(mechanism):
-        point(path)
-    for path, joint in joint_paths(mechanism):
-        for key in ("axis", "axis2"):
-            if getattr(joint, key) is not None:
-                direction(f"{path}.{key}")
-    frame = mechanism.frame_name
-    if f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values:
-        _put(
-            velocity,
-            f"{frame}.position",
-            t + np.cross(w, vector_values(values, f"{frame}.position")),
-        )
+    if _holds(values, frame):
+        points.append(f"{frame}.position")
         q = vector_values(values, f"{frame}.quaternion", "wxyz")
-        _put(
-            velocity,
-            f"{frame}.quaternion",
-            0.5 * np.asarray(multiply(np.array([0.0, *w]), q)),
-            "wxyz",
-        )
+        turned = 0.5 * np.asarray(multiply(spin, q))
+        velocity |= vector_velocity(f"{frame}.quaternion", turned, "wxyz")
+    for path in points:
+        velocity |= vector_velocity(path, t + np.cross(w, vector_values(values, path)))
+    for path, joint in joints:
+        for key in (
+            f"{path}.{key}" for key in ("axis", "axis2") if getattr(joint, key) is not None
+        ):
+            velocity |= vector_velocity(key, np.cross(w, vector_values(values, key)))
     return velocity
 
 
-def _base_points(mechanism: Mechanism) -> Iterator[str]:
-    """Key paths of all points that are given in the base frame."""
-    for path, _ in joint_paths(mechanism):
-        yield f"{path}.point"
-    yield from (
-        end.path
-        for bar in mechanism.bars
-        for end in (bar.start, bar.end)
-        if not end.in_platform_frame
-    )
-    yield from map(point_path, mechanism.link_points)
-
-
 def _platform_moved(
-    mechanism: Mechanism, values: Mapping[str, float], t: np.ndarray, w: np.ndarray
+    mechanism: Mechanism, values: Velocity, t: np.ndarray, w: np.ndarray
 ) -> Velocity:
     """Move the platform frame by the twist (t, w) in its own axes; what is given in it moves the
     other way.
     """
     velocity: Velocity = {}
-    for path in (
-        end.path for bar in mechanism.bars for end in (bar.start, bar.end) if end.in_platform_frame
-    ):
-        _put(velocity, path, -(t + np.cross(w, vector_values(values, path))))
+    for end in _ends(mechanism):
+        if end.in_platform_frame:
+            back = -(t + np.cross(w, vector_values(values, end.path)))
+            velocity |= vector_velocity(end.path, back)
     frame = mechanism.frame_name
-    if f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values:
+    if _holds(values, frame):
         q = vector_values(values, f"{frame}.quaternion", "wxyz")
-        _put(velocity, f"{frame}.position", np.asarray(rotate(q / np.linalg.norm(q), t)))
-        _put(
-            velocity,
-            f"{frame}.quaternion",
-            0.5 * np.asarray(multiply(q, np.array([0.0, *w]))),
-            "wxyz",
-        )
+        moved, turned = rotate(q / np.linalg.norm(q), t), multiply(q, np.array([0.0, *w]))
+        velocity |= vector_velocity(f"{frame}.position", np.asarray(moved))
+        velocity |= vector_velocity(f"{frame}.quaternion", 0.5 * np.asarray(turned), "wxyz")
     return velocity
 
 
-def _stretched(
-    mechanism: Mechanism, values: Mapping[str, float], read: tuple[str, ...]
-) -> Velocity:
-    """Stretch every length in proportion."""
-    table = nominal_parameters(mechanism, read)
-    lengths = {
-        name
-        for name, (_, kind) in table.items()
-        if kind == "length" and name not in MEASURING_FRAMES
-    }
-    return {name: value for name, value in values.items() if name in lengths}
+def _ends(mechanism: Mechanism) -> list[RodEnd]:
+    return [end for bar in mechanism.bars for end in (bar.start, bar.end)]
 
 
-def _put(velocity: Velocity, path: str, value: np.ndarray, letters: str = "xyz") -> None:
-    velocity.update(vector_velocity(path, value, letters))
+def _holds(values: Velocity, frame: str) -> bool:
+    """Tell whether a frame is among the parameters."""
+    return f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values
 
 
 def parallel_offsets(
