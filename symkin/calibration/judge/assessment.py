@@ -12,17 +12,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import is_writable, nominal_parameters, with_parameters
-from symkin.calibration.estimate.configuration_model import ConfigurationModel, build_model
+from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import newton_configurations
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.robust import EFFICIENCY
-from symkin.calibration.estimate.state import State, closed_state, evaluate, joint_covariance
+from symkin.calibration.estimate.state import (
+    State,
+    closed_state,
+    evaluate,
+    joint_covariance,
+    readings_at,
+)
 from symkin.calibration.judge.departure import measure_departure
 from symkin.calibration.judge.fit_notes import fit_notes, is_exact
 from symkin.calibration.judge.identifiability import identifiability_at
@@ -64,9 +70,8 @@ def build_result(
     """Build the result of a fit at the geometry that the corrected file holds; `removed` says
     whether the outliers were left out.
     """
-    mechanism = found.problem.mechanism
-    problem, written = found.problem, read_back(found.problem, found.result.state)
-    state = written.state
+    problem = found.problem
+    state, reason = read_back(problem, found.result.state)
     told = told_directions(problem, state)
     model, known = linear_model(problem, state, told), problem.readings.known
     chi_square = model.chi_square_as_is
@@ -75,12 +80,12 @@ def build_result(
     free = spread / used * covariance(problem, state, told)
     crossed = found.used[state.determinant_signs * found.start_signs < 0]
     calibration = Calibration(
-        mechanism=mechanism,
+        mechanism=problem.mechanism,
         measurements=measurements,
         problem=problem,
         state=state,
         parameters=_parameters(problem, state, free, known or model.degrees > 0),
-        covariance=_full_covariance(problem, free),
+        covariance=np.pad(free, (0, len(problem.fixed))),
         residuals=_residuals(problem, state, model, spread, found.used),
         chi_square=chi_square,
         degrees=model.degrees,
@@ -100,16 +105,13 @@ def build_result(
         iterations=found.result.iterations,
         given_up=screening.given_up,
         silent=tuple(found.silent.tolist()),
-        refused=written.reason,
+        refused=reason,
     )
     left_out = [n for n in problem.names if not is_writable(n)]
     notes = [*found.notes, *fit_notes(calibration, removed=removed)]
-    curved = [
-        n
-        for n, share in zip(problem.names, curvature(problem, state, told, spread), strict=True)
-        if not share < DOUBTFUL_CURVATURE
-    ]
-    if curved and not is_exact(calibration):
+    bent = ~(curvature(problem, state, told, spread) < DOUBTFUL_CURVATURE)
+    if bent.any() and not is_exact(calibration):
+        curved = [problem.names[k] for k in np.flatnonzero(bent)]
         notes.append(
             f"standard deviations of {first_of(curved)} are doubtful: the readings are not linear "
             f"in the parameters within them; "
@@ -140,113 +142,65 @@ def _parameters(
     sigmas = np.sqrt(np.maximum(np.diag(free), 0.0))
     # what no reading sees has no variance, which is not to know it exactly
     scaled = sigmas / model.scales
-    seen = scaled >= _UNSEEN * np.max(scaled, initial=0.0)
+    known = has_sigma & (scaled >= _UNSEEN * np.max(scaled, initial=0.0))
     found = [
-        Parameter(
-            name=name,
-            kind=kind,
-            nominal=float(nominal),
-            value=float(value),
-            sigma=float(sigma) if has_sigma and told else None,
-        )
+        Parameter(name, kind, float(nominal), float(value), float(sigma) if told else None)
         for name, kind, nominal, value, sigma, told in zip(
-            model.names, model.kinds, model.nominal, state.p, sigmas, seen, strict=True
+            model.names, model.kinds, model.nominal, state.p, sigmas, known, strict=True
         )
     ]
     table = nominal_parameters(problem.mechanism, problem.measurements.observed)
-    return (
-        *found,
-        *(
-            Parameter(
-                name=n,
-                kind=table[n][1],
-                nominal=table[n][0],
-                value=table[n][0],
-                sigma=0.0,
-                held=True,
-            )
-            for n in problem.fixed
-        ),
-    )
-
-
-def _full_covariance(problem: CalibrationProblem, free: np.ndarray) -> np.ndarray:
-    """Of the free parameters and then the held ones."""
-    width = len(problem.names) + len(problem.fixed)
-    whole = np.zeros((width, width))
-    whole[: len(free), : len(free)] = free
-    return whole
+    held = [(n, *table[n]) for n in problem.fixed]
+    return (*found, *(Parameter(n, kind, v, v, 0.0, held=True) for n, v, kind in held))
 
 
 def _residuals(
     problem: CalibrationProblem, state: State, model: LinearModel, spread: float, used: np.ndarray
 ) -> tuple[Residual, ...]:
-    readings = problem.readings
-    raw = state_residuals(problem, state)
-    left = np.sqrt(np.maximum(1.0 - model.absorbed[: raw.size], 0.0)).reshape(raw.shape)
-    whitened = model.residuals[: raw.size].reshape(raw.shape)
-    rows = []
-    for i, k in np.argwhere(readings.taken):
-        kind, component = problem.model.columns[k]
-        normal = (
-            float(whitened[i, k] / left[i, k] / np.sqrt(spread))
-            if left[i, k] > 1e-6 and spread > 0
-            else None
-        )
-        rows.append(
-            Residual(
-                configuration=int(used[i]),
-                kind=kind,
-                component=component,
-                value=float(raw[i, k]),
-                sigma=float(readings.sigma[i, k]),
-                normalised=normal,
-                angular=bool(problem.model.angular[k]),
-            )
-        )
-    return tuple(rows)
-
-
-def state_residuals(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Return the readings of the model less those taken (n, K), radians and length unit; a group's
-    from its weighted mean.
+    """List the readings of the model less those taken, radians and length unit; a group's from its
+    weighted mean.
     """
+    readings, columns = problem.readings, problem.model.columns
+    taken, shape = readings.taken, readings.values.shape
     means = evaluate(problem, state.p, state.z, "means").linearised.residuals
-    return np.asarray(means * np.where(problem.readings.taken, problem.readings.sigma, 0.0))
+    raw = means * np.where(taken, readings.sigma, 0.0)
+    left, whitened = (v[: raw.size].reshape(shape) for v in (1.0 - model.absorbed, model.residuals))
+    judged = taken & (left > 1e-12) & (spread > 0.0)
+    normal = whitened / np.sqrt(np.where(judged, spread * left, 1.0))
+    return tuple(
+        Residual(
+            int(used[i]),
+            columns[k][0],
+            columns[k][1],
+            float(raw[i, k]),
+            float(readings.sigma[i, k]),
+            float(normal[i, k]) if judged[i, k] else None,
+            bool(problem.model.angular[k]),
+        )
+        for i, k in np.argwhere(taken)
+    )
 
 
 # --- the file read back ---------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, eq=False)
-class WrittenGeometry:
-    """The state at the values of the file that would be written, and why it must not be, None where
-    nothing speaks against it.
-    """
-
-    state: State
-    reason: str | None
-
-
-def read_back(problem: CalibrationProblem, state: State) -> WrittenGeometry:
+def read_back(problem: CalibrationProblem, state: State) -> tuple[State, str | None]:
     """Write the mechanism at a state, read it, and compare its direct problems at the measured rows
-    with the state's.
+    with the state's: the state at the values of the file, and why it must not be written, None
+    where nothing speaks against it.
     """
     values = dict(zip(problem.names, map(float, state.p), strict=True))
-    read_besides = problem.measurements.observed
+
+    def numbers(mechanism: Mechanism) -> dict[str, float]:
+        table = nominal_parameters(mechanism, problem.measurements.observed)
+        return {name: float(value) for name, (value, _) in table.items()}
+
     try:
         found = parse(with_parameters(problem.mechanism, values).to_toml())
-        table = nominal_parameters(found, read_besides)
+        read = numbers(found)
     except SymkinError as error:
-        return WrittenGeometry(
-            state, f"the file with the identified geometry cannot be read ({error})"
-        )
-    nominal = {
-        name: float(value)
-        for name, (value, *_) in nominal_parameters(problem.mechanism, read_besides).items()
-    }
-    read = {name: float(value) for name, (value, *_) in table.items()}
-    factors = _vector_lengths(nominal | values, read)
+        return state, f"the file with the identified geometry cannot be read ({error})"
+    factors = _vector_lengths(numbers(problem.mechanism) | values, read)
     p = np.array(
         [
             read[n] * factors.get(_vector(n), 1.0) if is_writable(n) else values[n]
@@ -256,7 +210,7 @@ def read_back(problem: CalibrationProblem, state: State) -> WrittenGeometry:
     with np.errstate(all="ignore"):
         noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
         here = closed_state(problem, p, state.z, problem.form, noise)
-        return WrittenGeometry(here, _difference(problem, state, found, values))
+        return here, next(_faults(problem, state, found, values), None)
 
 
 def _vector(name: str) -> str:
@@ -277,87 +231,53 @@ def _vector_lengths(fitted: dict[str, float], read: dict[str, float]) -> dict[st
     return factors
 
 
-def _difference(
+def _faults(
     problem: CalibrationProblem, state: State, found: Mechanism, values: dict[str, float]
-) -> str | None:
-    """Say the first thing in which the file is not what was fitted, None where there is none."""
+) -> Iterator[str]:
+    """Yield what in the file is not what was fitted."""
     m = problem.measurements
     beside = {n: v for n, v in values.items() if not is_writable(n)}
+    for k, c in enumerate(found.actuated):
+        beyond = m.joints[:, k] * beside.get(f"{c.name}.scale", 1.0) - _least(c)
+        if np.any(beyond < 0.0):
+            yield (
+                f"the rod of {c.name} would have a negative length at {_row_names(m, beyond < 0)}, "
+                f"down to {float(np.min(beyond)):.4g} {found.length_unit}"
+            )
     model, p = build_model(found, m, tuple(beside)), np.array(list(beside.values()))
-    inside_out = next(_negative_rods(found, m, _actuated_values(found, m, beside)), None)
-    if inside_out is not None:
-        return inside_out
     z, solved = newton_configurations(model, state.z, m.joints, p)
     if not solved.all():
-        return (
-            f"{_row_names(m, ~solved)} {_has_or_have(~solved)} no solution at the geometry that "
-            f"would be written"
-        )
-    outside = next(_outside_limits(model, m, z), None)
-    return outside or _disagreement(
-        problem, state, model.evaluate(z, m.joints, p, problem.quaternions).readings
-    )
-
-
-def _disagreement(problem: CalibrationProblem, state: State, of_file: np.ndarray) -> str | None:
-    """Say which row comes out otherwise from the file than in the fit, None where none does."""
-    readings, size = problem.readings, problem.model.closure.characteristic_length
-    ours = problem.model.evaluate(
-        state.z, problem.measurements.joints, state.p, problem.quaternions
-    ).readings
-    units = np.where(problem.model.angular, 1.0, size)
-    gap = np.where(readings.taken, np.abs(of_file - ours), 0.0)
-    gap = np.where(readings.turning, np.abs(wrapped(gap)), gap)
-    known = _READING_AGREEMENT[0] * readings.sigma if readings.known else np.zeros_like(gap)
-    off = np.any(~(gap <= np.maximum(known, _READING_AGREEMENT[1] * units)), axis=1)
-    if not off.any():
-        return None
-    return (
-        f"the file that would be written does not give the readings that the fit does at "
-        f"{_row_names(problem.measurements, off)}: "
-        f"they differ by up to {np.nanmax(gap / units):.2g} of the size"
-    )
-
-
-# --- physical -------------------------------------------------------------------------------------
-
-
-def _actuated_values(found: Mechanism, m: Measurements, beside: dict[str, float]) -> np.ndarray:
-    """Return the values (n, a) of the actuated joints: readings times their factors."""
-    return np.asarray(m.joints * [beside.get(f"{c.name}.scale", 1.0) for c in found.actuated])
-
-
-def _negative_rods(found: Mechanism, m: Measurements, joints: np.ndarray) -> Iterator[str]:
-    """Yield a sentence for each rod of negative length."""
-    for k, c in enumerate(found.actuated):
-        short = joints[:, k] < _least(c)
-        if short.any():
-            least = float(np.min(joints[:, k] - _least(c)))
-            yield (
-                f"the rod of {c.name} would have a negative length at {_row_names(m, short)}, down "
-                f"to {least:.4g} {found.length_unit}"
-            )
-
-
-def _outside_limits(model: ConfigurationModel, m: Measurements, z: np.ndarray) -> Iterator[str]:
-    """Yield a sentence for each passive joint outside its limits; limits of actuated joints speak
-    of the rows, not of the geometry.
-    """
-    places = {
-        c.name: place.start
-        for c, place in zip(model.system.unknowns, model.system.slices, strict=True)
-    }
-    for c in model.closure.role("passive"):
-        if c.width == 1:
-            values = z[:, places[c.name]]
-            off = _beyond_limits(c, values, model.closure.characteristic_length) | (
-                values < _least(c)
-            )
-            if off.any():
+        has = "has" if int(np.sum(~solved)) == 1 else "have"
+        yield f"{_row_names(m, ~solved)} {has} no solution at the geometry that would be written"
+    for c, place in zip(model.system.unknowns, model.system.slices, strict=True):
+        if c.width == 1 and c in model.closure.role("passive"):
+            column = z[:, place.start]
+            off = _beyond_limits(c, column, model.closure.characteristic_length)
+            off |= column < _least(c)
+            if off.any():  # limits of actuated joints speak of the rows, not of the geometry
                 yield (
                     f"the passive joint {c.name} would be outside its limits at "
                     f"{_row_names(m, off)}"
                 )
+    yield from _disagreements(
+        problem, state, model.evaluate(z, m.joints, p, problem.quaternions).readings
+    )
+
+
+def _disagreements(problem: CalibrationProblem, state: State, of_file: np.ndarray) -> Iterator[str]:
+    """Yield which rows come out otherwise from the file than in the fit."""
+    readings, lengths = problem.readings, problem.model.lengths
+    units = problem.model.closure.characteristic_length / lengths
+    gap = np.where(readings.taken, of_file - readings_at(problem, state.p, state.z), 0.0)
+    gap = np.abs(np.where(readings.turning, wrapped(gap), gap))
+    known = _READING_AGREEMENT[0] * readings.sigma if readings.known else 0.0
+    off = np.any(~(gap <= np.maximum(known, _READING_AGREEMENT[1] * units)), axis=1)
+    if off.any():
+        yield (
+            f"the file that would be written does not give the readings that the fit does at "
+            f"{_row_names(problem.measurements, off)}: "
+            f"they differ by up to {np.nanmax(gap / units):.2g} of the size"
+        )
 
 
 def _least(c: Coordinate) -> float:
@@ -382,7 +302,3 @@ def _row_names(m: Measurements, which: np.ndarray) -> str:
     labels = [label for label, is_one in zip(m.labels, which, strict=True) if is_one]
     more = f" and {len(labels) - 3} more" if len(labels) > 3 else ""
     return f"posture {', '.join(labels[:3])}{more}"
-
-
-def _has_or_have(which: np.ndarray) -> str:
-    return "has" if int(np.sum(which)) == 1 else "have"

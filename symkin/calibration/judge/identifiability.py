@@ -4,8 +4,9 @@ in parameter terms.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from symkin.calibration.estimate.configurations import (
     newton_configurations,
     solve_configurations,
 )
-from symkin.calibration.estimate.estimator import estimate
 from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.state import (
@@ -23,6 +23,7 @@ from symkin.calibration.estimate.state import (
     State,
     design,
     error_free_state,
+    evaluate,
     spectrum,
     unbound,
 )
@@ -30,6 +31,7 @@ from symkin.calibration.judge.named_directions import all_values, named_motions,
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.spatial.rotation import euler_from_quaternion
 
 _NULL_SPACE_TOLERANCE = 1e-5
 """A unit direction belongs to the null space when its part outside is shorter than this."""
@@ -69,9 +71,7 @@ class Identifiability:
     """
 
     names: tuple[str, ...]
-    jacobian: np.ndarray
     singular_values: np.ndarray
-    rank: int
     gap: float
     null_space: np.ndarray
     unobservable: tuple[str, ...]
@@ -95,6 +95,10 @@ class Identifiability:
         return tuple(n for k, n in enumerate(self.names) if k not in dropped)
 
     @property
+    def rank(self) -> int:
+        return len(self.names) - int(self.null_space.shape[1])
+
+    @property
     def drowned(self) -> np.ndarray:
         """The rest of the null space (P, k - j): told by readings without noise alone."""
         rest = self.null_space - self.blind @ (self.blind.T @ self.null_space)
@@ -104,11 +108,8 @@ class Identifiability:
     @property
     def condition(self) -> float:
         """Largest over smallest kept singular value."""
-        return (
-            float(self.singular_values[0] / self.singular_values[self.rank - 1])
-            if self.rank
-            else float("inf")
-        )
+        last = self.singular_values[self.rank - 1] if self.rank else 0.0
+        return float(self.singular_values[0] / last) if self.rank else float("inf")
 
     def __str__(self) -> str:
         lines = [
@@ -135,21 +136,19 @@ def identifiability(
     problem is solved there. Where standard deviations are known, what the readings tell ten times
     worse than the prior (see `estimate.linear`) counts as not told.
     """
-    problem = build_calibration(
-        mechanism, measurements, parameters=parameters, fixed=fixed, residual=residual
-    )
-    configurations = solve_configurations(problem.model, measurements, problem.model.nominal)
-    if not configurations.solved.any():
+    chosen: dict[str, Any] = {"parameters": parameters, "fixed": fixed, "residual": residual}
+    problem = build_calibration(mechanism, measurements, **chosen)
+    nominal = problem.model.nominal
+    configurations = solve_configurations(problem.model, measurements, nominal)
+    solved = configurations.solved
+    if not solved.any():
         raise InputError(
             f"{mechanism.name}: the direct problem of no posture has a solution at the nominal "
             f"geometry"
         )
-    if not configurations.solved.all():
-        some = measurements.subset(configurations.solved)
-        problem = build_calibration(
-            mechanism, some, parameters=parameters, fixed=fixed, residual=residual
-        )
-    state = estimate(problem, configurations.z[configurations.solved], max_iterations=0).state
+    if not solved.all():
+        problem = build_calibration(mechanism, measurements.subset(solved), **chosen)
+    state = evaluate(problem, nominal, configurations.z[solved], "means")
     return identifiability_at(problem, state, 1.0 if problem.readings.known else 0.0)
 
 
@@ -162,15 +161,13 @@ def identifiability_at(problem: CalibrationProblem, state: State, weight: float)
     named, opens = name_null_space(problem, state.p, null_space), _opens_beside(problem, state)
     return Identifiability(
         names=problem.names,
-        jacobian=state.linearised.matrix,
         singular_values=found.values,
-        rank=len(problem.names) - null_space.shape[1],
         gap=found.gap,
         null_space=null_space,
         blind=found.null_space,
         weak=weak,
         unobservable=named,
-        advice=(*((OPEN_LOOPS,) if opens else ()), *_advice(problem, state, named)),
+        advice=tuple(_advice(problem, state, named, opens=opens)),
         opens=opens,
     )
 
@@ -233,30 +230,32 @@ def name_null_space(
     """Name independent directions that span the null space: single parameters without effect,
     frames and other known motions, then sparse combinations of parameters.
     """
-    names: list[str] = []
-    taken = np.zeros((len(p), 0))
-
-    def take(name: str, direction: np.ndarray) -> None:
-        nonlocal taken
+    names, taken = list[str](), np.zeros((len(p), 0))
+    for name, direction in _candidates(problem, p, null_space):
+        if taken.shape[1] == null_space.shape[1]:
+            break
         outside = direction - null_space @ (null_space.T @ direction)
-        if taken.shape[1] == null_space.shape[1] or np.linalg.norm(outside) > _NULL_SPACE_TOLERANCE:
-            return
         fresh = direction - taken @ (taken.T @ direction)
-        if np.linalg.norm(fresh) > 1e-3:
+        length = np.linalg.norm(fresh)
+        if np.linalg.norm(outside) <= _NULL_SPACE_TOLERANCE and length > 1e-3:
             names.append(name)
-            taken = np.column_stack([taken, fresh / np.linalg.norm(fresh)])
-
-    for name, direction in named_motions(problem.model, p):
-        take(name, direction)
-    for name, velocity in parallel_offsets(problem.mechanism, all_values(problem.model, p)):
-        if all(n in problem.names for n in velocity):
-            direction = np.array([velocity.get(n, 0.0) for n in problem.names])
-            take(name, direction / np.linalg.norm(direction))
-    for k, name in enumerate(problem.names):
-        take(f"{name} (no effect)", np.eye(len(p))[k])
-    for direction in _sparse_directions(null_space):
-        take(_combination(problem.names, direction), direction)
+            taken = np.column_stack([taken, fresh / length])
     return tuple(names)
+
+
+def _candidates(
+    problem: CalibrationProblem, p: np.ndarray, null_space: np.ndarray
+) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield names with unit directions, most telling first."""
+    yield from named_motions(problem.model, p)
+    for name, velocity in parallel_offsets(problem.mechanism, all_values(problem.model, p)):
+        if set(velocity) <= set(problem.names):
+            direction = np.array([velocity.get(n, 0.0) for n in problem.names])
+            yield name, direction / np.linalg.norm(direction)
+    for name, direction in zip(problem.names, np.eye(len(p)), strict=True):
+        yield f"{name} (no effect)", direction
+    for direction in _sparse_directions(null_space):
+        yield _combination(problem.names, direction), direction
 
 
 def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:
@@ -264,20 +263,15 @@ def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:
     which k parameters, drawn again and again, are 1 in one direction and 0 in the others.
     """
     width, count = null_space.shape
-    rng = np.random.default_rng(0)
-    found: list[np.ndarray] = []
+    rng, found = np.random.default_rng(0), list[np.ndarray]()
     for _ in range(_SPARSE_DRAWS if count else 0):
-        chosen = rng.permutation(width)
-        pivots: list[int] = []
-        reduced = null_space.copy()
-        for row in chosen:
+        pivots, reduced = list[int](), null_space.copy()
+        for row in map(int, rng.permutation(width)):
             norm = np.linalg.norm(reduced[row])
-            if norm > 0.03:
-                pivots.append(int(row))
+            if norm > 0.03 and len(pivots) < count:
+                pivots.append(row)
                 unit = reduced[row] / norm
                 reduced = reduced - np.outer(reduced @ unit, unit)
-            if len(pivots) == count:
-                break
         if len(pivots) == count:
             found.extend((null_space @ np.linalg.inv(null_space[pivots])).T)
     found = [v / np.linalg.norm(v) for v in found]
@@ -289,86 +283,62 @@ def _combination(names: Sequence[str], direction: np.ndarray) -> str:
     one.
     """
     order = np.argsort(-np.abs(direction), kind="stable")
-    kept = [int(k) for k in order if abs(direction[k]) > 1e-6 * abs(direction[order[0]])]
-    lead = direction[kept[0]]
-    terms = []
+    weights = direction / direction[order[0]]
+    kept = [int(k) for k in order if abs(weights[k]) > 1e-6]
+    text = ""
     for k in kept[:_MAX_LISTED_PARAMETERS]:
-        weight = direction[k] / lead
-        size = "" if abs(abs(weight) - 1) < 1e-4 else f"{abs(weight):.3g} "
-        terms.append(f"{'-' if weight < 0 else '+'} {size}{names[k]}")
-    more = (
-        f" and {len(kept) - _MAX_LISTED_PARAMETERS} more"
-        if len(kept) > _MAX_LISTED_PARAMETERS
-        else ""
-    )
-    return " ".join(terms).removeprefix("+ ") + more
+        size = "" if abs(abs(weights[k]) - 1) < 1e-4 else f"{abs(weights[k]):.3g} "
+        text += f" {'-' if weights[k] < 0 else '+'} {size}{names[k]}"
+    more = len(kept) - _MAX_LISTED_PARAMETERS
+    return text.removeprefix(" + ") + (f" and {more} more" if more > 0 else "")
 
 
 # --- advice ---------------------------------------------------------------------------------------
 
 
 def _advice(
-    problem: CalibrationProblem, state: State, unobservable: Sequence[str]
-) -> tuple[str, ...]:
-    """Say what to measure besides, from what the configurations have in common."""
-    advice = []
-    kinds = {kind for kind, _ in problem.model.columns}
-    unusual = [
-        text for text in unobservable if not text.startswith(_FREE_FRAMES) and "size of" not in text
-    ]
-    poses = problem.model.poses(state.z, problem.measurements.joints, state.p)
-    if problem.readings.groups and unusual:
-        heads = inclinations(poses[problem.readings.first])
-        if _largest_range(heads) < _SAME_ANGLE:
-            advice.append(
-                "all groups have the same inclination; add groups at other inclinations (a wedge "
-                "under the inclinometer)"
-            )
-    if (
-        kinds <= {"group", "inclination"}
-        and unusual
-        and _largest_range(_yaws(poses)[:, None]) < _SAME_ANGLE
-    ):
-        advice.append(
+    problem: CalibrationProblem, state: State, unobservable: Sequence[str], *, opens: bool
+) -> Iterator[str]:
+    """Yield what to measure besides, from what the configurations have in common."""
+    if opens:
+        yield OPEN_LOOPS
+    readings, kinds = problem.readings, {kind for kind, _ in problem.model.columns}
+    size = any(text.startswith("size of") for text in unobservable)
+    unusual = any(
+        not text.startswith(_FREE_FRAMES) and "size of" not in text for text in unobservable
+    )
+    turns = problem.model.poses(state.z, problem.measurements.joints, state.p)[:, 3:].T
+    angles = np.asarray(euler_from_quaternion(turns, "xyz")).T
+    if unusual and readings.groups and np.all(_ranges(angles[readings.first, :2]) < _SAME_ANGLE):
+        yield (
+            "all groups have the same inclination; add groups at other inclinations (a wedge "
+            "under the inclinometer)"
+        )
+    yaws = np.unwrap(angles[:, 2:], axis=0)
+    if unusual and kinds <= {"group", "inclination"} and np.all(_ranges(yaws) < _SAME_ANGLE):
+        yield (
             "the yaw (rotation about the vertical) is the same in all postures; vary the yaw "
             "within each group"
         )
-    if any(text.startswith("size of") for text in unobservable):
-        advice.append(
+    if size:
+        yield (
             "no reading fixes the size: hold one length or factor, or measure a distance, a "
             "position or a known length"
         )
     if any("frame" in text for text in unobservable):
-        besides = any(
-            o.kind in ("point", "position") for o in observables(problem.mechanism).values()
-        )
-        others = " or of links, or by positions of points" if besides else ""
-        advice.append(
+        found = {o.kind for o in observables(problem.mechanism).values()}
+        others = " or of links, or by positions of points" if found & {"point", "position"} else ""
+        yield (
             "frames are free: they are chosen by the least change, by `fixed` parameters, or "
             "measured by positions and "
             f"orientations of the platform{others}"
         )
-    if len(problem.readings.values) and problem.readings.count < len(problem.names) - len(
-        unobservable
-    ):
-        advice.append(
-            f"{problem.readings.count} independent readings for {len(problem.names)} parameters; "
+    if readings.count < len(problem.names) - len(unobservable):
+        yield (
+            f"{readings.count} independent readings for {len(problem.names)} parameters; "
             f"add postures"
         )
-    return tuple(advice)
 
 
-def inclinations(poses: np.ndarray) -> np.ndarray:
-    """Return alpha, beta (n, 2) of poses (n, 7)."""
-    w, x, y, z = poses[:, 3:].T
-    first, second, third = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
-    return np.column_stack([np.arctan2(second, third), np.arctan2(-first, np.hypot(second, third))])
-
-
-def _yaws(poses: np.ndarray) -> np.ndarray:
-    w, x, y, z = poses[:, 3:].T
-    return np.asarray(np.unwrap(np.arctan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z))))
-
-
-def _largest_range(values: np.ndarray) -> float:
-    return float(np.max(np.ptp(values, axis=0), initial=0.0))
+def _ranges(values: np.ndarray) -> np.ndarray:
+    return np.asarray(np.ptp(values, axis=0))

@@ -29,25 +29,34 @@ def covariance_root(covariance: np.ndarray, problem: CalibrationProblem) -> np.n
 @dataclass(frozen=True, eq=False)
 class Prediction:
     """The model less the readings at n configurations (n, K), 0 where nothing was read, with the
-    noise S (n, K, K) of each, 1 there, and how what the fit does not know spreads them, J L (n, K,
-    k).
+    noise S (n, K, K) of each, 1 there, how what the fit does not know spreads them, J L (n, K, k),
+    and how the noise of the mean inclination of its group does, G (n, K, 2); which members tell
+    that mean (n,).
     """
 
     errors: np.ndarray
     noise: np.ndarray
     spread: np.ndarray
+    of_mean: np.ndarray
+    telling: np.ndarray
 
     @property
     def covariance(self) -> np.ndarray:
-        """S + J C J^T of each configuration (n, K, K)."""
-        return np.asarray(self.noise + self.spread @ self.spread.transpose(0, 2, 1))
+        """S + J C J^T of each configuration (n, K, K), with G G^T where it tells no mean."""
+        own = np.where(self.telling[:, None, None], 0.0, self.of_mean)
+        both = np.concatenate([self.spread, own], axis=2)
+        return np.asarray(self.noise + both @ both.transpose(0, 2, 1))
+
+    @property
+    def whiten(self) -> np.ndarray:
+        """W (n, K, K) with W S W^T = 1."""
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(self.noise)))
 
     def chi_square(self, rows: np.ndarray) -> float:
         """Return e^T (S + J C J^T)^-1 e over some configurations together: with e and M = J L
         whitened by S, |e|^2 - e^T M (1 + M^T M)^-1 M^T e.
         """
-        root = np.linalg.cholesky(self.noise[rows])
-        both = np.linalg.solve(root, np.dstack([self.errors, self.spread])[rows])
+        both = (self.whiten @ np.dstack([self.errors, self.spread]))[rows]
         both = both.reshape(-1, both.shape[2])
         e, m = both[:, 0], both[:, 1:]
         within = np.eye(m.shape[1]) + m.T @ m
@@ -68,22 +77,23 @@ def predict_readings(
     """
     readings = problem.readings
     e, taken, width = evaluate_at(problem, p, z), readings.taken, readings.values.shape[1]
-    variance = factor * np.where(taken, readings.sigma, 0.0) ** 2 + ~taken
+    variance = np.where(taken, factor * readings.sigma**2, 1.0)
     both = taken[:, :, None] & taken[:, None, :]
     noise = np.where(both, factor * joint_covariance_at(problem, p, z), 0.0)
     noise = noise + variance[:, :, None] * np.eye(width)
     gap = deviations(readings, e.readings)
     values = np.where(taken[:, :, None], np.dstack([gap, e.slopes @ root]), 0.0)
+    inside = readings.group >= 0
+    told, of_mean = inside if telling is None else inside & telling, np.zeros((*gap.shape, 2))
     if readings.groups:
-        inside, turn = readings.group >= 0, np.eye(width)[:, readings.columns]
-        told = inside if telling is None else inside & telling
+        turn = np.eye(width)[:, readings.columns]
         told = told | (inside & ~group_sum(readings, told)[readings.group])
         weights = np.where(told[:, None, None], np.linalg.solve(noise, turn), 0.0)
         weights = weights.transpose(0, 2, 1)
         information = group_sum(readings, weights @ turn)
         means = np.linalg.solve(information, group_sum(readings, weights @ values))
-        values -= np.where(inside[:, None, None], turn @ means[readings.group], 0.0)
-        own = turn @ np.linalg.inv(np.linalg.cholesky(information)).transpose(0, 2, 1)
-        own = np.where((inside & ~told)[:, None, None], own[readings.group], 0.0)
-        values = np.dstack([values, own])
-    return Prediction(errors=values[:, :, 0], noise=noise, spread=values[:, :, 1:])
+        own = np.linalg.inv(np.linalg.cholesky(information)).transpose(0, 2, 1)
+        within = np.where(inside[:, None, None], turn, 0.0)
+        values -= within @ means[readings.group]
+        of_mean = within @ own[readings.group]
+    return Prediction(values[:, :, 0], noise, values[:, :, 1:], of_mean, told | ~inside)

@@ -25,22 +25,14 @@ import numpy as np
 
 from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear, prior_weight
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import (
-    Readings,
-    deviations,
-    group_basis,
-    group_sum,
-    neighbours,
-    whitening,
-)
+from symkin.calibration.estimate.residuals import neighbours
 from symkin.calibration.estimate.state import (
     State,
     closed_state,
     evaluate,
-    evaluate_at,
     joint_covariance,
-    joint_covariance_at,
 )
+from symkin.calibration.judge.prediction import predict_readings
 from symkin.computed_once import cached_property
 from symkin.numeric.tolerances import RANK_TOLERANCE
 
@@ -151,15 +143,11 @@ def linear_model(
     columns = np.vstack([np.zeros((count, width)), by_known @ free])
     own, whiten = np.zeros((len(residuals), 2)), np.zeros((*shape, shape[1]))
     for rows, part in problem.parts:
-        e = evaluate_at(part, state.p, state.z[rows])
-        w = whitening(part.readings, joint_covariance_at(part, state.p, state.z[rows]))
-        both = w @ np.dstack([deviations(part.readings, e.readings), e.slopes @ free])
-        made = _group_columns(part.readings, w)
-        for _ in range(2):  # the second time takes away what rounding left
-            both = _less_group_means(part.readings, made, both)
-        whiten[rows], own[:count].reshape(*shape, 2)[rows] = w, made
-        residuals[:count].reshape(shape)[rows] = both[:, :, 0]
-        columns[:count].reshape(*shape, width)[rows] = both[:, :, 1:]
+        made = predict_readings(part, state.p, state.z[rows], free)
+        w = whiten[rows] = made.whiten * part.readings.taken[:, :, None]
+        own[:count].reshape(*shape, 2)[rows] = w @ made.of_mean
+        residuals[:count].reshape(shape)[rows] = (w @ made.errors[:, :, None])[:, :, 0]
+        columns[:count].reshape(*shape, width)[rows] = w @ made.spread
     columns = _basis_in_place(columns)
     along = columns.T @ residuals
     return LinearModel(
@@ -216,27 +204,6 @@ def told_directions(problem: CalibrationProblem, state: State) -> Told:
         gains=gains,
         weight=weight,
     )
-
-
-def _group_columns(readings: Readings, whiten: np.ndarray) -> np.ndarray:
-    """W G (n, K, 2) made orthonormal group by group: W G L^-T with L L^T = sum over the group of (W
-    G)^T W G.
-    """
-    if not readings.groups:
-        return np.zeros((*readings.values.shape, 2))
-    basis = group_basis(readings, whiten)
-    root = np.linalg.cholesky(group_sum(readings, basis.transpose(0, 2, 1) @ basis))
-    inside = (readings.group >= 0)[:, None, None]
-    turned = basis @ np.linalg.inv(root).transpose(0, 2, 1)[readings.group]
-    return np.where(inside, turned, 0.0)
-
-
-def _less_group_means(readings: Readings, own: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Columns (n, K, k) less their projection to the groups' columns."""
-    if not readings.groups:
-        return values
-    means = group_sum(readings, own.transpose(0, 2, 1) @ values)
-    return np.asarray(values - own @ means[readings.group])
 
 
 def _basis_in_place(columns: np.ndarray) -> np.ndarray:
