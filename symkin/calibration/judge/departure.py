@@ -118,6 +118,11 @@ def less_frames(values: np.ndarray, poses: np.ndarray, length: float) -> np.ndar
     return np.asarray((flat - left @ (left.T @ flat)).reshape(values.shape) / weight)
 
 
+def most_central(turns: np.ndarray) -> int:
+    """Find, of unit quaternions (n, 4), that with the largest sum of squared cosines to all."""
+    return int(np.argmax(np.sum((turns @ (turns.T @ turns)) * turns, axis=1)))
+
+
 def _middles(poses: np.ndarray, centre: np.ndarray) -> np.ndarray:
     """Poses (n, 7) with the place of the middle of the platform's joint points."""
     turned = np.asarray(rotate(poses[:, 3:].T, np.tile(centre[:, None], len(poses)))).T
@@ -133,8 +138,6 @@ def _difference(poses: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 def _spread(poses: np.ndarray, length: float) -> float:
     """Root mean square distance from the middle, orientations from the one nearest to all."""
-    turns = poses[:, 3:]
-    central = turns[int(np.argmax(np.sum((turns @ turns.T) ** 2, axis=1)))]
-    middle = np.append(np.mean(poses[:, :3], axis=0), central)
+    middle = np.append(np.mean(poses[:, :3], axis=0), poses[most_central(poses[:, 3:]), 3:])
     away = _difference(poses, np.tile(middle, (len(poses), 1)))
     return float(np.sqrt(np.mean(np.sum((away * np.repeat([1.0, length], 3)) ** 2, axis=1))))

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
-from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import nearest_rows, solve_configurations
-from symkin.calibration.estimate.residuals import build_readings
-from symkin.calibration.judge.prediction import covariance_root, predict_readings
+from symkin.calibration.judge.prediction import (
+    close_others,
+    covariance_root,
+    predict_readings,
+)
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, f_tail
 from symkin.errors import InputError
@@ -113,50 +114,42 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
     """Predict held-out configurations by a fit; their direct problems begin at their neighbours'
     solutions.
     """
-    model, p = build_model(fit.mechanism, measurements, fit.problem.names), fit.state.p
-    near = nearest_rows(fit.problem.measurements.joints, measurements.joints, 1)[:, 0]
-    configurations = solve_configurations(model, measurements, p, z=fit.state.z[near], seed=seed)
-    solved = configurations.solved
-    found = HeldOut(
-        labels=tuple(measurements.labels),
-        unsolved=tuple(measurements.labels[int(k)] for k in np.flatnonzero(~solved)),
-        seed=seed,
-    )
-    if not solved.any():
-        return found
-    some, z = measurements.subset(solved), configurations.z[solved]
-    readings = build_readings(model, some)
-    problem = replace(fit.problem, measurements=some, model=model, readings=readings)
+    labels = measurements.labels
+    problem, z, solved = close_others(fit.problem, fit.state, measurements, seed)
+    unsolved = tuple(labels[int(k)] for k in np.flatnonzero(~solved))
+    if not len(z):
+        return HeldOut(tuple(labels), unsolved, seed)
+    root = covariance_root(fit.covariance, fit.problem)
     known = fit.problem.readings.known
     factor = 1.0 if known else max(fit.chi_square / max(fit.degrees, 1), 1e-300)
-    root = covariance_root(fit.covariance, fit.problem)
-    made = predict_readings(problem, p, z, root, factor)
-    taken, every = readings.taken, np.arange(len(z))
-
+    made = clean = predict_readings(problem, fit.state.p, z, root, factor)
+    taken, group, kept = problem.readings.taken, problem.readings.group, np.ones(len(z), dtype=bool)
     level = 1.0 - (1.0 - _OUTLIER_LEVEL) ** (1.0 / len(z))
-    chances = [
-        _probability(fit, made.chi_square(every[k : k + 1]), int(np.sum(taken[k]))) for k in every
-    ]
+    every = np.arange(len(z))
+    chances = [_probability(fit, made.chi_square(every == k), int(np.sum(taken[k]))) for k in every]
     off = np.array([chance is not None and chance < level for chance in chances])
-    kept = every if np.sum(off) > _MAX_OUTLIER_SHARE * len(z) else every[~off]
-    clean = predict_readings(problem, p, z, root, factor, np.isin(every, kept))
-    groups = set(readings.group[kept].tolist()) - {-1}
-    chi_square, degrees = clean.chi_square(kept), int(np.sum(taken[kept])) - 2 * len(groups)
-    expected = np.diagonal(made.covariance, axis1=1, axis2=2)
-    rms: tuple[dict[str, float], dict[str, float]] = ({}, {})
-    for kind in dict.fromkeys(kind for kind, _ in model.columns):
-        inside = taken & np.array([other == kind for other, _ in model.columns])
-        for made_of, squares in zip(rms, (made.errors**2, expected), strict=True):
-            if inside.any():
-                made_of[kind] = float(np.sqrt(np.mean(squares[inside])))
-    return replace(
-        found,
-        rms=rms[0],
-        expected=rms[1],
-        chi_square=chi_square,
-        degrees=degrees,
-        p_value=_probability(fit, chi_square, degrees),
-        outliers=tuple(some.labels[k] for k in np.setdiff1d(every, kept)),
+    if 0 < np.sum(off) <= _MAX_OUTLIER_SHARE * len(z):
+        kept = ~off
+        clean = predict_readings(problem, fit.state.p, z, root, factor, kept)
+    degrees = int(np.sum(taken[kept])) - 2 * len(set(group[kept].tolist()) - {-1})
+    chi_square = clean.chi_square(kept)
+    squares, expected = made.errors**2, np.diagonal(made.covariance, axis1=1, axis2=2)
+    kinds = np.array([kind for kind, _ in problem.model.columns])
+    inside = {kind: taken & (kinds == kind) for kind in dict.fromkeys(kinds.tolist())}
+    rms, expectation = (
+        {kind: float(np.sqrt(np.mean(v[some]))) for kind, some in inside.items() if some.any()}
+        for v in (squares, expected)
+    )
+    return HeldOut(
+        tuple(labels),
+        unsolved,
+        seed,
+        rms,
+        expectation,
+        chi_square,
+        degrees,
+        _probability(fit, chi_square, degrees),
+        tuple(problem.measurements.labels[int(k)] for k in np.flatnonzero(~kept)),
     )
 
 

@@ -111,18 +111,6 @@ class Identifiability:
         last = self.singular_values[self.rank - 1] if self.rank else 0.0
         return float(self.singular_values[0] / last) if self.rank else float("inf")
 
-    def __str__(self) -> str:
-        lines = [
-            f"rank {self.rank} of {len(self.names)} parameters, condition {self.condition:.3g}, "
-            f"gap {self.gap:.3g}"
-        ]
-        lines += [f"  not observable: {text}" for text in self.unobservable]
-        lines += [
-            f"  hardly told: {text} (standard deviation {share:.2g} of the prior's)"
-            for text, share in self.weak
-        ]
-        return "\n".join([*lines, *(f"  advice: {text}" for text in self.advice)])
-
 
 def identifiability(
     mechanism: Mechanism,
@@ -208,20 +196,20 @@ def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
     model = problem.model
     if state.leftover is None:
         return False
-    every = spread_rows(len(state.z), _MAX_BESIDE)
-    z, joints = state.z[every], problem.measurements.joints[every]
+    some = spread_rows(len(state.z), _MAX_BESIDE)
+    joints, quaternions = problem.measurements.joints[some], problem.quaternions[some]
     size, rng = model.closure.characteristic_length, np.random.default_rng(0)
     units = np.array([1.0 if c.is_angular else size for c in model.closure.role("actuated")])
-    moved = joints + _JOINTS_BESIDE * units * rng.uniform(-1.0, 1.0, joints.shape)
-    rows = []
-    for q in (joints, moved):
+    moved = _JOINTS_BESIDE * units * rng.uniform(-1.0, 1.0, joints.shape)
+
+    def left_over(q: np.ndarray) -> np.ndarray:
         with np.errstate(all="ignore"):
-            there, closed = newton_configurations(model, z, q, model.nominal)
-        left = model.evaluate(
-            there[closed], q[closed], model.nominal, problem.quaternions[every][closed]
-        ).left_over
-        rows.append(left.reshape(-1, len(problem.names)))
-    return bool(np.max(np.abs(rows[1] @ unbound(rows[0])), initial=0.0) > _OPEN_SLOPE)
+            z, closed = newton_configurations(model, state.z[some], q, model.nominal)
+        e = model.evaluate(z, q, model.nominal, quaternions)
+        return np.asarray(e.left_over[closed].reshape(-1, len(problem.names)))
+
+    open_steps = left_over(joints + moved) @ unbound(left_over(joints))
+    return bool(np.max(np.abs(open_steps), initial=0.0) > _OPEN_SLOPE)
 
 
 def name_null_space(

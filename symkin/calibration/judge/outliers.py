@@ -22,15 +22,18 @@ import numpy as np
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
 from symkin.calibration.data.observables import is_angular
 from symkin.calibration.estimate.configurations import (
-    SOLVED_TOLERANCE,
     first_points,
     newton_configurations,
 )
 from symkin.calibration.estimate.estimator import Estimate
-from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
+from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import only_rounding
 from symkin.calibration.estimate.robust import normalised_residuals, robust_estimate
-from symkin.calibration.judge.prediction import covariance_root, predict_readings
+from symkin.calibration.judge.prediction import (
+    close_others,
+    covariance_root,
+    predict_readings,
+)
 from symkin.calibration.judge.statistics import (
     SIGNIFICANCE,
     LinearModel,
@@ -447,39 +450,29 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     group = none if measurements.groups is None else measurements.groups
     beside = (group != NO_GROUP) & np.isin(group, group[out])
     rows = np.flatnonzero(beside | np.isin(np.arange(len(none)), out))
-    problem = build_calibration(
-        found.problem.mechanism,
-        measurements.subset(rows),
-        parameters=(*found.problem.names, *found.problem.fixed),
-        fixed=found.problem.fixed,
-        residual=found.problem.form,
-    )
+    state, known = found.result.state, found.problem.readings.known
+    problem, z, solved = close_others(found.problem, state, measurements.subset(rows))
+    rows = rows[solved]
+    if not len(rows):
+        return list(outliers)
     apart = {o.configuration: o.statistic for o in outliers if o.kind == "group"}
     for members in ([int(k) for k in np.flatnonzero(group == group[i])] for i in list(apart)):
         if all(k in apart for k in members):  # the others are compared with the likeliest
             del apart[min(members, key=lambda k: apart[k])]
-    start = StartValues.of(found, len(measurements)).subset(rows)
-    p, joints, known = start.p, problem.measurements.joints, problem.readings.known
     factor, degrees = 1.0, 0
     if not known:
-        model = linear_model(found.problem, found.result.state)
+        model = linear_model(found.problem, state)
         factor, degrees = max(model.chi_square / max(model.degrees, 1), 1e-300), model.degrees
-    free = factor * covariance(found.problem, found.result.state)
-    with np.errstate(all="ignore"):
-        begin = first_points(problem.model, problem.measurements, p)
-        begin = np.where(np.isnan(start.z), begin, start.z)
-        z, closed = newton_configurations(
-            problem.model, begin, joints, p, tolerance=1e2 * SOLVED_TOLERANCE
-        )
-        root, telling = covariance_root(free, found.problem), ~np.isin(rows, list(apart))
-        made = predict_readings(problem, p, z, root, factor, telling)
-    tested = []
+    root = covariance_root(factor * covariance(found.problem, state), found.problem)
+    telling = ~np.isin(rows, list(apart))
+    made = predict_readings(problem, state.p, z, root, factor, telling)
+    kinds, tested = np.array(_kinds_of_columns(problem)), []
     for o in outliers:
         i = int(np.searchsorted(rows, o.configuration))
-        columns = np.flatnonzero(
-            [kind == o.kind for kind in _kinds_of_columns(problem)] & problem.readings.taken[i]
-        )
-        if closed[i] and len(columns):
+        columns = np.zeros(0, dtype=int)
+        if o.configuration in rows:
+            columns = np.flatnonzero((kinds == o.kind) & problem.readings.taken[i])
+        if len(columns):
             shift, d = -made.errors[i, columns], len(columns)
             block = made.covariance[i][np.ix_(columns, columns)]
             statistic = float(shift @ np.linalg.solve(block, shift))

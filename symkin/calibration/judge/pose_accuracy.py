@@ -21,7 +21,7 @@ from symkin.calibration.estimate.configurations import (
 from symkin.calibration.estimate.problem import PRIOR_SHARE
 from symkin.calibration.estimate.starting import has_home
 from symkin.calibration.estimate.workspace import ClosureSolver, Workspace, home_pose, lever
-from symkin.calibration.judge.departure import judged_poses, less_frames
+from symkin.calibration.judge.departure import judged_poses, less_frames, most_central
 from symkin.calibration.judge.prediction import covariance_root
 from symkin.calibration.judge.result import Calibration
 from symkin.closure.closure import build_closure
@@ -39,8 +39,8 @@ geometry lies there. Slopes below the first are rounding (parameters that matter
 slopes above the second always count.
 """
 _REGION_TEXT = f"{_ACCURACY_POSES} random poses in the region measured"
-_DRAWN_POSES = 2 * _ACCURACY_POSES
-"""Poses that are drawn for these; some do not close or are near a singularity."""
+_DRAWN_POSES = 5 * _ACCURACY_POSES // 4
+"""Poses that are drawn for these; a few do not close or are near a singularity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,52 +121,41 @@ def _pose_sigma_at(
 def _measured_region(
     identified: Mechanism, fit: Calibration, rng: np.random.Generator
 ) -> tuple[ClosedConfigurations, str]:
-    """Draw random configurations between pairs of measured ones (an arm: within its measured joint
-    values; where joints carry the platform, followed part of the way to the joints of others), else
-    the configurations measured.
+    """Draw random configurations, followed from measured ones part of the way to the joints of
+    others (an arm: within its measured joint values), else the configurations measured.
     """
     model, joints = fit.problem.model, fit.problem.measurements.joints
     closure = build_closure(identified)
     if identified.serial:
         shape = (_ACCURACY_POSES, joints.shape[1])
         drawn = rng.uniform(joints.min(axis=0), joints.max(axis=0), shape)
-        return _at_joints(identified, drawn), _REGION_TEXT
+        made, solved = _at_joints(identified, Measurements(drawn))
+        return made.take(np.flatnonzero(solved)), _REGION_TEXT
     observing = build_closure(identified, model.closure.partition)
     measured = many_elsewhere(closure, observing, np.hstack([joints, fit.state.z]))
+    poses, home = judged_poses(fit.problem, fit.state.p, fit.state.z, joints), home_pose(identified)
+    if not is_carried(closure):
+        central = poses[most_central(poses[:, 3:])]
+        home = Pose(central[:3], central[3:])
+    solver = ClosureSolver(identified, home)
     first, second = rng.integers(len(measured), size=(2, _DRAWN_POSES))
     share = rng.uniform(0.0, 1.0, (_DRAWN_POSES, 1))
-    if is_carried(closure):
-        solver = ClosureSolver(identified, home_pose(identified))
-        towards = joints[first] + share * (joints[second] - joints[first])
-        starts = solver.at_joints(towards, measured[first])
-    else:
-        poses = judged_poses(fit.problem, fit.state.p, fit.state.z, joints)
-        turns = poses[:, 3:]
-        # of each the sum of squared cosines to all
-        central = poses[int(np.argmax(np.sum((turns @ (turns.T @ turns)) * turns, axis=1)))]
-        solver = ClosureSolver(identified, Pose(central[:3], central[3:]))
-        ends, starts = measured[second], measured[first] * (1 - share)
-        for c in closure.coordinates:
-            place = closure.slices[c.name]
-            if c.kind == "quaternion":  # by the shorter way
-                along = np.sum(measured[first][:, place] * ends[:, place], axis=1, keepdims=True)
-                ends[:, place] *= np.where(along < 0, -1.0, 1.0)
-            starts[:, place] += share * ends[:, place]
-            if c.kind == "quaternion":
-                starts[:, place] /= np.linalg.norm(starts[:, place], axis=1, keepdims=True)
+    starts = solver.at_joints((1 - share) * joints[first] + share * joints[second], measured[first])
     made, good = solver.close(starts, None, limits=False)
     if good.any():
         return made.take(np.flatnonzero(good)[:_ACCURACY_POSES]), _REGION_TEXT
     return solver.close(measured, None, limits=False)[0], "the postures measured"
 
 
-def _at_joints(mechanism: Mechanism, joints: np.ndarray) -> ClosedConfigurations:
-    """Closed configurations of an arm at joint values."""
-    m = Measurements(joints)
-    model = build_model(mechanism, m, ())
-    found = solve_configurations(model, m, np.zeros(0))
-    z, joints = found.z[found.solved], joints[found.solved]
-    return ClosedConfigurations(np.hstack([joints, z]), joints, model.poses(z, joints, np.zeros(0)))
+def _at_joints(
+    mechanism: Mechanism, m: Measurements, names: Sequence[str] = (), p: np.ndarray | None = None
+) -> tuple[ClosedConfigurations, np.ndarray]:
+    """Close configurations at joint values near their starts, and tell which are solved."""
+    model = build_model(mechanism, m, names)
+    p = model.nominal if p is None else p
+    found = solve_configurations(model, m, p)
+    made = np.hstack([m.joints, found.z]), m.joints, model.poses(found.z, m.joints, p)
+    return ClosedConfigurations(*made), found.solved
 
 
 def pose_sigma(
@@ -179,34 +168,33 @@ def pose_sigma(
     C_X = J C_p J^T, J = dX/dp at fixed joints. Raises InputError where a direct problem has no
     solution near `starts` (n, 7; default: the reference pose).
     """
-    problem, p = calibration.problem, calibration.state.p
-    joints = np.asarray(joints, dtype=float)
-    measured = _whole_poses(joints, np.tile([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], (len(joints), 1)))
-    measured.check(calibration.mechanism)
-    model = build_model(calibration.mechanism, measured, problem.names)
-    configurations = solve_configurations(model, Measurements(joints, starts=starts), p)
-    if not configurations.solved.all():
+    mechanism, problem, p = calibration.mechanism, calibration.problem, calibration.state.p
+    m = Measurements(np.asarray(joints, dtype=float), starts=starts)
+    m.check(mechanism)
+    made, solved = _at_joints(mechanism, m, problem.names, p)
+    if not solved.all():
         raise InputError(
-            f"the direct problem of joint readings {int(np.argmin(configurations.solved)) + 1} has "
+            f"the direct problem of joint readings {int(np.argmin(solved)) + 1} has "
             f"no solution near its start"
         )
-    quaternions = model.poses(configurations.z, joints, p)[:, 3:]
-    slopes = model.evaluate(configurations.z, joints, p, quaternions).slopes
-    root = covariance_root(calibration.covariance, problem)
-    return np.asarray(np.linalg.norm(slopes @ root, axis=2))
+    slopes, _ = pose_slopes(mechanism, made, problem.names, p)
+    spread = slopes @ covariance_root(calibration.covariance, problem)
+    return np.asarray(np.linalg.norm(spread, axis=2))
 
 
 def pose_slopes(
-    mechanism: Mechanism, made: ClosedConfigurations, names: Sequence[str]
+    mechanism: Mechanism,
+    made: ClosedConfigurations,
+    names: Sequence[str],
+    p: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Differentiate the pose by scaled parameters (n, 6, P): position in the length unit, rotation
-    vector in radians, joints held; and rows that redundant loops leave over, (n, m, P).
+    """Differentiate the pose by scaled parameters at p (nominal) (n, 6, P): position in the length
+    unit, rotation vector in radians, joints held; and rows that redundant loops leave over, (n, m,
+    P).
     """
-    model = build_model(mechanism, _whole_poses(made.joints, made.poses), tuple(names))
+    whole = Measurements(made.joints, position=made.poses[:, :3], orientation=made.poses[:, 3:])
+    model = build_model(mechanism, whole, tuple(names))
     z = np.ascontiguousarray(made.values[:, made.joints.shape[1] :])
-    e = model.evaluate(z, made.joints, model.nominal, made.poses[:, 3:])
+    at = model.nominal if p is None else p
+    e = model.evaluate(z, made.joints, at, whole.quaternions)
     return e.slopes, e.left_over
-
-
-def _whole_poses(joints: np.ndarray, poses: np.ndarray) -> Measurements:
-    return Measurements(joints, position=poses[:, :3], orientation=poses[:, 3:])

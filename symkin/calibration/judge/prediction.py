@@ -9,13 +9,31 @@ with it, the mean's own noise counts, too.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.estimate.configuration_model import build_model
+from symkin.calibration.estimate.configurations import nearest_rows, solve_configurations
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import deviations, group_sum
-from symkin.calibration.estimate.state import evaluate_at, joint_covariance_at
+from symkin.calibration.estimate.residuals import build_readings, deviations, group_sum
+from symkin.calibration.estimate.state import State, evaluate_at, joint_covariance_at
+
+
+def close_others(
+    problem: CalibrationProblem, state: State, measurements: Measurements, seed: int = 0
+) -> tuple[CalibrationProblem, np.ndarray, np.ndarray]:
+    """Close other configurations at the parameters of a fit, from their neighbours' solutions: the
+    problem of those that are solved, their unknown coordinates, and which they are (n,).
+    """
+    model = build_model(problem.mechanism, measurements, problem.names)
+    near = state.z[nearest_rows(problem.measurements.joints, measurements.joints, 1)[:, 0]]
+    found = solve_configurations(model, measurements, state.p, z=near, seed=seed)
+    some = measurements.subset(found.solved)
+    readings = build_readings(model, some)
+    there = replace(problem, measurements=some, model=model, readings=readings)
+    return there, found.z[found.solved], found.solved
 
 
 def covariance_root(covariance: np.ndarray, problem: CalibrationProblem) -> np.ndarray:
