@@ -182,7 +182,7 @@ def test_what_is_put_back_is_judged_as_a_reading_that_took_no_part(logged, left_
         used=np.arange(12),
         result=SimpleNamespace(state=without.state),
     )
-    outlier = SimpleNamespace(configuration=left_out, kind="position")
+    outlier = outliers.Outlier(left_out, "position", 0.0, 3)
     (judged,) = outliers._retest(few, fit, [outlier])
     grown = with_it.chi_square - without.chi_square
     assert judged.statistic == pytest.approx(grown, rel=0.02, abs=0.02)
@@ -224,7 +224,7 @@ def test_probabilities_of_clean_readings_that_were_left_out_are_uniform(case):
         found = SimpleNamespace(
             problem=fit.problem, used=np.array(fit.used), result=SimpleNamespace(state=fit.state)
         )
-        outlier = SimpleNamespace(configuration=k, kind=kind, statistic=0.0)
+        outlier = outliers.Outlier(k, kind, 0.0, 3)
         (judged,) = outliers._retest(data, found, [outlier])
         chances.append(judged.probability)
     steps, chances = np.arange(61) / 60, np.sort(chances)

@@ -24,15 +24,17 @@ from helpers.inclinometer import (
 )
 from helpers.inside import (
     DOUBTFUL_CURVATURE,
+    ClosedConfigurations,
     build_calibration,
     chi_square_tail,
     covariance,
+    covariance_root,
     curvature,
     estimate,
     f_tail,
     joint_frames,
     linear_model,
-    pose_sigma,
+    pose_slopes,
     screen_readings,
     solve_configurations,
 )
@@ -136,19 +138,21 @@ def test_covariance_is_that_of_the_estimates():
 
 
 def test_pose_deviation_is_that_of_poses():
-    """pose_sigma against the scatter of poses when parameters are drawn from their covariance."""
+    """C_X = J C J^T with the slopes J of poses, against the scatter of poses when parameters are
+    drawn from their covariance C.
+    """
     truth, rng = geometry(TRUE), np.random.default_rng(4)
     fit = calibrate(NOMINAL, measured(truth, rng, noisy=True), fixed=HELD, outliers="ignore")
     joints = groups_of_postures(truth, rng, 1, 3)[0]
-    sigma = pose_sigma(fit, joints)
     problem, count = fit.problem, len(fit.problem.names)
     draws = rng.multivariate_normal(fit.state.p, fit.covariance[:count, :count], size=400)
-    data = Measurements(joints)
-    z = solve_configurations(problem.model, data, fit.state.p).z
+    data, model = Measurements(joints), problem.model
+    z = solve_configurations(model, data, fit.state.p).z
+    made = ClosedConfigurations(np.hstack([joints, z]), joints, model.poses(z, joints, fit.state.p))
+    slopes, _ = pose_slopes(fit.corrected, made, problem.names)
+    sigma = np.linalg.norm(slopes @ covariance_root(fit.covariance, problem), axis=2)
     positions = [
-        problem.model.poses(solve_configurations(problem.model, data, p, z=z).z, data.joints, p)[
-            :, :3
-        ]
+        model.poses(solve_configurations(model, data, p, z=z).z, data.joints, p)[:, :3]
         for p in draws
     ]
     np.testing.assert_allclose(np.std(positions, axis=0), sigma[:, :3], rtol=0.15)

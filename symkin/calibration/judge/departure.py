@@ -59,33 +59,31 @@ class Departure:
 
 def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     """Measure the departure of a fit from the nominal geometry, over the configurations fitted."""
-    model, rows = problem.model, spread_rows(len(state.z), _COMPARED_CONFIGURATIONS)
-    z, joints = state.z[rows], problem.measurements.joints[rows]
-    length, centre = lever(problem.mechanism), np.mean(platform_points(problem.mechanism), axis=0)
-    here = _middles(judged_poses(problem, state.p, z, joints), centre)
-    whole = np.all(np.isfinite(here), axis=1)
-    z, joints, here = z[whole], joints[whole], here[whole]
+    nominal, rows = problem.model.nominal, spread_rows(len(state.z), _COMPARED_CONFIGURATIONS)
+    joints, length = problem.measurements.joints[rows], lever(problem.mechanism)
     with np.errstate(all="ignore"):
         z, closed = newton_configurations(
-            model, z, joints, model.nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE
+            problem.model, state.z[rows], joints, nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE
         )
-    unclosed, spread = int(np.sum(~closed)), _spread(here, length) if len(here) else 0.0
-    if not np.any(closed) or not spread > 0.0:
-        return Departure(0.0 if np.any(closed) else 1.0, 0.0, 0.0, unclosed, len(here))
-    here = here[closed]
-    there = _middles(judged_poses(problem, model.nominal, z[closed], joints[closed]), centre)
-    same = np.sign(np.sum(here[:, 3:] * there[:, 3:], axis=1, keepdims=True))
-    between = 0.5 * np.hstack([here[:, :3] + there[:, :3], here[:, 3:] + same * there[:, 3:]])
+    here, there = (
+        _middles(problem, judged_poses(problem, p, points, joints))
+        for p, points in ((state.p, state.z[rows]), (nominal, z))
+    )
+    whole = np.all(np.isfinite(here), axis=1)
+    closed, unclosed = closed & whole, int(np.sum(whole & ~closed))
+    spread = _spread(here[whole], length) if whole.any() else 0.0
+    if not closed.any() or not spread > 0.0:
+        return Departure(0.0 if closed.any() else 1.0, 0.0, 0.0, unclosed, int(np.sum(whole)))
+    here, there = here[closed], there[closed]
+    there[:, 3:] *= np.sign(np.sum(here[:, 3:] * there[:, 3:], axis=1, keepdims=True))
+    between = 0.5 * (here + there)
     between[:, 3:] /= np.linalg.norm(between[:, 3:], axis=1, keepdims=True)
     off = less_frames(_difference(here, there)[:, :, None], between, length)[:, :, 0]
-    place, turn = np.sum(off[:, :3] ** 2, axis=1), np.sum(off[:, 3:] ** 2, axis=1)
-    squares = np.append(place + length**2 * turn, np.full(unclosed, spread**2))
+    parts = np.sum(off.reshape(-1, 2, 3) ** 2, axis=2)
+    squares = np.append(parts @ [1.0, length**2], np.full(unclosed, spread**2))
+    position, angle = map(float, np.sqrt(np.mean(parts, axis=0)))
     return Departure(
-        share=rms_of_better_part(squares) / spread,
-        position=float(np.sqrt(np.mean(place))),
-        angle=float(np.sqrt(np.mean(turn))),
-        unclosed=unclosed,
-        configurations=unclosed + len(here),
+        rms_of_better_part(squares) / spread, position, angle, unclosed, int(np.sum(whole))
     )
 
 
@@ -123,9 +121,10 @@ def most_central(turns: np.ndarray) -> int:
     return int(np.argmax(np.sum((turns @ (turns.T @ turns)) * turns, axis=1)))
 
 
-def _middles(poses: np.ndarray, centre: np.ndarray) -> np.ndarray:
+def _middles(problem: CalibrationProblem, poses: np.ndarray) -> np.ndarray:
     """Poses (n, 7) with the place of the middle of the platform's joint points."""
-    turned = np.asarray(rotate(poses[:, 3:].T, np.tile(centre[:, None], len(poses)))).T
+    centre = np.mean(platform_points(problem.mechanism), axis=0)[:, None]
+    turned = np.asarray(rotate(poses[:, 3:].T, np.tile(centre, len(poses)))).T
     return np.hstack([poses[:, :3] + turned, poses[:, 3:]])
 
 

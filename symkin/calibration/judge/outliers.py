@@ -39,8 +39,8 @@ from symkin.calibration.judge.statistics import (
     LinearModel,
     chi_square_tail,
     covariance,
-    f_tail,
     linear_model,
+    tail,
 )
 
 OUTLIER_LEVEL = 0.02
@@ -165,12 +165,14 @@ def screen_readings(
         for i in configurations[degrees == 0]
     )
     count, most, least = _count(kinds), max_outliers(problem), 2 * model.degrees // 3
-    found = list[Outlier]()
+    found, falls = list[Outlier](), list[float]()
     while model.degrees > 0 and len(found) < count:
         outlier, rows = _least_likely(problem, model, kinds, tests)
         if outlier.probability >= 1.0 - (1.0 - level) ** (1.0 / (count - len(found))):
             break
-        if outlier.statistic < share * max((o.statistic for o in found), default=0.0):
+        less = model.without(rows)
+        falls.append(model.chi_square - less.chi_square)
+        if falls[-1] < share * max(falls):
             break
         angular = is_angular(problem.mechanism, outlier.kind)
         unit = 1.0 if angular else problem.mechanism.characteristic_length
@@ -179,7 +181,7 @@ def screen_readings(
         if len(found) >= most or model.degrees <= least:
             return Screening(unchecked=tuple(unchecked), given_up=tuple(found))
         found.append(outlier)
-        model = model.without(rows)
+        model = less
         tests = [_test_readings(model, rows) for _, _, rows in kinds]
     return Screening(tuple(found), tuple(unchecked))
 
@@ -236,24 +238,23 @@ def _least_likely(
     their degrees of freedom; the larger statistic where several have probability 0. Unknown noise
     is studentised without the reading that is judged.
     """
-    best = (1.0, 0.0, 0, 0, 0, 1.0)
-    for k, (statistic, degrees, _) in enumerate(tests):
+    best = (1.0, 0.0, 0, 0, 0)
+    for k, (statistics, degrees, _) in enumerate(tests):
         for d in map(int, np.unique(degrees[degrees > 0])):
-            m = int(np.argmax(np.where(degrees == d, statistic, -1.0)))
-            largest, left, scatter = float(statistic[m]), model.degrees - d, 1.0
-            if problem.readings.known:
-                probability = chi_square_tail(largest, d)
-            else:
-                scatter = max((model.chi_square - largest) / max(left, 1), 1e-300)
-                probability = f_tail(largest / d / scatter, d, left)
-            best = min(best, (probability, -largest, d, k, m, scatter))
-    probability, negative, degree, k, m, scatter = best
+            m = int(np.argmax(np.where(degrees == d, statistics, -1.0)))
+            statistic, left = float(statistics[m]), None
+            if not problem.readings.known:
+                left = model.degrees - d
+                statistic *= max(left, 1) / max(model.chi_square - statistic, 1e-300)
+            best = min(best, (tail(statistic, d, left), -statistic, d, k, m))
+    probability, statistic, degree, k, m = best
     kind, configurations, every = kinds[k]
-    i, rows = int(configurations[m]), every[m][model.taken[every[m]]]
+    i, given = int(configurations[m]), model.taken[every[m]]
+    rows = every[m][given]
     columns = rows - i * len(problem.model.columns)
-    whitened = tests[k][2][m][model.taken[every[m]]]
-    shift = np.linalg.solve(model.whiten[i][np.ix_(columns, columns)], whitened)
-    made = Outlier(i, kind, -negative / scatter, degree, probability=probability)
+    whiten = model.whiten[i][np.ix_(columns, columns)]
+    shift = np.linalg.solve(whiten, tests[k][2][m][given])
+    made = Outlier(i, kind, -statistic, degree, probability=probability)
     return _described(problem, i, made, columns, shift), rows
 
 
@@ -450,7 +451,7 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     group = none if measurements.groups is None else measurements.groups
     beside = (group != NO_GROUP) & np.isin(group, group[out])
     rows = np.flatnonzero(beside | np.isin(np.arange(len(none)), out))
-    state, known = found.result.state, found.problem.readings.known
+    state = found.result.state
     problem, z, solved = close_others(found.problem, state, measurements.subset(rows))
     rows = rows[solved]
     if not len(rows):
@@ -459,10 +460,10 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     for members in ([int(k) for k in np.flatnonzero(group == group[i])] for i in list(apart)):
         if all(k in apart for k in members):  # the others are compared with the likeliest
             del apart[min(members, key=lambda k: apart[k])]
-    factor, degrees = 1.0, 0
-    if not known:
+    factor, left = 1.0, None
+    if not found.problem.readings.known:
         model = linear_model(found.problem, state)
-        factor, degrees = max(model.chi_square / max(model.degrees, 1), 1e-300), model.degrees
+        factor, left = max(model.chi_square / max(model.degrees, 1), 1e-300), model.degrees
     root = covariance_root(factor * covariance(found.problem, state), found.problem)
     telling = ~np.isin(rows, list(apart))
     made = predict_readings(problem, state.p, z, root, factor, telling)
@@ -476,8 +477,7 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
             shift, d = -made.errors[i, columns], len(columns)
             block = made.covariance[i][np.ix_(columns, columns)]
             statistic = float(shift @ np.linalg.solve(block, shift))
-            chance = chi_square_tail(statistic, d) if known else f_tail(statistic / d, d, degrees)
-            fresh = Outlier(o.configuration, o.kind, statistic, d, probability=chance)
+            fresh = replace(o, statistic=statistic, degrees=d, probability=tail(statistic, d, left))
             o = _described(problem, i, fresh, columns, shift)
         tested.append(o)
     return tested

@@ -25,7 +25,7 @@ from symkin.calibration.judge.departure import judged_poses, less_frames, most_c
 from symkin.calibration.judge.prediction import covariance_root
 from symkin.calibration.judge.result import Calibration
 from symkin.closure.closure import build_closure
-from symkin.errors import InputError, SymkinError
+from symkin.errors import SymkinError
 from symkin.model.mechanism import Mechanism
 from symkin.position.transfer import many_elsewhere
 from symkin.spatial.pose import Pose
@@ -129,8 +129,11 @@ def _measured_region(
     if identified.serial:
         shape = (_ACCURACY_POSES, joints.shape[1])
         drawn = rng.uniform(joints.min(axis=0), joints.max(axis=0), shape)
-        made, solved = _at_joints(identified, Measurements(drawn))
-        return made.take(np.flatnonzero(solved)), _REGION_TEXT
+        arm = build_model(identified, Measurements(drawn), ())
+        found = solve_configurations(arm, Measurements(drawn), arm.nominal)
+        z, drawn = found.z[found.solved], drawn[found.solved]
+        poses = arm.poses(z, drawn, arm.nominal)
+        return ClosedConfigurations(np.hstack([drawn, z]), drawn, poses), _REGION_TEXT
     observing = build_closure(identified, model.closure.partition)
     measured = many_elsewhere(closure, observing, np.hstack([joints, fit.state.z]))
     poses, home = judged_poses(fit.problem, fit.state.p, fit.state.z, joints), home_pose(identified)
@@ -147,54 +150,14 @@ def _measured_region(
     return solver.close(measured, None, limits=False)[0], "the postures measured"
 
 
-def _at_joints(
-    mechanism: Mechanism, m: Measurements, names: Sequence[str] = (), p: np.ndarray | None = None
-) -> tuple[ClosedConfigurations, np.ndarray]:
-    """Close configurations at joint values near their starts, and tell which are solved."""
-    model = build_model(mechanism, m, names)
-    p = model.nominal if p is None else p
-    found = solve_configurations(model, m, p)
-    made = np.hstack([m.joints, found.z]), m.joints, model.poses(found.z, m.joints, p)
-    return ClosedConfigurations(*made), found.solved
-
-
-def pose_sigma(
-    calibration: Calibration, joints: np.ndarray, starts: np.ndarray | None = None
-) -> np.ndarray:
-    """Propagate the parameters' covariance to the pose at joint readings (n, actuated): standard
-    deviations (n, 6), position in the length unit, rotation vector in the platform frame in
-    radians, in the frames of the calibration.
-
-    C_X = J C_p J^T, J = dX/dp at fixed joints. Raises InputError where a direct problem has no
-    solution near `starts` (n, 7; default: the reference pose).
-    """
-    mechanism, problem, p = calibration.mechanism, calibration.problem, calibration.state.p
-    m = Measurements(np.asarray(joints, dtype=float), starts=starts)
-    m.check(mechanism)
-    made, solved = _at_joints(mechanism, m, problem.names, p)
-    if not solved.all():
-        raise InputError(
-            f"the direct problem of joint readings {int(np.argmin(solved)) + 1} has "
-            f"no solution near its start"
-        )
-    slopes, _ = pose_slopes(mechanism, made, problem.names, p)
-    spread = slopes @ covariance_root(calibration.covariance, problem)
-    return np.asarray(np.linalg.norm(spread, axis=2))
-
-
 def pose_slopes(
-    mechanism: Mechanism,
-    made: ClosedConfigurations,
-    names: Sequence[str],
-    p: np.ndarray | None = None,
+    mechanism: Mechanism, made: ClosedConfigurations, names: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Differentiate the pose by scaled parameters at p (nominal) (n, 6, P): position in the length
-    unit, rotation vector in radians, joints held; and rows that redundant loops leave over, (n, m,
-    P).
+    """Differentiate the pose by scaled parameters (n, 6, P): position in the length unit, rotation
+    vector in radians, joints held; and rows that redundant loops leave over, (n, m, P).
     """
     whole = Measurements(made.joints, position=made.poses[:, :3], orientation=made.poses[:, 3:])
     model = build_model(mechanism, whole, tuple(names))
     z = np.ascontiguousarray(made.values[:, made.joints.shape[1] :])
-    at = model.nominal if p is None else p
-    e = model.evaluate(z, made.joints, at, whole.quaternions)
+    e = model.evaluate(z, made.joints, model.nominal, whole.quaternions)
     return e.slopes, e.left_over

@@ -253,6 +253,15 @@ def f_tail(value: float, first: int, second: int) -> float:
         return float(arb(x).beta_lower(arb(second) / 2, arb(first) / 2, 1))
 
 
+def tail(statistic: float, degrees: int, left: int | None = None) -> float:
+    """Return the probability that a sum of `degrees` squares over their variance exceeds a value:
+    of chi-square, or of F where the variance is known by `left` degrees of freedom alone.
+    """
+    if left is None:
+        return chi_square_tail(statistic, degrees)
+    return f_tail(statistic / max(degrees, 1), degrees, left)
+
+
 # --- covariance -----------------------------------------------------------------------------------
 
 
