@@ -28,6 +28,7 @@ from helpers.inside import (
     default_parameters,
     identifiability,
     joint_frames,
+    measure_departure,
     named_motions,
     nominal_parameters,
     predict_pose_sigma,
@@ -293,3 +294,23 @@ def test_a_blind_direction_counts_where_the_prior_leaves_poses_less_sure(times, 
     share = times * np.sqrt(np.mean(usual.position**2)) / prior / np.max(moved)
     other = dataclasses.replace(quiet, blind=share * seen, null_space=share * seen)
     assert predict_pose_sigma(dataclasses.replace(fit, identifiability=other)).blind is blind
+
+
+@pytest.mark.parametrize("end", ["base", "platform"])
+def test_a_departure_knows_no_frames(end):
+    """Joint centres of one end turned (by 11 deg) and shifted as a whole move poses by a constant
+    frame, which is no departure.
+    """
+    data = grouped(np.random.default_rng(12))
+    problem = build_calibration(NOMINAL, data)
+    turn = Pose(np.zeros(3), np.array([np.cos(0.1), 0.0, np.sin(0.1), 0.0])).rotation
+    values = dict(zip(problem.names, problem.model.nominal, strict=True))
+    for leg in range(1, 7):
+        names = [f"leg{leg}.{end}.{k}" for k in "xyz"]
+        moved = turn @ [values[n] for n in names] + [0.03, -0.02, 0.01]
+        values |= dict(zip(names, moved, strict=True))
+    p = np.array([values[n] for n in problem.names])
+    z = solve_configurations(problem.model, data, p).z
+    found = measure_departure(problem, evaluate(problem, p, z, "means"))
+    assert found.unclosed == 0
+    assert found.share < 1e-7

@@ -200,10 +200,10 @@ def read_back(problem: CalibrationProblem, state: State) -> tuple[State, str | N
         read = numbers(found)
     except SymkinError as error:
         return state, f"the file with the identified geometry cannot be read ({error})"
-    factors = _vector_lengths(numbers(problem.mechanism) | values, read)
+    fitted = numbers(problem.mechanism) | values
     p = np.array(
         [
-            read[n] * factors.get(_vector(n), 1.0) if is_writable(n) else values[n]
+            read[n] * _stretch(n, fitted, read) if is_writable(n) else values[n]
             for n in problem.names
         ]
     )
@@ -213,22 +213,16 @@ def read_back(problem: CalibrationProblem, state: State) -> tuple[State, str | N
         return here, next(_faults(problem, state, found, values), None)
 
 
-def _vector(name: str) -> str:
-    """Name the vector of which a parameter is a component."""
-    return name.rpartition(".")[0]
-
-
-def _vector_lengths(fitted: dict[str, float], read: dict[str, float]) -> dict[str, float]:
-    """Return by how much the fit's directions and quaternions are longer than those of the file,
-    which are of unit length: a set of parameters may hold one of their components.
+def _stretch(name: str, fitted: dict[str, float], read: dict[str, float]) -> float:
+    """Return by how much the fit's direction or quaternion, of which a parameter is a component, is
+    longer than that of the file, which is of unit length; 1 for other parameters.
     """
-    vectors = {_vector(name) for name in read if _vector(name).endswith(_UNIT_VECTORS)}
-    factors = {}
-    for vector in vectors:
-        names = [name for name in read if _vector(name) == vector]
-        ours, theirs = (np.array([numbers[name] for name in names]) for numbers in (fitted, read))
-        factors[vector] = float(ours @ theirs) / float(theirs @ theirs)
-    return factors
+    vector = name.rpartition(".")[0]
+    if not vector.endswith(_UNIT_VECTORS):
+        return 1.0
+    names = [n for n in read if n.rpartition(".")[0] == vector]
+    ours, theirs = (np.array([numbers[n] for n in names]) for numbers in (fitted, read))
+    return float(ours @ theirs) / float(theirs @ theirs)
 
 
 def _faults(

@@ -20,7 +20,7 @@ from symkin.calibration.judge.prediction import (
     predict_readings,
 )
 from symkin.calibration.judge.result import Calibration
-from symkin.calibration.judge.statistics import SIGNIFICANCE, tail
+from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
 from symkin.errors import InputError
 
 _COUNT_PATTERN = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(%?)\s*")
@@ -156,4 +156,4 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
 def _probability(fit: Calibration, chi_square: float, degrees: int) -> float | None:
     if degrees <= 0 or fit.degrees <= 0:
         return None
-    return tail(chi_square, degrees, None if fit.problem.readings.known else fit.degrees)
+    return chi_square_tail(chi_square, degrees, None if fit.problem.readings.known else fit.degrees)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ from symkin.calibration.estimate.state import (
     spectrum,
     unbound,
 )
-from symkin.calibration.judge.named_directions import all_values, named_motions, parallel_offsets
+from symkin.calibration.judge.named_directions import named_motions
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
@@ -219,7 +220,9 @@ def name_null_space(
     frames and other known motions, then sparse combinations of parameters.
     """
     names, taken = list[str](), np.zeros((len(p), 0))
-    for name, direction in _candidates(problem, p, null_space):
+    alone = zip((f"{name} (no effect)" for name in problem.names), np.eye(len(p)), strict=True)
+    sparse = ((_combination(problem.names, v), v) for v in _sparse_directions(null_space))
+    for name, direction in chain(named_motions(problem.model, p), alone, sparse):
         if taken.shape[1] == null_space.shape[1]:
             break
         outside = direction - null_space @ (null_space.T @ direction)
@@ -229,21 +232,6 @@ def name_null_space(
             names.append(name)
             taken = np.column_stack([taken, fresh / length])
     return tuple(names)
-
-
-def _candidates(
-    problem: CalibrationProblem, p: np.ndarray, null_space: np.ndarray
-) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield names with unit directions, most telling first."""
-    yield from named_motions(problem.model, p)
-    for name, velocity in parallel_offsets(problem.mechanism, all_values(problem.model, p)):
-        if set(velocity) <= set(problem.names):
-            direction = np.array([velocity.get(n, 0.0) for n in problem.names])
-            yield name, direction / np.linalg.norm(direction)
-    for name, direction in zip(problem.names, np.eye(len(p)), strict=True):
-        yield f"{name} (no effect)", direction
-    for direction in _sparse_directions(null_space):
-        yield _combination(problem.names, direction), direction
 
 
 def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:

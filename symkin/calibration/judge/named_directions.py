@@ -8,7 +8,7 @@ readings cannot tell, and has a name.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from functools import reduce
 from operator import matmul
 
@@ -103,6 +103,7 @@ def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[
             "size of the whole mechanism with the factors of all length readings",
             stretched | {f"{name}.scale": 1.0 for name in lengths},
         )
+    yield from _parallel_offsets(model.mechanism, values)
 
 
 # --- frames ---------------------------------------------------------------------------------------
@@ -245,25 +246,26 @@ def _holds(values: Velocity, frame: str) -> bool:
     return f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values
 
 
-def parallel_offsets(
-    mechanism: Mechanism, values: Mapping[str, float], within: float = 0.0
-) -> Iterator[tuple[str, dict[str, float]]]:
-    """Yield (name, rates of parameters) for neighbouring rows whose axes are parallel to rounding,
-    or `within` an angle: the offset d of one and that of the next move the tool alike.
+# --- parallel axes --------------------------------------------------------------------------------
+
+
+def _parallel_offsets(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str, Velocity]]:
+    """Shift the offset d of an axis that is parallel to the next to rounding against that one's:
+    both move the tool alike.
     """
-    for k, twist in parallel_axes(mechanism, values, max(within, 1e-12)):
-        names = " and ".join(mechanism.actuated[i].name for i in (k - 1, k))
-        other = -1.0 if np.cos(twist) > 0 else 1.0
+    for k, twist in parallel_axes(mechanism, values, 1e-12):
         yield (
-            f"parallel axes {names}: only the sum of their offsets dh.{k}.d and dh.{k + 1}.d is "
-            f"told",
-            {f"dh.{k}.d": 1.0, f"dh.{k + 1}.d": other},
+            f"parallel axes {_axes_named(mechanism, k)}: only the sum of their offsets dh.{k}.d "
+            f"and dh.{k + 1}.d is told",
+            {f"dh.{k}.d": 1.0, f"dh.{k + 1}.d": -1.0 if np.cos(twist) > 0 else 1.0},
         )
 
 
-def nearly_parallel(mechanism: Mechanism, values: Mapping[str, float]) -> tuple[str, ...]:
+def nearly_parallel(mechanism: Mechanism, values: Velocity) -> tuple[str, ...]:
     """Name pairs of neighbouring axes that are parallel or nearly so."""
-    return tuple(
-        text.split(":")[0].removeprefix("parallel axes ")
-        for text, _ in parallel_offsets(mechanism, values, NEARLY_PARALLEL)
-    )
+    found = parallel_axes(mechanism, values, NEARLY_PARALLEL)
+    return tuple(_axes_named(mechanism, k) for k, _ in found)
+
+
+def _axes_named(mechanism: Mechanism, k: int) -> str:
+    return " and ".join(mechanism.actuated[i].name for i in (k - 1, k))

@@ -30,6 +30,7 @@ from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import only_rounding
 from symkin.calibration.estimate.robust import normalised_residuals, robust_estimate
 from symkin.calibration.judge.prediction import (
+    Prediction,
     close_others,
     covariance_root,
     predict_readings,
@@ -40,7 +41,6 @@ from symkin.calibration.judge.statistics import (
     chi_square_tail,
     covariance,
     linear_model,
-    tail,
 )
 
 OUTLIER_LEVEL = 0.02
@@ -246,7 +246,7 @@ def _least_likely(
             if not problem.readings.known:
                 left = model.degrees - d
                 statistic *= max(left, 1) / max(model.chi_square - statistic, 1e-300)
-            best = min(best, (tail(statistic, d, left), -statistic, d, k, m))
+            best = min(best, (chi_square_tail(statistic, d, left), -statistic, d, k, m))
     probability, statistic, degree, k, m = best
     kind, configurations, every = kinds[k]
     i, given = int(configurations[m]), model.taken[every[m]]
@@ -467,17 +467,20 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     root = covariance_root(factor * covariance(found.problem, state), found.problem)
     telling = ~np.isin(rows, list(apart))
     made = predict_readings(problem, state.p, z, root, factor, telling)
-    kinds, tested = np.array(_kinds_of_columns(problem)), []
-    for o in outliers:
-        i = int(np.searchsorted(rows, o.configuration))
-        columns = np.zeros(0, dtype=int)
-        if o.configuration in rows:
-            columns = np.flatnonzero((kinds == o.kind) & problem.readings.taken[i])
-        if len(columns):
-            shift, d = -made.errors[i, columns], len(columns)
-            block = made.covariance[i][np.ix_(columns, columns)]
-            statistic = float(shift @ np.linalg.solve(block, shift))
-            fresh = replace(o, statistic=statistic, degrees=d, probability=tail(statistic, d, left))
-            o = _described(problem, i, fresh, columns, shift)
-        tested.append(o)
-    return tested
+    return [_repredicted(problem, made, rows, o, left) for o in outliers]
+
+
+def _repredicted(
+    problem: CalibrationProblem, made: Prediction, rows: np.ndarray, o: Outlier, left: int | None
+) -> Outlier:
+    """Give an outlier the shift and the statistic that a prediction of some rows gives it."""
+    i = int(np.searchsorted(rows, o.configuration))
+    if o.configuration not in rows:
+        return o
+    named = np.array(_kinds_of_columns(problem)) == o.kind
+    columns = np.flatnonzero(named & problem.readings.taken[i])
+    shift, block = -made.errors[i, columns], made.covariance[i][np.ix_(columns, columns)]
+    statistic, d = float(shift @ np.linalg.solve(block, shift)), len(columns)
+    chance = chi_square_tail(statistic, d, left)
+    fresh = replace(o, statistic=statistic, degrees=d, probability=chance)
+    return _described(problem, i, fresh, columns, shift) if d else o

@@ -18,7 +18,6 @@ error (curvature by the parameters, Bates and Watts 1980).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -224,57 +223,25 @@ def _basis_in_place(columns: np.ndarray) -> np.ndarray:
     return columns
 
 
-def chi_square_tail(value: float, degrees: int) -> float:
+def chi_square_tail(value: float, degrees: int, left: int | None = None) -> float:
     """Return the probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees /
-    2, value / 2).
+    2, value / 2); where the variance is known by `left` degrees of freedom alone, that F(degrees,
+    left) exceeds value / degrees: I_x(left / 2, degrees / 2), x = left / (left + value).
     """
     from flint import arb
 
     from symkin.numeric.balls import precision
 
-    if degrees <= 0 or value <= 0.0:
+    if degrees <= 0 or value <= 0.0 or (left is not None and left <= 0):
         return 1.0
     with precision(_DOUBLE_BITS):
-        return float(arb(0.5 * value).gamma_upper(arb(degrees) / 2, 1))
-
-
-def f_tail(value: float, first: int, second: int) -> float:
-    """Return the probability that F(first, second) exceeds `value`: I_x(second / 2, first / 2), x =
-    second / (second + first value).
-    """
-    from flint import arb
-
-    from symkin.numeric.balls import precision
-
-    if first <= 0 or second <= 0 or value <= 0.0:
-        return 1.0
-    x = second / (second + first * value)
-    with precision(_DOUBLE_BITS):
-        return float(arb(x).beta_lower(arb(second) / 2, arb(first) / 2, 1))
-
-
-def tail(statistic: float, degrees: int, left: int | None = None) -> float:
-    """Return the probability that a sum of `degrees` squares over their variance exceeds a value:
-    of chi-square, or of F where the variance is known by `left` degrees of freedom alone.
-    """
-    if left is None:
-        return chi_square_tail(statistic, degrees)
-    return f_tail(statistic / max(degrees, 1), degrees, left)
+        half = arb(degrees) / 2
+        if left is None:
+            return float(arb(0.5 * value).gamma_upper(half, 1))
+        return float(arb(left / (left + value)).beta_lower(arb(left) / 2, half, 1))
 
 
 # --- covariance -----------------------------------------------------------------------------------
-
-
-def _in_form(
-    problem: CalibrationProblem, state: State, noise: np.ndarray
-) -> Iterator[tuple[np.ndarray, CalibrationProblem, State]]:
-    """Yield the parts of a problem with their configurations by number, and their states in the
-    form of residuals that was minimised.
-    """
-    likely = problem.form == "maximum likelihood"
-    for rows, part in problem.parts:
-        covariance = noise[rows] if likely else None
-        yield rows, part, evaluate(part, state.p, state.z[rows], problem.form, covariance)
 
 
 def covariance(problem: CalibrationProblem, state: State, told: Told | None = None) -> np.ndarray:
@@ -283,22 +250,21 @@ def covariance(problem: CalibrationProblem, state: State, told: Told | None = No
     covariance of readings with joint noise, and what the prior leaves open where it decides; along
     directions of which the readings tell nothing 0.
     """
-    noise, likely = joint_covariance(problem, state), problem.form == "maximum likelihood"
-    if told is None:
-        given = noise if likely else None
-        told = told_directions(problem, evaluate(problem, state.p, state.z, problem.form, given))
+    noise, form = joint_covariance(problem, state), problem.form
+    told = told or told_directions(problem, evaluate(problem, state.p, state.z, form, noise))
     scaled = problem.model.scales[:, None] * told.columns
     left = scaled * ((1.0 - told.shares) / told.weight)
     total = left @ left.T
-    if likely:
-        own = scaled * np.sqrt(told.shares * told.gains)
-        return np.asarray(total + own @ own.T)
-    for rows, part, near in _in_form(problem, state, noise):
-        readings = part.readings
+    for rows, part in problem.parts:
+        near = evaluate(part, state.p, state.z[rows], form, noise[rows])
         moved = (scaled * told.gains) @ (near.linearised.matrix @ told.columns).T
-        gain = _gain(part, moved.reshape(len(scaled), *readings.values.shape)).transpose(1, 0, 2)
-        spread = np.where(readings.taken, readings.sigma, 0.0) ** 2
-        s = noise[rows] + spread[:, :, None] * np.eye(spread.shape[1])
+        if form == "maximum likelihood":  # residuals of covariance 1
+            total += moved @ moved.T
+            continue
+        taken, sigma = part.readings.taken, part.readings.sigma
+        gain = _gain(part, moved.reshape(len(scaled), *taken.shape)).transpose(1, 0, 2)
+        variance = np.where(taken, sigma, 0.0)[:, :, None] ** 2
+        s = noise[rows] + variance * np.eye(taken.shape[1])
         total += np.sum(gain @ s @ gain.transpose(0, 2, 1), axis=0)
     return np.asarray(total)
 
@@ -336,7 +302,8 @@ def curvature(
     units = np.sqrt(spread) / told.weight * told.columns[:, free] / told.ratios[free]
     steps = [sign * step for step in units.T[-_WEAKEST_DIRECTIONS:] for sign in (1.0, -1.0)]
     pulls = np.zeros((len(problem.names), len(steps)))
-    for rows, part, near in _in_form(problem, state, noise):
+    for rows, part in problem.parts:
+        near = evaluate(part, state.p, state.z[rows], problem.form, noise[rows])
         for k, step in enumerate(steps):
             pulls[:, k] += near.linearised.matrix.T @ _bend(part, near, step, noise[rows])
     sigma, change = np.linalg.norm(units, axis=1), np.abs(units @ (units.T @ pulls)) / spread
@@ -350,14 +317,12 @@ def _bend(
     """Return d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; not a number where
     they do not close.
     """
-    z, size = (
-        problem.model.system.move(here.z, here.follow(step)),
-        problem.model.closure.characteristic_length,
-    )
-    given = noise if problem.form == "maximum likelihood" else None
+    model, before = problem.model, here.linearised
+    z, p = model.system.move(here.z, here.follow(step)), here.p + model.scales * step
     with np.errstate(all="ignore"):
-        there = closed_state(problem, here.p + problem.model.scales * step, z, problem.form, given)
-        bend = there.linearised.vector - here.linearised.vector - here.linearised.matrix @ step
+        there = closed_state(problem, p, z, problem.form, noise)
+        bend = there.linearised.vector - before.vector - before.matrix @ step
+    size = model.closure.characteristic_length
     closed = np.max(np.abs(there.pending), initial=0.0) < 1e-9 * size
     return np.asarray(bend if closed else np.full_like(bend, np.nan))
 
