@@ -296,10 +296,10 @@ def test_a_blind_direction_counts_where_the_prior_leaves_poses_less_sure(times, 
     assert predict_pose_sigma(dataclasses.replace(fit, identifiability=other)).blind is blind
 
 
-@pytest.mark.parametrize("end", ["base", "platform"])
-def test_a_departure_knows_no_frames(end):
-    """Joint centres of one end turned (by 11 deg) and shifted as a whole move poses by a constant
-    frame, which is no departure.
+@pytest.mark.parametrize(("end", "most"), [("base", 0.2**3 / 12), ("platform", 1e-7)])
+def test_a_departure_knows_no_frames(end, most):
+    """Joint centres of one end turned (by 0.2 rad) and shifted as a whole move poses by a constant
+    frame, which is no departure: of a turn of the base a twelfth of its cube is left.
     """
     data = grouped(np.random.default_rng(12))
     problem = build_calibration(NOMINAL, data)
@@ -313,4 +313,4 @@ def test_a_departure_knows_no_frames(end):
     z = solve_configurations(problem.model, data, p).z
     found = measure_departure(problem, evaluate(problem, p, z, "means"))
     assert found.unclosed == 0
-    assert found.share < 1e-7
+    assert found.share < most

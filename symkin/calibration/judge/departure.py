@@ -10,10 +10,10 @@ of constant frames of base and tool take of their difference,
 
 angles times the lever of the platform's joint points, over the better four fifths of the
 configurations: near a singularity of either geometry poses are far apart for nothing. The frames
-move the pose half way between the two: a turn of either by any angle is then taken whole. A machine
-as it is built differs from its drawing by some per mille, and its poses by about that share of
-their spread. With columns exchanged, a sign turned, or the file of another machine it is a share
-that can be seen.
+move the pose half way between the two, so that of a turn only about a twelfth of its cube is left.
+A machine as it is built differs from its drawing by some per mille, and its poses by about that
+share of their spread. With columns exchanged, a sign turned, or the file of another machine it is a
+share that can be seen.
 """
 
 from __future__ import annotations
