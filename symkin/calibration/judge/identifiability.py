@@ -222,7 +222,8 @@ def name_null_space(
     names, taken = list[str](), np.zeros((len(p), 0))
     alone = zip((f"{name} (no effect)" for name in problem.names), np.eye(len(p)), strict=True)
     sparse = ((_combination(problem.names, v), v) for v in _sparse_directions(null_space))
-    for name, direction in chain(named_motions(problem.model, p), alone, sparse):
+    known, mixed = named_motions(problem.model, p), _frames_of_arm(problem, null_space)
+    for name, direction in chain(known, alone, mixed, sparse):
         if taken.shape[1] == null_space.shape[1]:
             break
         outside = direction - null_space @ (null_space.T @ direction)
@@ -232,6 +233,22 @@ def name_null_space(
             names.append(name)
             taken = np.column_stack([taken, fresh / length])
     return tuple(names)
+
+
+def _frames_of_arm(
+    problem: CalibrationProblem, null_space: np.ndarray
+) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield the directions of the null space that change a number of an arm's first or last row and
+    the measuring frame beside it alone.
+    """
+    table = problem.mechanism.dh
+    ends = [] if table is None else [("world", 1), ("target", len(table.rows))]
+    for frame, row, key in ((*end, key) for end in ends for key in ("theta", "d", "a", "alpha")):
+        own = f"dh.{row}.{key}"
+        others = [name != own and not name.startswith(f"{frame}.") for name in problem.names]
+        _, lengths, right = np.linalg.svd(null_space[others])
+        for across in right[int(np.sum(lengths > _NULL_SPACE_TOLERANCE)) :]:
+            yield f"{frame} frame with {own}", null_space @ across
 
 
 def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:

@@ -9,8 +9,6 @@ readings cannot tell, and has a name.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from functools import reduce
-from operator import matmul
 
 import numpy as np
 
@@ -29,10 +27,8 @@ from symkin.calibration.data.reference_motions import reference_motions
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.calibration.estimate.joint_lines import NEARLY_PARALLEL, parallel_axes
 from symkin.model.bar import RodEnd
-from symkin.model.dh import DHTable
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
-from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector, rotate
 
 _TURNS = ("roll (about x)", "pitch (about y)", "yaw (about z)")
@@ -88,7 +84,8 @@ def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
 
 
 def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[str, Velocity]]:
-    yield from _frame_motions(model.mechanism, values)
+    if model.mechanism.dh is None:
+        yield from _frame_motions(model.mechanism, values)
     table = nominal_parameters(model.mechanism, _read(model))
     stretched = {
         name: value
@@ -110,29 +107,23 @@ def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[
 
 
 def _frame_motions(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str, Velocity]]:
-    """Move base and platform frame by unit twists (t, w), an arm's first and last row by what they
-    give; then, with these, the frame that readings are taken in, and of the target frame also the
-    position alone, which is all that positions determine.
+    """Move base and platform frame by unit twists (t, w); then, with these, the frame that readings
+    are taken in, and of the target frame also the position alone, which is all that positions
+    determine.
     """
     moves: list[tuple[str, str, Velocity, np.ndarray, np.ndarray]] = []
-    if mechanism.dh is not None:
-        for end, number in (("world", 1), ("target", len(mechanism.dh.rows))):
-            for key, before, after, t, w in _elements(mechanism.dh, values, number):
-                name, stands = f"dh.{number}.{key}", before if end == "world" else after.inverse()
-                moves.append((end, f"with {name}", {name: 1.0}, *_seen(stands, t, w)))
-    else:
-        for end, frame, move in (
-            ("world", BASE, _base_moved),
-            ("target", mechanism.frame_name, _platform_moved),
-        ):
-            for k, twist in enumerate(np.eye(6)):
-                t, w, axis = twist[:3], twist[3:], AXES[k % 3]
-                velocity, turn = move(mechanism, values, t, w), f"rotation about {axis}"
-                turn = _TURNS[k % 3] if frame == BASE else turn
-                yield f"{frame} frame {turn if k > 2 else f'translation {axis}'}", velocity
-                what = f"{'rotation' if k > 2 else 'position'} {axis}"
-                fixed = "base" if frame == BASE else "platform"
-                moves.append((end, f"{what} with the {fixed} frame", velocity, t, w))
+    for end, frame, move in (
+        ("world", BASE, _base_moved),
+        ("target", mechanism.frame_name, _platform_moved),
+    ):
+        for k, twist in enumerate(np.eye(6)):
+            t, w, axis = twist[:3], twist[3:], AXES[k % 3]
+            velocity, turn = move(mechanism, values, t, w), f"rotation about {axis}"
+            turn = _TURNS[k % 3] if frame == BASE else turn
+            yield f"{frame} frame {turn if k > 2 else f'translation {axis}'}", velocity
+            what = f"{'rotation' if k > 2 else 'position'} {axis}"
+            fixed = "base" if frame == BASE else "platform"
+            moves.append((end, f"{what} with the {fixed} frame", velocity, t, w))
     for end, text, velocity, t, w in moves:
         moved = _measuring_moved(values, end, t, w)
         yield f"{end} frame {text}", velocity | moved
@@ -166,34 +157,6 @@ def _rotation_vector_rate(r: np.ndarray, w: np.ndarray, side: float) -> np.ndarr
     return np.asarray(
         share * w + (1.0 - share) * axis * (axis @ w) + side * half * np.cross(axis, w)
     )
-
-
-def _elements(
-    table: DHTable, values: Velocity, number: int
-) -> Iterator[tuple[str, Pose, Pose, np.ndarray, np.ndarray]]:
-    """Yield the four elementary motions of a row: key, what stands before and after it in the row,
-    and its twist.
-    """
-    standard = table.convention == "standard"
-    keys = ("theta", "d", "a", "alpha") if standard else ("alpha", "a", "theta", "d")
-    none, twists, poses = np.zeros(3), [], []
-    for key in keys:
-        axis, slides = np.eye(3)[2 if key in ("theta", "d") else 0], key in ("d", "a")
-        t, w = (axis, none) if slides else (none, axis)
-        value = values.get(f"dh.{number}.{key}", 0.0)
-        twists.append((t, w))
-        turned = np.asarray(quaternion_from_rotation_vector(value * w))
-        poses.append(Pose(value * t, turned))
-    for k, key in enumerate(keys):
-        before = reduce(matmul, poses[:k], Pose.identity())
-        after = reduce(matmul, poses[k + 1 :], Pose.identity())
-        yield key, before, after, *twists[k]
-
-
-def _seen(frame: Pose, t: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Transform a twist of a frame to the axes in which the frame stands."""
-    turned = np.asarray(frame.turn(w))
-    return np.asarray(frame.turn(t)) + np.cross(np.asarray(frame.position), turned), turned
 
 
 def _base_moved(mechanism: Mechanism, values: Velocity, t: np.ndarray, w: np.ndarray) -> Velocity:

@@ -13,11 +13,7 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.observables import judged_link
 from symkin.calibration.data.parameters import with_parameters
 from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import (
-    ClosedConfigurations,
-    is_carried,
-    solve_configurations,
-)
+from symkin.calibration.estimate.configurations import ClosedConfigurations, is_carried
 from symkin.calibration.estimate.problem import PRIOR_SHARE
 from symkin.calibration.estimate.starting import has_home
 from symkin.calibration.estimate.workspace import ClosureSolver, Workspace, home_pose, lever
@@ -124,26 +120,24 @@ def _measured_region(
     """Draw random configurations, followed from measured ones part of the way to the joints of
     others (an arm: within its measured joint values), else the configurations measured.
     """
-    model, joints = fit.problem.model, fit.problem.measurements.joints
-    closure = build_closure(identified)
-    if identified.serial:
-        shape = (_ACCURACY_POSES, joints.shape[1])
-        drawn = rng.uniform(joints.min(axis=0), joints.max(axis=0), shape)
-        arm = build_model(identified, Measurements(drawn), ())
-        found = solve_configurations(arm, Measurements(drawn), arm.nominal)
-        z, drawn = found.z[found.solved], drawn[found.solved]
-        poses = arm.poses(z, drawn, arm.nominal)
-        return ClosedConfigurations(np.hstack([drawn, z]), drawn, poses), _REGION_TEXT
-    observing = build_closure(identified, model.closure.partition)
-    measured = many_elsewhere(closure, observing, np.hstack([joints, fit.state.z]))
-    poses, home = judged_poses(fit.problem, fit.state.p, fit.state.z, joints), home_pose(identified)
-    if not is_carried(closure):
+    joints, closure = fit.problem.measurements.joints, build_closure(identified)
+    measured, home = np.tile(closure.reference, (len(joints), 1)), home_pose(identified)
+    if not identified.serial:
+        observing = build_closure(identified, fit.problem.model.closure.partition)
+        measured = many_elsewhere(closure, observing, np.hstack([joints, fit.state.z]))
+    if not identified.serial and not is_carried(closure):
+        poses = judged_poses(fit.problem, fit.state.p, fit.state.z, joints)
         central = poses[most_central(poses[:, 3:])]
         home = Pose(central[:3], central[3:])
     solver = ClosureSolver(identified, home)
     first, second = rng.integers(len(measured), size=(2, _DRAWN_POSES))
     share = rng.uniform(0.0, 1.0, (_DRAWN_POSES, 1))
-    starts = solver.at_joints((1 - share) * joints[first] + share * joints[second], measured[first])
+    if identified.serial:
+        drawn = rng.uniform(joints.min(axis=0), joints.max(axis=0), (len(first), joints.shape[1]))
+        starts = solver.with_tool(np.hstack([drawn, measured[first][:, joints.shape[1] :]]))
+    else:
+        between = (1 - share) * joints[first] + share * joints[second]
+        starts = solver.at_joints(between, measured[first])
     made, good = solver.close(starts, None, limits=False)
     if good.any():
         return made.take(np.flatnonzero(good)[:_ACCURACY_POSES]), _REGION_TEXT
