@@ -28,7 +28,7 @@ from symkin.calibration.estimate.state import (
     spectrum,
     unbound,
 )
-from symkin.calibration.judge.named_directions import named_motions
+from symkin.calibration.judge.named_directions import frame_names, named_motions
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
@@ -222,7 +222,8 @@ def name_null_space(
     names, taken = list[str](), np.zeros((len(p), 0))
     alone = zip((f"{name} (no effect)" for name in problem.names), np.eye(len(p)), strict=True)
     sparse = ((_combination(problem.names, v), v) for v in _sparse_directions(null_space))
-    known, mixed = named_motions(problem.model, p), _frames_of_arm(problem, null_space)
+    known = list(named_motions(problem.model, p))
+    mixed = _mixed_frames(problem, known, null_space)
     for name, direction in chain(known, alone, mixed, sparse):
         if taken.shape[1] == null_space.shape[1]:
             break
@@ -235,20 +236,29 @@ def name_null_space(
     return tuple(names)
 
 
-def _frames_of_arm(
-    problem: CalibrationProblem, null_space: np.ndarray
+def _mixed_frames(
+    problem: CalibrationProblem,
+    known: Sequence[tuple[str, np.ndarray]],
+    null_space: np.ndarray,
 ) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield the directions of the null space that change a number of an arm's first or last row and
-    the measuring frame beside it alone.
+    """Yield motions of base and platform frame, or numbers of an arm's first and last row, each
+    with what of the frame between the mechanism and what is measured there makes up for it: as far
+    as may be a direction of the null space.
     """
-    table = problem.mechanism.dh
-    ends = [] if table is None else [("world", 1), ("target", len(table.rows))]
-    for frame, row, key in ((*end, key) for end in ends for key in ("theta", "d", "a", "alpha")):
-        own = f"dh.{row}.{key}"
-        others = [name != own and not name.startswith(f"{frame}.") for name in problem.names]
-        _, lengths, right = np.linalg.svd(null_space[others])
-        for across in right[int(np.sum(lengths > _NULL_SPACE_TOLERANCE)) :]:
-            yield f"{frame} frame with {own}", null_space @ across
+    table, names, moves = problem.mechanism.dh, np.array(problem.names), dict(known)
+    sides = [] if table is not None else list(frame_names(problem.mechanism))
+    for row, beside in () if table is None else ((1, "world"), (len(table.rows), "target")):
+        for own in sorted({f"dh.{row}.{key}" for key in ("theta", "d", "a", "alpha")} & {*names}):
+            moves[own] = 1.0 * (names == own)
+            sides.append((own, beside, f"{beside} frame with {own}"))
+    for text, beside, mixed in sides:
+        frame = np.eye(len(names))[:, np.char.startswith(names, f"{beside}.")]
+        if text in moves and frame.size:
+            both = np.column_stack([frame, moves[text]])
+            outside = both - null_space @ (null_space.T @ both)
+            made = np.linalg.lstsq(outside[:, :-1], -outside[:, -1], rcond=1e-9)[0]
+            direction = both @ np.append(made, 1.0)
+            yield mixed, direction / np.linalg.norm(direction)
 
 
 def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:

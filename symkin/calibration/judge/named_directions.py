@@ -29,7 +29,7 @@ from symkin.calibration.estimate.joint_lines import NEARLY_PARALLEL, parallel_ax
 from symkin.model.bar import RodEnd
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
-from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector, rotate
+from symkin.spatial.rotation import multiply, rotate
 
 _TURNS = ("roll (about x)", "pitch (about y)", "yaw (about z)")
 
@@ -106,57 +106,28 @@ def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[
 # --- frames ---------------------------------------------------------------------------------------
 
 
-def _frame_motions(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str, Velocity]]:
-    """Move base and platform frame by unit twists (t, w); then, with these, the frame that readings
-    are taken in, and of the target frame also the position alone, which is all that positions
-    determine.
+def frame_names(mechanism: Mechanism) -> Iterator[tuple[str, str, str]]:
+    """Yield the names of unit twists of base and platform frame, translations first, each with the
+    frame between the mechanism and what is measured there, and the name of what mixes both.
     """
-    moves: list[tuple[str, str, Velocity, np.ndarray, np.ndarray]] = []
-    for end, frame, move in (
-        ("world", BASE, _base_moved),
-        ("target", mechanism.frame_name, _platform_moved),
+    for frame, beside, fixed in (
+        (BASE, "world", "base"),
+        (mechanism.frame_name, "target", "platform"),
     ):
-        for k, twist in enumerate(np.eye(6)):
-            t, w, axis = twist[:3], twist[3:], AXES[k % 3]
-            velocity, turn = move(mechanism, values, t, w), f"rotation about {axis}"
-            turn = _TURNS[k % 3] if frame == BASE else turn
-            yield f"{frame} frame {turn if k > 2 else f'translation {axis}'}", velocity
-            what = f"{'rotation' if k > 2 else 'position'} {axis}"
-            fixed = "base" if frame == BASE else "platform"
-            moves.append((end, f"{what} with the {fixed} frame", velocity, t, w))
-    for end, text, velocity, t, w in moves:
-        moved = _measuring_moved(values, end, t, w)
-        yield f"{end} frame {text}", velocity | moved
-        if end == "target":
-            alone = {name: v for name, v in moved.items() if ".position." in name}
-            yield f"{end} frame {text}", velocity | alone
+        for axis in AXES:
+            mixed = f"{beside} frame position {axis} with the {fixed} frame"
+            yield f"{frame} frame translation {axis}", beside, mixed
+        for axis, turn in zip(AXES, _TURNS, strict=True):
+            turn = turn if frame == BASE else f"rotation about {axis}"
+            mixed = f"{beside} frame rotation {axis} with the {fixed} frame"
+            yield f"{frame} frame {turn}", beside, mixed
 
 
-def _measuring_moved(values: Velocity, frame: str, t: np.ndarray, w: np.ndarray) -> Velocity:
-    """Move the world frame W so that W exp(t, w) stays, or the target frame T so that exp(t, w) T
-    does: the mechanism's frame has moved by the twist in its own axes.
-    """
-    r, p = vector_values(values, f"{frame}.rotation"), vector_values(values, f"{frame}.position")
-    if frame == "world":
-        shift = np.asarray(rotate(np.asarray(quaternion_from_rotation_vector(r)), t))
-    else:
-        shift = t + np.cross(w, p)
-    turn = _rotation_vector_rate(r, w, 1.0 if frame == "world" else -1.0)
-    rates = vector_velocity(f"{frame}.position", -shift)
-    return rates | vector_velocity(f"{frame}.rotation", -turn)
-
-
-def _rotation_vector_rate(r: np.ndarray, w: np.ndarray, side: float) -> np.ndarray:
-    """Rate of the rotation vector r at an angular velocity w in the turned axes (side 1) or the
-    fixed ones (-1).
-    """
-    half = 0.5 * float(np.linalg.norm(r))
-    if half < 1e-9:
-        return w + side * 0.5 * np.cross(r, w)
-    axis, share = r / (2.0 * half), half / np.tan(half)
-    return np.asarray(
-        share * w + (1.0 - share) * axis * (axis @ w) + side * half * np.cross(axis, w)
-    )
+def _frame_motions(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str, Velocity]]:
+    """Move base and platform frame by unit twists (t, w)."""
+    twists = [(move, twist) for move in (_base_moved, _platform_moved) for twist in np.eye(6)]
+    for (text, _, _), (move, twist) in zip(frame_names(mechanism), twists, strict=True):
+        yield text, move(mechanism, values, twist[:3], twist[3:])
 
 
 def _base_moved(mechanism: Mechanism, values: Velocity, t: np.ndarray, w: np.ndarray) -> Velocity:
