@@ -33,7 +33,6 @@ from symkin.calibration.estimate.state import (
 )
 from symkin.calibration.judge.prediction import predict_readings
 from symkin.computed_once import cached_property
-from symkin.numeric.tolerances import RANK_TOLERANCE
 
 _BLOCK_ROWS = 20_000
 """Rows that are multiplied at once where there are many."""
@@ -45,7 +44,9 @@ SIGNIFICANCE = 1e-3
 residuals.
 """
 _LEAST_FREEDOM = 1e-12
-"""A shift of which the fit leaves no more than this share (of its square) is absorbed whole."""
+"""A shift of which the fit leaves no more than this share (of its square) is absorbed whole, and a
+column of which others leave no more depends on them.
+"""
 
 DOUBTFUL_CURVATURE = 0.5
 """Share of its standard deviation from which a parameter's is called doubtful."""
@@ -206,20 +207,18 @@ def told_directions(problem: CalibrationProblem, state: State) -> Told:
 
 
 def _basis_in_place(columns: np.ndarray) -> np.ndarray:
-    """Overwrite columns (N, k), block by block, by an orthonormal basis: with their triangle R = U
-    S V^T, columns V / S; what rounding leaves of that is taken away by its own.
+    """Overwrite columns (N, k), block by block, by an orthonormal basis: with V D V^T their squares
+    at unit length, columns V D^-1/2; what rounding leaves of that is taken away by its own.
+    Directions that are told have columns nearly at right angles.
     """
     columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-    for _ in range(2 if columns.shape[1] else 0):
-        triangle = np.zeros((0, columns.shape[1]))
-        blocks = [columns[k : k + _BLOCK_ROWS] for k in range(0, len(columns), _BLOCK_ROWS)]
-        for block in blocks:
-            triangle = np.asarray(np.linalg.qr(np.vstack([triangle, block]), mode="r"))
-        _, lengths, right = np.linalg.svd(triangle, full_matrices=False)
-        kept = lengths > RANK_TOLERANCE * lengths[0]
-        columns = columns[:, : int(np.sum(kept))]
-        for block in blocks:
-            block[:, : columns.shape[1]] = block @ (right[kept].T / lengths[kept])
+    for _ in range(2):
+        values, vectors = np.linalg.eigh(columns.T @ columns)
+        kept = values > _LEAST_FREEDOM * np.max(values, initial=0.0)
+        factor, width = vectors[:, kept] / np.sqrt(values[kept]), int(np.sum(kept))
+        for block in (columns[k : k + _BLOCK_ROWS] for k in range(0, len(columns), _BLOCK_ROWS)):
+            block[:, :width] = block @ factor
+        columns = columns[:, :width]
     return columns
 
 
