@@ -144,7 +144,7 @@ def test_compiled_and_interpreted_functions_agree():
     after = plain(5, (xs, ys))
     for a, b in zip(before, after, strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-15)
-    np.testing.assert_allclose(before[0].transpose(0, 2, 1), xs[:, :, None] * ys, rtol=1e-15)
+    np.testing.assert_allclose(before[0], xs[:, :, None] * ys, rtol=1e-15)
 
 
 # --- other mechanisms and readings ----------------------------------------------------------------

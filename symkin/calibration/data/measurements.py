@@ -14,7 +14,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from symkin.calibration.data.observables import observables_named
+from symkin.calibration.data.observables import PLATFORM, Observable, observables_named
+from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import vector3
 from symkin.model.mechanism import Mechanism
@@ -23,20 +24,9 @@ _MOST_READING = 1e6
 """Joint readings beyond so many radians or sizes are slips."""
 NO_GROUP = -1
 """Group number of a configuration that belongs to no group."""
-_WIDTHS = {"inclination": 2, "position": 3, "orientation": 4}
-
-
+_TABLES = ("inclination", "position", "orientation")
+"""Kinds of readings of the platform that are tables of numbers."""
 _Single = TypeVar("_Single", "Distance", "Reading")
-SIGMA_WIDTHS = {
-    "joint_sigma": 0,
-    "group_sigma": 2,
-    "inclination_sigma": 2,
-    "position_sigma": 3,
-    "orientation_sigma": 3,
-}
-"""How many standard deviations one configuration has of each kind; 0: as many as there are
-joints.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +83,7 @@ class Reading:
     @property
     def is_orientation(self) -> bool:
         """Whether the values are unit quaternions."""
-        return self.name.endswith(".orientation")
+        return self.name.rpartition(".")[2] == "orientation"
 
     @property
     def sigmas(self) -> np.ndarray | None:
@@ -101,10 +91,6 @@ class Reading:
         unknown.
         """
         return None if self.sigma is None else _broadcast(self.sigma, self._shape)
-
-    def subset(self, index: np.ndarray) -> Reading:
-        """Keep some configurations, by number."""
-        return replace(self, values=self.values[index], sigma=_of(self.sigma, index))
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,13 +146,12 @@ class Measurements:
                 f"is needed"
             )
         object.__setattr__(self, "joints", joints)
-        for name, width in _WIDTHS.items():
-            if getattr(self, name) is not None:
-                object.__setattr__(
-                    self,
-                    name,
-                    _shaped(_matrix(getattr(self, name), name), (len(joints), width), name),
+        for kind in _TABLES:
+            if getattr(self, kind) is not None:
+                table = _shaped(
+                    _matrix(getattr(self, kind), kind), (len(joints), PLATFORM[kind].width), kind
                 )
+                object.__setattr__(self, kind, table)
         object.__setattr__(
             self, "labels", tuple(self.labels) or tuple(str(k) for k in range(1, len(joints) + 1))
         )
@@ -176,7 +161,9 @@ class Measurements:
                 f"needed"
             )
         self._check_groups()
-        self._check_orientation()
+        if self.orientation is not None:
+            quaternions = _unit_quaternions(self.orientation, "orientation", self.labels)
+            object.__setattr__(self, "orientation", quaternions)
         if self.starts is not None:
             object.__setattr__(
                 self, "starts", _shaped(_matrix(self.starts, "starts"), (len(joints), 7), "starts")
@@ -190,9 +177,9 @@ class Measurements:
             for d in self.distances
         ]
         object.__setattr__(self, "distances", tuple(made))
-        for key, width in SIGMA_WIDTHS.items():
-            shape = (len(joints), width or joints.shape[1])
-            object.__setattr__(self, key, _sigma(getattr(self, key), key, shape))
+        for kind in ("joint", *PLATFORM):
+            key = f"{kind}_sigma"
+            object.__setattr__(self, key, _sigma(getattr(self, key), key, self._sigma_shape(kind)))
         object.__setattr__(self, "readings", tuple(self.readings))
         for r in self.readings:
             _shaped(r.values, (len(joints), r.values.shape[1]), r.name)
@@ -205,8 +192,11 @@ class Measurements:
         `inclination`, ...), None if unknown.
         """
         value = getattr(self, f"{key}_sigma")
-        width = SIGMA_WIDTHS[f"{key}_sigma"] or self.joints.shape[1]
-        return None if value is None else _broadcast(value, (len(self), width))
+        return None if value is None else _broadcast(value, self._sigma_shape(key))
+
+    def _sigma_shape(self, kind: str) -> tuple[int, int]:
+        width = self.joints.shape[1] if kind == "joint" else len(PLATFORM[kind].components)
+        return (len(self.joints), width)
 
     @property
     def observed(self) -> tuple[str, ...]:
@@ -225,20 +215,49 @@ class Measurements:
             )
         )
 
+    @cached_property
+    def grouping(self) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the groups (n,) from 0, -1 for none, and the first configuration of each; a
+        group of one configuration is none.
+        """
+        group = np.full(len(self), -1)
+        if self.groups is None:
+            return group, np.zeros(0, dtype=int)
+        _, first, number, counts = np.unique(
+            self.groups, return_index=True, return_inverse=True, return_counts=True
+        )
+        kept = (counts > 1) & (self.groups[first] >= 0)
+        places = np.where(kept, np.cumsum(kept) - 1, -1)
+        return places[number], first[kept]
+
+    @property
+    def _own(self) -> list[tuple[Observable, Reading]]:
+        """What was read of the platform, and distances from it to the base."""
+        held = np.where(self.grouping[0] >= 0, 0.0, np.nan)
+        tables = {"group": None if self.groups is None else np.column_stack([held, held])}
+        tables |= {kind: getattr(self, kind) for kind in _TABLES}
+        own = [
+            (PLATFORM[k], Reading(k, t, self.sigma(k))) for k, t in tables.items() if t is not None
+        ]
+        for d in self.distances:
+            ends = (tuple(d.platform), tuple(d.base))
+            what = Observable("distance", "distance", (), (d.name,), (d.name,), ends=ends)
+            own.append((what, Reading(d.name, d.values, d.sigma)))
+        return own
+
+    def channels(self, mechanism: Mechanism) -> tuple[tuple[Observable, Reading], ...]:
+        """All that was read beside the joints: what it is, and the readings; of groups zeros."""
+        others = observables_named(mechanism, self.observed)
+        return (*self._own, *zip(others, self.readings, strict=True))
+
     @property
     def is_read(self) -> np.ndarray:
         """Tell which configurations (n,) hold any reading beside the joints; a group of one
         configuration is none.
         """
-        tables = [t for t in (self.inclination, self.position, self.orientation) if t is not None]
-        tables += [r.values for r in self.readings]
-        found = np.zeros(len(self), dtype=bool)
-        for table in (*tables, *(d.values[:, None] for d in self.distances)):
-            found |= np.any(np.isfinite(table), axis=1)
-        if self.groups is not None:
-            numbers, counts = np.unique(self.groups[self.groups != NO_GROUP], return_counts=True)
-            found |= np.isin(self.groups, numbers[counts > 1])
-        return found
+        readings = [*(r for _, r in self._own), *self.readings]
+        tables = [np.zeros((len(self), 0)), *(r.values for r in readings)]
+        return np.asarray(np.any(np.isfinite(np.hstack(tables)), axis=1))
 
     def subset(self, configurations: Sequence[int] | np.ndarray) -> Measurements:
         """Keep the readings of some configurations, by number from 0 or by mask."""
@@ -248,10 +267,11 @@ class Measurements:
             value = getattr(self, item.name)
             if isinstance(value, np.ndarray) and value.ndim and len(value) == len(self):
                 changes[item.name] = value[index]
-        changes["distances"] = tuple(
-            replace(d, values=d.values[index], sigma=_of(d.sigma, index)) for d in self.distances
-        )
-        changes["readings"] = tuple(r.subset(index) for r in self.readings)
+        for name in ("distances", "readings"):
+            changes[name] = tuple(
+                replace(r, values=np.asarray(r.values)[index], sigma=_of(r.sigma, index))
+                for r in getattr(self, name)
+            )
         return replace(self, **changes)
 
     def without(self, configuration: int, kind: str) -> Measurements:
@@ -262,7 +282,7 @@ class Measurements:
             groups = self.groups.copy()
             groups[configuration] = NO_GROUP
             return replace(self, groups=groups)
-        if kind in _WIDTHS:
+        if kind in _TABLES:
             table = np.array(getattr(self, kind))
             table[configuration] = np.nan
             changes: dict[str, Any] = {kind: table}
@@ -322,12 +342,6 @@ class Measurements:
                 f"posture is needed"
             )
         object.__setattr__(self, "groups", groups.astype(int))
-
-    def _check_orientation(self) -> None:
-        if self.orientation is not None:
-            object.__setattr__(
-                self, "orientation", _unit_quaternions(self.orientation, "orientation", self.labels)
-            )
 
 
 def _left_out(reading: _Single, configuration: int, kind: str) -> _Single:

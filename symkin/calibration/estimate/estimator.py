@@ -25,10 +25,10 @@ import numpy as np
 
 from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.estimate.configurations import (
+    Closing,
     fit_passive,
     is_carried,
     known_poses,
-    passive_freedoms,
     start_points,
 )
 from symkin.calibration.estimate.linear import (
@@ -38,11 +38,12 @@ from symkin.calibration.estimate.linear import (
     rounding_residual,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Form, Linearised, build_readings
+from symkin.calibration.estimate.residuals import Form, Linearised
 from symkin.calibration.estimate.state import (
     State,
     closed_state,
     evaluate,
+    evaluate_at,
     joint_covariance,
     restored_after,
     state_after,
@@ -132,13 +133,12 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     measurement are unknown, and where the joints carry the platform.
     """
     model, m = problem.model, problem.measurements
-    given = np.array([pose is not None for pose in known_poses(m, measured=True)])
+    given = np.isfinite(known_poses(m, measured=True)[:, 0])
     rows = int(np.sum(given)) * int(model.system.rows.shape[0])
     if is_carried(model.closure) or model.observes_through_frames or rows < len(model.names):
         return None
     chosen = np.flatnonzero(given)
-    some = m.subset(chosen[spread_rows(len(chosen), _MAX_POSES)])
-    here = replace(problem, measurements=some, readings=build_readings(model, some))
+    here = problem.of(chosen[spread_rows(len(chosen), _MAX_POSES)])
     with np.errstate(all="ignore"):
         near, far = _AtPoses(here), _AtPoses(here, by_rows=True)
         begin = near.first_state()
@@ -217,8 +217,10 @@ class _AtPoses:
         state = replace(state, determinant_signs=np.zeros(len(z)))
         if not self.by_rows:
             return state
-        e = state.values
-        passive = e.rows_z[:, :, passive_freedoms(model)]
+        e = evaluate_at(problem, p, z)
+        passive = Closing(model, p, ("joints", "pose")).linearise(
+            np.hstack([problem.measurements.joints, z])
+        )[1]
         project = np.eye(e.rows.shape[1]) - passive @ np.linalg.pinv(passive, rcond=1e-10)
         usual = float(np.median((problem.readings.sigma * model.lengths)[problem.readings.taken]))
         rows = Linearised(e.rows / usual, project @ e.rows_p / usual)
