@@ -444,7 +444,7 @@ def test_a_part_of_the_postures_keeps_their_standard_deviations(count, per):
         part = data.subset(rows)
         for key in ("joint", "position"):
             np.testing.assert_array_equal(part.sigma(key), data.sigma(key)[rows])
-        np.testing.assert_array_equal(part.readings[0].sigmas, reading.sigmas[rows])
+        np.testing.assert_array_equal(part.readings[0].sigma, reading.sigma[rows])
 
 
 @pytest.mark.parametrize(("name", "redundant"), [("ren2008", False), ("zhao2000_links", True)])

@@ -234,8 +234,8 @@ def measurements_text(
     for k, c in enumerate(mechanism.actuated if joint_sigma is not None else ()):
         table.number(f"sigma_{c.name}", joint_sigma[:, k], measure_of(c))  # type: ignore[index]
     for o, r in measurements.channels(mechanism):
-        for name, sigma in zip(o.sigmas, () if r.sigmas is None else r.sigmas.T, strict=False):
-            table.number(f"sigma_{name}", sigma, o.measure)
+        for k, name in enumerate(o.sigmas if r.sigma is not None else ()):
+            table.number(f"sigma_{name}", np.asarray(r.sigma)[:, k], o.measure)
     return table.csv(comments)
 
 

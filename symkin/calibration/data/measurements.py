@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -42,8 +43,11 @@ class Distance:
     name: str = "distance"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "platform", vector3(self.platform, f"{self.name}: platform"))
-        object.__setattr__(self, "base", vector3(self.base, f"{self.name}: base"))
+        keep = partial(object.__setattr__, self)
+        for end in ("platform", "base"):
+            keep(end, vector3(getattr(self, end), f"{self.name}: {end}"))
+        keep("values", np.asarray(self.values, dtype=float))
+        keep("sigma", _sigma(self.sigma, f"{self.name}: sigma", self.values.shape))
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,27 +74,19 @@ class Reading:
     def __post_init__(self) -> None:
         values = np.array(self.values, dtype=float)
         values = values[:, None] if values.ndim == 1 else _matrix(values, self.name)
-        object.__setattr__(
-            self, "values", _unit_quaternions(values, self.name) if self.is_orientation else values
-        )
-        object.__setattr__(self, "sigma", _sigma(self.sigma, f"{self.name}: sigma", self._shape))
-
-    @property
-    def _shape(self) -> tuple[int, int]:
-        """That of the standard deviations: of an orientation those of a rotation vector."""
-        return (len(self.values), 3 if self.is_orientation else self.values.shape[1])
+        width = values.shape[1]
+        if self.is_orientation:
+            values, width = _unit_quaternions(values, self.name), 3
+        object.__setattr__(self, "values", values)
+        sigma = _sigma(self.sigma, f"{self.name}: sigma", (len(values), width))
+        object.__setattr__(self, "sigma", sigma)
 
     @property
     def is_orientation(self) -> bool:
-        """Whether the values are unit quaternions."""
-        return self.name.rpartition(".")[2] == "orientation"
-
-    @property
-    def sigmas(self) -> np.ndarray | None:
-        """Standard deviations (n, w), of an orientation those of a rotation vector (n, 3); None if
-        unknown.
+        """Whether the values are unit quaternions, and the standard deviations those of a rotation
+        vector (n, 3).
         """
-        return None if self.sigma is None else _broadcast(self.sigma, self._shape)
+        return self.name.rpartition(".")[2] == "orientation"
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,44 +141,36 @@ class Measurements:
                 f"joints: posture {row + 1}, joint {column + 1} is {joints[row, column]}; a number "
                 f"is needed"
             )
-        object.__setattr__(self, "joints", joints)
-        for kind in _TABLES:
-            if getattr(self, kind) is not None:
-                table = _shaped(
-                    _matrix(getattr(self, kind), kind), (len(joints), PLATFORM[kind].width), kind
-                )
-                object.__setattr__(self, kind, table)
-        object.__setattr__(
-            self, "labels", tuple(self.labels) or tuple(str(k) for k in range(1, len(joints) + 1))
-        )
-        if len(self.labels) != len(joints):
+        keep, count = partial(object.__setattr__, self), len(joints)
+        keep("joints", joints)
+        keep("labels", tuple(self.labels) or tuple(map(str, range(1, count + 1))))
+        if len(self.labels) != count:
             raise InputError(
-                f"labels: {len(self.labels)} names for {len(joints)} postures; one for each is "
-                f"needed"
+                f"labels: {len(self.labels)} names for {count} postures; one for each is needed"
             )
-        self._check_groups()
-        if self.orientation is not None:
-            quaternions = _unit_quaternions(self.orientation, "orientation", self.labels)
-            object.__setattr__(self, "orientation", quaternions)
-        if self.starts is not None:
-            object.__setattr__(
-                self, "starts", _shaped(_matrix(self.starts, "starts"), (len(joints), 7), "starts")
-            )
-        made = [
-            replace(
-                d,
-                values=_shaped(np.asarray(d.values, dtype=float), (len(joints),), d.name),
-                sigma=_sigma(d.sigma, f"{d.name}: sigma", (len(joints),)),
-            )
-            for d in self.distances
-        ]
-        object.__setattr__(self, "distances", tuple(made))
-        for kind in ("joint", *PLATFORM):
+        if self.groups is not None:
+            groups = np.asarray(self.groups)
+            if groups.shape != (count,) or not np.issubdtype(groups.dtype, np.integer):
+                raise InputError(
+                    f"groups: {groups.shape} values of type {groups.dtype}; one integer for each "
+                    f"posture is needed"
+                )
+            keep("groups", groups.astype(int))
+        for kind, width in (*((kind, PLATFORM[kind].width) for kind in _TABLES), ("starts", 7)):
+            if getattr(self, kind) is not None:
+                table = _shaped(_matrix(getattr(self, kind), kind), (count, width), kind)
+                if width > 3:
+                    table[:, -4:] = _unit_quaternions(table[:, -4:], kind, self.labels)
+                keep(kind, table)
+        widths = {kind: len(o.components) for kind, o in PLATFORM.items()}
+        for kind, width in (("joint", joints.shape[1]), *widths.items()):
             key = f"{kind}_sigma"
-            object.__setattr__(self, key, _sigma(getattr(self, key), key, self._sigma_shape(kind)))
-        object.__setattr__(self, "readings", tuple(self.readings))
-        for r in self.readings:
-            _shaped(r.values, (len(joints), r.values.shape[1]), r.name)
+            keep(key, _sigma(getattr(self, key), key, (count, width)))
+        keep("distances", tuple(self.distances))
+        keep("readings", tuple(self.readings))
+        every: list[Any] = [*self.distances, *self.readings]
+        for r in every:
+            _shaped(r.values, (count, *r.values.shape[1:]), r.name)
 
     def __len__(self) -> int:
         return len(self.joints)
@@ -191,12 +179,7 @@ class Measurements:
         """Return the standard deviations (n, width) of one kind of reading (`joint`, `group`,
         `inclination`, ...), None if unknown.
         """
-        value = getattr(self, f"{key}_sigma")
-        return None if value is None else _broadcast(value, self._sigma_shape(key))
-
-    def _sigma_shape(self, kind: str) -> tuple[int, int]:
-        width = self.joints.shape[1] if kind == "joint" else len(PLATFORM[kind].components)
-        return (len(self.joints), width)
+        return getattr(self, f"{key}_sigma")  # type: ignore[no-any-return]
 
     @property
     def observed(self) -> tuple[str, ...]:
@@ -269,7 +252,7 @@ class Measurements:
                 changes[item.name] = value[index]
         for name in ("distances", "readings"):
             changes[name] = tuple(
-                replace(r, values=np.asarray(r.values)[index], sigma=_of(r.sigma, index))
+                replace(r, values=r.values[index], sigma=_at(r.sigma, index))
                 for r in getattr(self, name)
             )
         return replace(self, **changes)
@@ -332,17 +315,6 @@ class Measurements:
                     "LINK.inclination)"
                 )
 
-    def _check_groups(self) -> None:
-        if self.groups is None:
-            return
-        groups = np.asarray(self.groups)
-        if groups.shape != (len(self.joints),) or not np.issubdtype(groups.dtype, np.integer):
-            raise InputError(
-                f"groups: {groups.shape} values of type {groups.dtype}; one integer for each "
-                f"posture is needed"
-            )
-        object.__setattr__(self, "groups", groups.astype(int))
-
 
 def _left_out(reading: _Single, configuration: int, kind: str) -> _Single:
     """A distance or another reading without its value at a configuration, where it has that
@@ -393,21 +365,17 @@ def _shaped(values: np.ndarray, shape: tuple[int, ...], what: str) -> np.ndarray
     return values
 
 
-def _broadcast(value: Any, shape: tuple[int, ...]) -> np.ndarray:
-    array = np.asarray(value, dtype=float)
-    if array.ndim == 1 and len(shape) == 2 and array.shape[0] == shape[0] != shape[1]:
-        array = array[:, None]
-    return np.broadcast_to(array, shape)
-
-
-def _sigma(value: Any, what: str, shape: tuple[int, ...]) -> float | np.ndarray | None:
-    """Standard deviations: a number, or an array of this shape, decided here once, so that a part
-    of the configurations is read as all of them are.
+def _sigma(value: Any, what: str, shape: tuple[int, ...]) -> np.ndarray | None:
+    """Standard deviations as an array of this shape, decided here once, so that a part of the
+    configurations is read as all of them are.
     """
     if value is None:
         return None
+    array = np.asarray(value, dtype=float)
+    if array.ndim == 1 and len(shape) == 2 and array.shape[0] == shape[0] != shape[1]:
+        array = array[:, None]
     try:
-        array = _broadcast(value, shape)
+        array = np.array(np.broadcast_to(array, shape))
     except ValueError:
         raise InputError(
             f"{what}: an array of shape {np.shape(value)} does not fit {shape}"
@@ -418,9 +386,8 @@ def _sigma(value: Any, what: str, shape: tuple[int, ...]) -> float | np.ndarray 
         raise InputError(
             f"{what} = {float(given.min()):g}: a standard deviation must be finite and positive"
         )
-    return float(value) if np.ndim(value) == 0 else np.array(array)
+    return array
 
 
-def _of(sigma: float | np.ndarray | None, index: np.ndarray) -> float | np.ndarray | None:
-    """The standard deviations of some configurations."""
-    return sigma[index] if isinstance(sigma, np.ndarray) else sigma
+def _at(sigma: Any, index: np.ndarray) -> np.ndarray | None:
+    return None if sigma is None else sigma[index]

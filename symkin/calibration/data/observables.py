@@ -204,12 +204,12 @@ def judged_link(mechanism: Mechanism) -> str:
 class Observed:
     """What is read, as expressions of the variables of a `closure` and the `geometry` (symbol and
     nominal value by key path): `values` by name (a joint's coordinate, a distance; else a point
-    (3), or a link's pose), `pose` that of the judged link, or of its platform frame.
+    (3), or a link's pose (7)), `pose` (7) that of the judged link, or of its platform frame.
     """
 
     closure: Closure
-    values: dict[str, ca.SX | Pose]
-    pose: Pose
+    values: dict[str, ca.SX]
+    pose: ca.SX
     geometry: dict[str, tuple[ca.SX, float]]
 
 
@@ -219,13 +219,19 @@ def observed(mechanism: Mechanism, names: tuple[str, ...]) -> Observed:
     InputError for links that may turn idly, and for joints that may.
     """
     closure = observing_closure(mechanism, names)
-    wanted = observables_named(mechanism, names)
-    if not wanted and mechanism.platform_link is not None:
-        return Observed(closure, {}, closure.pose, {})
+    wanted, pose = observables_named(mechanism, names), None
+    if mechanism.platform_link is not None:
+        pose = ca.vertcat(closure.pose.position, closure.pose.quaternion)
+        if not wanted:
+            return Observed(closure, {}, pose, {})
     links = link_frames(closure)
-    poses = {link: Pose(links.frames[link][:3], links.frames[link][3:]) for link in links.placed}
-    places, geometry = _points(mechanism, poses)
-    values: dict[str, ca.SX | Pose] = {}
+    poses = {link: links.frames[link] for link in links.placed}
+    places, geometry, values = dict[str, ca.SX](), dict(links.geometry), dict[str, ca.SX]()
+    for point in mechanism.link_points:
+        symbols = [ca.SX.sym(f"{point_path(point)}.{k}") for k in "xyz"]
+        geometry |= {str(s): (s, float(v)) for s, v in zip(symbols, point.point, strict=True)}
+        frame = poses[point.link]
+        places[point.name] = Pose(frame[:3], frame[3:]).apply(ca.vertcat(*symbols))
     for o in wanted:
         match o.kind:
             case "joint":
@@ -247,21 +253,8 @@ def observed(mechanism: Mechanism, names: tuple[str, ...]) -> Observed:
                         f"one of its points"
                     )
                 values[o.name] = poses[o.of[0]]
-    pose = closure.pose if mechanism.platform_link is not None else poses[judged_link(mechanism)]
-    return Observed(closure, values, pose, links.geometry | geometry)
-
-
-def _points(
-    mechanism: Mechanism, poses: dict[str, Pose]
-) -> tuple[dict[str, ca.SX], dict[str, tuple[ca.SX, float]]]:
-    """Where the named points are, and their own coordinates, which are parameters."""
-    places: dict[str, ca.SX] = {}
-    geometry: dict[str, tuple[ca.SX, float]] = {}
-    for point in mechanism.link_points:
-        symbols = [ca.SX.sym(f"{point_path(point)}.{k}") for k in "xyz"]
-        geometry |= {str(s): (s, float(v)) for s, v in zip(symbols, point.point, strict=True)}
-        places[point.name] = poses[point.link].apply(ca.vertcat(*symbols))
-    return places, geometry
+    pose = poses[judged_link(mechanism)] if pose is None else pose
+    return Observed(closure, values, pose, geometry)
 
 
 def point_path(point: LinkPoint) -> str:

@@ -27,7 +27,6 @@ from symkin.model.graph import LinkPoint, LinkRod
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import Mechanism, serial_arm_from_dh
-from symkin.spatial.pose import Pose
 from symkin.text import meant
 
 ParameterKind = Literal["length", "angle", "number"]
@@ -73,31 +72,14 @@ def geometry_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> Map
     values = dict(zip(closure.parameter_names, map(float, closure.parameter_values), strict=True))
     others = {name: pair for name, pair in found.geometry.items() if name not in values}
     if others:
-        seen = ca.vertcat(
-            *(
-                ca.vertcat(v.position, v.quaternion) if isinstance(v, Pose) else v
-                for v in found.values.values()
-            ),
-            ca.SX(0, 1),
-        )
-        depends = (
-            ca.which_depends(seen, ca.vertcat(*(symbol for symbol, _ in others.values())), 1, False)
-            if seen.numel()
-            else []
-        )
-        values |= {
-            name: value
-            for (name, (_, value)), flag in zip(others.items(), depends, strict=False)
-            if flag
-        }
+        seen, symbols = ca.vertcat(*found.values.values()), [s for s, _ in others.values()]
+        depends = ca.which_depends(seen, ca.vertcat(*symbols), 1, False) if found.values else []
+        pairs = zip(others.items(), depends, strict=False)
+        values |= {name: value for (name, (_, value)), flag in pairs if flag}
     # where no link carries it, the platform frame is a place at which loops are compared, and no
     # geometry
-    frameless = mechanism.platform_link is None
-    return {
-        name: value
-        for name, value in values.items()
-        if not (frameless and name.startswith("platform."))
-    }
+    out = "platform." if mechanism.platform_link is None else " "
+    return {name: value for name, value in values.items() if not name.startswith(out)}
 
 
 def described_parameters(mechanism: Mechanism) -> dict[str, tuple[float, ParameterKind]]:

@@ -33,7 +33,7 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector
 from symkin.text import meant, shown
 
-_VECTOR_OUTPUTS = {"whole": (0, 3), "rows": (0,), "joints": (), "pose": (0,)}
+_VECTOR_OUTPUTS = {"whole": (0, 3), "rows": (0,), "tangent": (0, 3), "pose": (0,)}
 """Outputs that are columns, for each function of a configuration."""
 
 
@@ -152,14 +152,14 @@ class ConfigurationModel:
         evaluation e: the pose of a link that open chains carry is a function of the joints, without
         unknowns.
         """
-        rows_q, readings_q = self.by_joints(z, joints, p, quaternions)
+        _, _, rows_q, _, _, readings_q = self.tangent(z, joints, p, quaternions)
         return np.asarray(e.readings_z @ solve_systems(e.rows_z, rows_q) - readings_q)
 
-    def by_joints(
+    def tangent(
         self, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray
     ) -> list[np.ndarray]:
-        """Evaluate F_q (n, m, a) and h_q (n, K, a)."""
-        return self._call("joints", z, joints, p, quaternions)
+        """Evaluate F, F_z, F_q (n, m, a), h, h_z, h_q (n, K, a)."""
+        return self._call("tangent", z, joints, p, quaternions)
 
     def poses(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
         """Evaluate the observed poses (n, 7), quaternions with w >= 0."""
@@ -220,13 +220,13 @@ class ConfigurationModel:
         system, scales = self.system, ca.diag(ca.DM(self.scales))
         rows_z = system.jacobian
         readings_z = ca.mtimes(ca.jacobian(self.readings, system.unknown), system.tangent)
-        by_p = [
-            ca.mtimes(ca.jacobian(f, self.parameters), scales) for f in (system.rows, self.readings)
-        ]
+        both = (system.rows, self.readings)
+        by_p = [ca.mtimes(ca.jacobian(f, self.parameters), scales) for f in both]
+        by_q = [ca.jacobian(f, self.joints) for f in both]
         return {
             "whole": [system.rows, rows_z, by_p[0], self.readings, readings_z, by_p[1]],
             "rows": [system.rows, rows_z],
-            "joints": [ca.jacobian(f, self.joints) for f in (system.rows, self.readings)],
+            "tangent": [system.rows, rows_z, by_q[0], self.readings, readings_z, by_q[1]],
             "pose": [ca.vertcat(self.pose.position, self.pose.quaternion)],
         }
 
@@ -292,7 +292,7 @@ def _build_model(
         return list(ca.substitute(list(expressions), [before], [after]))
 
     world, target = (_frame(symbols, name) for name in ("world", "target"))
-    pose = world @ Pose(*known(seen.pose.position, seen.pose.quaternion)) @ target
+    pose = world @ _unpacked(*known(seen.pose)) @ target
     slots = 1 + sum(o.kind == "orientation" and bool(o.of) for o in channels)
     quaternion = ca.SX.sym("measured", 4 * slots)
     measured = iter(ca.vertsplit(quaternion, 4))
@@ -314,10 +314,7 @@ def _build_model(
                 level = ca.SX(ca.DM(level_turn(mechanism)))
                 readings.append(inclination(multiply(pose.quaternion, level)))
             case kind:
-                link = pose
-                if o.of:
-                    place = seen.values[o.name]
-                    link = world @ Pose(*known(place.position, place.quaternion))
+                link = world @ _unpacked(*known(seen.values[o.name])) if o.of else pose
                 if kind == "position":
                     readings.append(link.position)
                 elif kind == "inclination":
@@ -365,6 +362,10 @@ def _values_of(
                 f"{', '.join(table)}"
             )
     return table | {name: every[name] for name in missing}
+
+
+def _unpacked(pose: ca.SX) -> Pose:
+    return Pose(pose[:3], pose[3:])
 
 
 def _frame(symbols: Mapping[str, ca.SX], name: str) -> Pose:

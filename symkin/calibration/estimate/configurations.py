@@ -21,7 +21,7 @@ from symkin.errors import InputError
 from symkin.model.joint import units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.position.given import pose_from, poses_coordinates
+from symkin.position.given import poses_coordinates
 from symkin.spatial.rotation import wrapped
 
 SOLVED_TOLERANCE = 1e-10
@@ -117,14 +117,15 @@ class Closing:
         if "joints" in self.held:
             rows, rows_z = self.model.rows(z, joints, self.p)
             return rows, rows_z[:, :, self.free - self._joints]
-        at = (z, joints, self.p, self.model.no_quaternions(len(z)))
-        e, (rows_q, h_q) = self.model.evaluate(*at), self.model.by_joints(*at)
-        rows, by = e.rows, np.concatenate([rows_q * self._units, e.rows_z], axis=2)
+        rows, rows_z, rows_q, h, h_z, h_q = self.model.tangent(
+            z, joints, self.p, self.model.no_quaternions(len(z))
+        )
+        by = np.concatenate([rows_q * self._units, rows_z], axis=2)
         if self.inclined is not None:
             columns, size = self.model.group_columns, self.characteristic_length
-            h, told = e.readings[:, columns], self.inclined
+            h, told = h[:, columns], self.inclined
             gap = wrapped(h - (h[told] if told.ndim == 1 else told))
-            below = np.concatenate([h_q * self._units, e.readings_z], axis=2)[:, columns]
+            below = np.concatenate([h_q * self._units, h_z], axis=2)[:, columns]
             rows = np.hstack([rows, size * gap])
             by = np.concatenate([by, size * below], axis=1)
         return rows, by[:, :, self.free]
@@ -216,14 +217,24 @@ def solve_configurations(
 
     with np.errstate(all="ignore"):
         start, (found, solved) = found, solved_from(found)
-        if not solved.all():
-            for k in np.flatnonzero(~solved):
-                near = found[solved]
-                if len(near):
-                    near = near[nearest_rows(joints[solved], joints[k : k + 1], _NEIGHBOURS)[0]]
-                starts = near if carried and len(near) else np.vstack([start[k], near])
-                rng = None if carried else np.random.default_rng([seed, int(k)])
-                found[k] = _solve_from_many(model, joints[k], p, starts, rng, found[k])
+        system, good = model.system, np.flatnonzero(solved)
+        for k in np.flatnonzero(~solved):
+            near = found[:0]
+            if len(good):
+                near = found[good[nearest_rows(joints[good], joints[[k]], _NEIGHBOURS)[0]]]
+            tried = near if carried and len(near) else np.vstack([start[k], near])
+            if not carried:
+                rng, count = np.random.default_rng([seed, int(k)]), _RANDOM_STARTS
+                steps = (
+                    0.2 * system.characteristic_length * rng.normal(size=(count, system.freedom))
+                )
+                tried = np.vstack([tried, system.move(np.tile(tried[0], (count, 1)), steps)])
+            points = np.hstack([np.tile(joints[k], (len(tried), 1)), tried])
+            batch = levenberg_marquardt(Closing(model, p), points, np.zeros(0))
+            ends = batch.points[batch.converged, joints.shape[1] :]
+            if len(ends):
+                found[k] = ends[np.argmin(np.linalg.norm(ends - tried[0], axis=1))]
+        if len(good) < len(found):
             found, solved = solved_from(found)
         if tolerance <= SOLVED_TOLERANCE:
             # one step more, so that configurations are closed to rounding
@@ -279,9 +290,6 @@ def start_points(
     if model.observes_through_frames:
         measurements = without_poses(measurements)
     poses = known_poses(measurements, measured=measured)
-    for k in map(int, np.flatnonzero(~np.isnan(poses[:, 0]))):
-        pose = pose_from(poses[k].tolist(), f"starts: posture {measurements.labels[k]}")
-        poses[k] = [*pose.position, *pose.quaternion]
     begin = np.tile(model.closure.reference, (len(measurements), 1))
     return Closing(model, np.zeros(0)).split(with_poses(model.closure, begin, poses))[0]
 
@@ -377,30 +385,6 @@ def nearest_rows(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarr
         for row in wanted * weight
     ]
     return chosen[np.array(found)]
-
-
-def _solve_from_many(
-    model: ConfigurationModel,
-    joints: np.ndarray,
-    p: np.ndarray,
-    starts: np.ndarray,
-    rng: np.random.Generator | None,
-    otherwise: np.ndarray,
-) -> np.ndarray:
-    """Find the solution of one configuration that is nearest to its first start, from random starts
-    too where there is a generator.
-    """
-    if rng is not None:
-        system, size = model.system, model.closure.characteristic_length
-        steps = 0.2 * size * rng.normal(size=(_RANDOM_STARTS, system.freedom))
-        starts = np.vstack([starts, system.move(np.tile(starts[:1], (_RANDOM_STARTS, 1)), steps)])
-    closing, first = Closing(model, p), starts[0]
-    points = np.hstack([np.tile(joints, (len(starts), 1)), starts])
-    batch = levenberg_marquardt(closing, points, np.zeros(0))
-    good = closing.split(batch.points[batch.converged])[0]
-    if len(good) == 0:
-        return otherwise
-    return np.asarray(good[np.argmin(np.linalg.norm(good - first, axis=1))])
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ those that were read.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import permutations, product
+from itertools import product
 
 import numpy as np
 
@@ -21,8 +21,6 @@ from symkin.calibration.estimate.problem import CalibrationProblem, build_calibr
 from symkin.spatial.rotation import (
     conjugate,
     multiply,
-    quaternion_from_matrix,
-    quaternion_from_rotation_vector,
     rotation_vector_from_quaternion,
 )
 
@@ -75,61 +73,24 @@ def _frame_starts(
     world, target = (
         [places.get(f"{frame}.rotation.{k}", -1) for k in "xyz"] for frame in ("world", "target")
     )
-    read = problem.measurements.orientation if min(target) >= 0 else None
-    platform = _platform_orientations(problem, z, p)
-    for turn in (
-        _cube_orientations() if min(world) >= 0 else (_frame_rotation(problem, p, "world"),)
-    ):
-        start = p.copy()
-        if min(world) >= 0:
+    m, start = problem.measurements, p.copy()
+    read = None if min(target) < 0 else m.orientation
+    given = np.flatnonzero([] if read is None else np.isfinite(read[:, 0]))
+    for turn in _cube_orientations() if min(world) >= 0 else (None,):
+        if turn is not None:
             start[world] = rotation_vector_from_quaternion(turn)
-        if read is not None and np.any(np.isfinite(read)):
-            start[target] = rotation_vector_from_quaternion(
-                _mean_orientation(_target_orientations(turn, platform, read))
-            )
-        yield start
-
-
-def _frame_rotation(problem: CalibrationProblem, p: np.ndarray, frame: str) -> np.ndarray:
-    """Orientation (4,) of the world or target frame."""
-    table = dict(zip(problem.names, p, strict=True))
-    return np.asarray(
-        quaternion_from_rotation_vector(
-            np.array([table.get(f"{frame}.rotation.{k}", 0.0) for k in "xyz"])
-        )
-    )
-
-
-def _platform_orientations(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Quaternions (4, n) of the platform in the base frame: observed ones less the frames of p."""
-    observed = problem.model.poses(z, problem.measurements.joints, p)[:, 3:].T
-    return np.asarray(
-        multiply(
-            conjugate(_frame_rotation(problem, p, "world")),
-            multiply(observed, conjugate(_frame_rotation(problem, p, "target"))),
-        )
-    )
-
-
-def _target_orientations(world: np.ndarray, platform: np.ndarray, read: np.ndarray) -> np.ndarray:
-    """Target orientations (n, 4) that would make the readings (n, 4) of platforms (4, n) under a
-    world orientation.
-    """
-    given = np.all(np.isfinite(read), axis=1)
-    return np.asarray(multiply(conjugate(multiply(world, platform[:, given])), read[given].T)).T
-
-
-def _mean_orientation(quaternions: np.ndarray) -> np.ndarray:
-    """Mean orientation (4,) of some (n, 4): the eigenvector of the sum of q q^T (Markley and others
-    2007).
-    """
-    return np.asarray(np.linalg.eigh(quaternions.T @ quaternions)[1][:, -1])
+        if read is not None and len(given):
+            start[target] = 0.0
+            seen = problem.model.poses(z[given], m.joints[given], start)[:, 3:].T
+            turns = np.asarray(multiply(conjugate(seen), read[given].T))
+            # the mean orientation is the eigenvector of the sum of q q^T (Markley and others 2007)
+            mean = np.linalg.eigh(turns @ turns.T)[1][:, -1]
+            start[target] = rotation_vector_from_quaternion(mean)
+        yield start.copy()
 
 
 def _cube_orientations() -> Iterator[np.ndarray]:
     """Quaternions of the 24 orientations of a cube."""
-    for order in permutations(range(3)):
-        for signs in product((1.0, -1.0), repeat=3):
-            matrix = np.eye(3)[list(order)] * np.array(signs)[:, None]
-            if np.linalg.det(matrix) > 0.0:
-                yield np.asarray(quaternion_from_matrix(matrix))
+    for q in product((-1.0, 0.0, 1.0), repeat=4):
+        if q.count(0.0) != 1 and q > tuple(-v for v in q):
+            yield np.array(q) / np.linalg.norm(q)

@@ -13,8 +13,7 @@ In a group only equality is known. Three forms of it:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -113,7 +112,7 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
         unit = 1.0 / model.closure.characteristic_length if o.angular else 1.0
         values = 0.0 * reading.values[:, :3] if reading.is_orientation else reading.values
         table.append(values)
-        sigma.append(np.full(values.shape, unit) if reading.sigmas is None else reading.sigmas)
+        sigma.append(np.full(values.shape, unit if reading.sigma is None else reading.sigma))
     group, first = measurements.grouping
     return Readings(
         values=np.hstack(table),
@@ -128,33 +127,20 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
 
 @dataclass(frozen=True, eq=False)
 class Linearised:
-    """Residuals r (n, K) over their standard deviations, 0 where nothing was read, and dr/dp (n, K,
-    P).
+    """Residuals r (n, K) over their standard deviations, 0 where nothing was read; dr/dp (m, P) and
+    r (m,) of all configurations, or, of many, the triangle of their QR factorisation, so that |r +
+    J d|^2 is the same for all d.
     """
 
     residuals: np.ndarray
-    jacobian: np.ndarray
+    matrix: np.ndarray
+    vector: np.ndarray
 
-    @property
-    def vector(self) -> np.ndarray:
-        return self.residuals.reshape(-1)
-
-    @property
-    def matrix(self) -> np.ndarray:
-        return self.jacobian.reshape(-1, self.jacobian.shape[2])
-
-
-@dataclass(frozen=True, eq=False)
-class Condensed(Linearised):
-    """Residuals r (n, K) of many configurations; in place of dr/dp and r the triangle of their QR
-    factorisation, so that |r + J d|^2 is the same for all d.
-    """
-
-    right: np.ndarray = field(kw_only=True)
-
-    @property
-    def vector(self) -> np.ndarray:
-        return self.right
+    @staticmethod
+    def of(residuals: np.ndarray, jacobian: np.ndarray) -> Linearised:
+        """All configurations, with dr/dp (n, K, P)."""
+        matrix = jacobian.reshape(-1, jacobian.shape[2])
+        return Linearised(residuals, matrix, residuals.reshape(-1))
 
 
 def linearise(
@@ -195,21 +181,19 @@ def group_sum(readings: Readings, values: np.ndarray) -> np.ndarray:
 
 def neighbours(readings: Readings) -> tuple[np.ndarray, np.ndarray]:
     """Return the pairs (earlier, later) of neighbours in each group."""
-    order = [np.flatnonzero(readings.group == k) for k in range(readings.groups)]
-    pairs = [(a, b) for members in order for a, b in pairwise(members)]
-    return np.array([a for a, _ in pairs], dtype=int), np.array([b for _, b in pairs], dtype=int)
+    pairs = np.flatnonzero(np.diff(readings.places) == 0)
+    return readings.order[pairs], readings.order[pairs + 1]
 
 
 def _differences(readings: Readings, gap: np.ndarray, h_p: np.ndarray) -> Linearised:
     """Each configuration but the first of its group holds its difference from the one before it."""
     residuals, jacobian = readings.weight * gap, readings.weight[:, :, None] * h_p
-    before, after = neighbours(readings)
-    for column in np.flatnonzero(readings.grouped):
-        s = 1.0 / np.hypot(readings.sigma[before, column], readings.sigma[after, column])
-        residuals[:, column], jacobian[:, column] = 0.0, 0.0
-        residuals[after, column] = s * (gap[after, column] - gap[before, column])
-        jacobian[after, column] = s[:, None] * (h_p[after, column] - h_p[before, column])
-    return Linearised(residuals, jacobian)
+    earlier, later = (np.ix_(rows, readings.columns) for rows in neighbours(readings))
+    s = 1.0 / np.hypot(readings.sigma[earlier], readings.sigma[later])
+    residuals[:, readings.columns], jacobian[:, readings.columns] = 0.0, 0.0
+    residuals[later] = s * (gap[later] - gap[earlier])
+    jacobian[later] = s[:, :, None] * (h_p[later] - h_p[earlier])
+    return Linearised.of(residuals, jacobian)
 
 
 def whitening(readings: Readings, covariance: np.ndarray) -> np.ndarray:
@@ -250,7 +234,7 @@ def _eliminated(
         sums = np.add.reduceat(across @ both, readings.begins, axis=0)
         both -= basis @ np.linalg.solve(information, sums)[readings.places]
         residuals[some], jacobian[some] = both[:, :, 0], both[:, :, 1:]
-    return Linearised(residuals, jacobian)
+    return Linearised.of(residuals, jacobian)
 
 
 def group_basis(readings: Readings, whiten: np.ndarray) -> np.ndarray:

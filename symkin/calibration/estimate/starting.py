@@ -12,6 +12,7 @@ the whole file, and the one whose groups agree best is taken.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +20,6 @@ import numpy as np
 from symkin.assembly.modes import modes_at_need
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.parameters import with_parameters
-from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     SolvedConfigurations,
@@ -249,28 +249,20 @@ def _all_modes(
     """List the unknowns (k, width) of all real modes of the geometry p at the joint readings of
     some configurations, and the numbers of these (k,).
     """
-    values = dict(zip(problem.names, p, strict=True))
+    model, values = problem.model, dict(zip(problem.names, p, strict=True))
     mechanism = with_parameters(replace(problem.mechanism, example=None), values)
-    found = [_modes_at(mechanism, problem.model, problem.measurements.joints[k]) for k in rows]
-    return np.vstack(found), np.repeat(rows, list(map(len, found)))
-
-
-def _modes_at(mechanism: Mechanism, model: ConfigurationModel, joints: np.ndarray) -> np.ndarray:
-    """List the unknowns (k, width) of the modes at joint readings; none where they cannot be
-    listed.
-    """
-    given = {
-        c.name: mechanism.angle_out(float(v)) if c.is_angular else float(v)
-        for v, c in zip(joints, mechanism.actuated, strict=True)
-    }
-    try:
-        found = modes_at_need(mechanism, joints=given, starts=_RANDOM_STARTS)
-    except SymkinError:
-        return np.zeros((0, model.system.width))
-    closure = build_closure(mechanism, model.closure.partition)
-    count = len(mechanism.actuated)
-    rows = [variables_elsewhere(closure, s)[count:] for s in found]
-    return np.array(rows, dtype=float).reshape(len(rows), model.system.width)
+    closure, count = build_closure(mechanism, model.closure.partition), len(mechanism.actuated)
+    points, owner = [np.zeros((0, model.system.width))], list[int]()
+    for k in rows:
+        given = {
+            c.name: mechanism.angle_out(float(v)) if c.is_angular else float(v)
+            for v, c in zip(problem.measurements.joints[k], mechanism.actuated, strict=True)
+        }
+        with suppress(SymkinError):  # modes that cannot be listed
+            for solution in modes_at_need(mechanism, joints=given, starts=_RANDOM_STARTS):
+                points.append(variables_elsewhere(closure, solution)[None, count:])
+                owner.append(k)
+    return np.vstack(points), np.array(owner, dtype=int)
 
 
 # --- groups ---------------------------------------------------------------------------------------

@@ -27,7 +27,7 @@ from symkin.calibration.estimate.configurations import (
     newton_configurations,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise
+from symkin.calibration.estimate.residuals import Form, Linearised, linearise
 from symkin.numeric.tolerances import RANK_TOLERANCE
 
 PREDICTION_TOLERANCE = 1e-4
@@ -95,16 +95,7 @@ def evaluate(
     pending = solve_systems(e.rows_z, e.rows[:, :, None])[:, :, 0]
     readings, slopes, leftover = e.condensed(pending)
     fit = linearise(form, problem.readings, readings, slopes, covariance)
-    return State(
-        problem=problem,
-        p=p,
-        z=z,
-        linearised=fit,
-        values=e,
-        pending=pending,
-        leftover=leftover,
-        determinant_signs=determinant_signs(e.rows_z),
-    )
+    return State(problem, p, z, fit, e, pending, leftover, determinant_signs(e.rows_z))
 
 
 def evaluate_readings(problem: CalibrationProblem, state: State) -> Evaluation:
@@ -220,9 +211,22 @@ def restored_after(
 
 
 def error_free_state(problem: CalibrationProblem, state: State) -> State:
-    """Evaluate the state where the readings of each group agree."""
-    other, z = without_errors(problem, state.p, state.z)
-    return evaluate(other, state.p, z, "means")
+    """Evaluate the state where the readings of each group agree: joint readings are moved least
+    (with the unknown coordinates, angles times the size), so that the configurations close and
+    every group has one inclination; where that is not reached they stay.
+    """
+    readings, inside, m = problem.readings, problem.readings.inside, problem.measurements
+    first = np.arange(len(state.z))
+    first[inside] = readings.first[readings.group[inside]]
+    closing = Closing(problem.model, state.p, held=(), inclined=first)
+    z, joints = state.z, m.joints
+    if readings.groups:
+        begin = np.hstack([joints, z])
+        found, largest = closing.newton(begin, tolerance=SOLVED_TOLERANCE, longest=np.inf)
+        # groups that no configuration can have, as under wrong labels, send the steps away
+        if np.all(largest <= SOLVED_TOLERANCE):
+            z, joints = closing.split(found)
+    return evaluate(replace(problem, measurements=replace(m, joints=joints)), state.p, z, "means")
 
 
 # --- many configurations --------------------------------------------------------------------------
@@ -243,46 +247,12 @@ def _evaluate_parts(
     pending, side = np.zeros((len(z), problem.model.system.freedom)), np.zeros(len(z))
     for rows, part in problem.parts:
         state = evaluate(part, p, z[rows], form, None if covariance is None else covariance[rows])
-        residuals[rows], pending[rows], side[rows] = (
-            state.linearised.residuals,
-            state.pending,
-            state.determinant_signs,
-        )
-        below = np.column_stack([state.linearised.matrix, state.linearised.vector])
+        fit, pending[rows], side[rows] = state.linearised, state.pending, state.determinant_signs
+        residuals[rows] = fit.residuals
+        below = np.column_stack([fit.matrix, fit.vector])
         triangle = np.asarray(np.linalg.qr(np.vstack([triangle, below]), mode="r"))
-    fit = Condensed(residuals, triangle[:, None, :width], right=triangle[:, width])
-    return State(
-        problem=problem,
-        p=p,
-        z=z,
-        linearised=fit,
-        values=None,
-        pending=pending,
-        leftover=None,
-        determinant_signs=side,
-    )
-
-
-def without_errors(
-    problem: CalibrationProblem, p: np.ndarray, z: np.ndarray
-) -> tuple[CalibrationProblem, np.ndarray]:
-    """Move the joint readings least (with the unknown coordinates, angles times the size) so that
-    at p the configurations close and every group has one inclination; return the problem with
-    these, and the unknown coordinates there; as they are where no such configurations are reached.
-    """
-    readings, inside = problem.readings, problem.readings.inside
-    if not readings.groups:
-        return problem, z
-    first = np.arange(len(z))
-    first[inside] = readings.first[readings.group[inside]]
-    closing = Closing(problem.model, p, held=(), inclined=first)
-    begin = np.hstack([problem.measurements.joints, z])
-    found, largest = closing.newton(begin, tolerance=SOLVED_TOLERANCE, longest=np.inf)
-    # groups that no configuration can have, as under wrong labels, send the steps away
-    if not np.all(largest <= SOLVED_TOLERANCE):
-        return problem, z
-    z, joints = closing.split(found)
-    return replace(problem, measurements=replace(problem.measurements, joints=joints)), z
+    fit = Linearised(residuals, triangle[:, :width], triangle[:, width])
+    return State(problem, p, z, fit, None, pending, None, side)
 
 
 def admissible_steps(state: State, units: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:

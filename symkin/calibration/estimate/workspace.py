@@ -86,12 +86,8 @@ class Workspace:
     def __post_init__(self) -> None:
         require_mechanism(self.mechanism)
         half = np.asarray(self.half, dtype=float)
-        if (
-            half.shape != (3,)
-            or not np.all(np.isfinite(half))
-            or np.any(half < 0)
-            or min(self.tilt, self.spin) < 0
-        ):
+        good = half.shape == (3,) and np.all((half >= 0) & (half < np.inf))
+        if not good or min(self.tilt, self.spin) < 0:
             raise InputError(
                 f"workspace: half widths {half.tolist()} and angles must be three numbers and not "
                 f"negative"
@@ -108,13 +104,8 @@ class Workspace:
         mechanism: Mechanism, half: Sequence[float] | None = None, **options: Any
     ) -> Workspace:
         """Make the default workspace: 0.15 of the size and 20 deg about home."""
-        return Workspace(
-            mechanism,
-            np.array(
-                half if half is not None else [DEFAULT_REACH * mechanism.characteristic_length] * 3
-            ),
-            **options,
-        )
+        reach = [DEFAULT_REACH * mechanism.characteristic_length] * 3
+        return Workspace(mechanism, np.array(reach if half is None else half), **options)
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle the description alone: what closes configurations holds functions, and is made
@@ -158,28 +149,24 @@ class Workspace:
 
         Raises InputError where too few draws close within the limits.
         """
-        found: list[ClosedConfigurations | None] = [None] * len(inclinations)
+        found, count = dict[int, ClosedConfigurations](), len(inclinations)
         drawn, idle = 0, 0
-        while (missing := [k for k, c in enumerate(found) if c is None]) and idle < _MAX_IDLE_DRAWS:
-            chosen = np.array(
-                (missing * (1 + _MIN_DRAWN // len(missing)))[: max(_MIN_DRAWN, len(missing))]
-            )
+        while (missing := [k for k in range(count) if k not in found]) and idle < _MAX_IDLE_DRAWS:
+            chosen = np.resize(missing, max(_MIN_DRAWN, len(missing)))
             drawn, idle = drawn + len(chosen), idle + len(chosen)
             wanted = inclinations[chosen]
-            made, good = self.solver.close(
-                self._starts(wanted, rng, edge), wanted if held else None
-            )
+            starts = self._starts(wanted, rng, edge)
+            made, good = self.solver.close(starts, wanted if held else None)
             for row in np.flatnonzero(good):
-                if found[chosen[row]] is None:
+                if chosen[row] not in found:
                     found[chosen[row]], idle = made.take(np.array([row])), 0
         if missing:
             raise InputError(
-                f"{self.mechanism.name}: only {len(inclinations) - len(missing)} of "
-                f"{len(inclinations)} postures were found in "
+                f"{self.mechanism.name}: only {len(found)} of {count} postures were found in "
                 f"{drawn} draws within joint limits and away from singularities "
                 f"{self._why_none(inclinations[missing[0]], held)}"
             )
-        made = ClosedConfigurations.joined([c for c in found if c is not None])
+        made = ClosedConfigurations.joined([found[k] for k in range(count)])
         self._check_motion(made)
         return made
 
@@ -361,9 +348,7 @@ class ClosureSolver:
         """
         inclined = None
         if inclinations is not None:
-            tilts = quaternion_from_euler(
-                np.vstack([inclinations.T, 0.0 * inclinations[:, 0]]), "xyz"
-            )
+            tilts = quaternion_from_euler(np.pad(inclinations, ((0, 0), (0, 1))).T, "xyz")
             level = multiply(self.home.quaternion, level_turn(self.mechanism))
             inclined = np.array(euler_from_quaternion(multiply(tilts, level), "xyz"))[:2].T
         every = Closing(self._model, np.zeros(0), held=(), inclined=inclined)
@@ -399,8 +384,7 @@ class ClosureSolver:
 
     def with_tool(self, values: np.ndarray) -> np.ndarray:
         """Put the pose of an arm's tool at its joints into the variables."""
-        tool = Closing(self._model, np.zeros(0))
-        return tool.newton(values, longest=np.inf)[0]
+        return Closing(self._model, np.zeros(0)).newton(values, longest=np.inf)[0]
 
     def _within_limits(self, values: np.ndarray) -> np.ndarray:
         good = np.all(np.isfinite(values), axis=1)
@@ -408,35 +392,29 @@ class ClosureSolver:
             column = values[:, self.closure.slices[c.name].start]
             if c.limits is not None:
                 kept = self.margin * (c.limits[1] - c.limits[0])
-                turn = (
-                    2 * math.pi * np.ceil((c.limits[0] - column) / (2 * math.pi) - 1e-12)
-                    if c.kind == "angle"
-                    else 0.0
-                )
-                good &= (column + turn >= c.limits[0] + kept) & (
-                    column + turn <= c.limits[1] - kept
-                )
+                if c.kind == "angle":
+                    turns = np.ceil((c.limits[0] - column) / (2 * math.pi) - 1e-12)
+                    column = column + 2 * math.pi * turns
+                good &= (column >= c.limits[0] + kept) & (column <= c.limits[1] - kept)
             elif c.least is not None:
                 good &= column > c.least
         return np.asarray(good)
 
     @cached_property
     def _at_home(self) -> tuple[float, float]:
-        """Sign of det F_z at home, 0 where F_z is not square, and the condition of F_z."""
-        (found,) = _sides_and_conditions(self._model, [self.home])
-        return found
+        """Sign of det F_z at home, 0 where F_z is not square or singular, and the condition of
+        F_z.
+        """
+        rows_z = _rows_at(self._model, self.home)
+        (side,), (condition,) = determinant_signs(rows_z), _conditions(rows_z)
+        return (side if condition < _SINGULAR_CONDITION else 0.0), condition
 
     def _regular(self, rows_z: np.ndarray) -> np.ndarray:
-        if rows_z.shape[2] == 0:
-            return np.ones(len(rows_z), dtype=bool)
         side, condition = self._at_home
-        singular = np.linalg.svd(np.nan_to_num(rows_z), compute_uv=False)
-        worst = (
-            _WORSE_CONDITION * condition if condition < _SINGULAR_CONDITION else _SINGULAR_CONDITION
-        )
-        return np.asarray(
-            (singular[:, -1] * worst > singular[:, 0]) & (determinant_signs(rows_z) * side >= 0)
-        )
+        worst = _SINGULAR_CONDITION
+        if condition < _SINGULAR_CONDITION:
+            worst = _WORSE_CONDITION * condition
+        return (_conditions(rows_z) < worst) & (determinant_signs(rows_z) * side >= 0)
 
 
 def home_pose(mechanism: Mechanism) -> Pose:
@@ -444,17 +422,15 @@ def home_pose(mechanism: Mechanism) -> Pose:
     or where the direct problem is conditioned much better there.
     """
     example, reference = mechanism.example, mechanism.reference_pose
-    given = (
-        None
-        if example is None
-        else example.pose or (example.start if example.joints is not None else None)
-    )
+    given = None
+    if example is not None:
+        given = example.pose or (example.start if example.joints is not None else None)
     if mechanism.serial or given is None or len(given) != 7:
         return reference
     shown = pose_from(given, "example")
     if not states_reference(mechanism):
         return shown
-    (_, here), (_, there) = _sides_and_conditions(closing_model(mechanism), [reference, shown])
+    here, there = _conditions(_rows_at(closing_model(mechanism), reference, shown))
     return shown if here > _POORER_CONDITION * there else reference
 
 
@@ -465,18 +441,18 @@ def states_reference(mechanism: Mechanism) -> bool:
     return any(mechanism.platform_position) or any(mechanism.all_joints)
 
 
-def _sides_and_conditions(
-    model: ConfigurationModel, poses: Sequence[Pose]
-) -> list[tuple[float, float]]:
-    """Sign of det F_z at poses, 0 where F_z is not square or singular, and the condition of F_z."""
-    closing, rows = Closing(model, np.zeros(0), held=("pose",)), model.closure.reference[None]
+def _rows_at(model: ConfigurationModel, *poses: Pose) -> np.ndarray:
+    """F_z (n, m, f) at poses, with the joints that lead there."""
+    closing = Closing(model, np.zeros(0), held=("pose",))
     table = np.array([[*pose.position, *pose.quaternion] for pose in poses])
-    starts = with_poses(model.closure, np.repeat(rows, len(poses), axis=0), table)
-    z, joints = closing.split(closing.close(starts)[0])
-    _, rows_z = model.rows(z, joints, np.zeros(0))
-    found = np.linalg.cond(rows_z) if rows_z.shape[2] else np.ones(len(poses))
-    signs = np.where(found < _SINGULAR_CONDITION, determinant_signs(rows_z), 0.0)
-    return list(zip(signs.tolist(), found.tolist(), strict=True))
+    starts = np.tile(model.closure.reference, (len(poses), 1))
+    return model.rows(
+        *closing.split(closing.close(with_poses(model.closure, starts, table))[0]), closing.p
+    )[1]
+
+
+def _conditions(rows_z: np.ndarray) -> np.ndarray:
+    return np.linalg.cond(np.nan_to_num(rows_z)) if rows_z.shape[2] else np.ones(len(rows_z))
 
 
 def lever(mechanism: Mechanism) -> float:
@@ -484,9 +460,6 @@ def lever(mechanism: Mechanism) -> float:
     the platform's joint points from their middle; where they coincide, a quarter of the size.
     """
     points = platform_points(mechanism)
-    spread = float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
-    return (
-        spread
-        if spread > 1e-9 * mechanism.characteristic_length
-        else 0.25 * mechanism.characteristic_length
-    )
+    spread = float(np.sqrt(np.sum(np.var(points, axis=0))))
+    size = mechanism.characteristic_length
+    return spread if spread > 1e-9 * size else 0.25 * size
