@@ -274,8 +274,8 @@ class _Fitting:
                 f"at the start geometry; check units, signs "
                 "and the order of joints, or give starts"
             )
-        p = fit_measuring_frames(self.problem, solved.z, p, solved.solved)
         if near is None:
+            p = fit_measuring_frames(self.problem, solved.z, p, solved.solved)
             m = self.problem.measurements.subset(solved.solved)
             refuse_undetermined(self.problem.model, solved.z[solved.solved], m.joints, p)
         part = self._solved_part(solved)

@@ -70,8 +70,13 @@ _AXES_OF = {
 @drawing()
 def png(figure: Figure) -> bytes:
     """The picture as a PNG file's content."""
-    content = io.BytesIO()
-    figure.savefig(content, dpi=_DPI, format="png")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.image import imsave
+
+    content, canvas = io.BytesIO(), FigureCanvasAgg(figure)
+    figure.dpi = _DPI
+    canvas.draw()  # once, where savefig draws twice
+    imsave(content, canvas.buffer_rgba(), format="png", dpi=_DPI)
     return content.getvalue()
 
 

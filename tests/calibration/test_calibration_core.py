@@ -144,7 +144,7 @@ def test_compiled_and_interpreted_functions_agree():
     after = plain(5, (xs, ys))
     for a, b in zip(before, after, strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-15)
-    np.testing.assert_allclose(before[0].transpose(0, 2, 1), xs[:, :, None] * ys, rtol=1e-15)
+    np.testing.assert_allclose(before[0], xs[:, :, None] * ys, rtol=1e-15)
 
 
 # --- other mechanisms and readings ----------------------------------------------------------------
@@ -444,7 +444,7 @@ def test_a_part_of_the_postures_keeps_their_standard_deviations(count, per):
         part = data.subset(rows)
         for key in ("joint", "position"):
             np.testing.assert_array_equal(part.sigma(key), data.sigma(key)[rows])
-        np.testing.assert_array_equal(part.readings[0].sigmas, reading.sigmas[rows])
+        np.testing.assert_array_equal(part.readings[0].sigma, reading.sigma[rows])
 
 
 @pytest.mark.parametrize(("name", "redundant"), [("ren2008", False), ("zhao2000_links", True)])

@@ -388,7 +388,7 @@ def test_a_file_reads_back(tmp_path, name):
     for reading in data.readings:
         other = next(r for r in found.readings if r.name == reading.name)
         np.testing.assert_allclose(other.values, reading.values, rtol=1e-14, atol=1e-14)
-        np.testing.assert_allclose(other.sigmas, reading.sigmas, rtol=1e-14)
+        np.testing.assert_allclose(other.sigma, reading.sigma, rtol=1e-14)
 
 
 def test_columns_of_the_platforms_link_are_those_of_the_platform(tmp_path):

@@ -117,7 +117,12 @@ def test_group_means_are_weighted_averages():
         weight = readings.weight[inside]
         assert np.abs(np.sum(weight * fit.residuals[inside], axis=0)).max() < 1e-9 * weight.max()
         assert (
-            np.abs(np.sum(weight[:, :, None] * fit.jacobian[inside], axis=0)).max()
+            np.abs(
+                np.sum(
+                    weight[:, :, None] * fit.matrix.reshape(*fit.residuals.shape, -1)[inside],
+                    axis=0,
+                )
+            ).max()
             < 1e-9 * weight.max() ** 2
         )
     assert readings.groups == 10

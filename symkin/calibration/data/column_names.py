@@ -5,16 +5,14 @@ misspelt ones may mean.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
-from symkin.calibration.data.observables import LINK_COLUMNS, observables
+from symkin.calibration.data.observables import POSE_COLUMNS, Measure, observables
 from symkin.errors import InputError
 from symkin.files.csv_table import Table
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.text import meant, nearest
 
-INCLINATION, POSITION, QUATERNION = ("alpha", "beta"), ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 WEDGE = ("wedge_alpha", "wedge_beta")
 """Columns of a plan that a measurement file may keep; they say where the configuration was meant to
 be, not what was read.
@@ -27,7 +25,6 @@ _MISSPELT = 0.85
 """Likeness (of difflib) from which an unknown column is taken for a slip of the pen."""
 _MAX_LISTED_COLUMNS = 12
 """Most columns of joints, points and links that a message lists."""
-Measure = Literal["length", "angle"]
 
 
 def unit_of(mechanism: Mechanism, measure: Measure) -> str:
@@ -78,7 +75,7 @@ def refuse_misspelt(mechanism: Mechanism, path: str, header: str) -> None:
     bare, known = name.removeprefix("sigma_"), observables(mechanism).values()
     columns = list(dict.fromkeys(column for o in known for column in (*o.columns, *o.sigmas)))
     near = nearest(bare, columns, likeness=_MISSPELT)
-    links = {f"{o.of[0]}." for o in known if o.kind in LINK_COLUMNS}
+    links = {f"{o.of[0]}." for o in known if o.kind in POSE_COLUMNS}
     if not near and not bare.startswith((*_OBSERVABLE_PREFIXES, *links)):
         return
     guess = meant(bare, columns) or "; no passive joint, named point or other link has such a name"

@@ -7,16 +7,13 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from symkin.calibration.data.column_names import (
     DISTANCE,
-    INCLINATION,
-    POSITION,
-    QUATERNION,
     WEDGE,
-    Measure,
     columns_of_platform_link,
     known_readings,
     measure_of,
@@ -25,7 +22,7 @@ from symkin.calibration.data.column_names import (
     unit_of,
 )
 from symkin.calibration.data.measurements import NO_GROUP, Reading
-from symkin.calibration.data.observables import Observable, observables
+from symkin.calibration.data.observables import PLATFORM, Measure, Observable, observables
 from symkin.errors import InputError
 from symkin.files.csv_dialect import listed
 from symkin.files.csv_table import UNITS, Table
@@ -53,31 +50,22 @@ class ColumnReader:
 
     def _matched(self, table: Table) -> Table:
         """Keep the columns that mean something for this mechanism, under their names."""
-        joints, sequenced = (
-            [c.name for c in self.mechanism.actuated],
-            sequenced_columns(table, self.known),
-        )
-        readings = [*INCLINATION, *POSITION, *QUATERNION, *(f"euler_{k}" for k in "123"), "group"]
-        placed = [
-            place for r in readings for place in (reading_name(self.mechanism, r), f"platform.{r}")
-        ]
-        sigmas = [
-            f"sigma_{name}"
-            for name in (*joints, "group", *INCLINATION, *POSITION, "orientation", *self.distances)
-        ]
-        others = [column for o in self.observables.values() for column in o.columns]
-        sigmas += [f"sigma_{column}" for o in self.observables.values() for column in o.sigmas]
-        known = tuple(dict.fromkeys((*joints, *placed, *sigmas, *WEDGE, *self.distances, *others)))
+        joints = [c.name for c in self.mechanism.actuated]
+        sequenced = sequenced_columns(table, self.known)
+        both = (*PLATFORM.values(), *self.observables.values())
+        bare = [c for o in PLATFORM.values() for c in o.columns] + [f"euler_{k}" for k in "123"]
+        placed = [name for r in bare for name in (reading_name(self.mechanism, r), f"platform.{r}")]
+        read = [*self.distances, *(c for o in self.observables.values() for c in o.columns)]
+        sigmas = (*joints, *(s for o in both for s in o.sigmas), *self.distances)
+        own = (*joints, *placed, *(f"sigma_{s}" for s in sigmas), *WEDGE, *read)
+        known = tuple(dict.fromkeys(own))
         made = table.matched(
             known,
             text=("group", "platform.group"),
             aliases=sequenced | columns_of_platform_link(self.mechanism, table, known),
         )
         of_platform = [name for name in made.columns if name in (*placed, *sequenced.values())]
-        read = [
-            *of_platform,
-            *(name for name in made.columns if name in (*self.distances, *others)),
-        ]
+        read = [name for name in made.columns if name in (*of_platform, *read)]
         self._check_left_out(made, anything_read=bool(read))
         if of_platform and self.mechanism.platform_link is None:
             raise InputError(
@@ -145,11 +133,10 @@ class ColumnReader:
         )
 
     def joints(self) -> np.ndarray:
-        columns = [
-            self._numbers(c.name, measure_of(c), empty=False) for c in self.mechanism.actuated
-        ]
-        values = np.array(columns).T.reshape(len(self.table), len(columns))
+        values = np.zeros((len(self.table), len(self.mechanism.actuated)))
         for k, c in enumerate(self.mechanism.actuated):
+            unit = "rad" if c.is_angular else self.mechanism.length_unit
+            values[:, k] = self.table.numbers(c.name, measure_of(c), unit)
             self._check_range(c, values[:, k])
         self._note_repeats(values)
         return values
@@ -176,83 +163,82 @@ class ColumnReader:
     def _check_range(self, c: Coordinate, values: np.ndarray) -> None:
         unit = 1.0 if not c.is_angular else 1 / UNITS[self.mechanism.angle_unit][1]
         if c.least is not None and np.any(values < c.least):
-            row = int(np.argmax(values < c.least))
-            raise InputError(
-                f"{self.table.path}, line {self.table.lines[row]}, column "
-                f"{self.table.columns[c.name].header!r}: a rod of negative "
-                f"length; {c.least + 0.0:g} {self.mechanism.length_unit} and above is needed"
+            raise self._error(
+                int(np.argmax(values < c.least)),
+                self.table.columns[c.name].header,
+                f"a rod of negative length; {c.least + 0.0:g} {self.mechanism.length_unit} and "
+                f"above is needed",
             )
-        outside = (
-            np.zeros(len(values), dtype=bool)
-            if c.limits is None
-            else (values < c.limits[0]) | (values > c.limits[1])
-        )
-        if c.limits is not None and np.any(outside):
+        low, high = c.limits or (-np.inf, np.inf)
+        outside = (values < low) | (values > high)
+        if np.any(outside):
             where = ", ".join(str(self.table.lines[k]) for k in np.flatnonzero(outside)[:3])
-            low, high = (f"{limit * unit:g}" for limit in c.limits)
             self.notes.append(
                 f"{c.name}: {int(outside.sum())} of {len(values)} readings lie outside its limits "
-                f"{low} to {high} "
+                f"{low * unit:g} to {high * unit:g} "
                 f"{unit_of(self.mechanism, measure_of(c))} (line "
                 f"{where}{', ...' if outside.sum() > 3 else ''})"
             )
         if len(values) > 2 and np.ptp(values) == 0.0:
             self.notes.append(f"{c.name}: the reading is the same in all rows")
 
+    def _error(self, row: Any, column: str, text: str) -> InputError:
+        return InputError(
+            f"{self.table.path}, line {self.table.lines[row]}, column {column!r}: {text}"
+        )
+
     def together(
-        self, names: tuple[str, ...], measure: Measure | None, *, own: bool = False
+        self, names: Sequence[str], measure: Measure | None, *, own: bool = False
     ) -> np.ndarray | None:
         """Read columns that stand together, all cells of a row or none; None where nothing is in
         them. Names of observables are their `own`, whatever joints are named.
         """
-        present = [self._own_column(name) if own else self._column(name) for name in names]
+        present = [self._column(name, own=own) for name in names]
         if not any(present):
             return None
-        for name, column in zip(names, present, strict=True):
-            if column is None:
-                raise InputError(
-                    f"{self.table.path}: column {name!r} is missing, and {', '.join(names)} stand "
-                    f"together; {self.table.held()}"
+        if None in present:
+            raise InputError(
+                f"{self.table.path}: column {names[present.index(None)]!r} is missing, and "
+                f"{', '.join(names)} stand together; {self.table.held()}"
+            )
+        values = self._numbers(present, measure)
+        empty = np.isnan(values)
+        partly = np.flatnonzero(empty.any(axis=1) & ~empty.all(axis=1))
+        if partly.size:
+            raise self._error(
+                partly[0],
+                names[int(np.argmax(empty[partly[0]]))],
+                f"the cell has no number, the others of {', '.join(names)} have; give all or none",
+            )
+        return None if empty.all() else values
+
+    def channel(self, o: Observable) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Read an observable, None where nothing is in its columns, and its standard deviations,
+        None without them.
+        """
+        own, oriented = bool(o.of), o.kind == "orientation"
+        if oriented or o.kind == "inclination":
+            values = self.together(o.columns, None if oriented else "angle", own=own)
+        else:
+            values = self._numbers([self._column(c, own=own) for c in o.columns], o.measure)
+            values = None if np.all(np.isnan(values)) else values
+        if oriented and values is not None:
+            norms = np.linalg.norm(values, axis=1)
+            for row in np.flatnonzero(np.abs(norms - 1.0) > 1e-2):
+                raise self._error(
+                    row,
+                    o.columns[0],
+                    f"the quaternion has norm {norms[row]:.6g}; allowed: 1 to within 0.01",
                 )
-        values = np.array([self._numbers(str(column), measure) for column in present]).T
-        partly = np.isnan(values).any(axis=1) & ~np.isnan(values).all(axis=1)
-        if np.any(partly):
-            row = int(np.argmax(partly))
-            name = names[int(np.argmax(np.isnan(values[row])))]
-            raise InputError(
-                f"{self.table.path}, line {self.table.lines[row]}, column {name!r}: the cell has "
-                f"no number, the others of "
-                f"{', '.join(names)} have; give all or none"
-            )
-        return None if np.all(np.isnan(values)) else values
-
-    def some(
-        self, names: tuple[str, ...], measure: Measure, *, own: bool = False
-    ) -> np.ndarray | None:
-        """Read columns any of which may be missing."""
-        present = [self._own_column(name) if own else self._column(name) for name in names]
-        empty = [float("nan")] * len(self.table)
-        values = np.array(
-            [empty if column is None else self._numbers(column, measure) for column in present]
-        ).T
-        return None if np.all(np.isnan(values)) else values
-
-    def orientation(self) -> np.ndarray | None:
-        return self._unit_quaternions(QUATERNION)
-
-    def _unit_quaternions(self, names: tuple[str, ...], *, own: bool = False) -> np.ndarray | None:
-        values = self.together(names, None, own=own)
-        if values is None:
-            return None
-        norms = np.linalg.norm(values, axis=1)
-        bad = np.flatnonzero(np.abs(norms - 1.0) > 1e-2)
-        if bad.size:
-            raise InputError(
-                f"{self.table.path}, line {self.table.lines[bad[0]]}, column {names[0]!r}: the "
-                f"quaternion has norm {norms[bad[0]]:.6g}; "
-                "allowed: 1 to within 0.01"
-            )
-        return values
+        if o.kind == "distance" and values is not None:
+            for row in np.flatnonzero(values <= 0.0):
+                raise self._error(
+                    row,
+                    o.columns[0],
+                    f"a distance of {self.table.text(o.columns[0])[row].strip()}; a positive "
+                    f"number is needed",
+                )
+        return values, self.sigmas(o)
 
     def euler(self) -> tuple[str | None, np.ndarray | None]:
         """Read Euler angles: the sequence of the header, None where it names none, and the
@@ -271,169 +257,88 @@ class ColumnReader:
             )
         sequence = next(iter(sequences))
         prefix = "euler_" if sequence is None else f"euler_{sequence}_"
-        return sequence, self.together((f"{prefix}1", f"{prefix}2", f"{prefix}3"), "angle")
+        return sequence, self.together([prefix + k for k in "123"], "angle")
 
     def distance(self, name: str) -> tuple[np.ndarray, np.ndarray | None]:
         """Read the values (n,) of a distance and their standard deviations, None without a
         column.
         """
-        column = self._column(DISTANCE + name)
-        if column is None:
+        column = DISTANCE + name
+        values, sigma = self.channel(Observable("distance", "distance", (), (column,), ("length",)))
+        if values is None:
             raise InputError(
-                f"{self.table.path}: column {DISTANCE + name!r} is missing or empty; --distance "
-                f"{name} names it"
+                f"{self.table.path}: column {column!r} is missing or empty; --distance {name} "
+                f"names it"
             )
-        values = np.array(self._numbers(column, "length"))
-        if np.any(values <= 0.0):
-            row = int(np.argmax(values <= 0.0))
-            raise InputError(
-                f"{self.table.path}, line {self.table.lines[row]}, column "
-                f"{self.table.columns[column].header!r}: a distance of "
-                f"{self.table.text(column)[row].strip()}; a positive number is needed"
-            )
-        sigma = f"sigma_{DISTANCE}{name}"
-        return values, self._sigma(sigma, "length") if sigma in self.table.columns else None
+        return values[:, 0], None if sigma is None else sigma[:, 0]
 
     def observed(self) -> tuple[Reading, ...]:
         """Read what is read of passive joints, named points and other links."""
-        found = [
-            self._reading(o)
-            for o in self.observables.values()
-            if any(self._is_read(column) for column in o.columns)
-        ]
-        for o in self.observables.values():
-            stray = [
-                s
-                for s in o.sigmas
-                if f"sigma_{s}" in self.table.columns and not any(map(self._is_read, o.columns))
-            ]
-            if stray:
-                raise InputError(
-                    f"{self.table.path}: column 'sigma_{stray[0]}' stands there without "
-                    f"{' or '.join(o.columns)}"
-                )
-        return tuple(found)
+        found = [(o.name, *self.channel(o)) for o in self.observables.values()]
+        return tuple(Reading(name, values, s) for name, values, s in found if values is not None)
 
-    def _is_read(self, column: str) -> bool:
-        return column in self.table.columns and any(
-            cell.strip() for cell in self.table.text(column)
-        )
-
-    def _own_column(self, name: str) -> str | None:
-        return name if self._is_read(name) else None
-
-    def _reading(self, o: Observable) -> Reading:
-        measure: Measure | None = (
-            None if o.kind == "orientation" else "angle" if o.angular else "length"
-        )
-        if o.kind == "orientation":
-            values = self._unit_quaternions(o.columns, own=True)
-        elif o.kind == "inclination":
-            values = self.together(o.columns, measure, own=True)
-        else:
-            values = self.some(o.columns, measure or "length", own=True)
-        if o.kind == "distance" and np.any(values <= 0.0):  # type: ignore[operator]
-            row = int(np.argmax(np.any(values <= 0.0, axis=1)))  # type: ignore[operator]
-            raise InputError(
-                f"{self.table.path}, line {self.table.lines[row]}, column {o.name!r}: a distance "
-                f"of "
-                f"{self.table.text(o.name)[row].strip()}; a positive number is needed"
-            )
-        return Reading(o.name, np.asarray(values), self._sigmas_of(o))
-
-    def _sigmas_of(self, o: Observable) -> np.ndarray | None:
-        """Standard deviations (n, w) of an observable: for each of its columns that is there, or
-        for none.
+    def sigmas(self, o: Observable) -> np.ndarray | None:
+        """Read the standard deviations (n, w) of an observable: for each of its columns that is
+        there, or for none.
         """
-        if not any(f"sigma_{s}" in self.table.columns for s in o.sigmas):
+        given = [f"sigma_{s}" for s in o.sigmas]
+        stray = next((name for name in given if name in self.table.columns), None)
+        if stray is None:
             return None
-        measure: Measure = "angle" if o.angular else "length"
-        empty = np.full(len(self.table), np.nan)
+        of = o.columns if o.of or o.kind != "orientation" else (*o.columns, "euler")
+        if not {
+            "euler" if "euler_" in c else c.removeprefix("platform.") for c in self.table.columns
+        } & {*of}:
+            raise InputError(
+                f"{self.table.path}: column {stray!r} stands there without {' or '.join(of)}"
+            )
         needed = [
-            s
-            for s in o.sigmas
-            if s not in o.columns or self._is_read(s) or f"sigma_{s}" in self.table.columns
+            name in self.table.columns or s not in o.columns or self._column(s, own=bool(o.of))
+            for s, name in zip(o.sigmas, given, strict=True)
         ]
-        return np.array(
-            [self._sigma(f"sigma_{s}", measure) if s in needed else empty for s in o.sigmas]
-        ).T
+        names = [name if need else None for name, need in zip(given, needed, strict=True)]
+        return self._sigmas(names, o.measure)
 
     def joint_sigmas(self) -> np.ndarray | None:
         names = [f"sigma_{c.name}" for c in self.mechanism.actuated]
         if not any(name in self.table.columns for name in names):
             return None
-        columns = [
-            self._sigma(n, measure_of(c))
-            for n, c in zip(names, self.mechanism.actuated, strict=True)
-        ]
-        return np.array(columns).T
+        measures = map(measure_of, self.mechanism.actuated)
+        return np.hstack([self._sigmas([n], m) for n, m in zip(names, measures, strict=True)])
 
-    def sigmas(self, names: tuple[str, ...], measure: Measure) -> np.ndarray | None:
-        """Read standard deviations of columns: for each reading that there is, or for none."""
-        wanted = [f"sigma_{name}" for name in names]
-        if not any(name in self.table.columns for name in wanted):
-            return None
-        empty = np.full(len(self.table), np.nan)
-        columns = [
-            self._sigma(sigma, measure)
-            if self._column(name) or sigma in self.table.columns
-            else empty
-            for name, sigma in zip(names, wanted, strict=True)
-        ]
-        return np.array(columns).T
-
-    def sigma(self, name: str, measure: Measure, of: list[str]) -> np.ndarray | None:
-        """Read standard deviations of one column for all components of a reading."""
-        if f"sigma_{name}" not in self.table.columns:
-            return None
-        if not any(column.startswith(tuple(of)) for column in self.table.columns):
-            raise InputError(
-                f"{self.table.path}: column 'sigma_{name}' stands there without {' or '.join(of)}"
-            )
-        return self._sigma(f"sigma_{name}", measure)
-
-    def _sigma(self, name: str, measure: Measure) -> np.ndarray:
-        if name not in self.table.columns:
-            raise InputError(
-                f"{self.table.path}: column {name!r} is missing; give standard deviations of all "
-                f"or of none of its kind; {self.table.held()}"
-            )
-        values = np.array(self._numbers(name, measure))
-        least = (
-            0.0
-            if name[len("sigma_") :] in {c.name for c in self.mechanism.actuated}
-            else np.finfo(float).tiny
-        )
-        bad = np.flatnonzero(values < least)
-        if bad.size:
-            row = int(bad[0])
-            raise InputError(
-                f"{self.table.path}, line {self.table.lines[row]}, column {name!r}: "
-                f"{self.table.text(name)[row].strip()} is no "
-                "standard deviation; a positive number is needed"
+    def _sigmas(self, names: Sequence[str | None], measure: Measure) -> np.ndarray:
+        for name in names:
+            if name is not None and name not in self.table.columns:
+                raise InputError(
+                    f"{self.table.path}: column {name!r} is missing; give standard deviations of "
+                    f"all or of none of its kind; {self.table.held()}"
+                )
+        values = self._numbers(names, measure)
+        joints = {f"sigma_{c.name}" for c in self.mechanism.actuated}
+        least = [0.0 if name in joints else np.finfo(float).tiny for name in names]
+        for row, k in np.argwhere(values < least):
+            raise self._error(
+                row,
+                str(names[k]),
+                f"{self.table.text(str(names[k]))[row].strip()} is no standard deviation; a "
+                f"positive number is needed",
             )
         return values
 
-    def _column(self, name: str) -> str | None:
+    def _column(self, name: str, *, own: bool = False) -> str | None:
         """Find the column in which a reading stands, None where there is none or nothing is in
         it.
         """
-        candidates = [f"platform.{name}"] if name in self.known else [name, f"platform.{name}"]
-        return next(
-            (
-                c
-                for c in candidates
-                if c in self.table.columns and any(t.strip() for t in self.table.text(c))
-            ),
-            None,
-        )
+        found = [name] * (own or name not in self.known) + [f"platform.{name}"] * (not own)
+        held = (c for c in found if c in self.table.columns)
+        return next((c for c in held if any(map(str.strip, self.table.text(c)))), None)
 
-    def _numbers(self, name: str, measure: Measure | None, *, empty: bool = True) -> list[float]:
-        unit = (
-            None
-            if measure is None
-            else self.mechanism.length_unit
-            if measure == "length"
-            else "rad"
-        )
-        return self.table.numbers(name, measure, unit, empty=empty)
+    def _numbers(self, names: Sequence[str | None], measure: Measure | None) -> np.ndarray:
+        """Numbers (n, k) of columns, NaN for those that are not there and for empty cells."""
+        unit = {"length": self.mechanism.length_unit, "angle": "rad"}.get(measure or "")
+        empty = [np.nan] * len(self.table)
+        columns = [
+            empty if name is None else self.table.numbers(name, measure, unit, empty=True)
+            for name in names
+        ]
+        return np.array(columns).T

@@ -37,18 +37,14 @@ import numpy as np
 
 from symkin.calibration.data.column_names import (
     DISTANCE,
-    INCLINATION,
-    POSITION,
-    QUATERNION,
     WEDGE,
-    Measure,
     measure_of,
     reading_name,
     unit_of,
 )
 from symkin.calibration.data.columns import ColumnReader
 from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurements
-from symkin.calibration.data.observables import observables_named
+from symkin.calibration.data.observables import PLATFORM, Measure
 from symkin.errors import InputError
 from symkin.files.csv_table import read_table
 from symkin.files.euler_columns import SEQUENCES
@@ -144,7 +140,8 @@ def read_measurements(
             f"{path}: the file has a header and no row; one row for each posture is needed"
         )
     labels, groups = reader.groups()
-    quaternions = reader.orientation()
+    found = {kind: reader.channel(PLATFORM[kind]) for kind in ("inclination", "position")}
+    quaternions, spread = reader.channel(PLATFORM["orientation"])
     sequence, angles = reader.euler()
     if angles is not None and quaternions is not None:
         raise InputError(
@@ -156,16 +153,14 @@ def read_measurements(
     measurements = Measurements(
         reader.joints(),
         groups=groups,
-        inclination=reader.together(INCLINATION, "angle"),
-        position=reader.some(POSITION, "length"),
-        orientation=quaternions,
         distances=[_distance(reader, name, *ends) for name, ends in points.items()],
         readings=reader.observed(),
         joint_sigma=reader.joint_sigmas(),
-        group_sigma=reader.sigma("group", "angle", ["group"]),
-        inclination_sigma=reader.sigmas(INCLINATION, "angle"),
-        position_sigma=reader.sigmas(POSITION, "length"),
-        orientation_sigma=reader.sigma("orientation", "angle", [*QUATERNION, "euler"]),
+        group_sigma=reader.sigmas(PLATFORM["group"]),
+        orientation=quaternions,
+        orientation_sigma=spread,
+        **{kind: values for kind, (values, _) in found.items()},
+        **{f"{kind}_sigma": sigma for kind, (_, sigma) in found.items()},
         labels=tuple(f"line {line}" for line in table.lines),
     )
     wedges = reader.together(WEDGE, "angle")
@@ -222,63 +217,26 @@ def measurements_text(
     table = CsvColumns(mechanism)
     if measurements.groups is not None:
         table.text("group", ["" if g == NO_GROUP else str(g + 1) for g in measurements.groups])
-    joint_sigma = measurements.sigma("joint")
     for k, c in enumerate(mechanism.actuated):
         table.number(c.name, measurements.joints[:, k], measure_of(c))
-    readings: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
-        ("inclination", INCLINATION, "angle"),
-        ("position", POSITION, "length"),
-    )
-    for kind, names, measure in readings:
-        values = getattr(measurements, kind)
-        for k, name in enumerate(names if values is not None else ()):
-            table.number(reading_name(mechanism, name), values[:, k], measure)
-    if measurements.orientation is not None:
-        _write_orientation(table, measurements.orientation, sequence, hidden)
-    for d in measurements.distances:
-        table.number(d.name, d.values, "length")
-    others = observables_named(mechanism, measurements.observed)
-    for o, r in zip(others, measurements.readings, strict=True):
-        for k, name in enumerate(o.columns):
-            table.number(
-                name,
-                r.values[:, k],
-                None if o.kind == "orientation" else "angle" if o.angular else "length",
-            )
+    channels = [c for c in measurements.channels(mechanism) if c[0].kind != "group"]
+    for o, r in channels:
+        columns, values, measure = o.columns, r.values, None if r.is_orientation else o.measure
+        if not o.of:
+            columns = tuple(reading_name(mechanism, name) for name in columns)
+        if o is PLATFORM["orientation"] and sequence is not None:
+            begin, measure = "euler_" if hidden else f"euler_{sequence}_", "angle"
+            columns = tuple(begin + k for k in "123")
+            values = np.asarray(euler_from_quaternion(values.T, sequence)).T
+        for k, name in enumerate(columns):
+            table.number(name, values[:, k], measure)
+    joint_sigma = measurements.sigma("joint")
     for k, c in enumerate(mechanism.actuated if joint_sigma is not None else ()):
         table.number(f"sigma_{c.name}", joint_sigma[:, k], measure_of(c))  # type: ignore[index]
-    sigmas: tuple[tuple[str, tuple[str, ...], Measure], ...] = (
-        ("group", ("group",), "angle"),
-        ("inclination", INCLINATION, "angle"),
-        ("position", POSITION, "length"),
-        ("orientation", ("orientation",), "angle"),
-    )
-    for key, names, measure in sigmas:
-        sigma = measurements.sigma(key)
-        for k, name in enumerate(names if sigma is not None else ()):
-            table.number(f"sigma_{name}", sigma[:, k], measure)  # type: ignore[index]
-    for d in measurements.distances:
-        if d.sigma is not None:
-            table.number(f"sigma_{d.name}", np.broadcast_to(d.sigma, d.values.shape), "length")
-    for o, r in zip(others, measurements.readings, strict=True):
-        spread = r.sigmas
-        for k, name in enumerate(o.sigmas if spread is not None else ()):
-            table.number(f"sigma_{name}", spread[:, k], "angle" if o.angular else "length")  # type: ignore[index]
+    for o, r in measurements.channels(mechanism):
+        for k, name in enumerate(o.sigmas if r.sigma is not None else ()):
+            table.number(f"sigma_{name}", np.asarray(r.sigma)[:, k], o.measure)
     return table.csv(comments)
-
-
-def _write_orientation(
-    table: CsvColumns, quaternions: np.ndarray, sequence: str | None, hidden: bool
-) -> None:
-    if sequence is None:
-        for k, name in enumerate(QUATERNION):
-            table.number(name, quaternions[:, k], None)
-        return
-    angles = np.asarray(euler_from_quaternion(quaternions.T, sequence))
-    for k in range(3):
-        table.number(
-            f"euler_{k + 1}" if hidden else f"euler_{sequence}_{k + 1}", angles[k], "angle"
-        )
 
 
 class CsvColumns:

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
 
-from symkin.calibration.data.observables import observables_named
+from symkin.calibration.data.observables import PLATFORM, Observable, observables_named
+from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import vector3
 from symkin.model.mechanism import Mechanism
@@ -23,20 +25,9 @@ _MOST_READING = 1e6
 """Joint readings beyond so many radians or sizes are slips."""
 NO_GROUP = -1
 """Group number of a configuration that belongs to no group."""
-_WIDTHS = {"inclination": 2, "position": 3, "orientation": 4}
-
-
+_TABLES = ("inclination", "position", "orientation")
+"""Kinds of readings of the platform that are tables of numbers."""
 _Single = TypeVar("_Single", "Distance", "Reading")
-SIGMA_WIDTHS = {
-    "joint_sigma": 0,
-    "group_sigma": 2,
-    "inclination_sigma": 2,
-    "position_sigma": 3,
-    "orientation_sigma": 3,
-}
-"""How many standard deviations one configuration has of each kind; 0: as many as there are
-joints.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +43,11 @@ class Distance:
     name: str = "distance"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "platform", vector3(self.platform, f"{self.name}: platform"))
-        object.__setattr__(self, "base", vector3(self.base, f"{self.name}: base"))
+        keep = partial(object.__setattr__, self)
+        for end in ("platform", "base"):
+            keep(end, vector3(getattr(self, end), f"{self.name}: {end}"))
+        keep("values", np.asarray(self.values, dtype=float))
+        keep("sigma", _sigma(self.sigma, f"{self.name}: sigma", self.values.shape))
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,31 +74,19 @@ class Reading:
     def __post_init__(self) -> None:
         values = np.array(self.values, dtype=float)
         values = values[:, None] if values.ndim == 1 else _matrix(values, self.name)
-        object.__setattr__(
-            self, "values", _unit_quaternions(values, self.name) if self.is_orientation else values
-        )
-        object.__setattr__(self, "sigma", _sigma(self.sigma, f"{self.name}: sigma", self._shape))
-
-    @property
-    def _shape(self) -> tuple[int, int]:
-        """That of the standard deviations: of an orientation those of a rotation vector."""
-        return (len(self.values), 3 if self.is_orientation else self.values.shape[1])
+        width = values.shape[1]
+        if self.is_orientation:
+            values, width = _unit_quaternions(values, self.name), 3
+        object.__setattr__(self, "values", values)
+        sigma = _sigma(self.sigma, f"{self.name}: sigma", (len(values), width))
+        object.__setattr__(self, "sigma", sigma)
 
     @property
     def is_orientation(self) -> bool:
-        """Whether the values are unit quaternions."""
-        return self.name.endswith(".orientation")
-
-    @property
-    def sigmas(self) -> np.ndarray | None:
-        """Standard deviations (n, w), of an orientation those of a rotation vector (n, 3); None if
-        unknown.
+        """Whether the values are unit quaternions, and the standard deviations those of a rotation
+        vector (n, 3).
         """
-        return None if self.sigma is None else _broadcast(self.sigma, self._shape)
-
-    def subset(self, index: np.ndarray) -> Reading:
-        """Keep some configurations, by number."""
-        return replace(self, values=self.values[index], sigma=_of(self.sigma, index))
+        return self.name.rpartition(".")[2] == "orientation"
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,43 +141,36 @@ class Measurements:
                 f"joints: posture {row + 1}, joint {column + 1} is {joints[row, column]}; a number "
                 f"is needed"
             )
-        object.__setattr__(self, "joints", joints)
-        for name, width in _WIDTHS.items():
-            if getattr(self, name) is not None:
-                object.__setattr__(
-                    self,
-                    name,
-                    _shaped(_matrix(getattr(self, name), name), (len(joints), width), name),
-                )
-        object.__setattr__(
-            self, "labels", tuple(self.labels) or tuple(str(k) for k in range(1, len(joints) + 1))
-        )
-        if len(self.labels) != len(joints):
+        keep, count = partial(object.__setattr__, self), len(joints)
+        keep("joints", joints)
+        keep("labels", tuple(self.labels) or tuple(map(str, range(1, count + 1))))
+        if len(self.labels) != count:
             raise InputError(
-                f"labels: {len(self.labels)} names for {len(joints)} postures; one for each is "
-                f"needed"
+                f"labels: {len(self.labels)} names for {count} postures; one for each is needed"
             )
-        self._check_groups()
-        self._check_orientation()
-        if self.starts is not None:
-            object.__setattr__(
-                self, "starts", _shaped(_matrix(self.starts, "starts"), (len(joints), 7), "starts")
-            )
-        made = [
-            replace(
-                d,
-                values=_shaped(np.asarray(d.values, dtype=float), (len(joints),), d.name),
-                sigma=_sigma(d.sigma, f"{d.name}: sigma", (len(joints),)),
-            )
-            for d in self.distances
-        ]
-        object.__setattr__(self, "distances", tuple(made))
-        for key, width in SIGMA_WIDTHS.items():
-            shape = (len(joints), width or joints.shape[1])
-            object.__setattr__(self, key, _sigma(getattr(self, key), key, shape))
-        object.__setattr__(self, "readings", tuple(self.readings))
-        for r in self.readings:
-            _shaped(r.values, (len(joints), r.values.shape[1]), r.name)
+        if self.groups is not None:
+            groups = np.asarray(self.groups)
+            if groups.shape != (count,) or not np.issubdtype(groups.dtype, np.integer):
+                raise InputError(
+                    f"groups: {groups.shape} values of type {groups.dtype}; one integer for each "
+                    f"posture is needed"
+                )
+            keep("groups", groups.astype(int))
+        for kind, width in (*((kind, PLATFORM[kind].width) for kind in _TABLES), ("starts", 7)):
+            if getattr(self, kind) is not None:
+                table = _shaped(_matrix(getattr(self, kind), kind), (count, width), kind)
+                if width > 3:
+                    table[:, -4:] = _unit_quaternions(table[:, -4:], kind, self.labels)
+                keep(kind, table)
+        widths = {kind: len(o.components) for kind, o in PLATFORM.items()}
+        for kind, width in (("joint", joints.shape[1]), *widths.items()):
+            key = f"{kind}_sigma"
+            keep(key, _sigma(getattr(self, key), key, (count, width)))
+        keep("distances", tuple(self.distances))
+        keep("readings", tuple(self.readings))
+        every: list[Any] = [*self.distances, *self.readings]
+        for r in every:
+            _shaped(r.values, (count, *r.values.shape[1:]), r.name)
 
     def __len__(self) -> int:
         return len(self.joints)
@@ -204,9 +179,7 @@ class Measurements:
         """Return the standard deviations (n, width) of one kind of reading (`joint`, `group`,
         `inclination`, ...), None if unknown.
         """
-        value = getattr(self, f"{key}_sigma")
-        width = SIGMA_WIDTHS[f"{key}_sigma"] or self.joints.shape[1]
-        return None if value is None else _broadcast(value, (len(self), width))
+        return getattr(self, f"{key}_sigma")  # type: ignore[no-any-return]
 
     @property
     def observed(self) -> tuple[str, ...]:
@@ -225,20 +198,49 @@ class Measurements:
             )
         )
 
+    @cached_property
+    def grouping(self) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the groups (n,) from 0, -1 for none, and the first configuration of each; a
+        group of one configuration is none.
+        """
+        group = np.full(len(self), -1)
+        if self.groups is None:
+            return group, np.zeros(0, dtype=int)
+        _, first, number, counts = np.unique(
+            self.groups, return_index=True, return_inverse=True, return_counts=True
+        )
+        kept = (counts > 1) & (self.groups[first] >= 0)
+        places = np.where(kept, np.cumsum(kept) - 1, -1)
+        return places[number], first[kept]
+
+    @property
+    def _own(self) -> list[tuple[Observable, Reading]]:
+        """What was read of the platform, and distances from it to the base."""
+        held = np.where(self.grouping[0] >= 0, 0.0, np.nan)
+        tables = {"group": None if self.groups is None else np.column_stack([held, held])}
+        tables |= {kind: getattr(self, kind) for kind in _TABLES}
+        own = [
+            (PLATFORM[k], Reading(k, t, self.sigma(k))) for k, t in tables.items() if t is not None
+        ]
+        for d in self.distances:
+            ends = (tuple(d.platform), tuple(d.base))
+            what = Observable("distance", "distance", (), (d.name,), (d.name,), ends=ends)
+            own.append((what, Reading(d.name, d.values, d.sigma)))
+        return own
+
+    def channels(self, mechanism: Mechanism) -> tuple[tuple[Observable, Reading], ...]:
+        """All that was read beside the joints: what it is, and the readings; of groups zeros."""
+        others = observables_named(mechanism, self.observed)
+        return (*self._own, *zip(others, self.readings, strict=True))
+
     @property
     def is_read(self) -> np.ndarray:
         """Tell which configurations (n,) hold any reading beside the joints; a group of one
         configuration is none.
         """
-        tables = [t for t in (self.inclination, self.position, self.orientation) if t is not None]
-        tables += [r.values for r in self.readings]
-        found = np.zeros(len(self), dtype=bool)
-        for table in (*tables, *(d.values[:, None] for d in self.distances)):
-            found |= np.any(np.isfinite(table), axis=1)
-        if self.groups is not None:
-            numbers, counts = np.unique(self.groups[self.groups != NO_GROUP], return_counts=True)
-            found |= np.isin(self.groups, numbers[counts > 1])
-        return found
+        readings = [*(r for _, r in self._own), *self.readings]
+        tables = [np.zeros((len(self), 0)), *(r.values for r in readings)]
+        return np.asarray(np.any(np.isfinite(np.hstack(tables)), axis=1))
 
     def subset(self, configurations: Sequence[int] | np.ndarray) -> Measurements:
         """Keep the readings of some configurations, by number from 0 or by mask."""
@@ -248,10 +250,11 @@ class Measurements:
             value = getattr(self, item.name)
             if isinstance(value, np.ndarray) and value.ndim and len(value) == len(self):
                 changes[item.name] = value[index]
-        changes["distances"] = tuple(
-            replace(d, values=d.values[index], sigma=_of(d.sigma, index)) for d in self.distances
-        )
-        changes["readings"] = tuple(r.subset(index) for r in self.readings)
+        for name in ("distances", "readings"):
+            changes[name] = tuple(
+                replace(r, values=r.values[index], sigma=_at(r.sigma, index))
+                for r in getattr(self, name)
+            )
         return replace(self, **changes)
 
     def without(self, configuration: int, kind: str) -> Measurements:
@@ -262,7 +265,7 @@ class Measurements:
             groups = self.groups.copy()
             groups[configuration] = NO_GROUP
             return replace(self, groups=groups)
-        if kind in _WIDTHS:
+        if kind in _TABLES:
             table = np.array(getattr(self, kind))
             table[configuration] = np.nan
             changes: dict[str, Any] = {kind: table}
@@ -311,23 +314,6 @@ class Measurements:
                     "named points (point.NAME) and other links (LINK.position, LINK.orientation, "
                     "LINK.inclination)"
                 )
-
-    def _check_groups(self) -> None:
-        if self.groups is None:
-            return
-        groups = np.asarray(self.groups)
-        if groups.shape != (len(self.joints),) or not np.issubdtype(groups.dtype, np.integer):
-            raise InputError(
-                f"groups: {groups.shape} values of type {groups.dtype}; one integer for each "
-                f"posture is needed"
-            )
-        object.__setattr__(self, "groups", groups.astype(int))
-
-    def _check_orientation(self) -> None:
-        if self.orientation is not None:
-            object.__setattr__(
-                self, "orientation", _unit_quaternions(self.orientation, "orientation", self.labels)
-            )
 
 
 def _left_out(reading: _Single, configuration: int, kind: str) -> _Single:
@@ -379,21 +365,17 @@ def _shaped(values: np.ndarray, shape: tuple[int, ...], what: str) -> np.ndarray
     return values
 
 
-def _broadcast(value: Any, shape: tuple[int, ...]) -> np.ndarray:
-    array = np.asarray(value, dtype=float)
-    if array.ndim == 1 and len(shape) == 2 and array.shape[0] == shape[0] != shape[1]:
-        array = array[:, None]
-    return np.broadcast_to(array, shape)
-
-
-def _sigma(value: Any, what: str, shape: tuple[int, ...]) -> float | np.ndarray | None:
-    """Standard deviations: a number, or an array of this shape, decided here once, so that a part
-    of the configurations is read as all of them are.
+def _sigma(value: Any, what: str, shape: tuple[int, ...]) -> np.ndarray | None:
+    """Standard deviations as an array of this shape, decided here once, so that a part of the
+    configurations is read as all of them are.
     """
     if value is None:
         return None
+    array = np.asarray(value, dtype=float)
+    if array.ndim == 1 and len(shape) == 2 and array.shape[0] == shape[0] != shape[1]:
+        array = array[:, None]
     try:
-        array = _broadcast(value, shape)
+        array = np.array(np.broadcast_to(array, shape))
     except ValueError:
         raise InputError(
             f"{what}: an array of shape {np.shape(value)} does not fit {shape}"
@@ -404,9 +386,8 @@ def _sigma(value: Any, what: str, shape: tuple[int, ...]) -> float | np.ndarray 
         raise InputError(
             f"{what} = {float(given.min()):g}: a standard deviation must be finite and positive"
         )
-    return float(value) if np.ndim(value) == 0 else np.array(array)
+    return array
 
 
-def _of(sigma: float | np.ndarray | None, index: np.ndarray) -> float | np.ndarray | None:
-    """The standard deviations of some configurations."""
-    return sigma[index] if isinstance(sigma, np.ndarray) else sigma
+def _at(sigma: Any, index: np.ndarray) -> np.ndarray | None:
+    return None if sigma is None else sigma[index]

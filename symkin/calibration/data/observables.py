@@ -30,31 +30,38 @@ from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
 from symkin.text import meant, shown
 
-ObservableKind = Literal["joint", "point", "distance", "position", "orientation", "inclination"]
-PLATFORM_ANGULAR = ("group", "inclination", "orientation")
-"""Kinds of readings of the platform that are angles (radians); the others are lengths."""
-LINK_COLUMNS: dict[str, tuple[str, ...]] = {
+ObservableKind = Literal[
+    "joint", "point", "distance", "position", "orientation", "inclination", "group"
+]
+Measure = Literal["length", "angle"]
+POSE_COLUMNS: dict[str, tuple[str, ...]] = {
+    "group": ("group",),
+    "inclination": ("alpha", "beta"),
     "position": ("x", "y", "z"),
     "orientation": ("qw", "qx", "qy", "qz"),
-    "inclination": ("alpha", "beta"),
 }
 """Columns of what is read of a link's pose, without the link's name."""
 
 
 @dataclass(frozen=True)
 class Observable:
-    """What may be read: its `name`, its kind, and what it is `of` (a coordinate, points, a link);
-    its columns in a file, those of its standard deviations (without `sigma_`), and the components
-    of its residuals.
+    """What may be read: its `name`, its kind, and what it is `of` (a coordinate, points, a link;
+    nothing where it is of the platform); its columns in a file and the components of its residuals;
+    the `ends` of a distance between the platform and the base.
     """
 
     name: str
     kind: ObservableKind
     of: tuple[str, ...]
     columns: tuple[str, ...]
-    sigmas: tuple[str, ...]
     components: tuple[str, ...]
-    angular: bool
+    angular: bool = False
+    ends: tuple[tuple[float, ...], ...] = ()
+
+    @property
+    def sigmas(self) -> tuple[str, ...]:
+        """Columns of its standard deviations, without `sigma_`."""
+        return (self.name,) if self.kind in ("orientation", "group") else self.columns
 
     @property
     def width(self) -> int:
@@ -62,66 +69,67 @@ class Observable:
         return len(self.columns)
 
     @property
+    def measure(self) -> Measure:
+        """What its residuals and standard deviations are."""
+        return "angle" if self.angular else "length"
+
+    @property
     def turning(self) -> bool:
         """Whether its numbers are angles modulo a turn."""
         return self.angular and self.kind != "orientation"
 
 
+def _of_link(kind: ObservableKind, *link: str) -> Observable:
+    """What is read of the pose of a link, or of the platform."""
+    name, *columns = (".".join((*link, word)) for word in (kind, *POSE_COLUMNS[kind]))
+    components = {"group": POSE_COLUMNS["inclination"], "orientation": ("x", "y", "z")}
+    return Observable(
+        name,
+        kind,
+        link,
+        tuple(columns),
+        components.get(kind, POSE_COLUMNS[kind]),
+        angular=kind != "position",
+    )
+
+
+PLATFORM: dict[str, Observable] = {
+    kind: _of_link(kind) for kind in ("group", "inclination", "position", "orientation")
+}
+"""What is read of the platform, in the order of its columns; distances follow, then all else."""
+
+
 @lru_cache(maxsize=64)
 def observables(mechanism: Mechanism) -> dict[str, Observable]:
-    """All that can be read of a mechanism by name, distances in both orders of their points."""
+    """All that can be read of a mechanism by name beside actuated joints and platform, distances in
+    both orders of their points.
+    """
     found = [
-        _single(c.name, "joint", (c.name,), "angle" if c.is_angular else "length")
+        Observable(
+            c.name,
+            "joint",
+            (c.name,),
+            (c.name,),
+            ("angle" if c.is_angular else "length",),
+            angular=c.is_angular,
+        )
         for c in mechanism.coordinates
         if c.role == "passive" and c.kind != "quaternion"
     ]
     points = [point.name for point in mechanism.link_points]
-    for name in points:
-        columns = tuple(f"point.{name}.{k}" for k in "xyz")
-        found.append(
-            Observable(
-                f"point.{name}", "point", (name,), columns, columns, ("x", "y", "z"), angular=False
-            )
-        )
+    for point in points:
+        columns = tuple(f"point.{point}.{k}" for k in "xyz")
+        found.append(Observable(f"point.{point}", "point", (point,), columns, ("x", "y", "z")))
+    for pair in permutations(points, 2):
+        name = f"distance.{pair[0]}.{pair[1]}"
+        found.append(Observable(name, "distance", pair, (name,), ("length",)))
     found += [
-        _single(f"distance.{a}.{b}", "distance", (a, b), "length")
-        for a, b in permutations(points, 2)
+        _of_link(kind, link)
+        for link in links_of(mechanism)
+        if link not in (BASE, mechanism.platform_link)
+        for kind in ("position", "orientation", "inclination")
     ]
-    for link in links_of(mechanism):
-        if link not in (BASE, mechanism.platform_link):
-            found += [
-                _of_link(link, "position"),
-                _of_link(link, "orientation"),
-                _of_link(link, "inclination"),
-            ]
     return {o.name: o for o in found}
-
-
-def _single(name: str, kind: ObservableKind, of: tuple[str, ...], component: str) -> Observable:
-    return Observable(name, kind, of, (name,), (name,), (component,), angular=component == "angle")
-
-
-def _of_link(link: str, kind: Literal["position", "orientation", "inclination"]) -> Observable:
-    columns = tuple(f"{link}.{k}" for k in LINK_COLUMNS[kind])
-    if kind == "orientation":
-        return Observable(
-            f"{link}.{kind}",
-            kind,
-            (link,),
-            columns,
-            (f"{link}.{kind}",),
-            ("x", "y", "z"),
-            angular=True,
-        )
-    return Observable(
-        f"{link}.{kind}",
-        kind,
-        (link,),
-        columns,
-        columns,
-        LINK_COLUMNS[kind],
-        angular=kind == "inclination",
-    )
 
 
 def observables_named(mechanism: Mechanism, names: Sequence[str]) -> tuple[Observable, ...]:
@@ -161,19 +169,14 @@ def is_angular(mechanism: Mechanism, kind: str) -> bool:
     """Tell whether readings of a kind, of the platform or by the name of an observable, are
     angles.
     """
-    known = observables(mechanism)
-    return kind in PLATFORM_ANGULAR or (kind in known and known[kind].angular)
-
-
-def partition_of(mechanism: Mechanism, names: Sequence[str]) -> Partition:
-    """What the closure must hold for the joints that are read: their coordinates."""
-    joints = {o.of[0] for o in observables_named(mechanism, names) if o.kind == "joint"}
-    return Partition(kept=frozenset(joints))
+    found = PLATFORM.get(kind) or observables(mechanism).get(kind)
+    return found is not None and found.angular
 
 
 def observing_closure(mechanism: Mechanism, names: Sequence[str]) -> Closure:
     """The closure that holds the joints that are read."""
-    return build_closure(mechanism, partition_of(mechanism, names))
+    joints = (o.of[0] for o in observables_named(mechanism, names) if o.kind == "joint")
+    return build_closure(mechanism, Partition(kept=frozenset(joints)))
 
 
 def judged_link(mechanism: Mechanism) -> str:
@@ -201,12 +204,12 @@ def judged_link(mechanism: Mechanism) -> str:
 class Observed:
     """What is read, as expressions of the variables of a `closure` and the `geometry` (symbol and
     nominal value by key path): `values` by name (a joint's coordinate, a distance; else a point
-    (3), or a link's pose), `pose` that of the judged link, or of its platform frame.
+    (3), or a link's pose (7)), `pose` (7) that of the judged link, or of its platform frame.
     """
 
     closure: Closure
-    values: dict[str, ca.SX | Pose]
-    pose: Pose
+    values: dict[str, ca.SX]
+    pose: ca.SX
     geometry: dict[str, tuple[ca.SX, float]]
 
 
@@ -216,13 +219,19 @@ def observed(mechanism: Mechanism, names: tuple[str, ...]) -> Observed:
     InputError for links that may turn idly, and for joints that may.
     """
     closure = observing_closure(mechanism, names)
-    wanted = observables_named(mechanism, names)
-    if not wanted and mechanism.platform_link is not None:
-        return Observed(closure, {}, closure.pose, {})
+    wanted, pose = observables_named(mechanism, names), None
+    if mechanism.platform_link is not None:
+        pose = ca.vertcat(closure.pose.position, closure.pose.quaternion)
+        if not wanted:
+            return Observed(closure, {}, pose, {})
     links = link_frames(closure)
-    poses = {link: Pose(links.frames[link][:3], links.frames[link][3:]) for link in links.placed}
-    places, geometry = _points(mechanism, poses)
-    values: dict[str, ca.SX | Pose] = {}
+    poses = {link: links.frames[link] for link in links.placed}
+    places, geometry, values = dict[str, ca.SX](), dict(links.geometry), dict[str, ca.SX]()
+    for point in mechanism.link_points:
+        symbols = [ca.SX.sym(f"{point_path(point)}.{k}") for k in "xyz"]
+        geometry |= {str(s): (s, float(v)) for s, v in zip(symbols, point.point, strict=True)}
+        frame = poses[point.link]
+        places[point.name] = Pose(frame[:3], frame[3:]).apply(ca.vertcat(*symbols))
     for o in wanted:
         match o.kind:
             case "joint":
@@ -244,21 +253,8 @@ def observed(mechanism: Mechanism, names: tuple[str, ...]) -> Observed:
                         f"one of its points"
                     )
                 values[o.name] = poses[o.of[0]]
-    pose = closure.pose if mechanism.platform_link is not None else poses[judged_link(mechanism)]
-    return Observed(closure, values, pose, links.geometry | geometry)
-
-
-def _points(
-    mechanism: Mechanism, poses: dict[str, Pose]
-) -> tuple[dict[str, ca.SX], dict[str, tuple[ca.SX, float]]]:
-    """Where the named points are, and their own coordinates, which are parameters."""
-    places: dict[str, ca.SX] = {}
-    geometry: dict[str, tuple[ca.SX, float]] = {}
-    for point in mechanism.link_points:
-        symbols = [ca.SX.sym(f"{point_path(point)}.{k}") for k in "xyz"]
-        geometry |= {str(s): (s, float(v)) for s, v in zip(symbols, point.point, strict=True)}
-        places[point.name] = poses[point.link].apply(ca.vertcat(*symbols))
-    return places, geometry
+    pose = poses[judged_link(mechanism)] if pose is None else pose
+    return Observed(closure, values, pose, geometry)
 
 
 def point_path(point: LinkPoint) -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import casadi as ca
 import numpy as np
@@ -22,12 +22,11 @@ from symkin.closure.link_frames import link_frames
 from symkin.closure.rows import RowBuilder
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError
-from symkin.model.dh import DHTable
-from symkin.model.graph import LinkRod
+from symkin.model.dh import DHRow, DHTable
+from symkin.model.graph import LinkPoint, LinkRod
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import Mechanism, serial_arm_from_dh
-from symkin.spatial.pose import Pose
 from symkin.text import meant
 
 ParameterKind = Literal["length", "angle", "number"]
@@ -60,17 +59,9 @@ def nominal_parameters(
     """List all that may be identified by name, with nominal value (lengths, radians, plain numbers)
     and kind.
     """
-    values = geometry_parameters(mechanism, read)
-    table = {name: (value, _kind_of(mechanism, name)) for name, value in values.items()}
     joints = [o.name for o in observables_named(mechanism, read) if o.kind == "joint"]
-    table |= {
-        f"{name}.scale": (1.0, "number")
-        for name in (*(c.name for c in mechanism.actuated), *joints)
-    }
-    table |= {
-        name: (0.0, "angle" if ".rotation." in name else "length") for name in MEASURING_FRAMES
-    }
-    return table
+    joints = [*(c.name for c in mechanism.actuated), *joints]
+    return _table(mechanism, geometry_parameters(mechanism, read), joints)
 
 
 @lru_cache(maxsize=64)
@@ -81,31 +72,14 @@ def geometry_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> Map
     values = dict(zip(closure.parameter_names, map(float, closure.parameter_values), strict=True))
     others = {name: pair for name, pair in found.geometry.items() if name not in values}
     if others:
-        seen = ca.vertcat(
-            *(
-                ca.vertcat(v.position, v.quaternion) if isinstance(v, Pose) else v
-                for v in found.values.values()
-            ),
-            ca.SX(0, 1),
-        )
-        depends = (
-            ca.which_depends(seen, ca.vertcat(*(symbol for symbol, _ in others.values())), 1, False)
-            if seen.numel()
-            else []
-        )
-        values |= {
-            name: value
-            for (name, (_, value)), flag in zip(others.items(), depends, strict=False)
-            if flag
-        }
+        seen, symbols = ca.vertcat(*found.values.values()), [s for s, _ in others.values()]
+        depends = ca.which_depends(seen, ca.vertcat(*symbols), 1, False) if found.values else []
+        pairs = zip(others.items(), depends, strict=False)
+        values |= {name: value for (name, (_, value)), flag in pairs if flag}
     # where no link carries it, the platform frame is a place at which loops are compared, and no
     # geometry
-    frameless = mechanism.platform_link is None
-    return {
-        name: value
-        for name, value in values.items()
-        if not (frameless and name.startswith("platform."))
-    }
+    out = "platform." if mechanism.platform_link is None else " "
+    return {name: value for name, value in values.items() if not name.startswith(out)}
 
 
 def described_parameters(mechanism: Mechanism) -> dict[str, tuple[float, ParameterKind]]:
@@ -113,27 +87,31 @@ def described_parameters(mechanism: Mechanism) -> dict[str, tuple[float, Paramet
     all joints.
     """
     geometry = link_frames(build_closure(mechanism)).geometry
-    points = {
-        f"{point_path(p)}.{k}": v
-        for p in mechanism.link_points
-        for k, v in zip("xyz", p.point, strict=True)
+    values = {name: value for name, (_, value) in geometry.items()}
+    for p in mechanism.link_points:
+        values |= vector_velocity(point_path(p), np.array(p.point))
+    return _table(mechanism, values, [c.name for c in mechanism.coordinates])
+
+
+def _table(
+    mechanism: Mechanism, values: Mapping[str, float], joints: Sequence[str]
+) -> dict[str, tuple[float, ParameterKind]]:
+    """Values and kinds of geometry, factors of joints and measuring frames."""
+    zeros = {f"{p}.zero" for p, joint in joint_paths(mechanism) if joint.type in ("R", "H")}
+    points = tuple(f"{point_path(point)}." for point in mechanism.link_points)
+
+    def kind_of(name: str) -> ParameterKind:
+        _, *inner, last = name.split(".")
+        if name in zeros or (name.startswith("dh.") and last in ("theta", "alpha")):
+            return "angle"
+        unit = inner[-1:] in (["axis"], ["axis2"], ["quaternion"])
+        return "number" if unit and not name.startswith(points) else "length"
+
+    found = {name: (float(value), kind_of(name)) for name, value in values.items()}
+    found |= {f"{name}.scale": (1.0, "number") for name in joints}
+    return found | {
+        name: (0.0, "angle" if ".rotation." in name else "length") for name in MEASURING_FRAMES
     }
-    values = {name: value for name, (_, value) in geometry.items()} | points
-    table = {name: (float(value), _kind_of(mechanism, name)) for name, value in values.items()}
-    return table | {f"{c.name}.scale": (1.0, "number") for c in mechanism.coordinates}
-
-
-def _kind_of(mechanism: Mechanism, name: str) -> ParameterKind:
-    pieces = name.split(".")
-    if name in {
-        f"{path}.zero" for path, joint in joint_paths(mechanism) if joint.type in ("R", "H")
-    }:
-        return "angle"
-    if name.startswith(tuple(f"{point_path(point)}." for point in mechanism.link_points)):
-        return "length"
-    if pieces[-2] in ("axis", "axis2", "quaternion"):
-        return "number"
-    return "angle" if pieces[0] == "dh" and pieces[-1] in ("theta", "alpha") else "length"
 
 
 def joint_paths(mechanism: Mechanism) -> Iterator[tuple[str, Joint]]:
@@ -192,101 +170,62 @@ def with_parameters(mechanism: Mechanism, values: Mapping[str, float]) -> Mechan
         name: float(v) for name, v in values.items() if is_writable(name)
     }
     if mechanism.dh is not None:
-        return _with_dh(mechanism, mechanism.dh, table)
+        rows = [_with(row, f"dh.{i}", table) for i, row in enumerate(mechanism.dh.rows, start=1)]
+        kept = ("length_unit", "angle_unit", "title", "source", "example")
+        options = {key: getattr(mechanism, key) for key in kept}
+        return serial_arm_from_dh(mechanism.name, DHTable(mechanism.dh.convention, rows), **options)
     frame = mechanism.frame_name
+    q = _vector_of(table, f"{frame}.quaternion", mechanism.platform_quaternion)
+    length = sum(v * v for v in q) ** 0.5
     return replace(
         mechanism,
         limbs=[_limb_with(mechanism, limb, table) for limb in mechanism.limbs],
         link_joints=[
-            replace(e, joint=_joint_with(e.joint, e.joint.name, table))
-            for e in mechanism.link_joints
+            replace(e, joint=_with(e.joint, e.joint.name, table)) for e in mechanism.link_joints
         ],
-        link_rods=[_link_rod_with(rod, table) for rod in mechanism.link_rods],
-        link_points=[
-            replace(p, point=_vector_of(table, point_path(p), p.point))
-            for p in mechanism.link_points
-        ],
+        link_rods=[_with(rod, rod.name, table) for rod in mechanism.link_rods],
+        link_points=[_with(p, point_path(p), table) for p in mechanism.link_points],
         platform_position=_vector_of(table, f"{frame}.position", mechanism.platform_position),
-        platform_quaternion=_unit_quaternion(
-            _vector_of(table, f"{frame}.quaternion", mechanism.platform_quaternion, "wxyz")
-        ),
+        platform_quaternion=q if abs(length - 1.0) <= 4e-16 else tuple(v / length for v in q),
     )
 
 
-def _link_rod_with(rod: LinkRod, values: Mapping[str, float]) -> LinkRod:
-    start, end = (
-        _vector_of(values, f"{rod.name}.from", rod.start),
-        _vector_of(values, f"{rod.name}.to", rod.end),
-    )
-    length = None if rod.actuated else values.get(f"{rod.name}.length", rod.length)
-    return replace(
-        rod,
-        start=start,
-        end=end,
-        length=length,
-        offset=values.get(f"{rod.name}.offset", rod.offset),
-    )
+_KEYS: dict[type, dict[str, str]] = {
+    Joint: {k: k for k in ("point", "axis", "axis2", "pitch", "zero")},
+    Rod: {"start": "from", "platform": "platform", "length": "length"},
+    RodLimb: {k: k for k in ("base", "platform", "offset")},
+    LinkRod: {"start": "from", "end": "to", "length": "length", "offset": "offset"},
+    LinkPoint: {"point": ""},
+    DHRow: {k: k for k in ("theta", "d", "a", "alpha")},
+}
+"""Key paths, after those of the part, of the numbers that a part holds."""
+_Part = TypeVar("_Part", Joint, Rod, RodLimb, LinkRod, LinkPoint, DHRow)
 
 
-def _with_dh(mechanism: Mechanism, table: DHTable, values: Mapping[str, float]) -> Mechanism:
-    rows = [
-        replace(
-            row,
-            **{k: values.get(f"dh.{i}.{k}", getattr(row, k)) for k in ("theta", "d", "a", "alpha")},
-        )
-        for i, row in enumerate(table.rows, start=1)
-    ]
-    options = {
-        k: getattr(mechanism, k)
-        for k in ("length_unit", "angle_unit", "title", "source", "example")
-    }
-    return serial_arm_from_dh(mechanism.name, DHTable(table.convention, rows), **options)
+def _with(part: _Part, path: str, values: Mapping[str, float]) -> _Part:
+    changes: dict[str, Any] = {}
+    for key, end in _KEYS[type(part)].items():
+        value, name = getattr(part, key), f"{path}.{end}".rstrip(".")
+        vector = isinstance(value, Sequence)
+        changes[key] = _vector_of(values, name, value) if vector else values.get(name, value)
+    return replace(part, **changes)
 
 
 def _limb_with(
     mechanism: Mechanism, limb: Limb | RodLimb, values: Mapping[str, float]
 ) -> Limb | RodLimb:
     if isinstance(limb, RodLimb):
-        return replace(
-            limb,
-            base=_vector_of(values, f"{limb.name}.base", limb.base),
-            platform=_vector_of(values, f"{limb.name}.platform", limb.platform),
-            offset=values.get(f"{limb.name}.offset", limb.offset),
-        )
-    joints = [_joint_with(joint, mechanism.key_path(limb, joint), values) for joint in limb.joints]
-    rods = [
-        _rod_with(rod, f"{limb.name}.rod{k}", values) for k, rod in enumerate(limb.rods, start=1)
-    ]
+        return _with(limb, limb.name, values)
+    joints = [_with(joint, mechanism.key_path(limb, joint), values) for joint in limb.joints]
+    rods = [_with(rod, f"{limb.name}.rod{k}", values) for k, rod in enumerate(limb.rods, start=1)]
     return replace(limb, joints=joints, rods=rods)
 
 
-def _joint_with(joint: Joint, path: str, values: Mapping[str, float]) -> Joint:
-    changes: dict[str, Any] = {"point": _vector_of(values, f"{path}.point", joint.point)}
-    for key in ("axis", "axis2"):
-        if getattr(joint, key) is not None:
-            changes[key] = _vector_of(values, f"{path}.{key}", getattr(joint, key))
-    for key in ("pitch", "zero"):
-        changes[key] = values.get(f"{path}.{key}", getattr(joint, key))
-    return replace(joint, **changes)
-
-
-def _rod_with(rod: Rod, path: str, values: Mapping[str, float]) -> Rod:
-    start, end = (
-        _vector_of(values, f"{path}.from", rod.start),
-        _vector_of(values, f"{path}.platform", rod.platform),
-    )
-    return Rod(start, end, values.get(f"{path}.length", rod.length))
-
-
 def _vector_of(
-    values: Mapping[str, float], path: str, nominal: Sequence[float], letters: str = "xyz"
+    values: Mapping[str, float], path: str, nominal: Sequence[float]
 ) -> tuple[float, ...]:
+    letters = "xyz" if len(nominal) == 3 else "wxyz"
     return tuple(values.get(f"{path}.{k}", v) for k, v in zip(letters, nominal, strict=True))
-
-
-def _unit_quaternion(q: tuple[float, ...]) -> tuple[float, ...]:
-    length = sum(v * v for v in q) ** 0.5
-    return q if abs(length - 1.0) <= 4e-16 else tuple(v / length for v in q)
 
 
 # --- single joints --------------------------------------------------------------------------------

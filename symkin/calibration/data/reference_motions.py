@@ -12,14 +12,20 @@ are.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from symkin.calibration.data.observables import point_path
-from symkin.closure.branches import Branch, Element, edges_of
+from symkin.calibration.data.parameters import (
+    Velocity,
+    described_parameters,
+    vector_values,
+    vector_velocity,
+)
+from symkin.closure.branches import Branch, edges_of
 from symkin.model.joint import BASE, Joint
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.linear_algebra import null_space
 from symkin.spatial.rotation import multiply
 
 _RANK_TOLERANCE = 1e-9
@@ -28,133 +34,92 @@ written with more digits.
 """
 _PIVOT = 1e-6
 """Smallest share of a rate, in a space of unit directions, by which it can be chosen."""
-
-
-@dataclass(frozen=True)
-class _Rate:
-    """A unit rate of a joint at the reference: its name, its screw (linear at the base origin,
-    angular), the key path of the zero that advances with it, if any.
-    """
-
-    name: str
-    screw: tuple[float, ...]
-    zero: str | None
-    free: bool = True
+_Rate = tuple[str, np.ndarray, str | None]
+"""A rate of a joint that is free: its name, its screw (linear at the base origin, angular), the key
+path of the zero that advances with it, if any.
+"""
 
 
 def reference_motions(
     mechanism: Mechanism, values: Mapping[str, float], read: Sequence[str] = ()
-) -> Iterator[tuple[str, dict[str, float]]]:
+) -> Iterator[tuple[str, Velocity]]:
     """Yield each independent change of the reference with the rates of parameters (key paths) that
     describe it.
     """
     if mechanism.dh is not None:
         return
+    values = {name: v for name, (v, _) in described_parameters(mechanism).items()} | dict(values)
     edges = list(edges_of(mechanism))
     links = list(dict.fromkeys(link for edge in edges for link in edge.ends if link != BASE))
-    rates = {k: _rates(mechanism, edge.elements[0], values, read) for k, edge in enumerate(edges)}
-    names = [rate.name for own in rates.values() for rate in own if rate.free]
+    read = (*read, *(name for c in mechanism.couplings for name in (c.joint, *c.names)))
+    rates = [(edge, rate) for edge in edges for rate in _rates(edge, values, read)]
     size = mechanism.characteristic_length
-    moves = _null_space(_constraints(edges, links, rates, size))
-    labels = [f"reference configuration by {name}" for name in names]
+    moves = null_space(_constraints(edges, links, rates, size), _RANK_TOLERANCE, relative=True).T
+    labels = [f"reference configuration by {name}" for _, (name, *_) in rates]
     labels += [
         f"reference place of {link}, {k}"
         for link in links
         for k in ("x", "y", "z", "about x", "about y", "about z")
     ]
-    order = [*range(len(names)), *(len(names) + k for k in range(6 * len(links)))]
-    for column, move in _independent(moves, order):
-        twists = {BASE: np.zeros(6)} | {
-            link: np.array(move[len(names) + 6 * k : len(names) + 6 * k + 6])
-            * ([size] * 3 + [1.0] * 3)
-            for k, link in enumerate(links)
-        }
-        advances = dict(zip(names, move[: len(names)], strict=True))
-        yield (
-            labels[column],
-            _parameter_rates(mechanism, edges, values, twists) | _zero_rates(rates, advances),
-        )
+    for column, move in _independent(moves):
+        twists = move[len(rates) :].reshape(-1, 6) * ([size] * 3 + [1.0] * 3)
+        velocity = moved(mechanism, values, dict(zip(links, twists, strict=True)))
+        for advance, (_, (_, _, zero)) in zip(move, rates, strict=False):
+            if zero is not None:
+                velocity[zero] = float(advance)
+        yield labels[column], velocity
 
 
-def _rates(
-    mechanism: Mechanism, element: Element, values: Mapping[str, float], read: Sequence[str]
-) -> list[_Rate]:
-    """The rates of one joint; none of a rod, which does not join frames at the reference."""
-    joint, path = element.part, element.path
+def _rates(edge: Branch, values: Mapping[str, float], held: Sequence[str]) -> Iterator[_Rate]:
+    """The free rates of one joint; none of a rod, which does not join frames at the reference."""
+    joint, path = edge.elements[0].part, edge.elements[0].path
     if not isinstance(joint, Joint) or joint.type == "weld":
-        return []
-    point = _vector(values, f"{path}.point", joint.point)
-    if joint.type == "S":
-        return [
-            _Rate(f"{joint.name} about {k}", _turn(point, np.eye(3)["xyz".index(k)]), None)
-            for k in "xyz"
-        ]
-    axis = _direction(values, f"{path}.axis", joint.axis)
-    coupled = {name for c in mechanism.couplings for name in (c.joint, *c.names)}
-    held = joint.actuated or bool({c.name for c in joint.coordinates} & (set(read) | coupled))
-    slide = (*axis, 0.0, 0.0, 0.0)
-    match joint.type:
-        case "P":
-            screws = [slide]
-        case "H":
-            pitch = values.get(f"{path}.pitch", joint.pitch) / (2.0 * np.pi)
-            screws = [tuple(np.array(_turn(point, axis)) + pitch * np.array(slide))]
-        case "C":
-            screws = [_turn(point, axis), slide]
-        case "U":
-            screws = [
-                _turn(point, axis),
-                _turn(point, _direction(values, f"{path}.axis2", joint.axis2)),
-            ]
-        case _:
-            screws = [_turn(point, axis)]
+        return
     zero = f"{path}.zero" if joint.freedom == 1 else None
-    named = zip((c.name for c in joint.coordinates), screws, strict=True)
-    return [_Rate(name, screw, zero, free=zero is not None or not held) for name, screw in named]
-
-
-def _turn(point: np.ndarray, axis: np.ndarray) -> tuple[float, ...]:
-    return (*np.cross(point, axis), *axis)
+    names = [c.name for c in joint.coordinates]
+    if joint.type == "S":
+        names = [f"{joint.name} about {k}" for k in "xyz"]
+    elif zero is None and (joint.actuated or set(names) & set(held)):
+        return
+    point = vector_values(values, f"{path}.point")
+    given = [f"{path}.{k}" for k in ("axis", "axis2") if getattr(joint, k) is not None]
+    axes = [vector_values(values, name) for name in given] or list(np.eye(3))
+    units = [axis / np.linalg.norm(axis) for axis in axes]
+    turns = [np.concatenate([np.cross(point, axis), axis]) for axis in units]
+    slide = np.concatenate([units[0], np.zeros(3)])
+    pitch = values.get(f"{path}.pitch", 0.0) / (2.0 * np.pi)
+    screws = {"P": [slide], "H": [turns[0] + pitch * slide], "C": [turns[0], slide]}
+    for name, screw in zip(names, screws.get(joint.type, turns), strict=True):
+        yield name, screw, zero
 
 
 def _constraints(
-    edges: Sequence[Branch], links: Sequence[str], rates: Mapping[int, list[_Rate]], size: float
+    edges: Sequence[Branch],
+    links: Sequence[str],
+    rates: Sequence[tuple[Branch, _Rate]],
+    size: float,
 ) -> np.ndarray:
     """Rows V_b - V_a - sum of S q' = 0 of all joints, lengths over the size."""
-    count = sum(rate.free for own in rates.values() for rate in own)
-    unit, rows, column = np.array([1.0 / size] * 3 + [1.0] * 3), [], 0
-    for k, edge in enumerate(edges):
-        part = edge.elements[0].part
-        if not isinstance(part, Joint):
+    unit, rows = (
+        np.array([1.0 / size] * 3 + [1.0] * 3),
+        [np.zeros((0, len(rates) + 6 * len(links)))],
+    )
+    for edge in edges:
+        if not isinstance(edge.elements[0].part, Joint):
             continue
-        block = np.zeros((6, count + 6 * len(links)))
-        for link, sign in ((edge.ends[0], -1.0), (edge.ends[1], 1.0)):
-            if link != BASE:
-                begin = count + 6 * links.index(link)
-                block[:, begin : begin + 6] += sign * np.eye(6)
-        for rate in rates[k]:
-            if rate.free:
-                block[:, column] = -unit * np.array(rate.screw)
-                column += 1
-        rows.append(block)
-    return np.vstack([np.zeros((0, count + 6 * len(links))), *rows])
+        ends = [float(link == edge.ends[1]) - float(link == edge.ends[0]) for link in links]
+        screws = [-unit * screw if own is edge else np.zeros(6) for own, (_, screw, _) in rates]
+        rows.append(np.column_stack([*screws, np.kron(ends, np.eye(6))]))
+    return np.vstack(rows)
 
 
-def _null_space(matrix: np.ndarray) -> np.ndarray:
-    if not matrix.size:
-        return np.eye(matrix.shape[1])
-    _, singular, right = np.linalg.svd(matrix)
-    rank = int(np.sum(singular > _RANK_TOLERANCE * singular[0]))
-    return np.asarray(right[rank:].T)
-
-
-def _independent(space: np.ndarray, order: Sequence[int]) -> Iterator[tuple[int, np.ndarray]]:
-    """A basis of a space (width, k): each direction is 1 in one number, the first of the order that
-    can be, 0 in those of the others.
+def _independent(space: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+    """A basis of a space (width, k): each direction is 1 in one number, the first that can be, 0 in
+    those of the others.
     """
     pivots: list[int] = []
     rest = space.copy()
-    for k in order:
+    for k in range(len(space)):
         size = float(np.linalg.norm(rest[k]))
         if len(pivots) < space.shape[1] and size > _PIVOT:
             pivots.append(k)
@@ -167,74 +132,38 @@ def _independent(space: np.ndarray, order: Sequence[int]) -> Iterator[tuple[int,
 # --- rates of parameters --------------------------------------------------------------------------
 
 
-def _parameter_rates(
-    mechanism: Mechanism,
-    edges: Sequence[Branch],
-    values: Mapping[str, float],
-    twists: Mapping[str, np.ndarray],
-) -> dict[str, float]:
-    """How points and directions of links move with their links."""
-    rates: dict[str, float] = {}
-    for edge in edges:
-        (element,), (first, last) = edge.elements, (twists[link] for link in edge.ends)
+def moved(
+    mechanism: Mechanism, values: Mapping[str, float], twists: Mapping[str, np.ndarray]
+) -> Velocity:
+    """How the numbers given on links, in the base frame, move with their links: by twists (linear
+    at the base origin, angular) of those that do.
+    """
+    velocity: Velocity = {}
+
+    def put(path: str, link: str, *, point: bool = True) -> None:
+        if link in twists:
+            value, (v, w) = vector_values(values, path), np.split(twists[link], 2)
+            velocity.update(vector_velocity(path, v * point + np.cross(w, value)))
+
+    for edge in edges_of(mechanism):
+        (element,), (first, last) = edge.elements, edge.ends
         part, path = element.part, element.path
-        if isinstance(part, Joint):
-            rates |= _moved(values, f"{path}.point", part.point, first)
-            if part.axis is not None:
-                rates |= _turned(values, f"{path}.axis", part.axis, first)
-            if part.axis2 is not None:
-                rates |= _turned(values, f"{path}.axis2", part.axis2, last)
+        if not isinstance(part, Joint):
+            for end, link in ((part.start, first), (part.end, last)):
+                if not end.in_platform_frame:
+                    put(end.path, link)
             continue
-        for end, twist in ((part.start, first), (part.end, last)):
-            rates |= {} if end.in_platform_frame else _moved(values, end.path, end.point, twist)
-    for point in mechanism.link_points:
-        rates |= _moved(values, point_path(point), point.point, twists[point.link])
-    if mechanism.platform_link is not None:
-        twist = twists[mechanism.platform_link]
-        frame = mechanism.frame_name
-        rates |= _moved(values, f"{frame}.position", mechanism.platform_position, twist)
-        q = [
-            values.get(f"{frame}.quaternion.{k}", v)
-            for k, v in zip("wxyz", mechanism.platform_quaternion, strict=True)
-        ]
-        turned = 0.5 * np.asarray(multiply(np.array([0.0, *twist[3:]]), np.array(q)))
-        rates |= {f"{frame}.quaternion.{k}": float(v) for k, v in zip("wxyz", turned, strict=True)}
-    return rates
-
-
-def _zero_rates(
-    rates: Mapping[int, list[_Rate]], advances: Mapping[str, float]
-) -> dict[str, float]:
-    return {
-        rate.zero: float(advances[rate.name])
-        for own in rates.values()
-        for rate in own
-        if rate.zero is not None
-    }
-
-
-def _moved(
-    values: Mapping[str, float], path: str, nominal: Sequence[float], twist: np.ndarray
-) -> dict[str, float]:
-    rate = twist[:3] + np.cross(twist[3:], _vector(values, path, nominal))
-    return {f"{path}.{k}": float(v) for k, v in zip("xyz", rate, strict=True)}
-
-
-def _turned(
-    values: Mapping[str, float], path: str, nominal: Sequence[float], twist: np.ndarray
-) -> dict[str, float]:
-    rate = np.cross(twist[3:], _vector(values, path, nominal))
-    return {f"{path}.{k}": float(v) for k, v in zip("xyz", rate, strict=True)}
-
-
-def _vector(values: Mapping[str, float], path: str, nominal: Sequence[float] | None) -> np.ndarray:
-    return np.array(
-        [values.get(f"{path}.{k}", v) for k, v in zip("xyz", nominal or (), strict=True)]
-    )
-
-
-def _direction(
-    values: Mapping[str, float], path: str, nominal: Sequence[float] | None
-) -> np.ndarray:
-    vector = _vector(values, path, nominal)
-    return np.asarray(vector / np.linalg.norm(vector))
+        put(f"{path}.point", first)
+        for key, link in (("axis", first), ("axis2", last)):
+            if getattr(part, key) is not None:
+                put(f"{path}.{key}", link, point=False)
+    for one in mechanism.link_points:
+        put(point_path(one), one.link)
+    platform = mechanism.platform_link or ""
+    if platform in twists:
+        path = f"{mechanism.frame_name}.quaternion"
+        q, w = vector_values(values, path, "wxyz"), twists[platform][3:]
+        turned = 0.5 * np.asarray(multiply(np.array([0.0, *w]), q))
+        velocity |= vector_velocity(path, turned, "wxyz")
+        put(f"{mechanism.frame_name}.position", platform)
+    return velocity

@@ -1,26 +1,28 @@
-"""Solve the closure for many configurations at once: the direct problem at any parameters, joints
-for poses, all coordinates.
+"""Close many configurations at once: the direct problem at any parameters, joints for poses,
+passive joints, all coordinates; everywhere by one set of rows, in the coordinates that are free.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import casadi as ca
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements, spread_rows
-from symkin.calibration.estimate.configuration_model import ConfigurationModel, solve_systems
-from symkin.closure.closure import Closure, build_closure
+from symkin.calibration.estimate.configuration_model import (
+    ConfigurationModel,
+    build_model,
+    solve_systems,
+)
+from symkin.closure.closure import Closure
+from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.system import System
-from symkin.position.given import pose_coordinates, pose_from
-from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import multiply, quaternion_from_euler
+from symkin.position.given import poses_coordinates
+from symkin.spatial.rotation import wrapped
 
 SOLVED_TOLERANCE = 1e-10
 """A configuration is solved when its largest closure row is below this, of the size: far above
@@ -39,7 +41,7 @@ that below which they are closed.
 _MAX_POSE_STEP = 0.5
 """Longest Newton step, of the size, from a drawn pose: its joints may be far from the reference."""
 _MAX_STEPS, _MAX_POSE_STEPS = 20, 30
-"""Most Newton steps of direct problems, and from drawn poses."""
+"""Most Newton steps of direct problems, and of all else."""
 _FOLLOWED_STEP, _MAX_FOLLOWED_STEPS = 0.1, 400
 """Steps of joints (radians, or of the size) in which configurations are followed, and most of
 them.
@@ -47,10 +49,6 @@ them.
 _MAX_FOLLOWED_MOVE = 0.6
 """Furthest that an unknown coordinate (radians, or of the size) may move in such a step: what goes
 further has jumped.
-"""
-_FIRST_PASSIVE_DAMPING, _MIN_PASSIVE_DECREASE, _IDLE_PASSIVE_STEPS = 1e-3, 1e-8, 6
-"""First damping of passive joints at a pose, and steps in a row that lower no configuration's cost
-by this share after which they end.
 """
 _MAX_COMPARED_ROWS = 1000
 """Most rows among which neighbours are sought."""
@@ -68,6 +66,110 @@ class SolvedConfigurations:
     solved: np.ndarray
 
 
+@dataclass(frozen=True, eq=False)
+class Closing:
+    """The closure at parameters p over points (n, a + width), joint readings and unknown
+    coordinates. All may move that are not `held`: "joints" (actuated), "passive" (joints and
+    bodies), "pose". `inclined` says what alpha and beta the platform must have, as groups compare
+    them: (n, 2), or (n,) the numbers of the configurations whose they are.
+    """
+
+    model: ConfigurationModel
+    p: np.ndarray
+    held: tuple[str, ...] = ("joints",)
+    inclined: np.ndarray | None = None
+
+    @cached_property
+    def free(self) -> np.ndarray:
+        """Places of the freedoms that may move, joints first."""
+        kinds = ["joints"] * self._joints
+        for c in self.model.system.unknowns:
+            kinds += ["pose" if c.role == "pose" else "passive"] * c.freedom
+        return np.flatnonzero([kind not in self.held for kind in kinds])
+
+    @property
+    def characteristic_length(self) -> float:
+        return self.model.closure.characteristic_length
+
+    @property
+    def freedom(self) -> int:
+        """Count of the freedoms that may move."""
+        return len(self.free)
+
+    @property
+    def _joints(self) -> int:
+        return len(self.model.closure.role("actuated"))
+
+    @cached_property
+    def _units(self) -> np.ndarray:
+        size, joints = self.characteristic_length, self.model.closure.role("actuated")
+        return np.array([1.0 / size if c.is_angular else 1.0 for c in joints])
+
+    def split(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Unknown coordinates and joint readings of points."""
+        return points[:, self._joints :], points[:, : self._joints]
+
+    def linearise(
+        self, points: np.ndarray, _known: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Rows (n, m) and their derivatives along the freedoms that may move (n, m, freedom)."""
+        z, joints = self.split(points)
+        if "joints" in self.held:
+            rows, rows_z = self.model.rows(z, joints, self.p)
+            return rows, rows_z[:, :, self.free - self._joints]
+        rows, rows_z, rows_q, h, h_z, h_q = self.model.tangent(
+            z, joints, self.p, self.model.no_quaternions(len(z))
+        )
+        by = np.concatenate([rows_q * self._units, rows_z], axis=2)
+        if self.inclined is not None:
+            columns, size = self.model.group_columns, self.characteristic_length
+            h, told = h[:, columns], self.inclined
+            gap = wrapped(h - (h[told] if told.ndim == 1 else told))
+            below = np.concatenate([h_q * self._units, h_z], axis=2)[:, columns]
+            rows = np.hstack([rows, size * gap])
+            by = np.concatenate([by, size * below], axis=1)
+        return rows, by[:, :, self.free]
+
+    def move(self, points: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Points moved by tangent steps (n, freedom)."""
+        whole = np.zeros((len(points), self._joints + self.model.system.freedom))
+        whole[:, self.free] = step
+        z, joints = self.split(points)
+        moved = self.model.system.move(z, whole[:, self._joints :])
+        return np.hstack([joints + self._units * whole[:, : self._joints], moved])
+
+    def newton(
+        self,
+        points: np.ndarray,
+        *,
+        count: int = _MAX_POSE_STEPS,
+        tolerance: float = _ROUNDED_CLOSURE,
+        longest: float = _MAX_POSE_STEP,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Newton, or Gauss-Newton where rows are not as many as freedoms, of at most `count` steps,
+        none longer than `longest` sizes, until rows are within a tolerance: points and their
+        largest rows (n,), over the size.
+        """
+        largest, size = np.full(len(points), np.inf), self.characteristic_length
+        for _ in range(count):
+            rows, by = self.linearise(points)
+            largest = np.max(np.abs(rows), axis=1, initial=0.0) / size
+            if not np.any(largest > tolerance):
+                break
+            step = -solve_systems(by, rows[:, :, None])[:, :, 0]
+            lengths = np.maximum(np.linalg.norm(step, axis=1), 1e-300)
+            step *= np.minimum(1.0, longest * size / lengths)[:, None]
+            moved = self.move(points, np.nan_to_num(step))
+            points = np.where((largest > tolerance)[:, None], moved, points)
+        return points, largest
+
+    def close(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Close to rounding: points, and which of them closed (n,); others as they were."""
+        found, largest = self.newton(points)
+        closed = largest < _CLOSED_TO_ROUNDING
+        return np.where(closed[:, None], found, points), closed
+
+
 def newton_configurations(
     model: ConfigurationModel,
     z: np.ndarray,
@@ -75,54 +177,16 @@ def newton_configurations(
     p: np.ndarray,
     *,
     tolerance: float = SOLVED_TOLERANCE,
+    count: int = _MAX_STEPS,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Solve the direct problems by Newton from points z (n, width): points, and which of them
     closed (n,).
     """
-    z, largest = _newton(
-        lambda z: model.rows(z, joints, p),
-        model.system,
-        z,
-        _Steps(_MAX_STEPS, tolerance, _MAX_STEP),
+    closing = Closing(model, p)
+    points, largest = closing.newton(
+        np.hstack([joints, z]), count=count, tolerance=tolerance, longest=_MAX_STEP
     )
-    return z, largest <= tolerance
-
-
-@dataclass(frozen=True)
-class _Steps:
-    """Most Newton steps, the closure error (over the size) that ends them, and the longest step (in
-    sizes).
-    """
-
-    count: int
-    tolerance: float
-    longest: float
-
-
-def _newton(
-    linearise: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
-    system: System,
-    z: np.ndarray,
-    steps: _Steps,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Newton, or Gauss-Newton where rows are more than unknowns, with a bounded step: points z (n,
-    width) and their largest closure rows over the size (n,).
-    """
-    largest = np.full(len(z), np.inf)
-    for _ in range(steps.count):
-        rows, rows_z = linearise(z)
-        largest = np.max(np.abs(rows), axis=1, initial=0.0) / system.characteristic_length
-        if not np.any(largest > steps.tolerance):
-            break
-        step = -solve_systems(rows_z, rows[:, :, None])[:, :, 0]
-        step *= np.minimum(
-            1.0,
-            steps.longest
-            * system.characteristic_length
-            / np.maximum(np.linalg.norm(step, axis=1), 1e-300),
-        )[:, None]
-        z = np.where((largest > steps.tolerance)[:, None], system.move(z, np.nan_to_num(step)), z)
-    return z, largest
+    return closing.split(points)[0], largest <= tolerance
 
 
 def solve_configurations(
@@ -139,44 +203,44 @@ def solve_configurations(
     solved neighbours and random starts (`seed`); where joints carry the platform neighbours alone,
     on their side of singularities: what lies further is another assembly mode.
     """
-    start = first_points(model, measurements, p) if z is None else z
+    found = first_points(model, measurements, p) if z is None else z
     joints = measurements.joints
+    # configurations that were followed from one stay on its side of singularities
+    carried = is_carried(model.closure) and z is None
+
+    def solved_from(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        z, solved = newton_configurations(model, z, joints, p, tolerance=tolerance)
+        if carried:
+            signs = determinant_signs(model.rows(z, joints, p)[1])
+            solved &= signs * np.sum(signs[solved]) >= 0.0
+        return z, solved
+
     with np.errstate(all="ignore"):
-        found, solved = newton_configurations(model, start, joints, p, tolerance=tolerance)
-        # configurations that were followed from one stay on its side of singularities
-        carried = is_carried(model.closure) and z is None
-        solved &= _on_one_side(model, found, joints, p, solved) | (not carried)
-        if not solved.all():
-            for k in np.flatnonzero(~solved):
-                near = found[solved]
-                if len(near):
-                    near = near[nearest_rows(joints[solved], joints[k : k + 1], _NEIGHBOURS)[0]]
-                starts = near if carried and len(near) else np.vstack([start[k], near])
-                better = _solve_from_many(
-                    model, measurements, p, int(k), starts, None if carried else seed
+        start, (found, solved) = found, solved_from(found)
+        system, good = model.system, np.flatnonzero(solved)
+        for k in np.flatnonzero(~solved):
+            near = found[:0]
+            if len(good):
+                near = found[good[nearest_rows(joints[good], joints[[k]], _NEIGHBOURS)[0]]]
+            tried = near if carried and len(near) else np.vstack([start[k], near])
+            if not carried:
+                rng, count = np.random.default_rng([seed, int(k)]), _RANDOM_STARTS
+                steps = (
+                    0.2 * system.characteristic_length * rng.normal(size=(count, system.freedom))
                 )
-                found[k] = found[k] if better is None else better
-            found, solved = newton_configurations(model, found, joints, p, tolerance=tolerance)
-            solved &= _on_one_side(model, found, joints, p, solved) | (not carried)
+                tried = np.vstack([tried, system.move(np.tile(tried[0], (count, 1)), steps)])
+            points = np.hstack([np.tile(joints[k], (len(tried), 1)), tried])
+            batch = levenberg_marquardt(Closing(model, p), points, np.zeros(0))
+            ends = batch.points[batch.converged, joints.shape[1] :]
+            if len(ends):
+                found[k] = ends[np.argmin(np.linalg.norm(ends - tried[0], axis=1))]
+        if len(good) < len(found):
+            found, solved = solved_from(found)
         if tolerance <= SOLVED_TOLERANCE:
-            found = np.where(solved[:, None], _polished(model, found, joints, p), found)
+            # one step more, so that configurations are closed to rounding
+            last, _ = newton_configurations(model, found, joints, p, tolerance=0.0, count=1)
+            found = np.where(solved[:, None], last, found)
     return SolvedConfigurations(found, solved)
-
-
-def _on_one_side(
-    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray, solved: np.ndarray
-) -> np.ndarray:
-    """Tell which configurations (n,) have the sign of det F_z that most of those solved have."""
-    signs = determinant_signs(model.rows(z, joints, p)[1])
-    return np.asarray(signs * np.sum(signs[solved]) >= 0.0)
-
-
-def _polished(
-    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray
-) -> np.ndarray:
-    """Take one Newton step more, so that configurations are closed to rounding."""
-    rows, rows_z = model.rows(z, joints, p)
-    return model.system.move(z, np.nan_to_num(-solve_systems(rows_z, rows[:, :, None])[:, :, 0]))
 
 
 def determinant_signs(rows_z: np.ndarray) -> np.ndarray:
@@ -225,22 +289,9 @@ def start_points(
     """
     if model.observes_through_frames:
         measurements = without_poses(measurements)
-    closure, system = model.closure, model.system
-    places = dict(zip((c.name for c in system.unknowns), system.slices, strict=True))
-    begin = np.empty((len(measurements), system.width))
-    for name, place in places.items():
-        begin[:, place] = closure.reference[closure.slices[name]]
-    for k, pose in enumerate(known_poses(measurements, measured=measured)):
-        if pose is None:
-            continue
-        values, _ = pose_coordinates(
-            model.mechanism, pose_from(pose.tolist(), f"starts: posture {measurements.labels[k]}")
-        )
-        taken = 0
-        for c in closure.role("pose"):
-            begin[k, places[c.name]] = values[taken : taken + c.width]
-            taken += c.width
-    return begin
+    poses = known_poses(measurements, measured=measured)
+    begin = np.tile(model.closure.reference, (len(measurements), 1))
+    return Closing(model, np.zeros(0)).split(with_poses(model.closure, begin, poses))[0]
 
 
 def first_points(
@@ -252,11 +303,9 @@ def first_points(
     """
     if not is_carried(model.closure):
         return start_points(model, measurements)
-    start = start_points(model, without_starts(measurements))
-    reference = np.concatenate(
-        [np.zeros(0), *(np.array(c.reference) for c in model.closure.role("actuated"))]
-    )
-    return follow_joints(model, start, np.tile(reference, (len(start), 1)), measurements.joints, p)
+    begin = np.tile(model.closure.reference, (len(measurements), 1))
+    start, joints = Closing(model, p).split(begin)
+    return follow_joints(model, start, joints, measurements.joints, p)
 
 
 def is_carried(closure: Closure) -> bool:
@@ -272,15 +321,10 @@ def follow_joints(
     """Follow configurations z (n, width) by Newton while the joint readings move straight from
     `begin` to `end` (n, a); one that is lost, or would jump, stays where it was last.
     """
-    units = np.array(
-        [
-            1.0 if c.is_angular else 1.0 / model.closure.characteristic_length
-            for c in model.closure.role("actuated")
-        ]
-    )
-    furthest = float(np.max(np.abs(end - begin) * units, initial=0.0))
-    count = min(max(1, int(np.ceil(furthest / _FOLLOWED_STEP))), _MAX_FOLLOWED_STEPS)
     size = model.closure.characteristic_length
+    lengths = np.array(units_of(model.closure.role("actuated"), size))
+    furthest = float(np.max(np.abs(end - begin) / lengths, initial=0.0))
+    count = min(max(1, int(np.ceil(furthest / _FOLLOWED_STEP))), _MAX_FOLLOWED_STEPS)
     lengths = np.array(units_of(model.system.unknowns, size))
     with np.errstate(all="ignore"):
         for k in range(1, count + 1):
@@ -296,77 +340,36 @@ def follow_joints(
     return z
 
 
-def passive_freedoms(model: ConfigurationModel) -> np.ndarray:
-    """Return the places of the unknowns' freedoms that are not the pose's."""
-    return np.flatnonzero(
-        [c.role != "pose" for c in model.system.unknowns for _ in range(c.freedom)]
-    )
-
-
 def fit_passive(
     model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray, most: int
 ) -> np.ndarray:
     """Fit the passive joints in z (n, width) at which the geometry p closes best with the pose as
     it is, each configuration by itself: Levenberg-Marquardt of at most so many steps.
     """
-    width, passive = model.system.freedom, passive_freedoms(model)
-    if not passive.size:
+    closing = Closing(model, p, held=("joints", "pose"))
+    if not closing.freedom:
         return z
-
-    def rows_at(z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        rows, rows_z = model.rows(z, joints, p)
-        return np.sum(rows**2, axis=1), rows, rows_z[:, :, passive]
-
-    (cost, rows, by_x), damping, idle = rows_at(z), np.full(len(z), _FIRST_PASSIVE_DAMPING), 0
-    for _ in range(most):
-        normal = np.swapaxes(by_x, 1, 2) @ by_x
-        normal += (
-            damping[:, None, None]
-            * np.trace(normal, axis1=1, axis2=2)[:, None, None]
-            * np.eye(len(passive))
-        )
-        if not np.isfinite(normal).all():
-            break
-        follow = np.zeros((len(z), width))
-        follow[:, passive] = -(
-            np.linalg.pinv(normal, hermitian=True) @ np.swapaxes(by_x, 1, 2) @ rows[:, :, None]
-        )[:, :, 0]
-        trial = model.system.move(z, follow)
-        found = rows_at(trial)
-        better = found[0] < cost
-        z = np.where(better[:, None], trial, z)
-        damping = np.where(better, damping / 10.0, 4.0 * damping)
-        idle = 0 if (found[0] < (1.0 - _MIN_PASSIVE_DECREASE) * cost).any() else idle + 1
-        if idle == _IDLE_PASSIVE_STEPS:
-            break
-        cost, rows, by_x = rows_at(z)
-    return z
+    points, nothing = np.hstack([joints, z]), np.zeros(0)
+    found = levenberg_marquardt(closing, points, nothing, max_iterations=most)
+    return closing.split(found.points)[0]
 
 
-def known_poses(measurements: Measurements, *, measured: bool = False) -> list[np.ndarray | None]:
-    """Return a whole pose of each configuration, None where there is none: its start (unless
+def known_poses(measurements: Measurements, *, measured: bool = False) -> np.ndarray:
+    """Return a whole pose (n, 7) of each configuration, NaN where there is none: its start (unless
     `measured`), else what was measured.
     """
-    poses: list[np.ndarray | None] = [None] * len(measurements)
-    both = (measurements.position, measurements.orientation)
-    read = None if any(part is None for part in both) else np.hstack(both)  # type: ignore[arg-type]
-    for table in (read, None if measured else measurements.starts):
-        if table is not None:
-            poses = [
-                row if np.all(np.isfinite(row)) else old
-                for row, old in zip(table, poses, strict=True)
-            ]
+    poses, m = np.full((len(measurements), 7), np.nan), measurements
+    both = None if m.position is None or m.orientation is None else (m.position, m.orientation)
+    tables = [None if both is None else np.hstack(both), None if measured else m.starts]
+    for table in (table for table in tables if table is not None):
+        whole = np.all(np.isfinite(table), axis=1)
+        poses[whole] = table[whole]
     return poses
 
 
 def without_poses(measurements: Measurements) -> Measurements:
     """Leave out positions and orientations."""
     return replace(measurements, position=None, orientation=None)
-
-
-def without_starts(measurements: Measurements) -> Measurements:
-    """Leave out positions, orientations and starts."""
-    return replace(without_poses(measurements), starts=None)
 
 
 def nearest_rows(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarray:
@@ -382,33 +385,6 @@ def nearest_rows(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarr
         for row in wanted * weight
     ]
     return chosen[np.array(found)]
-
-
-def _solve_from_many(
-    model: ConfigurationModel,
-    measurements: Measurements,
-    p: np.ndarray,
-    k: int,
-    starts: np.ndarray,
-    seed: int | None,
-) -> np.ndarray | None:
-    """Find the solution of one configuration that is nearest to its first start, from random starts
-    too where there is a seed; or None.
-    """
-    system: System = model.system
-    if seed is not None:
-        rng = np.random.default_rng([seed, k])
-        steps = (
-            0.2
-            * model.closure.characteristic_length
-            * rng.normal(size=(_RANDOM_STARTS, system.freedom))
-        )
-        starts = np.vstack([starts, system.move(np.tile(starts[:1], (_RANDOM_STARTS, 1)), steps)])
-    batch = levenberg_marquardt(system, starts, np.concatenate([measurements.joints[k], p]))
-    good = batch.points[batch.converged]
-    if len(good) == 0:
-        return None
-    return np.asarray(good[np.argmin(np.linalg.norm(good - starts[0], axis=1))])
 
 
 @dataclass(frozen=True, eq=False)
@@ -434,82 +410,36 @@ class ClosedConfigurations:
         )
 
 
+def closing_model(mechanism: Mechanism) -> ConfigurationModel:
+    """The model by which configurations are closed: its readings are the platform's inclination, as
+    groups compare it.
+    """
+    groups = None if mechanism.platform_link is None else np.zeros(1, dtype=int)
+    return build_model(
+        mechanism, Measurements(np.zeros((1, len(mechanism.actuated))), groups=groups), ()
+    )
+
+
 def joints_at_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
     """Solve for the actuated joints (n, a) at platform poses (n, 7), the limbs as near to the
     reference as Newton finds them; NaN where a limb does not reach the pose.
     """
-    closure = build_closure(mechanism)
-    starts = np.array(
-        [with_pose(mechanism, closure.reference, Pose(row[:3], row[3:])) for row in poses]
-    )
-    solver = JointsOfPose(closure)
+    model = closing_model(mechanism)
+    starts = np.tile(model.closure.reference, (len(poses), 1))
+    closing = Closing(model, np.zeros(0), held=("pose",))
     with np.errstate(all="ignore"):
-        values, closed = solver.newton(starts)
-    return np.where(closed[:, None], values[:, : len(mechanism.actuated)], np.nan)
+        values, closed = closing.close(with_poses(model.closure, starts, poses))
+    return np.where(closed[:, None], closing.split(values)[1], np.nan)
 
 
-def with_pose(mechanism: Mechanism, values: np.ndarray, pose: Pose) -> np.ndarray:
-    """Put the pose coordinates nearest to a pose into the closure's variables; as they are where it
-    has none.
+def with_poses(closure: Closure, values: np.ndarray, poses: np.ndarray) -> np.ndarray:
+    """Put the pose coordinates nearest to poses (n, 7) into the closure's variables (n, width);
+    they stay where a pose is not a number, or the closure has none.
     """
-    closure, values = build_closure(mechanism), values.copy()
-    if not closure.role("pose"):
-        return values
-    numbers, _ = pose_coordinates(mechanism, pose)
-    begin = closure.slices[closure.role("pose")[0].name].start
-    values[begin : begin + len(numbers)] = numbers
+    given, values = np.all(np.isfinite(poses), axis=1), values.copy()
+    if closure.role("pose") and given.any():
+        position, quaternion = poses[given, :3].T, poses[given, 3:].T
+        numbers, _ = poses_coordinates(closure.mechanism, position, quaternion)
+        begin = closure.slices[closure.role("pose")[0].name].start
+        values[given, begin : begin + numbers.shape[1]] = numbers
     return values
-
-
-def closed_points(
-    system: System, z: np.ndarray, known: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Solve a system by Newton from points z (n, width), each with known values (n, k) of its own:
-    points, and which of them closed to rounding (n,).
-    """
-    steps = _Steps(_MAX_POSE_STEPS, _ROUNDED_CLOSURE, _MAX_POSE_STEP)
-    z, largest = _newton(lambda z: system.linearise(z, known), system, z, steps)
-    return z, largest < _CLOSED_TO_ROUNDING
-
-
-class JointsOfPose:
-    """Solves for all joints, actuated and passive, at given poses."""
-
-    def __init__(self, closure: Closure) -> None:
-        unknowns, known = closure.role("actuated", "passive", "body"), closure.role("pose")
-        self.width = sum(c.width for c in unknowns)
-        unknown = closure.variables[: self.width]
-        pose = closure.variables[self.width : self.width + sum(c.width for c in known)]
-        rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
-        self._system = System(unknowns, unknown, pose, rows, errors, closure.characteristic_length)
-
-    def newton(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Solve for the joints by Newton from those in the values; and tell which configurations
-        closed.
-        """
-        return closed_points(self._system, values[:, : self.width], values[:, self.width :])
-
-    def solve(self, values: np.ndarray) -> np.ndarray:
-        """Replace the joints by Newton's where it closes; others stay as they were."""
-        joints, closed = self.newton(values)
-        return np.where(closed[:, None], np.hstack([joints, values[:, self.width :]]), values)
-
-
-def all_coordinates(closure: Closure, home: Pose, *, held: bool) -> System:
-    """The closure in all coordinates; with `held` also the inclination, size (R^T e_z - R_home^T
-    (Ry Rx)^T e_z) = 0.
-    """
-    rows, known = closure.bound(closure.rows), ca.SX.sym("inclination", 2 if held else 0)
-    if held:
-        tilted = quaternion_from_euler([known[0], known[1], 0.0], "xyz")
-        wanted = Pose(ca.SX.zeros(3), multiply(tilted, ca.SX(ca.DM(home.quaternion))))
-        quaternion = closure.bound(closure.pose.quaternion)
-        up = ca.SX(ca.DM([0.0, 0.0, 1.0]))
-        rows = ca.vertcat(
-            rows,
-            closure.characteristic_length
-            * (Pose(up, quaternion).inverse().turn(up) - wanted.inverse().turn(up)),
-        )
-    return System(
-        closure.coordinates, closure.variables, known, rows, rows, closure.characteristic_length
-    )

@@ -19,16 +19,18 @@ directions that they tell ten times better than the prior.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.estimate.configurations import (
+    Closing,
     fit_passive,
     is_carried,
     known_poses,
-    passive_freedoms,
     start_points,
 )
 from symkin.calibration.estimate.linear import (
@@ -38,11 +40,12 @@ from symkin.calibration.estimate.linear import (
     rounding_residual,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Form, Linearised, build_readings
+from symkin.calibration.estimate.residuals import Form, Linearised
 from symkin.calibration.estimate.state import (
     State,
     closed_state,
     evaluate,
+    evaluate_at,
     joint_covariance,
     restored_after,
     state_after,
@@ -132,25 +135,28 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     measurement are unknown, and where the joints carry the platform.
     """
     model, m = problem.model, problem.measurements
-    given = np.array([pose is not None for pose in known_poses(m, measured=True)])
+    given = np.isfinite(known_poses(m, measured=True)[:, 0])
     rows = int(np.sum(given)) * int(model.system.rows.shape[0])
     if is_carried(model.closure) or model.observes_through_frames or rows < len(model.names):
         return None
     chosen = np.flatnonzero(given)
-    some = m.subset(chosen[spread_rows(len(chosen), _MAX_POSES)])
-    here = replace(problem, measurements=some, readings=build_readings(model, some))
+    here = problem.of(chosen[spread_rows(len(chosen), _MAX_POSES)])
+    near, far = (partial(_moved_at_poses, here, by_rows=by_rows) for by_rows in (False, True))
+    still, start = np.zeros(len(model.names)), start_points(model, here.measurements, measured=True)
     with np.errstate(all="ignore"):
-        near, far = _AtPoses(here), _AtPoses(here, by_rows=True)
-        begin = near.first_state()
-        search = _Search(near, begin, widened=problem.widened)
-        if not np.isfinite(begin.cost) or is_rounding(here, begin):
+        first = _at_poses(here, model.nominal, start, _MAX_PASSIVE_STEPS, by_rows=False)
+        search = _Search(here, near, first, widened=problem.widened)
+        if not np.isfinite(first.cost) or is_rounding(here, first):
             return None
         if search.run(_MAX_POSE_STEPS) == "ok":
             return search.state.p
-        other = _Search(far, far.first_state(), widened=problem.widened)
-        other.run(_MAX_POSE_STEPS)
-        last = near.moved(other.state, np.zeros(len(begin.p)))
-    return search.state.p if last is None or last.cost > search.state.cost else last.p
+        best, begin = search.state, far(first, still)
+        if begin is not None:
+            other = _Search(here, far, begin, widened=problem.widened)
+            other.run(_MAX_POSE_STEPS)
+            last = near(other.state, still)
+            best = best if last is None or last.cost > best.cost else last
+    return best.p
 
 
 def _minimise(
@@ -164,65 +170,45 @@ def _minimise(
     state = closed_state(problem, p, z, form, covariance)
     if is_rounding(problem, state):
         return Estimate(state, "ok", 0)
-    search = _Search(_Nested(problem, form, covariance), state, widened=problem.widened)
+    move = partial(state_after, problem, form=form, covariance=covariance)
+    search = _Search(problem, move, state, widened=problem.widened)
     status = search.run(limit)
     best = closed_state(problem, search.state.p, search.state.z, form, covariance)
     return Estimate(best, status, search.steps, search.widened)
 
 
-# --- objectives -----------------------------------------------------------------------------------
+# --- at measured poses ----------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, eq=False)
-class _Nested:
-    """The residuals with the direct problem of every configuration solved."""
-
-    problem: CalibrationProblem
-    form: Form
-    covariance: np.ndarray | None
-
-    def moved(self, state: State, step: np.ndarray) -> State | None:
-        """Take a step of the parameters; None where a configuration has no solution there."""
-        return state_after(self.problem, state, step, self.form, self.covariance)
-
-
-@dataclass(frozen=True, eq=False)
-class _AtPoses:
+def _at_poses(
+    problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, steps: int, *, by_rows: bool
+) -> State:
     """The residuals at the poses measured: passive joints at which the closure is met best there,
     and the closure to first order in the pose. No direct problem is solved, so that it leads far.
     `by_rows`: the closure rows over the readings' usual standard deviation in their place, which
     leads further, to where is near the estimate.
     """
+    model, joints = problem.model, problem.measurements.joints
+    z = fit_passive(model, z, joints, p, steps)
+    # poses that are measured are of one mode, whatever the geometry
+    state = replace(evaluate(problem, p, z, "means"), determinant_signs=np.zeros(len(z)))
+    if not by_rows:
+        return state
+    e = evaluate_at(problem, p, z)
+    passive = Closing(model, p, ("joints", "pose")).linearise(np.hstack([joints, z]))[1]
+    project = np.eye(e.rows.shape[1]) - passive @ np.linalg.pinv(passive, rcond=1e-10)
+    usual = float(np.median((problem.readings.sigma * model.lengths)[problem.readings.taken]))
+    rows = Linearised.of(e.rows / usual, project @ e.rows_p / usual)
+    return replace(state, linearised=rows, leftover=None)
 
-    problem: CalibrationProblem
-    by_rows: bool = False
 
-    def first_state(self) -> State:
-        """Evaluate at nominal."""
-        model, m = self.problem.model, self.problem.measurements
-        z = start_points(model, m, measured=True)
-        return self._at(model.nominal, z, _MAX_PASSIVE_STEPS)
-
-    def moved(self, state: State, step: np.ndarray) -> State | None:
-        """Take a step of the parameters; None where nothing finite is there."""
-        p = state.p + self.problem.model.scales * step
-        found = self._at(p, state.z, _PASSIVE_STEPS)
-        return found if np.isfinite(found.cost) else None
-
-    def _at(self, p: np.ndarray, z: np.ndarray, steps: int) -> State:
-        problem, model = self.problem, self.problem.model
-        z = fit_passive(model, z, problem.measurements.joints, p, steps)
-        state = evaluate(problem, p, z, "means")
-        # poses that are measured are of one mode, whatever the geometry
-        state = replace(state, determinant_signs=np.zeros(len(z)))
-        if not self.by_rows:
-            return state
-        e = state.values
-        passive = e.rows_z[:, :, passive_freedoms(model)]
-        project = np.eye(e.rows.shape[1]) - passive @ np.linalg.pinv(passive, rcond=1e-10)
-        usual = float(np.median((problem.readings.sigma * model.lengths)[problem.readings.taken]))
-        rows = Linearised(e.rows / usual, project @ e.rows_p / usual)
-        return replace(state, linearised=rows, leftover=None)
+def _moved_at_poses(
+    problem: CalibrationProblem, state: State, step: np.ndarray, *, by_rows: bool
+) -> State | None:
+    """Take a step of the parameters; None where nothing finite is there."""
+    p = state.p + problem.model.scales * step
+    found = _at_poses(problem, p, state.z, _PASSIVE_STEPS, by_rows=by_rows)
+    return found if np.isfinite(found.cost) else None
 
 
 # --- iteration ------------------------------------------------------------------------------------
@@ -232,15 +218,12 @@ class _AtPoses:
 class _Search:
     """The iteration: where it stands, how many steps it took, how much the prior was widened."""
 
-    objective: _Nested | _AtPoses
+    problem: CalibrationProblem
+    move: Callable[[State, np.ndarray], State | None]
     state: State
     damping: float = 0.0
     steps: int = 0
     widened: float = 1.0
-
-    @property
-    def problem(self) -> CalibrationProblem:
-        return self.objective.problem
 
     def run(self, limit: int) -> str:
         """Iterate; return the status."""
@@ -284,7 +267,7 @@ class _Search:
             step, promised = solver.step(self.damping)
             trial = None
             if np.max(np.abs(step) / self._prior, initial=0.0) < furthest:
-                trial = restored_after(self.objective.moved, self.state, step)
+                trial = restored_after(self.move, self.state, step)
                 self.steps += 1
             if trial is not None and self._is_better(trial, before, weight):
                 gained = (before - self._cost(trial, weight)) / max(promised, 1e-300)
@@ -333,7 +316,7 @@ class _Search:
             length = float(np.max(np.abs(step), initial=0.0)) / self._size
             if not _CONVERGED_STEP < length < 0.5 * last:
                 return
-            trial = restored_after(self.objective.moved, self.state, step)
+            trial = restored_after(self.move, self.state, step)
             if trial is None or not np.array_equal(
                 trial.determinant_signs, self.state.determinant_signs
             ):

@@ -1,47 +1,28 @@
-"""Guess parameters from measured poses, and measuring frames from solved configurations, before the
-least squares begin.
-
-With the whole pose of a configuration measured, its closure rows are equations in the parameters
-(and passive joints) alone: min sum |F(x_i, X_i measured, q_i, p)|^2. For rods this is one small
-regression a limb, which converges from geometry that is far off; the direct problem is not needed.
+"""Guess measuring frames from solved configurations, before the least squares begin.
 
 A laser tracker stands anywhere and sees a reflector that is mounted anywhere on the platform:
 observed pose = world, platform pose, target one after the other. Frames have no nominal value near
 which they could be sought. With the platform's poses known from the mechanism's own geometry, only
-the frames are fitted: by Levenberg-Marquardt from many orientations of the world frame, the
-target's orientation from those that were read.
+the frames are fitted: from many orientations of the world frame, the target's orientation from
+those that were read.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from itertools import permutations, product
+from itertools import product
 
 import numpy as np
 
 from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import build_readings, linearise
+from symkin.calibration.estimate.estimator import estimate
+from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.spatial.rotation import (
     conjugate,
     multiply,
-    quaternion_from_matrix,
-    quaternion_from_rotation_vector,
     rotation_vector_from_quaternion,
 )
-
-_MAX_PARAMETER_STEPS = 40
-"""Most Gauss-Newton steps; a start needs no more."""
-_MAX_PASSIVE_STEPS, _IDLE_STEPS = 60, 6
-"""Most steps of passive joints alone, and steps in a row that lower no configuration's cost after
-which they end.
-"""
-_MAX_POSES = 2000
-"""Most configurations that are used, spread evenly over the file: a start needs no more."""
-_MIN_SINGULAR_RATIO = 1e-6
-"""Directions with singular values below this of the largest are left at their start."""
 
 _FRAME_CONFIGURATIONS = 40
 """Configurations that the start is found from, spread evenly: twelve numbers at most are wanted,
@@ -51,70 +32,33 @@ _TRIAL_STEPS, _FOLLOWED_TRIALS, _FINAL_STEPS = 4, 3, 40
 """Steps from each orientation, how many of what they lead to are followed, and the steps from
 there.
 """
-_FIRST_DAMPING = 1e-3
-"""First damping, of the columns' lengths."""
-_MIN_COST_DECREASE = 1e-8
-"""Steps that lower the cost by less than this share are the last."""
 
 
 def fit_measuring_frames(
     problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, solved: np.ndarray
 ) -> np.ndarray:
     """Fit the free measuring frames to the configurations z (n, width) that are solved (n,), all
-    other parameters as in `p`.
+    other parameters nominal.
     """
-    free = np.array(
-        [k for k, name in enumerate(problem.names) if name in MEASURING_FRAMES], dtype=int
-    )
+    free = np.flatnonzero([name in MEASURING_FRAMES for name in problem.names])
     if not len(free) or not solved.any():
         return p
     closed = np.flatnonzero(solved)
     rows = closed[spread_rows(len(closed), _FRAME_CONFIGURATIONS)]
-    some = problem.measurements.subset(rows)
-    few = replace(problem, measurements=some, readings=build_readings(problem.model, some))
-    with np.errstate(all="ignore"):
-        trials = [
-            _fit_frames(few, z[rows], start, free, _TRIAL_STEPS)
-            for start in _frame_starts(few, z[rows], p)
-        ]
-        ends = [
-            _fit_frames(few, z[rows], near, free, _FINAL_STEPS)
-            for near, _ in sorted(trials, key=lambda trial: trial[1])[:_FOLLOWED_TRIALS]
-        ]
-        return min(ends, key=lambda end: end[1])[0]
+    frames = [problem.names[k] for k in free]
+    whole = build_calibration(problem.mechanism, problem.measurements, parameters=frames)
+    few = whole.of(rows)
 
+    def fitted(start: np.ndarray, steps: int) -> tuple[float, np.ndarray]:
+        state = estimate(few, z[rows], p=start, max_iterations=steps).state
+        return state.cost if np.isfinite(state.cost) else np.inf, state.p
 
-def _fit_frames(
-    problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, free: np.ndarray, steps: int
-) -> tuple[np.ndarray, float]:
-    """Fit the free frames by Levenberg-Marquardt, configurations as they are: parameters and
-    cost.
-    """
-    model = problem.model
-
-    def residuals(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-        e = model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
-        fit = linearise("means", problem.readings, e.readings, e.readings_p[:, :, free])
-        cost = float(fit.vector @ fit.vector)
-        return fit.vector, fit.matrix, cost if np.isfinite(cost) else np.inf
-
-    (r, slopes, cost), damping = residuals(p), _FIRST_DAMPING
-    for _ in range(steps if np.isfinite(cost) else 0):
-        weak = np.sqrt(damping) * np.diag(np.maximum(np.linalg.norm(slopes, axis=0), 1e-300))
-        step = np.linalg.lstsq(
-            np.vstack([slopes, weak]), np.concatenate([-r, np.zeros(len(free))]), rcond=None
-        )[0]
-        trial = p.copy()
-        trial[free] += model.scales[free] * step
-        found = residuals(trial)
-        if found[2] < cost:
-            gained = cost - found[2]
-            p, (r, slopes, cost), damping = trial, found, 0.1 * damping
-            if gained < _MIN_COST_DECREASE * cost:
-                break
-        else:
-            damping *= 10.0
-    return p, cost
+    trials = [fitted(start, _TRIAL_STEPS) for start in _frame_starts(few, z[rows], p[free])]
+    best = sorted(trials, key=lambda trial: trial[0])[:_FOLLOWED_TRIALS]
+    ends = [fitted(near, _FINAL_STEPS) for _, near in best]
+    found = p.copy()
+    found[free] = min(ends, key=lambda end: end[0])[1]
+    return found
 
 
 def _frame_starts(
@@ -129,61 +73,24 @@ def _frame_starts(
     world, target = (
         [places.get(f"{frame}.rotation.{k}", -1) for k in "xyz"] for frame in ("world", "target")
     )
-    read = problem.measurements.orientation if min(target) >= 0 else None
-    platform = _platform_orientations(problem, z, p)
-    for turn in (
-        _cube_orientations() if min(world) >= 0 else (_frame_rotation(problem, p, "world"),)
-    ):
-        start = p.copy()
-        if min(world) >= 0:
+    m, start = problem.measurements, p.copy()
+    read = None if min(target) < 0 else m.orientation
+    given = np.flatnonzero([] if read is None else np.isfinite(read[:, 0]))
+    for turn in _cube_orientations() if min(world) >= 0 else (None,):
+        if turn is not None:
             start[world] = rotation_vector_from_quaternion(turn)
-        if read is not None and np.any(np.isfinite(read)):
-            start[target] = rotation_vector_from_quaternion(
-                _mean_orientation(_target_orientations(turn, platform, read))
-            )
-        yield start
-
-
-def _frame_rotation(problem: CalibrationProblem, p: np.ndarray, frame: str) -> np.ndarray:
-    """Orientation (4,) of the world or target frame."""
-    table = dict(zip(problem.names, p, strict=True))
-    return np.asarray(
-        quaternion_from_rotation_vector(
-            np.array([table.get(f"{frame}.rotation.{k}", 0.0) for k in "xyz"])
-        )
-    )
-
-
-def _platform_orientations(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Quaternions (4, n) of the platform in the base frame: observed ones less the frames of p."""
-    observed = problem.model.poses(z, problem.measurements.joints, p)[:, 3:].T
-    return np.asarray(
-        multiply(
-            conjugate(_frame_rotation(problem, p, "world")),
-            multiply(observed, conjugate(_frame_rotation(problem, p, "target"))),
-        )
-    )
-
-
-def _target_orientations(world: np.ndarray, platform: np.ndarray, read: np.ndarray) -> np.ndarray:
-    """Target orientations (n, 4) that would make the readings (n, 4) of platforms (4, n) under a
-    world orientation.
-    """
-    given = np.all(np.isfinite(read), axis=1)
-    return np.asarray(multiply(conjugate(multiply(world, platform[:, given])), read[given].T)).T
-
-
-def _mean_orientation(quaternions: np.ndarray) -> np.ndarray:
-    """Mean orientation (4,) of some (n, 4): the eigenvector of the sum of q q^T (Markley and others
-    2007).
-    """
-    return np.asarray(np.linalg.eigh(quaternions.T @ quaternions)[1][:, -1])
+        if read is not None and len(given):
+            start[target] = 0.0
+            seen = problem.model.poses(z[given], m.joints[given], start)[:, 3:].T
+            turns = np.asarray(multiply(conjugate(seen), read[given].T))
+            # the mean orientation is the eigenvector of the sum of q q^T (Markley and others 2007)
+            mean = np.linalg.eigh(turns @ turns.T)[1][:, -1]
+            start[target] = rotation_vector_from_quaternion(mean)
+        yield start.copy()
 
 
 def _cube_orientations() -> Iterator[np.ndarray]:
     """Quaternions of the 24 orientations of a cube."""
-    for order in permutations(range(3)):
-        for signs in product((1.0, -1.0), repeat=3):
-            matrix = np.eye(3)[list(order)] * np.array(signs)[:, None]
-            if np.linalg.det(matrix) > 0.0:
-                yield np.asarray(quaternion_from_matrix(matrix))
+    for q in product((-1.0, 0.0, 1.0), repeat=4):
+        if q.count(0.0) != 1 and q > tuple(-v for v in q):
+            yield np.array(q) / np.linalg.norm(q)

@@ -20,7 +20,7 @@ from symkin.calibration.estimate.problem import (
     build_calibration,
     default_parameters,
 )
-from symkin.model.dh import DHTable, reference_frames
+from symkin.model.dh import reference_frames
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import wrapped
@@ -97,7 +97,8 @@ def dh_of_lines(mechanism: Mechanism, found: Mechanism) -> dict[str, float]:
     table, base = mechanism.dh, (np.zeros(3), np.array([0.0, 0.0, 1.0]))
     lines = [(np.array(j.point), np.array(j.axis)) for j in found.limbs[0].joints]
     modified = table.convention == "modified"
-    steps = _steps([base, *(lines if modified else lines[1:])], _usual_normals(table))
+    usual = [*[0.0] * modified, *(row.theta for row in table.rows)]
+    steps = _steps([base, *(lines if modified else lines[1:])], usual)
     if modified:
         # theta and d of a row follow the normal before it; the base frame has none of its own
         links = [(0.0, 0.0, *steps[0][2:]), *steps[1:]]
@@ -117,37 +118,25 @@ _Row = tuple[float, float, float, float]
 """theta, d, a, alpha."""
 
 
-def _usual_normals(table: DHTable) -> list[np.ndarray]:
-    """Directions (3,) of the table's own x axes, one for each pair of neighbouring lines."""
-    made, rows = list[np.ndarray](), [[getattr(row, key) for key in KEYS] for row in table.rows]
-    for k in range(1, len(rows) + 1):
-        part = rows[:k]
-        if table.convention == "modified":
-            part = [*rows[: k - 1], [0.0, 0.0, *rows[k - 1][2:]]]
-        _, frame = reference_frames(table.convention, part)
-        made.append(np.asarray(frame.turn(np.array([1.0, 0.0, 0.0]))))
-    return made
-
-
-def _steps(lines: Sequence[_Line], usual: Sequence[np.ndarray]) -> list[_Row]:
+def _steps(lines: Sequence[_Line], usual: Sequence[float]) -> list[_Row]:
     """Steps from each line to the next: theta and d about and along it to their common normal, a
-    and alpha along and about that.
+    and alpha along and about that. Normals are on the side of those at the `usual` thetas.
     """
     x, origin, made = np.array([1.0, 0.0, 0.0]), np.zeros(3), list[_Row]()
-    for (p, z), (q, w), side in zip(lines, lines[1:], usual, strict=False):
+    for (p, z), (q, w), theta in zip(lines, lines[1:], usual, strict=False):
+        side = np.cos(theta) * x + np.sin(theta) * np.cross(z, x)
         normal, reach = np.cross(z, w), (q - p) @ z
         if np.linalg.norm(normal) > _PARALLEL:
             reach = np.linalg.solve(np.column_stack([z, normal, -w]), q - p)[0]
         else:
             normal = q - p - reach * z
             normal = normal if np.linalg.norm(normal) > 0.0 else side
-        normal = normal / np.linalg.norm(normal)
-        normal = normal if normal @ side >= 0.0 else -normal
+        normal = normal * np.copysign(1.0 / np.linalg.norm(normal), normal @ side)
         foot = p + reach * z
-        a = float((q - foot) @ normal)
-        theta = np.arctan2(np.cross(x, normal) @ z, x @ normal)
+        turn = np.arctan2(np.cross(x, normal) @ z, x @ normal)
         alpha = np.arctan2(np.cross(z, w) @ normal, z @ w)
-        made.append((float(theta), float((foot - origin) @ z), a, float(alpha)))
+        d, a = float((foot - origin) @ z), float((q - foot) @ normal)
+        made.append((float(turn), d, a, float(alpha)))
         x, origin = normal, foot + a * normal
     return made
 

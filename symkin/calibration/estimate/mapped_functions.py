@@ -11,7 +11,7 @@ from __future__ import annotations
 import ctypes
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -21,6 +21,7 @@ from symkin.computed_once import cached_property, computing
 from symkin.homotopy.compiled import OFF
 from symkin.numeric.c_library import CompilerError, find_compilers, load_library
 from symkin.numeric.cache_folder import cache_folder
+from symkin.numeric.mapped import Mapped
 
 _INTERPRETED_BEFORE_COMPILING = 30000
 """A library is compiled when each of its instructions has been interpreted this often: about as
@@ -92,51 +93,34 @@ class CompiledLibrary:
 
 @dataclass(frozen=True, eq=False)
 class MappedFunction:
-    """A function with dense outputs, at n configurations at once: inputs (n, width) or (width,) for
-    all; outputs (n, columns, rows), the columns of each output one after another.
+    """A function of columns at n configurations at once: inputs (n, width) or (width,) for all;
+    outputs (n, rows, columns).
     """
 
     function: ca.Function
     engine: CompiledLibrary
-    _maps: dict[int, ca.Function] = field(default_factory=dict)
 
     def __call__(self, count: int, inputs: Sequence[np.ndarray]) -> list[np.ndarray]:
-        results = [np.empty((count, *shape)) for shape in self._shapes]
-        inputs = [np.ascontiguousarray(a, dtype=float) for a in inputs]
-        if self.engine.spend(count * self._cost) is None:
-            self._interpreted(count, inputs, results)
-        else:
-            strides = (ctypes.c_int * len(inputs))(
-                *(0 if a.ndim == 1 else a.shape[1] for a in inputs)
-            )
-            pointers = (ctypes.c_void_p * len(inputs))(*(a.ctypes.data for a in inputs))
-            ends = (ctypes.c_void_p * len(results))(*(a.ctypes.data for a in results))
-            self._run(count, strides, pointers, ends)
-        return results
-
-    @cached_property
-    def _cost(self) -> int:
-        return int(self.function.n_instructions())
-
-    @cached_property
-    def _shapes(self) -> list[tuple[int, int]]:
+        if self.engine.spend(count * int(self.function.n_instructions())) is None:
+            return self._interpreted(*inputs)
         f = self.function
-        return [(f.size2_out(k), f.size1_out(k)) for k in range(f.n_out())]
+        results = [np.empty((count, f.size2_out(k), f.size1_out(k))) for k in range(f.n_out())]
+        inputs = [np.ascontiguousarray(a, dtype=float) for a in inputs]
+        strides = (0 if a.ndim == 1 else a.shape[1] for a in inputs)
+        pointers, ends = (
+            (ctypes.c_void_p * len(arrays))(*(a.ctypes.data for a in arrays))
+            for arrays in (inputs, results)
+        )
+        self._run(count, (ctypes.c_int * len(inputs))(*strides), pointers, ends)
+        return [result.transpose(0, 2, 1) for result in results]
 
     @cached_property
     def _run(self) -> Any:
         return getattr(self.engine.library, f"{self.function.name()}_map")
 
-    def _interpreted(self, count: int, inputs: list[np.ndarray], results: list[np.ndarray]) -> None:
-        if count not in self._maps:
-            self._maps[count] = self.function.map(count)
-        buffer, run = self._maps[count].buffer()
-        full = [np.ascontiguousarray(np.broadcast_to(a, (count, a.shape[-1]))) for a in inputs]
-        for k, array in enumerate(full):
-            buffer.set_arg(k, array.reshape(-1).data)
-        for k, array in enumerate(results):
-            buffer.set_res(k, array.reshape(-1).data)
-        run()
+    @cached_property
+    def _interpreted(self) -> Mapped:
+        return Mapped(self.function)
 
 
 def map_functions(functions: Sequence[ca.Function]) -> list[MappedFunction]:

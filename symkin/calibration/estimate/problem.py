@@ -108,9 +108,10 @@ class CalibrationProblem:
         """
         if not self.is_large:
             return ((np.arange(len(self.measurements)), self),)
-        return tuple((rows, self._of(rows)) for rows in _split_rows(self.readings))
+        return tuple((rows, self.of(rows)) for rows in _split_rows(self.readings))
 
-    def _of(self, rows: np.ndarray) -> CalibrationProblem:
+    def of(self, rows: np.ndarray) -> CalibrationProblem:
+        """The problem of some configurations, by number or by mask."""
         some = self.measurements.subset(rows)
         return replace(self, measurements=some, readings=build_readings(self.model, some))
 
@@ -248,40 +249,22 @@ def default_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> tupl
     free = {name: k for k, name in enumerate(name for name in values if name not in bound)}
     table, size = nominal_parameters(mechanism, read), mechanism.characteristic_length
     units = np.array([1.0 if table[name][1] == "length" else size for name in free])
-    dropped = _Dropped(free, units)
-    for _, velocity in written_freedoms(mechanism, values, read):
-        dropped.take(velocity)
     zeros = [f"{path}.zero" for path, joint in joint_paths(mechanism) if joint.actuated]
+    freedoms: list[tuple[Velocity, list[str]]]
+    freedoms = [(v, []) for _, v in written_freedoms(mechanism, values, read)]
     for _, velocity in reference_motions(mechanism, values, read):
         if not any(abs(v) > _NO_RATE for name, v in velocity.items() if name in bound):
-            dropped.take(velocity, first=zeros)
-    return tuple(name for name in free if name not in dropped.names)
-
-
-class _Dropped:
-    """Parameters left out of a set (`free`, with their places), one for each freedom in how a file
-    is written: by elimination, so that what is left out tells the freedoms apart.
-    """
-
-    def __init__(self, free: dict[str, int], units: np.ndarray) -> None:
-        self.free, self.units = free, units
-        self.names: list[str] = []
-        self._rows: list[np.ndarray] = []
-
-    def take(self, velocity: Velocity, first: Sequence[str] = ()) -> None:
-        """Leave out a parameter that moves in a freedom: one of the `first`, else the one that
-        moves most.
-        """
-        row = np.zeros(len(self.free))
-        for name, rate in velocity.items():
-            if name in self.free:
-                row[self.free[name]] = rate * self.units[self.free[name]]
-        most = float(np.max(np.abs(row), initial=0.0))
-        for name, earlier in zip(self.names, self._rows, strict=True):
-            row = row - row[self.free[name]] / earlier[self.free[name]] * earlier
-        left = {name: abs(row[k]) for name, k in self.free.items() if abs(row[k]) > _NO_RATE * most}
-        if not most > 0.0 or not left:
-            return
-        chosen = [name for name in first if name in left]
-        self.names.append(chosen[0] if chosen else max(left, key=lambda name: left[name]))
-        self._rows.append(row)
+            freedoms.append((velocity, zeros))
+    rows, dropped = np.zeros((0, len(free))), list[int]()
+    for velocity, first in freedoms:
+        row = units * [velocity.get(name, 0.0) for name in free]
+        bound_below = _NO_RATE * np.max(np.abs(row), initial=0.0)
+        # by elimination, so that what is left out tells the freedoms apart
+        for k, earlier in zip(dropped, rows, strict=True):
+            row = row - row[k] / earlier[k] * earlier
+        left = np.abs(row) > bound_below
+        if left.any():
+            chosen = [free[name] for name in first if name in free and left[free[name]]]
+            dropped.append(chosen[0] if chosen else int(np.argmax(np.abs(row))))
+            rows = np.vstack([rows, row])
+    return tuple(name for name, k in free.items() if k not in dropped)

@@ -13,8 +13,7 @@ In a group only equality is known. Three forms of it:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -93,14 +92,6 @@ class Readings:
         """Where each group begins in `order`."""
         return np.searchsorted(self.places, np.arange(self.groups))
 
-    @cached_property
-    def shares(self) -> np.ndarray:
-        """Weights of the configurations in `order` in the means of their groups' alpha and beta (2,
-        members), each group's sum 1.
-        """
-        squares = self.weight[self.order][:, self.columns] ** 2
-        return np.asarray((squares / np.add.reduceat(squares, self.begins, axis=0)[self.places]).T)
-
     @property
     def groups(self) -> int:
         return len(self.first)
@@ -112,95 +103,44 @@ class Readings:
 
 
 def build_readings(model: ConfigurationModel, measurements: Measurements) -> Readings:
-    count, size = len(measurements), model.closure.characteristic_length
-    values, sigma, known = [], [], True
-    others = {o.name for o in model.read}
-    for kind in dict.fromkeys(k for k, _ in model.columns if k != "distance" and k not in others):
-        width = sum(k == kind for k, _ in model.columns)
-        if kind == "group":
-            read = np.where(_in_group(measurements)[:, None], 0.0, np.nan) * np.ones(2)
-        elif kind == "orientation":
-            read = 0.0 * getattr(measurements, kind)[:, :3]
-        else:
-            read = getattr(measurements, kind)
-        given = measurements.sigma(kind)
-        known = known and given is not None
-        unit = np.full((count, width), 1.0 if kind == "position" else 1.0 / size)
-        values.append(read)
-        sigma.append(unit if given is None else given)
-    for d in measurements.distances:
-        known = known and d.sigma is not None
-        values.append(d.values[:, None])
-        sigma.append(
-            np.broadcast_to(np.asarray(1.0 if d.sigma is None else d.sigma, dtype=float), (count,))[
-                :, None
-            ]
-        )
-    for o, reading in zip(model.read, measurements.readings, strict=True):
-        known = known and reading.sigma is not None
-        unit = np.full((count, len(o.components)), 1.0 / size if o.angular else 1.0)
-        values.append(0.0 * reading.values[:, :3] if o.kind == "orientation" else reading.values)
-        sigma.append(unit if reading.sigmas is None else reading.sigmas)
-    table = np.hstack(values) if values else np.zeros((count, 0))
-    spread = np.where(np.isfinite(table), np.hstack(sigma) if sigma else table, np.inf)
-    grouped = np.array([kind == "group" for kind, _ in model.columns], dtype=bool)
-    group, first = _groups(measurements)
+    """Gather the readings, each over its unknown standard deviation where that is not given: a
+    length unit, or that over the size.
+    """
+    channels = measurements.channels(model.mechanism)
+    table, sigma = [np.zeros((len(measurements), 0))], [np.zeros((len(measurements), 0))]
+    for o, reading in channels:
+        unit = 1.0 / model.closure.characteristic_length if o.angular else 1.0
+        values = 0.0 * reading.values[:, :3] if reading.is_orientation else reading.values
+        table.append(values)
+        sigma.append(np.full(values.shape, unit if reading.sigma is None else reading.sigma))
+    group, first = measurements.grouping
     return Readings(
-        values=table,
-        sigma=spread,
+        values=np.hstack(table),
+        sigma=np.where(np.isfinite(np.hstack(table)), np.hstack(sigma), np.inf),
         turning=model.turning,
-        grouped=grouped,
+        grouped=np.array([kind == "group" for kind, _ in model.columns], dtype=bool),
         group=group,
         first=first,
-        known=known,
+        known=all(reading.sigma is not None for _, reading in channels),
     )
-
-
-def _in_group(measurements: Measurements) -> np.ndarray:
-    return _groups(measurements)[0] >= 0
-
-
-def _groups(measurements: Measurements) -> tuple[np.ndarray, np.ndarray]:
-    """Number the groups consecutively, and find the first configuration of each; a group of one
-    configuration counts as none.
-    """
-    if measurements.groups is None:
-        return np.full(len(measurements), -1), np.zeros(0, dtype=int)
-    numbers, counts = np.unique(measurements.groups[measurements.groups >= 0], return_counts=True)
-    kept = {int(number): k for k, number in enumerate(numbers[counts > 1])}
-    group = np.array([kept.get(int(g), -1) for g in measurements.groups])
-    return group, np.array([int(np.argmax(group == k)) for k in range(len(kept))], dtype=int)
 
 
 @dataclass(frozen=True, eq=False)
 class Linearised:
-    """Residuals r (n, K) over their standard deviations, 0 where nothing was read, and dr/dp (n, K,
-    P).
+    """Residuals r (n, K) over their standard deviations, 0 where nothing was read; dr/dp (m, P) and
+    r (m,) of all configurations, or, of many, the triangle of their QR factorisation, so that |r +
+    J d|^2 is the same for all d.
     """
 
     residuals: np.ndarray
-    jacobian: np.ndarray
+    matrix: np.ndarray
+    vector: np.ndarray
 
-    @property
-    def vector(self) -> np.ndarray:
-        return self.residuals.reshape(-1)
-
-    @property
-    def matrix(self) -> np.ndarray:
-        return self.jacobian.reshape(-1, self.jacobian.shape[2])
-
-
-@dataclass(frozen=True, eq=False)
-class Condensed(Linearised):
-    """Residuals r (n, K) of many configurations; in place of dr/dp and r the triangle of their QR
-    factorisation, so that |r + J d|^2 is the same for all d.
-    """
-
-    right: np.ndarray = field(kw_only=True)
-
-    @property
-    def vector(self) -> np.ndarray:
-        return self.right
+    @staticmethod
+    def of(residuals: np.ndarray, jacobian: np.ndarray) -> Linearised:
+        """All configurations, with dr/dp (n, K, P)."""
+        matrix = jacobian.reshape(-1, jacobian.shape[2])
+        return Linearised(residuals, matrix, residuals.reshape(-1))
 
 
 def linearise(
@@ -216,9 +156,10 @@ def linearise(
     gap = deviations(readings, h)
     if form == "differences":
         return _differences(readings, gap, h_p)
-    if form == "means" or covariance is None:
-        return _means(readings, gap, h_p)
-    return _likelihood(readings, gap, h_p, whitening(readings, covariance))
+    whiten = None
+    if form != "means" and covariance is not None:
+        whiten = whitening(readings, covariance)
+    return _eliminated(readings, gap, h_p, whiten)
 
 
 def deviations(readings: Readings, h: np.ndarray) -> np.ndarray:
@@ -238,34 +179,21 @@ def group_sum(readings: Readings, values: np.ndarray) -> np.ndarray:
     return np.asarray(np.add.reduceat(values[readings.order], readings.begins, axis=0))
 
 
-def _means(readings: Readings, gap: np.ndarray, h_p: np.ndarray) -> Linearised:
-    if readings.groups:
-        h_p = h_p.copy()
-        order, places, begins = readings.order, readings.places, readings.begins
-        for column, share in zip(readings.columns, readings.shares, strict=True):
-            values, slopes = gap[order, column], h_p[order, column]
-            gap[order, column] = values - np.add.reduceat(share * values, begins)[places]
-            h_p[order, column] = slopes - np.add.reduceat(share[:, None] * slopes, begins)[places]
-    return Linearised(readings.weight * gap, readings.weight[:, :, None] * h_p)
-
-
 def neighbours(readings: Readings) -> tuple[np.ndarray, np.ndarray]:
     """Return the pairs (earlier, later) of neighbours in each group."""
-    order = [np.flatnonzero(readings.group == k) for k in range(readings.groups)]
-    pairs = [(a, b) for members in order for a, b in pairwise(members)]
-    return np.array([a for a, _ in pairs], dtype=int), np.array([b for _, b in pairs], dtype=int)
+    pairs = np.flatnonzero(np.diff(readings.places) == 0)
+    return readings.order[pairs], readings.order[pairs + 1]
 
 
 def _differences(readings: Readings, gap: np.ndarray, h_p: np.ndarray) -> Linearised:
     """Each configuration but the first of its group holds its difference from the one before it."""
     residuals, jacobian = readings.weight * gap, readings.weight[:, :, None] * h_p
-    before, after = neighbours(readings)
-    for column in np.flatnonzero(readings.grouped):
-        s = 1.0 / np.hypot(readings.sigma[before, column], readings.sigma[after, column])
-        residuals[:, column], jacobian[:, column] = 0.0, 0.0
-        residuals[after, column] = s * (gap[after, column] - gap[before, column])
-        jacobian[after, column] = s[:, None] * (h_p[after, column] - h_p[before, column])
-    return Linearised(residuals, jacobian)
+    earlier, later = (np.ix_(rows, readings.columns) for rows in neighbours(readings))
+    s = 1.0 / np.hypot(readings.sigma[earlier], readings.sigma[later])
+    residuals[:, readings.columns], jacobian[:, readings.columns] = 0.0, 0.0
+    residuals[later] = s * (gap[later] - gap[earlier])
+    jacobian[later] = s[:, :, None] * (h_p[later] - h_p[earlier])
+    return Linearised.of(residuals, jacobian)
 
 
 def whitening(readings: Readings, covariance: np.ndarray) -> np.ndarray:
@@ -282,21 +210,31 @@ def whitening(readings: Readings, covariance: np.ndarray) -> np.ndarray:
         return np.full(s.shape, np.nan)
 
 
-def _likelihood(
-    readings: Readings, gap: np.ndarray, h_p: np.ndarray, whiten: np.ndarray
+def _eliminated(
+    readings: Readings, gap: np.ndarray, h_p: np.ndarray, whiten: np.ndarray | None
 ) -> Linearised:
-    """Form W (h - m - G g) with g that minimises its square in each group."""
-    residuals = (whiten @ gap[:, :, None])[:, :, 0]
-    jacobian = whiten @ h_p
-    if not readings.groups:
-        return Linearised(residuals, jacobian)
-    basis = group_basis(readings, whiten)
-    both = np.concatenate([residuals[:, :, None], jacobian], axis=2)
-    inside, place = readings.group >= 0, readings.group
-    information = group_sum(readings, basis.transpose(0, 2, 1) @ basis)
-    means = np.linalg.solve(information, group_sum(readings, basis.transpose(0, 2, 1) @ both))
-    both -= np.where(inside[:, None, None], basis @ means[place], 0.0)
-    return Linearised(both[:, :, 0], both[:, :, 1:])
+    """Form W (h - m - G g) with g that minimises its square in each group; `whiten` is W, 1 / sigma
+    where it is not given.
+    """
+    if whiten is None:
+        residuals, jacobian = readings.weight * gap, readings.weight[:, :, None] * h_p
+    else:
+        residuals, jacobian = (whiten @ gap[:, :, None])[:, :, 0], whiten @ h_p
+    if readings.groups:
+        order, columns = readings.order, readings.columns
+        # without correlations only the two columns themselves change
+        if whiten is None:
+            basis = readings.weight[order][:, columns, None] * np.eye(2)
+        else:
+            basis, columns = group_basis(readings, whiten)[order], np.arange(gap.shape[1])
+        some = np.ix_(order, columns)
+        both = np.concatenate([residuals[some][:, :, None], jacobian[some]], axis=2)
+        across = basis.transpose(0, 2, 1)
+        information = np.add.reduceat(across @ basis, readings.begins, axis=0)
+        sums = np.add.reduceat(across @ both, readings.begins, axis=0)
+        both -= basis @ np.linalg.solve(information, sums)[readings.places]
+        residuals[some], jacobian[some] = both[:, :, 0], both[:, :, 1:]
+    return Linearised.of(residuals, jacobian)
 
 
 def group_basis(readings: Readings, whiten: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ the whole file, and the one whose groups agree best is taken.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -19,10 +20,10 @@ import numpy as np
 from symkin.assembly.modes import modes_at_need
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.parameters import with_parameters
-from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     SolvedConfigurations,
+    follow_joints,
     is_carried,
     known_poses,
     nearest_rows,
@@ -30,7 +31,7 @@ from symkin.calibration.estimate.configurations import (
     solve_configurations,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import linearise
+from symkin.calibration.estimate.state import evaluate, readings_at
 from symkin.calibration.estimate.workspace import home_pose, states_reference
 from symkin.closure.closure import build_closure
 from symkin.errors import SymkinError
@@ -54,8 +55,6 @@ _MAX_LISTED, _FOLLOWED_NEIGHBOURS = 12, 3
 """Configurations whose modes are listed at most in one round, spread over the file, and neighbours
 that are followed to a configuration.
 """
-_BLOCK_ROWS = 5000
-"""Rows whose readings are evaluated at once."""
 _RANDOM_STARTS = 200
 """Random starts where the modes of a configuration cannot be listed by continuation."""
 _MAX_ROUNDS = 3
@@ -83,41 +82,31 @@ def with_starts(
     if is_carried(build_closure(mechanism)):
         return measurements
     home = home_pose(mechanism)
-    bare = np.array([pose is None or not posed for pose in known_poses(measurements)])
-    if measurements.starts is not None:
-        bare &= ~np.all(np.isfinite(measurements.starts), axis=1)
+    whole, starts = known_poses(measurements), measurements.starts
+    if starts is None:
+        starts = np.full(whole.shape, np.nan)
+    bare = np.isnan(starts).any(axis=1) & (np.isnan(whole[:, 0]) | (not posed))
     if not bare.any():
         return measurements
-    starts = (
-        np.full((len(measurements), 7), np.nan)
-        if measurements.starts is None
-        else measurements.starts.copy()
-    )
-    starts[bare] = [*home.position, *home.quaternion]
+    starts = np.where(bare[:, None], [*home.position, *home.quaternion], starts)
     if posed and completed and not mechanism.serial:
-        starts[bare] = _complete_poses(measurements, starts, bare)
+        _complete_poses(measurements, starts, bare)
     return replace(measurements, starts=starts)
 
 
-def _complete_poses(m: Measurements, starts: np.ndarray, bare: np.ndarray) -> np.ndarray:
-    """Return starts (k, 7) for the configurations without one, with what was read of them put
-    in.
-    """
-    rows = np.flatnonzero(bare)
-    found = starts[rows].copy()
-    whole = np.flatnonzero([pose is not None for pose in known_poses(m, measured=True)])
-    if len(whole) and m.position is not None and m.orientation is not None:
-        near = whole[nearest_rows(m.joints[whole], m.joints[rows], 1)[:, 0]]
-        found = np.hstack([m.position[near], m.orientation[near]])
-    if m.position is not None:
-        read = m.position[rows]
-        found[:, :3] = np.where(np.isfinite(read), read, found[:, :3])
+def _complete_poses(m: Measurements, starts: np.ndarray, bare: np.ndarray) -> None:
+    """Put what was read of the configurations without a start into the starts (n, 7)."""
+    rows, read = np.flatnonzero(bare), known_poses(m, measured=True)
+    whole = np.flatnonzero(~np.isnan(read[:, 0]))
+    found = starts[rows]
+    if len(whole):
+        found = read[whole[nearest_rows(m.joints[whole], m.joints[rows], 1)[:, 0]]]
     if m.inclination is not None:
         _incline(found, m.inclination[rows])
-    if m.orientation is not None:
-        read = m.orientation[rows]
-        found[:, 3:] = np.where(np.isfinite(read), read, found[:, 3:])
-    return found
+    for place, table in ((slice(3), m.position), (slice(3, 7), m.orientation)):
+        if table is not None:
+            found[:, place] = np.where(np.isfinite(table[rows]), table[rows], found[:, place])
+    starts[rows] = found
 
 
 def _incline(poses: np.ndarray, inclination: np.ndarray) -> None:
@@ -149,15 +138,9 @@ def start_configurations(
         judged = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
         if judged.any():
             # a whole measured pose is where the direct problem began, and so tells the mode
-            begun = np.array(
-                [
-                    pose is not None and not is_carried(model.closure)
-                    for pose in known_poses(m, measured=True)
-                ]
-            )
-            return _choose_modes(
-                problem, p, configurations, judged & ~(begun & configurations.solved)
-            )
+            begun = np.isfinite(known_poses(m, measured=True)[:, 0])
+            begun &= configurations.solved & (not is_carried(model.closure))
+            return _Modes(problem, p, configurations).chosen(judged & ~begun)
         if problem.readings.groups and (
             not has_home(problem.mechanism) or not configurations.solved.all()
         ):
@@ -173,155 +156,91 @@ def has_home(mechanism: Mechanism) -> bool:
     return given or states_reference(mechanism)
 
 
-def _choose_modes(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    configurations: SolvedConfigurations,
-    judged: np.ndarray,
-) -> SolvedConfigurations:
-    """Move configurations that do not fit their own readings to a mode that fits them better, where
-    there is one.
-    """
-    gaps = reading_gaps(problem, p, configurations)
-    listed = np.zeros(len(gaps), dtype=bool)
-    for _ in range(_MAX_ROUNDS):
-        bad = _doubtful(problem, gaps, judged)
-        if not bad.any():
-            break
-        configurations, gaps = _follow_neighbours(problem, p, configurations, gaps, bad)
-        bad = np.flatnonzero(_doubtful(problem, gaps, judged) & ~listed)
-        chosen = bad[spread_rows(len(bad), _MAX_LISTED)] if len(bad) else bad
-        if not len(chosen):
-            break
-        listed[chosen] = True
-        points, owner = _all_modes(problem, p, chosen)
-        before = gaps
-        configurations, gaps = _take_better_points(problem, p, configurations, gaps, points, owner)
-        if np.array_equal(before, gaps):
-            break
-    return configurations
-
-
-def _doubtful(problem: CalibrationProblem, gaps: np.ndarray, judged: np.ndarray) -> np.ndarray:
-    """Tell which configurations (n,) may stand in another mode."""
-    read = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
-    size, known = problem.model.closure.characteristic_length, gaps[read & np.isfinite(gaps)]
-    usual = float(np.median(known)) if len(known) else np.inf
-    return np.asarray(
-        judged
-        & ~(
-            gaps
-            <= min(_MAX_READING_GAP * size, max(_DOUBTFUL_RATIO * usual, _MIN_DOUBTFUL_GAP * size))
-        )
-    )
-
-
 def reading_gaps(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    configurations: SolvedConfigurations,
-    rows: np.ndarray | None = None,
+    problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations
 ) -> np.ndarray:
-    """Compute how far the readings of each configuration (of `rows`, default: all) are off, root
-    mean square, angles times the size; infinite where it is not solved, 0 where nothing but its
-    group was read.
+    """Compute how far the readings of each configuration are off, root mean square, angles times
+    the size; infinite where it is not solved, 0 where nothing but its group was read.
     """
-    rows = np.arange(len(problem.measurements)) if rows is None else rows
-    blocks = [slice(k, k + _BLOCK_ROWS) for k in range(0, len(rows), _BLOCK_ROWS)]
-    found = [
-        _gaps_of(
-            problem, p, SolvedConfigurations(configurations.z[b], configurations.solved[b]), rows[b]
-        )
-        for b in blocks
-    ]
-    return np.concatenate(found) if found else np.zeros(0)
-
-
-def _gaps_of(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    configurations: SolvedConfigurations,
-    rows: np.ndarray,
-) -> np.ndarray:
     model, readings = problem.model, problem.readings
-    h = model.evaluate(
-        np.nan_to_num(configurations.z),
-        problem.measurements.joints[rows],
-        p,
-        problem.quaternions[rows],
-    ).readings
-    gap = h - readings.targets[rows]
-    used = readings.taken[rows] & ~readings.grouped
-    squares = np.where(
-        used, (model.lengths * np.where(readings.turning, wrapped(gap), gap)) ** 2, 0.0
-    )
-    mean = np.sum(squares, axis=1) / np.maximum(np.sum(used, axis=1), 1)
+    gap = readings_at(problem, p, np.nan_to_num(configurations.z)) - readings.targets
+    used = readings.taken & ~readings.grouped
+    gap = model.lengths * np.where(readings.turning, wrapped(gap), gap)
+    mean = np.sum(np.where(used, gap**2, 0.0), axis=1) / np.maximum(np.sum(used, axis=1), 1)
     return np.where(configurations.solved & np.isfinite(mean), np.sqrt(mean), np.inf)
 
 
-def _follow_neighbours(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    configurations: SolvedConfigurations,
-    gaps: np.ndarray,
-    bad: np.ndarray,
-) -> tuple[SolvedConfigurations, np.ndarray]:
-    """Begin bad configurations again from the nearest good ones."""
-    good, wanted = np.flatnonzero(~bad & configurations.solved), np.flatnonzero(bad)
-    if not len(good):
-        return configurations, gaps
-    joints = problem.measurements.joints
-    near = good[nearest_rows(joints[good], joints[wanted], _FOLLOWED_NEIGHBOURS)]
-    return _take_better_points(
-        problem,
-        p,
-        configurations,
-        gaps,
-        configurations.z[near.ravel()],
-        np.repeat(wanted, near.shape[1]),
-    )
-
-
-def _take_better_points(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    configurations: SolvedConfigurations,
-    gaps: np.ndarray,
-    points: np.ndarray,
-    owner: np.ndarray,
-) -> tuple[SolvedConfigurations, np.ndarray]:
-    """Move configurations to the best of the points (k, width) tried for them (`owner` (k,)), where
-    that is better by far.
+class _Modes:
+    """Configurations (z, solved) on the way to the modes that fit their own readings, and how far
+    these are off.
     """
-    if not len(owner):
-        return configurations, gaps
-    found = SolvedConfigurations(
-        *newton_configurations(
-            problem.model,
+
+    def __init__(
+        self, problem: CalibrationProblem, p: np.ndarray, begin: SolvedConfigurations
+    ) -> None:
+        self.problem, self.p = problem, p
+        self.z, self.solved = begin.z.copy(), begin.solved.copy()
+        self.gaps = reading_gaps(problem, p, begin)
+        self.size = problem.model.closure.characteristic_length
+
+    def chosen(self, judged: np.ndarray) -> SolvedConfigurations:
+        """Move those of the `judged` that do not fit their own readings to a mode that fits them
+        better, where there is one.
+        """
+        joints, listed = self.problem.measurements.joints, ~judged
+        for _ in range(_MAX_ROUNDS):
+            bad = judged & self.doubtful
+            good, wanted = np.flatnonzero(~bad & self.solved), np.flatnonzero(bad)
+            if not len(wanted):
+                break
+            if len(good):
+                near = good[nearest_rows(joints[good], joints[wanted], _FOLLOWED_NEIGHBOURS)]
+                self.take_better(self.z[near.ravel()], np.repeat(wanted, near.shape[1]))
+            bad = np.flatnonzero(self.doubtful & ~listed)
+            if not len(bad):
+                break
+            rows = bad[spread_rows(len(bad), _MAX_LISTED)]
+            listed[rows] = True
+            if not self.take_better(*_all_modes(self.problem, self.p, rows)):
+                break
+        return SolvedConfigurations(self.z, self.solved)
+
+    @property
+    def doubtful(self) -> np.ndarray:
+        """Which configurations (n,) may stand in another mode."""
+        readings = self.problem.readings
+        read = np.any(readings.taken & ~readings.grouped, axis=1)
+        known = self.gaps[read & np.isfinite(self.gaps)]
+        usual = float(np.median(known)) if len(known) else np.inf
+        far = max(_DOUBTFUL_RATIO * usual, _MIN_DOUBTFUL_GAP * self.size)
+        return ~(self.gaps <= min(_MAX_READING_GAP * self.size, far))
+
+    def take_better(self, points: np.ndarray, owner: np.ndarray) -> bool:
+        """Move configurations to the best of the points (k, width) tried for them (`owner` (k,)),
+        where that is better by far; tell whether any is.
+        """
+        if not len(owner):
+            return False
+        part = self.problem.of(owner)
+        found, solved = newton_configurations(
+            part.model,
             points,
-            problem.measurements.joints[owner],
-            p,
+            part.measurements.joints,
+            self.p,
             tolerance=ROUGHLY_SOLVED_TOLERANCE,
         )
-    )
-    trial = reading_gaps(problem, p, found, owner)
-    z, solved, before, gaps = (
-        configurations.z.copy(),
-        configurations.solved.copy(),
-        gaps,
-        gaps.copy(),
-    )
-    if is_carried(problem.model.closure):
-        # what the geometry does not reach near its neighbours is left for the estimate, and no mode
-        # far away is taken for it
-        before = np.minimum(
-            before,
-            _MAX_READING_GAP / _MODE_IMPROVEMENT * problem.model.closure.characteristic_length,
-        )
-    for k in np.argsort(-trial, kind="stable"):  # the best one last
-        if trial[k] < _MODE_IMPROVEMENT * before[owner[k]]:
-            z[owner[k]], solved[owner[k]], gaps[owner[k]] = found.z[k], True, trial[k]
-    return SolvedConfigurations(z, solved), gaps
+        trial = reading_gaps(part, self.p, SolvedConfigurations(found, solved))
+        before = self.gaps[owner]
+        if is_carried(part.model.closure):
+            # what the geometry does not reach near its neighbours is left for the estimate, and no
+            # mode far away is taken for it
+            before = np.minimum(before, _MAX_READING_GAP / _MODE_IMPROVEMENT * self.size)
+        better = trial < _MODE_IMPROVEMENT * before
+        for k in np.argsort(-trial, kind="stable"):  # the best one last
+            if better[k]:
+                self.z[owner[k]], self.solved[owner[k]] = found[k], True
+                self.gaps[owner[k]] = trial[k]
+        return bool(better.any())
 
 
 def _all_modes(
@@ -330,33 +249,20 @@ def _all_modes(
     """List the unknowns (k, width) of all real modes of the geometry p at the joint readings of
     some configurations, and the numbers of these (k,).
     """
-    model = problem.model
-    values = dict(zip(model.names, p, strict=True))
+    model, values = problem.model, dict(zip(problem.names, p, strict=True))
     mechanism = with_parameters(replace(problem.mechanism, example=None), values)
-    points, owner = [np.zeros((0, model.system.width))], [np.zeros(0, dtype=int)]
+    closure, count = build_closure(mechanism, model.closure.partition), len(mechanism.actuated)
+    points, owner = [np.zeros((0, model.system.width))], list[int]()
     for k in rows:
-        found = _modes_at(mechanism, model, problem.measurements.joints[k])
-        points.append(found)
-        owner.append(np.full(len(found), k))
-    return np.vstack(points), np.concatenate(owner)
-
-
-def _modes_at(mechanism: Mechanism, model: ConfigurationModel, joints: np.ndarray) -> np.ndarray:
-    """List the unknowns (k, width) of the modes at joint readings; none where they cannot be
-    listed.
-    """
-    given = {
-        c.name: mechanism.angle_out(float(v)) if c.is_angular else float(v)
-        for v, c in zip(joints, mechanism.actuated, strict=True)
-    }
-    try:
-        found = modes_at_need(mechanism, joints=given, starts=_RANDOM_STARTS)
-    except SymkinError:
-        return np.zeros((0, model.system.width))
-    closure = build_closure(mechanism, model.closure.partition)
-    count = len(mechanism.actuated)
-    rows = [variables_elsewhere(closure, s)[count:] for s in found]
-    return np.array(rows, dtype=float).reshape(len(rows), model.system.width)
+        given = {
+            c.name: mechanism.angle_out(float(v)) if c.is_angular else float(v)
+            for v, c in zip(problem.measurements.joints[k], mechanism.actuated, strict=True)
+        }
+        with suppress(SymkinError):  # modes that cannot be listed
+            for solution in modes_at_need(mechanism, joints=given, starts=_RANDOM_STARTS):
+                points.append(variables_elsewhere(closure, solution)[None, count:])
+                owner.append(k)
+    return np.vstack(points), np.array(owner, dtype=int)
 
 
 # --- groups ---------------------------------------------------------------------------------------
@@ -397,31 +303,13 @@ def _height(
 def _branch(
     problem: CalibrationProblem, p: np.ndarray, first: int, z: np.ndarray
 ) -> SolvedConfigurations:
-    """Solve all configurations from the mode z of one of them, each from its nearest solved
-    neighbour.
-    """
+    """Solve all configurations from the mode z of one of them, by following it to their joints."""
     model, joints = problem.model, problem.measurements.joints
-    points, solved = np.tile(z, (len(joints), 1)), np.zeros(len(joints), dtype=bool)
-    points[first], solved[first] = z, True
-    for _ in range(len(joints)):
-        open_ = np.flatnonzero(~solved)
-        if not len(open_):
-            break
-        known = np.flatnonzero(solved)
-        near = known[nearest_rows(joints[known], joints[open_], 1)[:, 0]]
-        order = np.argsort(
-            np.linalg.norm(
-                (joints[open_] - joints[near]) / np.maximum(np.std(joints, axis=0), 1e-300), axis=1
-            )
-        )
-        order = order[: max(1, len(open_) // 2)]
-        found, closed = newton_configurations(
-            model, points[near[order]], joints[open_[order]], p, tolerance=ROUGHLY_SOLVED_TOLERANCE
-        )
-        if not closed.any():
-            break
-        points[open_[order][closed]], solved[open_[order][closed]] = found[closed], True
-    return SolvedConfigurations(points, solved)
+    begin = np.tile(joints[first], (len(joints), 1))
+    points = follow_joints(model, np.tile(z, (len(joints), 1)), begin, joints, p)
+    return SolvedConfigurations(
+        *newton_configurations(model, points, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE)
+    )
 
 
 def _disagreement(
@@ -430,10 +318,6 @@ def _disagreement(
     """Compute the root mean square by which the inclinations of groups differ from their means,
     over their standard deviations.
     """
-    model = problem.model
-    h = model.evaluate(
-        np.nan_to_num(configurations.z), problem.measurements.joints, p, problem.quaternions
-    ).readings
-    fit = linearise("means", problem.readings, np.nan_to_num(h), np.zeros((*h.shape, 1)))
-    squares = np.sum(fit.residuals**2, axis=1)[configurations.solved]
-    return float(np.sqrt(np.mean(squares))) if len(squares) else np.inf
+    rows = np.flatnonzero(configurations.solved)
+    fit = evaluate(problem.of(rows), p, configurations.z[rows], "means").linearised
+    return float(np.sqrt(np.mean(np.sum(fit.residuals**2, axis=1)))) if len(rows) else np.inf

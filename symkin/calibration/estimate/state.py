@@ -22,13 +22,13 @@ import numpy as np
 from symkin.calibration.estimate.configuration_model import Evaluation, solve_systems
 from symkin.calibration.estimate.configurations import (
     SOLVED_TOLERANCE,
+    Closing,
     determinant_signs,
     newton_configurations,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Condensed, Form, Linearised, linearise
+from symkin.calibration.estimate.residuals import Form, Linearised, linearise
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.spatial.rotation import wrapped
 
 PREDICTION_TOLERANCE = 1e-4
 """A predicted configuration off its closure by less than this (of the size) is corrected to first
@@ -43,9 +43,6 @@ _RESTORATION_STEPS = 2
 penalty would forbid it.
 """
 
-_MAX_CONSISTENCY_STEPS = 6
-"""Gauss-Newton steps; deviations are small, so that three or four meet the tolerance."""
-
 _LONG_COLUMN_RATIO = 30.0
 """Columns up to so many times as long as the median one stay as they are where rank is judged;
 longer ones are scaled to that length.
@@ -55,14 +52,16 @@ longer ones are scaled to that length.
 @dataclass(frozen=True, eq=False)
 class State:
     """Parameters p (free, unscaled), unknown coordinates z (n, width), residuals and dr/dp (per
-    scaled parameter), the closure's pending correction (n, f), rows left over and their derivative
-    (n, m, P), signs of det F_z.
+    scaled parameter), the values at single configurations (None where they are many, and made again
+    part by part), the closure's pending correction (n, f), rows left over and their derivative (n,
+    m, P), signs of det F_z.
     """
 
+    problem: CalibrationProblem
     p: np.ndarray
     z: np.ndarray
     linearised: Linearised
-    values: Evaluation
+    values: Evaluation | None
     pending: np.ndarray
     leftover: tuple[np.ndarray, np.ndarray] | None
     determinant_signs: np.ndarray
@@ -71,10 +70,11 @@ class State:
         """Tangent steps (n, f) that keep the configurations closed while the scaled parameters take
         a step.
         """
-        return np.asarray(
-            -self.pending
-            - solve_systems(self.values.rows_z, self.values.rows_p @ step[:, None])[:, :, 0]
-        )
+        moved = -self.pending
+        for rows, part in self.problem.parts:
+            e = self.values or evaluate_at(part, self.p, self.z[rows])
+            moved[rows] -= solve_systems(e.rows_z, e.rows_p @ step[:, None])[:, :, 0]
+        return moved
 
     @property
     def cost(self) -> float:
@@ -95,15 +95,7 @@ def evaluate(
     pending = solve_systems(e.rows_z, e.rows[:, :, None])[:, :, 0]
     readings, slopes, leftover = e.condensed(pending)
     fit = linearise(form, problem.readings, readings, slopes, covariance)
-    return State(
-        p=p,
-        z=z,
-        linearised=fit,
-        values=e,
-        pending=pending,
-        leftover=leftover,
-        determinant_signs=determinant_signs(e.rows_z),
-    )
+    return State(problem, p, z, fit, e, pending, leftover, determinant_signs(e.rows_z))
 
 
 def evaluate_readings(problem: CalibrationProblem, state: State) -> Evaluation:
@@ -219,30 +211,25 @@ def restored_after(
 
 
 def error_free_state(problem: CalibrationProblem, state: State) -> State:
-    """Evaluate the state where the readings of each group agree."""
-    other, z = without_errors(problem, state.p, state.z)
-    return evaluate(other, state.p, z, "means")
+    """Evaluate the state where the readings of each group agree: joint readings are moved least
+    (with the unknown coordinates, angles times the size), so that the configurations close and
+    every group has one inclination; where that is not reached they stay.
+    """
+    readings, inside, m = problem.readings, problem.readings.inside, problem.measurements
+    first = np.arange(len(state.z))
+    first[inside] = readings.first[readings.group[inside]]
+    closing = Closing(problem.model, state.p, held=(), inclined=first)
+    z, joints = state.z, m.joints
+    if readings.groups:
+        begin = np.hstack([joints, z])
+        found, largest = closing.newton(begin, tolerance=SOLVED_TOLERANCE, longest=np.inf)
+        # groups that no configuration can have, as under wrong labels, send the steps away
+        if np.all(largest <= SOLVED_TOLERANCE):
+            z, joints = closing.split(found)
+    return evaluate(replace(problem, measurements=replace(m, joints=joints)), state.p, z, "means")
 
 
 # --- many configurations --------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False)
-class LargeState(State):
-    """A state of a large problem, without the derivatives of single configurations: `values` is
-    empty, and `linearised` condensed.
-    """
-
-    problem: CalibrationProblem
-
-    def follow(self, step: np.ndarray) -> np.ndarray:
-        moved = np.empty_like(self.pending)
-        for rows, part in self.problem.parts:
-            e = evaluate_at(part, self.p, self.z[rows])
-            moved[rows] = (
-                -self.pending[rows] - solve_systems(e.rows_z, e.rows_p @ step[:, None])[:, :, 0]
-            )
-        return moved
 
 
 def _evaluate_parts(
@@ -251,7 +238,7 @@ def _evaluate_parts(
     z: np.ndarray,
     form: Form,
     covariance: np.ndarray | None,
-) -> LargeState:
+) -> State:
     """The same as `evaluate`, a part at a time: derivatives and residuals of each are joined to the
     triangle of those before.
     """
@@ -260,80 +247,12 @@ def _evaluate_parts(
     pending, side = np.zeros((len(z), problem.model.system.freedom)), np.zeros(len(z))
     for rows, part in problem.parts:
         state = evaluate(part, p, z[rows], form, None if covariance is None else covariance[rows])
-        residuals[rows], pending[rows], side[rows] = (
-            state.linearised.residuals,
-            state.pending,
-            state.determinant_signs,
-        )
-        below = np.column_stack([state.linearised.matrix, state.linearised.vector])
+        fit, pending[rows], side[rows] = state.linearised, state.pending, state.determinant_signs
+        residuals[rows] = fit.residuals
+        below = np.column_stack([fit.matrix, fit.vector])
         triangle = np.asarray(np.linalg.qr(np.vstack([triangle, below]), mode="r"))
-    fit = Condensed(residuals, triangle[:, None, :width], right=triangle[:, width])
-    nothing = np.zeros(0)
-    values = Evaluation(
-        rows=nothing,
-        rows_z=nothing,
-        rows_p=nothing,
-        readings=nothing,
-        readings_z=nothing,
-        readings_p=nothing,
-    )
-    return LargeState(
-        p=p,
-        z=z,
-        linearised=fit,
-        values=values,
-        pending=pending,
-        leftover=None,
-        determinant_signs=side,
-        problem=problem,
-    )
-
-
-def without_errors(
-    problem: CalibrationProblem, p: np.ndarray, z: np.ndarray
-) -> tuple[CalibrationProblem, np.ndarray]:
-    """Move the joint readings least (with the unknown coordinates, angles times the size) so that
-    at p the configurations close and every group has one inclination; return the problem with
-    these, and the unknown coordinates there; as they are where no such configurations are reached.
-    """
-    readings, model = problem.readings, problem.model
-    if not readings.groups:
-        return problem, z
-    begin, joints, size = z, problem.measurements.joints, model.closure.characteristic_length
-    columns, inside = readings.columns, readings.inside
-    first, apart = readings.first[readings.group[inside]], readings.group < 0
-    units = np.array([1.0 / size if c.is_angular else 1.0 for c in model.closure.role("actuated")])
-    for _ in range(_MAX_CONSISTENCY_STEPS):
-        rows, rows_z, rows_q, h, h_z = model.tangent(z, joints, p)
-        gap, grouped = np.zeros((len(z), 2)), size * h_z[:, columns]
-        gap[inside] = h[inside][:, columns] - h[first][:, columns]
-        gap, grouped[apart] = size * wrapped(gap), 0.0
-        if max(np.max(np.abs(gap)), np.max(np.abs(rows), initial=0.0)) < SOLVED_TOLERANCE * size:
-            break
-        free = rows_z.shape[2]
-        matrix = np.zeros((len(z), rows.shape[1] + 2, free + len(units)))
-        matrix[:, :-2, :free], matrix[:, :-2, free:], matrix[:, -2:, :free] = (
-            rows_z,
-            rows_q * units,
-            grouped,
-        )
-        step = _shortest_steps(matrix, -np.concatenate([rows, gap], axis=1))
-        # groups that no configuration can have, as under wrong labels, send the steps away
-        if not np.isfinite(step).all():
-            return problem, begin
-        z, joints = model.system.move(z, step[:, :free]), joints + units * step[:, free:]
-    return replace(problem, measurements=replace(problem.measurements, joints=joints)), z
-
-
-def _shortest_steps(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the shortest solutions of n underdetermined systems: A^T (A A^T)^-1 b."""
-    transposed = matrix.transpose(0, 2, 1)
-    try:
-        return np.asarray(transposed @ np.linalg.solve(matrix @ transposed, right[:, :, None]))[
-            :, :, 0
-        ]
-    except np.linalg.LinAlgError:
-        return np.asarray(np.linalg.pinv(matrix, rcond=1e-10) @ right[:, :, None])[:, :, 0]
+    fit = Linearised(residuals, triangle[:, :width], triangle[:, width])
+    return State(problem, p, z, fit, None, pending, None, side)
 
 
 def admissible_steps(state: State, units: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:

@@ -18,23 +18,17 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.observables import judged_link
-from symkin.calibration.estimate.configuration_model import (
-    ConfigurationModel,
-    build_model,
-    solve_systems,
-)
+from symkin.calibration.estimate.configuration_model import ConfigurationModel, level_turn
 from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     ClosedConfigurations,
-    JointsOfPose,
-    all_coordinates,
-    closed_points,
+    Closing,
+    closing_model,
     determinant_signs,
     follow_joints,
     is_carried,
-    with_pose,
+    with_poses,
 )
 from symkin.closure.branches import edges_of
 from symkin.closure.closure import build_closure
@@ -50,6 +44,7 @@ from symkin.spatial.rotation import (
     euler_from_quaternion,
     multiply,
     quaternion_from_euler,
+    rotate,
 )
 
 DEFAULT_REACH = 0.15
@@ -91,12 +86,8 @@ class Workspace:
     def __post_init__(self) -> None:
         require_mechanism(self.mechanism)
         half = np.asarray(self.half, dtype=float)
-        if (
-            half.shape != (3,)
-            or not np.all(np.isfinite(half))
-            or np.any(half < 0)
-            or min(self.tilt, self.spin) < 0
-        ):
+        good = half.shape == (3,) and np.all((half >= 0) & (half < np.inf))
+        if not good or min(self.tilt, self.spin) < 0:
             raise InputError(
                 f"workspace: half widths {half.tolist()} and angles must be three numbers and not "
                 f"negative"
@@ -113,13 +104,8 @@ class Workspace:
         mechanism: Mechanism, half: Sequence[float] | None = None, **options: Any
     ) -> Workspace:
         """Make the default workspace: 0.15 of the size and 20 deg about home."""
-        return Workspace(
-            mechanism,
-            np.array(
-                half if half is not None else [DEFAULT_REACH * mechanism.characteristic_length] * 3
-            ),
-            **options,
-        )
+        reach = [DEFAULT_REACH * mechanism.characteristic_length] * 3
+        return Workspace(mechanism, np.array(reach if half is None else half), **options)
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle the description alone: what closes configurations holds functions, and is made
@@ -163,28 +149,24 @@ class Workspace:
 
         Raises InputError where too few draws close within the limits.
         """
-        found: list[ClosedConfigurations | None] = [None] * len(inclinations)
+        found, count = dict[int, ClosedConfigurations](), len(inclinations)
         drawn, idle = 0, 0
-        while (missing := [k for k, c in enumerate(found) if c is None]) and idle < _MAX_IDLE_DRAWS:
-            chosen = np.array(
-                (missing * (1 + _MIN_DRAWN // len(missing)))[: max(_MIN_DRAWN, len(missing))]
-            )
+        while (missing := [k for k in range(count) if k not in found]) and idle < _MAX_IDLE_DRAWS:
+            chosen = np.resize(missing, max(_MIN_DRAWN, len(missing)))
             drawn, idle = drawn + len(chosen), idle + len(chosen)
             wanted = inclinations[chosen]
-            made, good = self.solver.close(
-                self._starts(wanted, rng, edge), wanted if held else None
-            )
+            starts = self._starts(wanted, rng, edge)
+            made, good = self.solver.close(starts, wanted if held else None)
             for row in np.flatnonzero(good):
-                if found[chosen[row]] is None:
+                if chosen[row] not in found:
                     found[chosen[row]], idle = made.take(np.array([row])), 0
         if missing:
             raise InputError(
-                f"{self.mechanism.name}: only {len(inclinations) - len(missing)} of "
-                f"{len(inclinations)} postures were found in "
+                f"{self.mechanism.name}: only {len(found)} of {count} postures were found in "
                 f"{drawn} draws within joint limits and away from singularities "
                 f"{self._why_none(inclinations[missing[0]], held)}"
             )
-        made = ClosedConfigurations.joined([c for c in found if c is not None])
+        made = ClosedConfigurations.joined([found[k] for k in range(count)])
         self._check_motion(made)
         return made
 
@@ -230,39 +212,36 @@ class Workspace:
         than its borders; and the numbers of those they are near to.
         """
         if self.carried:
-            return self._joints_near(around, inclinations, scale, rng)
-        at_home, moved = self.home.apply(self.centre), np.array(around.values)
-        for k, row in enumerate(around.poses):
-            pose = Pose(row[:3], row[3:])
-            alpha, beta, gamma = euler_from_quaternion(
-                multiply(pose.quaternion, conjugate(self.home.quaternion)), "xyz"
-            )
-            gamma = np.clip(gamma + scale * self.spin * rng.uniform(-1, 1), -self.spin, self.spin)
-            q = multiply(
-                quaternion_from_euler(np.array([alpha, beta, gamma]), "xyz"), self.home.quaternion
-            )
-            away = pose.apply(self.centre) - at_home + scale * self.half * rng.uniform(-1, 1, 3)
-            middle = at_home + np.clip(away, -self.half, self.half)
-            moved[k] = with_pose(
-                self.mechanism, moved[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q)
-            )
-        made, good = self.solver.close(moved, inclinations)
+            low, high = self._joint_ranges
+            away = 0.5 * scale * (high - low) * rng.uniform(-1, 1, around.joints.shape)
+            joints = np.clip(around.joints + away, low, high)
+            starts = self.solver.at_joints(joints, around.values)
+        else:
+            turns = multiply(around.poses[:, 3:].T, conjugate(self.home.quaternion))
+            alpha, beta, gamma = euler_from_quaternion(turns, "xyz")
+            drawn = scale * rng.uniform(-1, 1, (len(around), 4))
+            gamma = np.clip(gamma + self.spin * drawn[:, 0], -self.spin, self.spin)
+            away = np.clip(self._middles(around) + self.half * drawn[:, 1:], -self.half, self.half)
+            starts = self._posed(around.values, away, np.array([alpha, beta, gamma]))
+        made, good = self.solver.close(starts, inclinations)
         kept = np.flatnonzero(good & self.holds(made))
         return made.take(kept), kept
 
-    def _joints_near(
-        self,
-        around: ClosedConfigurations,
-        inclinations: np.ndarray | None,
-        scale: float,
-        rng: np.random.Generator,
-    ) -> tuple[ClosedConfigurations, np.ndarray]:
-        low, high = self._joint_ranges
-        moved = around.joints + 0.5 * scale * (high - low) * rng.uniform(-1, 1, around.joints.shape)
-        starts = self.solver.at_joints(np.clip(moved, low, high), around.values)
-        made, good = self.solver.close(starts, inclinations)
-        kept = np.flatnonzero(good)
-        return made.take(kept), kept
+    def _posed(self, values: np.ndarray, away: np.ndarray, angles: np.ndarray) -> np.ndarray:
+        """Variables with the middles of the platforms so far from home's (n, 3), and turned from
+        home's orientation by angles (3, n).
+        """
+        q = np.asarray(multiply(quaternion_from_euler(angles, "xyz"), self.home.quaternion))
+        places = self.home.apply(self.centre) + away - self._turned_centre(q)
+        return with_poses(build_closure(self.mechanism), values, np.hstack([places, q.T]))
+
+    def _turned_centre(self, q: np.ndarray) -> np.ndarray:
+        return np.asarray(rotate(q, self.centre[:, None] * np.ones(q.shape[1]))).T
+
+    def _middles(self, made: ClosedConfigurations) -> np.ndarray:
+        """Middles of the platforms (n, 3), from home's."""
+        turned = self._turned_centre(made.poses[:, 3:].T)
+        return np.asarray(made.poses[:, :3] + turned - self.home.apply(self.centre))
 
     def at(
         self, poses: np.ndarray, joints: np.ndarray, inclinations: np.ndarray | None
@@ -271,13 +250,10 @@ class Workspace:
         platform, turned to inclinations where they are given, and tell which of them are good;
         limits do not count.
         """
-        reference = build_closure(self.mechanism).reference
+        closure = build_closure(self.mechanism)
+        starts = with_poses(closure, np.tile(closure.reference, (len(poses), 1)), poses)
         if self.carried:
-            starts = self.solver.at_joints(joints, np.tile(reference, (len(joints), 1)))
-        else:
-            starts = np.array(
-                [with_pose(self.mechanism, reference, Pose(row[:3], row[3:])) for row in poses]
-            )
+            starts = self.solver.at_joints(joints, starts)
         return self.solver.close(starts, inclinations, limits=False)
 
     def holds(self, made: ClosedConfigurations) -> np.ndarray:
@@ -286,39 +262,23 @@ class Workspace:
         """
         if self.drawn_by_joints:
             return np.ones(len(made), dtype=bool)
-        at_home = self.home.apply(self.centre)
-        middles = np.array([Pose(row[:3], row[3:]).apply(self.centre) for row in made.poses])
-        return np.asarray(np.all(np.abs(middles - at_home) <= self.half * (1 + 1e-9), axis=1))
+        return np.asarray(np.all(np.abs(self._middles(made)) <= self.half * (1 + 1e-9), axis=1))
 
     def _starts(
         self, inclinations: np.ndarray, rng: np.random.Generator, edge: float
     ) -> np.ndarray:
-        closure = build_closure(self.mechanism)
-        starts = np.tile(closure.reference, (len(inclinations), 1))
-        if self.drawn_by_joints:
-            low, high = self._joint_ranges
-            drawn = np.column_stack(
-                [
-                    np.zeros((len(starts), 0)),
-                    *(rng.uniform(a, b, len(starts)) for a, b in zip(low, high, strict=True)),
-                ]
-            )
-            if self.carried:
-                return self.solver.at_joints(drawn, starts)
-            starts[:, : drawn.shape[1]] = drawn
-            return self.solver.with_tool(starts)
-        at_home = self.home
-        for k, (alpha, beta) in enumerate(inclinations):
-            share = np.clip(edge * rng.uniform(-1, 1, 4), -1, 1)
-            gamma = self.spin * share[3]
-            q = multiply(
-                quaternion_from_euler(np.array([alpha, beta, gamma]), "xyz"), at_home.quaternion
-            )
-            middle = at_home.apply(self.centre) + self.half * share[:3]
-            starts[k] = with_pose(
-                self.mechanism, starts[k], Pose(middle - Pose(np.zeros(3), q).apply(self.centre), q)
-            )
-        return starts
+        closure, count = build_closure(self.mechanism), len(inclinations)
+        starts = np.tile(closure.reference, (count, 1))
+        if not self.drawn_by_joints:
+            share = np.clip(edge * rng.uniform(-1, 1, (count, 4)), -1, 1)
+            angles = np.vstack([inclinations.T, self.spin * share[:, 3]])
+            return self._posed(starts, self.half * share[:, :3], angles)
+        ranges = zip(*self._joint_ranges, strict=True)
+        drawn = [np.zeros((count, 0)), *(rng.uniform(a, b, (1, count)).T for a, b in ranges)]
+        joints = np.hstack(drawn)
+        if self.carried:
+            return self.solver.at_joints(joints, starts)
+        return self.solver.with_tool(np.hstack([joints, starts[:, joints.shape[1] :]]))
 
     @property
     def carried(self) -> bool:
@@ -375,18 +335,10 @@ class ClosureSolver:
     """
 
     def __init__(self, mechanism: Mechanism, home: Pose, margin: float = 0.0) -> None:
-        self.mechanism, self.closure, self.home, self.margin = (
-            mechanism,
-            build_closure(mechanism),
-            home,
-            margin,
-        )
-        self._model = build_model(
-            mechanism, Measurements(np.zeros((1, len(mechanism.actuated)))), ()
-        )
-        self._joints = JointsOfPose(self.closure)
-        self._whole = all_coordinates(self.closure, home, held=False)
-        self._held = all_coordinates(self.closure, home, held=True)
+        self.mechanism, self.closure = mechanism, build_closure(mechanism)
+        self.home, self.margin = home, margin
+        self._model = closing_model(mechanism)
+        self._joints = Closing(self._model, np.zeros(0), held=("pose",))
 
     def close(
         self, starts: np.ndarray, inclinations: np.ndarray | None, *, limits: bool = True
@@ -394,27 +346,21 @@ class ClosureSolver:
         """Close configurations near the starts, and tell which of them are good: closed, with the
         inclination where one is given, within limits, regular, and on home's side of singularities.
         """
-        nothing = np.zeros((len(starts), 0))
+        inclined = None
+        if inclinations is not None:
+            tilts = quaternion_from_euler(np.pad(inclinations, ((0, 0), (0, 1))).T, "xyz")
+            level = multiply(self.home.quaternion, level_turn(self.mechanism))
+            inclined = np.array(euler_from_quaternion(multiply(tilts, level), "xyz"))[:2].T
+        every = Closing(self._model, np.zeros(0), held=(), inclined=inclined)
         with np.errstate(all="ignore"):
-            values = self._joints.solve(starts)
-            known = nothing if inclinations is None else inclinations
-            values, closed = closed_points(
-                self._whole if inclinations is None else self._held, values, known
-            )
-            z, joints = self.split(values)
+            values, closed = every.close(self._joints.close(starts)[0])
+            z, joints = every.split(values)
             _, rows_z = self._model.rows(z, joints, np.zeros(0))
             made = ClosedConfigurations(values, joints, self._model.poses(z, joints, np.zeros(0)))
             good = closed & self._regular(rows_z)
             if limits:
                 good &= self._within_limits(values)
         return made, good
-
-    def split(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Split the closure's variables into the unknown coordinates of the direct problem, and the
-        actuated joints.
-        """
-        count = len(self.mechanism.actuated)
-        return np.ascontiguousarray(values[:, count:]), np.ascontiguousarray(values[:, :count])
 
     @property
     def rows_and_unknowns(self) -> tuple[int, int]:
@@ -427,7 +373,7 @@ class ClosureSolver:
         began: it has passed into another assembly mode.
         """
         nothing, size = np.zeros(0), self.closure.characteristic_length
-        start, begin = self.split(values)
+        start, begin = self._joints.split(values)
         start = follow_joints(self._model, start, begin, begin, nothing)
         z = follow_joints(self._model, start, begin, joints, nothing)
         rows, _ = self._model.rows(z, joints, nothing)
@@ -438,12 +384,7 @@ class ClosureSolver:
 
     def with_tool(self, values: np.ndarray) -> np.ndarray:
         """Put the pose of an arm's tool at its joints into the variables."""
-        z, joints = self.split(values)
-        system = self._model.system
-        for _ in range(30):
-            rows, rows_z = self._model.rows(z, joints, np.zeros(0))
-            z = system.move(z, -solve_systems(rows_z, rows[:, :, None])[:, :, 0])
-        return np.hstack([joints, z])
+        return Closing(self._model, np.zeros(0)).newton(values, longest=np.inf)[0]
 
     def _within_limits(self, values: np.ndarray) -> np.ndarray:
         good = np.all(np.isfinite(values), axis=1)
@@ -451,37 +392,29 @@ class ClosureSolver:
             column = values[:, self.closure.slices[c.name].start]
             if c.limits is not None:
                 kept = self.margin * (c.limits[1] - c.limits[0])
-                turn = (
-                    2 * math.pi * np.ceil((c.limits[0] - column) / (2 * math.pi) - 1e-12)
-                    if c.kind == "angle"
-                    else 0.0
-                )
-                good &= (column + turn >= c.limits[0] + kept) & (
-                    column + turn <= c.limits[1] - kept
-                )
+                if c.kind == "angle":
+                    turns = np.ceil((c.limits[0] - column) / (2 * math.pi) - 1e-12)
+                    column = column + 2 * math.pi * turns
+                good &= (column >= c.limits[0] + kept) & (column <= c.limits[1] - kept)
             elif c.least is not None:
                 good &= column > c.least
         return np.asarray(good)
 
     @cached_property
     def _at_home(self) -> tuple[float, float]:
-        """Sign of det F_z at home, 0 where F_z is not square, and the condition of F_z."""
-        start = self._joints.solve(
-            with_pose(self.mechanism, self.closure.reference, self.home)[None]
-        )
-        return _side_and_condition(self._model, *self.split(start))
+        """Sign of det F_z at home, 0 where F_z is not square or singular, and the condition of
+        F_z.
+        """
+        rows_z = _rows_at(self._model, self.home)
+        (side,), (condition,) = determinant_signs(rows_z), _conditions(rows_z)
+        return (side if condition < _SINGULAR_CONDITION else 0.0), condition
 
     def _regular(self, rows_z: np.ndarray) -> np.ndarray:
-        if rows_z.shape[2] == 0:
-            return np.ones(len(rows_z), dtype=bool)
         side, condition = self._at_home
-        singular = np.linalg.svd(np.nan_to_num(rows_z), compute_uv=False)
-        worst = (
-            _WORSE_CONDITION * condition if condition < _SINGULAR_CONDITION else _SINGULAR_CONDITION
-        )
-        return np.asarray(
-            (singular[:, -1] * worst > singular[:, 0]) & (determinant_signs(rows_z) * side >= 0)
-        )
+        worst = _SINGULAR_CONDITION
+        if condition < _SINGULAR_CONDITION:
+            worst = _WORSE_CONDITION * condition
+        return (_conditions(rows_z) < worst) & (determinant_signs(rows_z) * side >= 0)
 
 
 def home_pose(mechanism: Mechanism) -> Pose:
@@ -489,25 +422,15 @@ def home_pose(mechanism: Mechanism) -> Pose:
     or where the direct problem is conditioned much better there.
     """
     example, reference = mechanism.example, mechanism.reference_pose
-    given = (
-        None
-        if example is None
-        else example.pose or (example.start if example.joints is not None else None)
-    )
+    given = None
+    if example is not None:
+        given = example.pose or (example.start if example.joints is not None else None)
     if mechanism.serial or given is None or len(given) != 7:
         return reference
-    closure, count = build_closure(mechanism), len(mechanism.actuated)
-    model = build_model(mechanism, Measurements(np.zeros((1, count))), ())
     shown = pose_from(given, "example")
     if not states_reference(mechanism):
         return shown
-    values = JointsOfPose(closure).solve(
-        np.array([with_pose(mechanism, closure.reference, pose) for pose in (reference, shown)])
-    )
-    here, there = (
-        _side_and_condition(model, row[None, count:].copy(), row[None, :count].copy())[1]
-        for row in values
-    )
+    here, there = _conditions(_rows_at(closing_model(mechanism), reference, shown))
     return shown if here > _POORER_CONDITION * there else reference
 
 
@@ -518,14 +441,18 @@ def states_reference(mechanism: Mechanism) -> bool:
     return any(mechanism.platform_position) or any(mechanism.all_joints)
 
 
-def _side_and_condition(
-    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray
-) -> tuple[float, float]:
-    _, rows_z = model.rows(z, joints, np.zeros(0))
-    condition = float(np.linalg.cond(rows_z[0])) if rows_z.shape[2] else 1.0
-    return float(
-        determinant_signs(rows_z)[0]
-    ) if condition < _SINGULAR_CONDITION else 0.0, condition
+def _rows_at(model: ConfigurationModel, *poses: Pose) -> np.ndarray:
+    """F_z (n, m, f) at poses, with the joints that lead there."""
+    closing = Closing(model, np.zeros(0), held=("pose",))
+    table = np.array([[*pose.position, *pose.quaternion] for pose in poses])
+    starts = np.tile(model.closure.reference, (len(poses), 1))
+    return model.rows(
+        *closing.split(closing.close(with_poses(model.closure, starts, table))[0]), closing.p
+    )[1]
+
+
+def _conditions(rows_z: np.ndarray) -> np.ndarray:
+    return np.linalg.cond(np.nan_to_num(rows_z)) if rows_z.shape[2] else np.ones(len(rows_z))
 
 
 def lever(mechanism: Mechanism) -> float:
@@ -533,9 +460,6 @@ def lever(mechanism: Mechanism) -> float:
     the platform's joint points from their middle; where they coincide, a quarter of the size.
     """
     points = platform_points(mechanism)
-    spread = float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
-    return (
-        spread
-        if spread > 1e-9 * mechanism.characteristic_length
-        else 0.25 * mechanism.characteristic_length
-    )
+    spread = float(np.sqrt(np.sum(np.var(points, axis=0))))
+    size = mechanism.characteristic_length
+    return spread if spread > 1e-9 * size else 0.25 * size

@@ -68,7 +68,7 @@ def best_column_order(
     readings put right; None where the columns stand as they should, or where too few poses are
     known.
     """
-    whole = np.array([pose is not None for pose in known_poses(m, measured=True)])
+    whole = np.isfinite(known_poses(m, measured=True)[:, 0])
     if (
         not mechanism.serial
         and np.sum(whole) >= _MIN_WHOLE_POSES
@@ -117,8 +117,8 @@ def _assign_columns(mechanism: Mechanism, m: Measurements) -> tuple[np.ndarray, 
     and its sign.
     """
     actuated = mechanism.actuated
-    poses = np.array([pose for pose in known_poses(m, measured=True) if pose is not None])
-    values = joints_at_poses(mechanism, poses)
+    poses = known_poses(m, measured=True)
+    values = joints_at_poses(mechanism, poses[np.isfinite(poses[:, 0])])
     reached = np.all(np.isfinite(values), axis=1)
     if np.sum(reached) < _MIN_WHOLE_POSES:
         return None
