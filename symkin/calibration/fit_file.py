@@ -21,13 +21,9 @@ from symkin.calibration.data.parameters import (
     parameter_names,
 )
 from symkin.calibration.estimate.problem import default_parameters
-from symkin.calibration.judge.diagnoses import diagnose, diagnose_labels, nominal_misfit
-from symkin.calibration.judge.euler_sequence import diagnose_sequence, find_sequence
+from symkin.calibration.judge.euler_sequence import find_sequence
 from symkin.calibration.judge.holdout import draw_held_out, held_out_count, predict_held_out
-from symkin.calibration.judge.plausibility import (
-    is_beyond_noise,
-    rejection_reason,
-)
+from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels, nominal_misfit
 from symkin.calibration.judge.pose_accuracy import predict_pose_sigma
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.report import FitReport
@@ -115,24 +111,46 @@ def fit_file(
     data = replace(data, notes=notes).without_copies()
     data = replace(data, measurements=with_sigmas(mechanism, data, sigmas or {}))
     data, kept_back = _hold_out(data, hold_out, seed)
-    task = _FileFit(mechanism, data, {**options, "parameters": names, "fixed": fixed})
-    fit = task.fit(seed)
-    mistakes = task.mistakes(fit)
-    refused = rejection_reason(fit, task.nominal_misfit(fit), mistakes)
-    sequence = "" if task.choice is None else task.choice.sequence
+    choice, sequence = None, ""
+    if data.open_euler is not None:
+        build = {k: v for k, v in options.items() if k == "residual"}
+        choice = find_sequence(mechanism, data, parameters=names, fixed=fixed, **build)
+        sequence = choice.sequence
+    placed = [n for n in names if n in MEASURING_FRAMES and n not in fixed]
+    case = Case.of(mechanism, data, sequence, placed)
+    try:
+        fit = calibrate(
+            mechanism, case.measurements, seed=seed, parameters=names, fixed=fixed, **options
+        )
+    except InputError as error:
+        if mistakes := diagnose(case):
+            raise NotFittedError(f"{data.path}: {error}", mistakes) from None
+        raise InputError(f"{data.path}: {error}") from None
     return FitReport(
         fit=fit,
         data=data.path,
         command=command,
-        sequence=task.choice,
-        suspicions=mistakes,
+        sequence=choice,
+        suspicions=_mistakes(case, fit),
         notes=data.notes,
         sigma=predict_pose_sigma(fit, seed),
-        refusal=refused,
+        at_nominal=0.0 if fit.sound else nominal_misfit(case),
         held_out=None
         if kept_back is None
         else predict_held_out(fit, kept_back.with_sequence(sequence), seed),
     )
+
+
+def _mistakes(case: Case, fit: Calibration) -> tuple[str, ...]:
+    """Find mistakes of the file that may explain a fit which is not believable, or which went far
+    from the file's geometry.
+    """
+    doubtful = len(fit.outliers) > _MANY_OUTLIERS * len(fit.measurements)
+    doubtful |= fit.identifiability.drowned.shape[1] > 0
+    if fit.believable and not fit.is_noticeable and not doubtful:
+        return ()
+    found = diagnose(case)
+    return found if found or (fit.sound and not doubtful) else diagnose_labels(case)
 
 
 def _chosen_names(
@@ -155,62 +173,6 @@ def _hold_out(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile
         data.measurements, held_out_count(hold_out, int(np.sum(data.measurements.is_read))), seed
     )
     return data.subset(np.flatnonzero(~held)), data.subset(np.flatnonzero(held))
-
-
-class _FileFit:
-    """Fit a file's readings, in the Euler sequence that was found where the header names none, and
-    what may be wrong with them; `options` are those of `calibrate`.
-    """
-
-    def __init__(self, mechanism: Mechanism, data: DataFile, options: dict[str, Any]) -> None:
-        self.mechanism, self.data, self.options = mechanism, data, options
-        self.choice = (
-            find_sequence(mechanism, data, **options) if data.open_euler is not None else None
-        )
-        self.measurements = (
-            data.measurements if self.choice is None else data.with_sequence(self.choice.sequence)
-        )
-        self.frames = tuple(
-            n for n in options["parameters"] if n in MEASURING_FRAMES and n not in options["fixed"]
-        )
-
-    def fit(self, seed: int) -> Calibration:
-        try:
-            return calibrate(self.mechanism, self.measurements, seed=seed, **self.options)
-        except InputError as error:
-            mistakes = (
-                diagnose(self.mechanism, self.measurements, self.frames) or self._wrong_sequence()
-            )
-            if not mistakes:
-                raise InputError(f"{self.data.path}: {error}") from None
-            raise NotFittedError(f"{self.data.path}: {error}", mistakes) from None
-
-    def mistakes(self, fit: Calibration) -> tuple[str, ...]:
-        """Find mistakes of the file that may explain a fit which is not believable, or which went
-        far from the file's geometry.
-        """
-        doubtful = len(fit.outliers) > _MANY_OUTLIERS * len(fit.measurements)
-        doubtful |= fit.identifiability.drowned.shape[1] > 0
-        if fit.believable and not fit.is_noticeable and not doubtful:
-            return ()
-        found = diagnose(self.mechanism, self.measurements, self.frames)
-        if found or (fit.sound and not doubtful):
-            return found
-        found = diagnose_labels(self.mechanism, self.measurements)
-        return (
-            self._wrong_sequence()
-            if not found and (fit.status != "ok" or is_beyond_noise(fit))
-            else found
-        )
-
-    def nominal_misfit(self, fit: Calibration) -> float:
-        """Compute the misfit of the nominal geometry, 0 where the fit is believable and nothing is
-        compared with it.
-        """
-        return 0.0 if fit.sound else nominal_misfit(self.mechanism, self.measurements, self.frames)
-
-    def _wrong_sequence(self) -> tuple[str, ...]:
-        return diagnose_sequence(self.mechanism, self.data, self.options)
 
 
 def with_sigmas(

@@ -108,9 +108,9 @@ class CalibrationProblem:
         """
         if not self.is_large:
             return ((np.arange(len(self.measurements)), self),)
-        return tuple((rows, self._of(rows)) for rows in _split_rows(self.readings))
+        return tuple((rows, self.of(rows)) for rows in _split_rows(self.readings))
 
-    def _of(self, rows: np.ndarray) -> CalibrationProblem:
+    def of(self, rows: np.ndarray) -> CalibrationProblem:
         some = self.measurements.subset(rows)
         return replace(self, measurements=some, readings=build_readings(self.model, some))
 
