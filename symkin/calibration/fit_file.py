@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
-from typing import Any, TypeVar
+from typing import Any, TypeVar, Unpack
 
 import numpy as np
 
@@ -24,20 +24,21 @@ from symkin.calibration.estimate.problem import default_parameters
 from symkin.calibration.judge.euler_sequence import find_sequence
 from symkin.calibration.judge.holdout import draw_held_out, held_out_count, predict_held_out
 from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels, nominal_misfit
+from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE
 from symkin.calibration.judge.pose_accuracy import predict_pose_sigma
 from symkin.calibration.judge.result import Calibration
+from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions
 from symkin.calibration.report import FitReport
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.text import first_of, meant, printable
+from symkin.verb_options import takes
 
 ALL_PARAMETERS = "all"
 """The pattern that stands for every parameter that moves poses."""
 _MAX_LISTED_NAMES = 12
 """Most names that a message lists."""
-_MANY_OUTLIERS = 0.2
-"""More readings left out than this share of the postures are looked at as a mistake of the file."""
 _READING_NAMES = {
     "group": "groups",
     "inclination": "inclinations",
@@ -56,8 +57,6 @@ _SIGMA_KEYS = {
 }
 """Keys of standard deviations that hold for observables of each kind, too."""
 _Single = TypeVar("_Single", Distance, Reading)
-LEAST_CHANGE = "least"
-"""Frames chosen by the least change from nominal."""
 
 
 class NotFittedError(InputError):
@@ -75,18 +74,14 @@ class NotFittedError(InputError):
         return type(self), (self.message, self.suspicions)
 
 
+@takes(FileOptions)
 def fit_file(
     mechanism: Mechanism,
     data: DataFile,
     *,
-    parameters: str | None = None,
-    hold: str | None = None,
-    frames: str = LEAST_CHANGE,
     sigmas: Mapping[str, np.ndarray | float] | None = None,
-    hold_out: str | None = None,
     command: str = "",
-    seed: int = 0,
-    **options: Any,
+    **options: Unpack[FileOptions],
 ) -> FitReport:
     """Fit a data file and judge the fit.
 
@@ -94,8 +89,7 @@ def fit_file(
     `hold` matches keep their nominal values. `frames` is "least" or "joints:..." (see
     `frame_names`). `sigmas` are standard deviations by kind of reading, for what the file leaves
     out; `hold_out` is how many configurations (`20`, `20%`) are only predicted. `command` is what
-    the report says was run, `seed` that of random starts and draws; other `options` are those of
-    `calibrate`.
+    the report says was run; other `options` are those of `calibrate`.
 
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be
     fitted.
@@ -104,28 +98,31 @@ def fit_file(
         data.measurements.check(mechanism)
     except InputError as error:
         raise InputError(f"{data.path}: {error}") from None
-    patterns = ALL_PARAMETERS if parameters is None else parameters
-    read = data.measurements.observed
-    names, fixed = _chosen_names(mechanism, read, patterns, hold, frames)
+    read, seed = data.measurements.observed, options["seed"]
+    patterns = ALL_PARAMETERS if options["parameters"] is None else options["parameters"]
+    names = match_parameters(mechanism, patterns, read)
+    fixed = _held(mechanism, read, names, options)
     notes = (*data.notes, *_note_left_out(mechanism, patterns, names, read))
     data = replace(data, notes=notes).without_copies()
     data = replace(data, measurements=with_sigmas(mechanism, data, sigmas or {}))
-    data, kept_back = _hold_out(data, hold_out, seed)
+    data, kept_back = _hold_out(data, options["hold_out"], seed)
     choice, sequence = None, ""
     if data.open_euler is not None:
-        build = {k: v for k, v in options.items() if k == "residual"}
-        choice = find_sequence(mechanism, data, parameters=names, fixed=fixed, **build)
+        form = options["residual"]
+        choice = find_sequence(mechanism, data, parameters=names, fixed=fixed, residual=form)
         sequence = choice.sequence
     placed = [n for n in names if n in MEASURING_FRAMES and n not in fixed]
     case = Case.of(mechanism, data, sequence, placed)
+    every: dict[str, Any] = {key: options[key] for key in FitOptions.__annotations__}  # type: ignore[literal-required]
     try:
-        fit = calibrate(
-            mechanism, case.measurements, seed=seed, parameters=names, fixed=fixed, **options
-        )
+        fit = calibrate(mechanism, case.measurements, parameters=names, fixed=fixed, **every)
     except InputError as error:
         if mistakes := diagnose(case):
             raise NotFittedError(f"{data.path}: {error}", mistakes) from None
         raise InputError(f"{data.path}: {error}") from None
+    held_out = None
+    if kept_back is not None:
+        held_out = predict_held_out(fit, kept_back.with_sequence(sequence), seed)
     return FitReport(
         fit=fit,
         data=data.path,
@@ -135,9 +132,7 @@ def fit_file(
         notes=data.notes,
         sigma=predict_pose_sigma(fit, seed),
         at_nominal=0.0 if fit.sound else nominal_misfit(case),
-        held_out=None
-        if kept_back is None
-        else predict_held_out(fit, kept_back.with_sequence(sequence), seed),
+        held_out=held_out,
     )
 
 
@@ -145,7 +140,8 @@ def _mistakes(case: Case, fit: Calibration) -> tuple[str, ...]:
     """Find mistakes of the file that may explain a fit which is not believable, or which went far
     from the file's geometry.
     """
-    doubtful = len(fit.outliers) > _MANY_OUTLIERS * len(fit.measurements)
+    spoilt = {o.configuration for o in fit.outliers}
+    doubtful = len(spoilt) > MAX_OUTLIER_SHARE * len(fit.measurements)
     doubtful |= fit.identifiability.drowned.shape[1] > 0
     if fit.believable and not fit.is_noticeable and not doubtful:
         return ()
@@ -153,16 +149,16 @@ def _mistakes(case: Case, fit: Calibration) -> tuple[str, ...]:
     return found if found or (fit.sound and not doubtful) else diagnose_labels(case)
 
 
-def _chosen_names(
-    mechanism: Mechanism, read: tuple[str, ...], patterns: str, hold: str | None, frames: str
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Name the parameters to identify, and those among them that keep their values; `read` is what
-    is read beside the platform.
+def _held(
+    mechanism: Mechanism, read: tuple[str, ...], names: Sequence[str], options: FileOptions
+) -> tuple[str, ...]:
+    """Name those of the parameters to identify that keep their values; `read` is what is read
+    beside the platform.
     """
-    names = match_parameters(mechanism, patterns, read)
-    fixed = () if hold is None else _match_patterns(mechanism, hold, read)
-    fixed = tuple(dict.fromkeys((*fixed, *frame_names(mechanism, frames))))
-    return names, tuple(name for name in fixed if name in names)
+    hold = options["hold"]
+    held = () if hold is None else _match_patterns(mechanism, hold, read)
+    fixed = dict.fromkeys((*held, *frame_names(mechanism, options["frames"])))
+    return tuple(name for name in fixed if name in names)
 
 
 def _hold_out(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile, DataFile | None]:

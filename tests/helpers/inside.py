@@ -337,7 +337,7 @@ NAMES = {
     "Store": "symkin.sweeps.store",
     "open_store": "symkin.sweeps.store",
     # calibration
-    "METHODS": "symkin.calibration.calibrate",
+    "METHODS": "symkin.calibration.options",
     "measurements_text": "symkin.calibration.data.files",
     "read_measurements": "symkin.calibration.data.files",
     "write_measurements": "symkin.calibration.data.files",
@@ -373,7 +373,7 @@ NAMES = {
     "map_functions": "symkin.calibration.estimate.mapped_functions",
     "build_calibration": "symkin.calibration.estimate.problem",
     "default_parameters": "symkin.calibration.estimate.problem",
-    "FORMS": "symkin.calibration.estimate.residuals",
+    "FORMS": "symkin.calibration.options",
     "deviations": "symkin.calibration.estimate.residuals",
     "group_basis": "symkin.calibration.estimate.residuals",
     "linearise": "symkin.calibration.estimate.residuals",

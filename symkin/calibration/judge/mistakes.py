@@ -52,6 +52,8 @@ _USUAL_SPREAD = (3e-3, 1.0)
 """Usual standard deviation of a joint's readings over the size (angles: radians), and the most that
 its mean may be: 5 times the upper one.
 """
+_ODD_RATIO = 30.0
+"""Size of a joint's readings over the others', from which another unit is tried for it alone."""
 _MAX_ASSIGNED_JOINTS, _MIN_WHOLE_POSES = 7, 4
 """Joints whose orders are all tried (5040), with more only single exchanges are; and whole poses
 from which columns are assigned to joints.
@@ -291,11 +293,18 @@ def _kinds_of_joints(case: Case) -> Iterator[Block]:
             yield replace(block, columns=columns)
 
 
-def _single_lengths(case: Case) -> Iterator[Block]:
-    """Joints that are lengths, one by one, where there are others beside."""
+def _odd_lengths(case: Case) -> Iterator[Block]:
+    """Joints that are lengths whose readings spread, and are, far more or less than the others'."""
     (block,) = _joints(case)
     columns = [k for k, angular in enumerate(block.angular) if not angular]
-    return (replace(block, columns=[k]) for k in (columns if len(columns) > 1 else ()))
+    for k in columns if len(columns) > 2 else ():
+        others = [j for j in columns if j != k]
+        for sizes in (np.std(block.values, axis=0), np.sqrt(np.mean(block.values**2, axis=0))):
+            ratio = sizes[k] / max(float(np.median(sizes[others])), 1e-300)
+            if 1 / _ODD_RATIO < ratio < _ODD_RATIO:
+                break
+        else:
+            yield replace(block, columns=[k])
 
 
 def _platform(case: Case, key: str, names: str, called: str = "") -> Iterator[Block]:
@@ -458,7 +467,7 @@ def _reordered_joints(case: Case) -> Iterator[Finding]:
     fit best. Elsewhere exchanges and signs are taken one after the other.
     """
     (block,), m = _joints(case), case.measurements
-    poses = [pose is not None for pose in known_poses(m, measured=True)]
+    poses = [p is not None for p in known_poses(m, measured=True)]
     by_poses = not case.mechanism.serial and len(block.names) <= _MAX_ASSIGNED_JOINTS
     if by_poses and sum(poses) >= _MIN_WHOLE_POSES:
         holds = _assigned_columns(case.subset(np.array(poses)), block)
@@ -605,7 +614,7 @@ RULES = (
     *(
         Rule(mistake, stage, partial(_find, blocks, change))
         for mistake, stage, blocks, change in (
-            ("one joint in another unit", Stage.CORRECTION, _single_lengths, _in_another_unit),
+            ("one joint in another unit", Stage.CORRECTION, _odd_lengths, _in_another_unit),
             ("two joint columns exchanged", Stage.CORRECTION, _joints, _exchanged),
             ("the sign of a joint reversed", Stage.CORRECTION, _joints, _reversed),
             ("the signs of all joints reversed", Stage.CORRECTION, _joints, _all_reversed),
