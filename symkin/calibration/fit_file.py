@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
-from typing import Any, TypeVar, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.data.files import DataFile
-from symkin.calibration.data.measurements import Distance, Measurements, Reading
+from symkin.calibration.data.measurements import Measurements, Reading
 from symkin.calibration.data.observables import is_angular, observables_named
 from symkin.calibration.data.parameters import (
     MEASURING_FRAMES,
@@ -39,14 +39,6 @@ ALL_PARAMETERS = "all"
 """The pattern that stands for every parameter that moves poses."""
 _MAX_LISTED_NAMES = 12
 """Most names that a message lists."""
-_READING_NAMES = {
-    "group": "groups",
-    "inclination": "inclinations",
-    "position": "positions",
-    "orientation": "orientations",
-    "distance": "distances",
-}
-"""Readings by the keys of their standard deviations."""
 _SIGMA_KEYS = {
     "joint": "joint",
     "point": "position",
@@ -56,7 +48,6 @@ _SIGMA_KEYS = {
     "distance": "distance",
 }
 """Keys of standard deviations that hold for observables of each kind, too."""
-_Single = TypeVar("_Single", Distance, Reading)
 
 
 class NotFittedError(InputError):
@@ -176,30 +167,27 @@ def with_sigmas(
 ) -> Measurements:
     """Add standard deviations (keys joint, group, ...) that the file does not give."""
     m = data.measurements
+    kinds = {o.name: o.kind for o in observables_named(mechanism, m.observed)}
     for key, value in sigmas.items():
-        if key != "joint" and not _is_read(mechanism, data, key):
-            refuse_ignored({f"--sigma-{key}": value}, f"{data.path} holds no {_READING_NAMES[key]}")
-        others = tuple(
-            o.name for o in observables_named(mechanism, m.observed) if _SIGMA_KEYS[o.kind] == key
-        )
-        m = replace(
-            m,
-            readings=[
-                _with_sigma(data, r, _of_joints(mechanism, value, r)) if r.name in others else r
-                for r in m.readings
-            ],
-        )
-        if key == "distance":
-            m = replace(m, distances=[_with_sigma(data, d, float(value)) for d in m.distances])
-            continue
-        if key not in ("joint", "group") and getattr(m, key) is None and not _is_euler(data, key):
-            continue
-        if m.sigma(key) is not None:
+        own = key == "joint" or getattr(m, "groups" if key == "group" else key, None) is not None
+        own |= key == "orientation" and data.open_euler is not None
+        read = [r for r in m.readings if _SIGMA_KEYS[kinds[r.name]] == key]
+        distances = [d for d in m.distances if key == "distance"]
+        if not (own or read or distances):
+            refuse_ignored({f"--sigma-{key}": value}, f"{data.path} holds no {key}s")
+        stated = [r.name for r in read if r.sigma is not None]
+        stated += [d.name for d in distances if d.sigma is not None]
+        stated += [f"{key} readings"] if own and m.sigma(key) is not None else []
+        if stated:
             raise InputError(
-                f"{data.path}: the standard deviation of {key} readings stands in the file; leave "
-                f"the option out"
+                f"{data.path}: the standard deviation of {stated[0]} stands in the file; leave the "
+                f"option out"
             )
-        m = replace(m, **{f"{key}_sigma": value})  # type: ignore[arg-type]
+        given = {r.name: replace(r, sigma=_of_joints(mechanism, value, r)) for r in read}
+        changes: dict[str, Any] = {f"{key}_sigma": value} if own else {}
+        if distances:
+            changes["distances"] = [replace(d, sigma=float(value)) for d in distances]
+        m = replace(m, readings=[given.get(r.name, r) for r in m.readings], **changes)
     return m
 
 
@@ -207,45 +195,16 @@ def _of_joints(mechanism: Mechanism, value: np.ndarray | float, reading: Reading
     """Choose the standard deviation of a reading; of joints it is by kind, as that of the actuated
     ones.
     """
-    if np.ndim(value) == 0:
-        return float(value)
     angular = is_angular(mechanism, reading.name)
-    like = [
-        float(v)
-        for v, c in zip(np.asarray(value), mechanism.actuated, strict=True)
-        if c.is_angular == angular
-    ]
+    each = np.broadcast_to(value, len(mechanism.actuated)) if np.ndim(value) else [value]
+    kinds = [c.is_angular for c in mechanism.actuated] if np.ndim(value) else [angular]
+    like = [float(v) for v, its in zip(each, kinds, strict=True) if its == angular]
     if not like:
         raise InputError(
             f"--sigma-joints: it says nothing of {reading.name}; give its column "
             f"sigma_{reading.name}"
         )
     return like[0]
-
-
-def _is_read(mechanism: Mechanism, data: DataFile, key: str) -> bool:
-    """Tell whether the file holds readings of a kind (group, inclination, position, orientation,
-    distance).
-    """
-    m = data.measurements
-    if any(_SIGMA_KEYS[o.kind] == key for o in observables_named(mechanism, m.observed)):
-        return True
-    if key == "distance":
-        return bool(m.distances)
-    return _is_euler(data, key) or getattr(m, "groups" if key == "group" else key) is not None
-
-
-def _is_euler(data: DataFile, key: str) -> bool:
-    return key == "orientation" and (data.euler is not None or data.open_euler is not None)
-
-
-def _with_sigma(data: DataFile, d: _Single, value: float) -> _Single:
-    if d.sigma is not None:
-        raise InputError(
-            f"{data.path}: the standard deviation of {d.name} stands in the file; leave the option "
-            f"out"
-        )
-    return replace(d, sigma=value)
 
 
 def match_parameters(
@@ -273,7 +232,7 @@ def _match_patterns(mechanism: Mechanism, patterns: str, read: tuple[str, ...]) 
             raise InputError(
                 f"parameter {pattern!r} matches nothing of "
                 f"{mechanism.name}{meant(pattern, known)}; allowed: {ALL_PARAMETERS}, "
-                f"{_list_names(known)}, and patterns "
+                f"{first_of(known, _MAX_LISTED_NAMES)}, and patterns "
                 "such as 'leg*.base.*'"
             )
         wanted |= found
@@ -304,23 +263,6 @@ def _note_left_out(
         f"not identified, bound by the {mechanism.motion} motion of the platform: "
         f"{first_of(missing)}; to identify them, declare the "
         "motion spatial",
-    )
-
-
-def _list_names(names: Sequence[str]) -> str:
-    """List some names of each beginning and end, from which the rest can be guessed."""
-    if len(names) <= _MAX_LISTED_NAMES:
-        return ", ".join(names)
-    endings = dict.fromkeys(".".join(name.split(".")[1:]) for name in names)
-    begins = list(dict.fromkeys(name.split(".")[0] for name in names))
-    kinds = [
-        next(n for n in names if n.split(".", 1)[1:] == [ending])
-        for ending in list(endings)[:_MAX_LISTED_NAMES]
-        if ending
-    ]
-    more = len(begins) - _MAX_LISTED_NAMES
-    return f"{', '.join(kinds)}, ... of {', '.join(begins[:_MAX_LISTED_NAMES])}" + (
-        f" and {more} more" if more > 0 else ""
     )
 
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP
-from symkin.calibration.design.simulation import Noise, simulate_readings
+from symkin.calibration.design.simulation import READING_CHOICES, Noise, simulate_readings
 from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import ClosedConfigurations, refuse_undetermined
+from symkin.calibration.estimate.configurations import ClosedConfigurations
 from symkin.calibration.estimate.residuals import build_readings, whitening
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
@@ -46,16 +46,14 @@ def reading_slopes(
     quiet = np.random.default_rng(0)
     groups = np.zeros(len(made), dtype=int) if grouped else np.full(len(made), NO_GROUP)
     taken = simulate_readings(mechanism, made, groups, readings, noise, quiet)
-    for kind in ("group", "inclination", "position", "orientation"):
-        present = grouped if kind == "group" else getattr(taken, kind) is not None
-        if present and taken.sigma(kind) is None:
+    stated = {r.name: r.sigma for r in taken.readings}
+    for kind, key in (("group", "groups"), *((k, k) for k in READING_CHOICES[:3])):
+        if getattr(taken, key) is not None:
+            stated[f"{kind} readings"] = taken.sigma(kind)
+    for name, sigma in stated.items():
+        if sigma is None:
             raise InputError(
-                f"the standard deviation of {kind} readings is zero or not given; a plan needs it"
-            )
-    for reading in taken.readings:
-        if reading.sigma is None:
-            raise InputError(
-                f"the standard deviation of {reading.name} is zero or not given; a plan needs it"
+                f"the standard deviation of {name} is zero or not given; a plan needs it"
             )
     model = build_model(mechanism, taken, names)
     values, weights = build_readings(model, taken), noise.joints(mechanism)
@@ -63,7 +61,6 @@ def reading_slopes(
     z = np.ascontiguousarray(
         many_elsewhere(model.closure, build_closure(mechanism), made.values)[:, count:]
     )
-    refuse_undetermined(model, z, made.joints, model.nominal)
     quaternions = np.hstack([made.poses[:, 3:], taken.quaternions[:, 4:]])
     e = model.evaluate(z, made.joints, model.nominal, quaternions)
     by_joint = model.joint_slopes(e, z, made.joints, model.nominal, quaternions) * weights
