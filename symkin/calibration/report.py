@@ -13,7 +13,7 @@ import numpy as np
 
 from symkin.calibration.data.observables import is_angular
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.judge.result import Parameter, shown, unit_of, value_out
+from symkin.calibration.judge.result import Parameter, length_and_angle, shown, unit_of, value_out
 from symkin.calibration.judge.statistics import SIGNIFICANCE
 from symkin.calibration.judge.verdict import Verdict
 from symkin.position.solution import finite
@@ -110,16 +110,13 @@ class FitReport(Verdict):
                 f"; with the noise as stated, while the residuals are {times:.3g} times as large"
             )
         rms, largest = (
-            self._lengths_and_angles(of(sigma.position), of(sigma.angle)) for of in (_rms, np.max)
+            length_and_angle(fit.mechanism, of(sigma.position), of(sigma.angle))
+            for of in (_rms, np.max)
         )
         return (
             f"standard deviation of poses in aligned frames ({sigma.where}): rms {rms}, largest "
             f"{largest}{stated}"
         )
-
-    def _lengths_and_angles(self, length: float, angle: float) -> str:
-        m = self.fit.mechanism
-        return f"{length:.3g} {m.length_unit} and {m.angle_out(float(angle)):.3g} {m.angle_unit}"
 
     def residual_text(self) -> str:
         """Write the root mean square of the residuals of each kind."""

@@ -154,9 +154,10 @@ class ExchangeSearch:
         return chosen
 
     def best_wedges(self, count: int, groups: int) -> set[int]:
-        """Choose the wedges when only `groups` of them may be used: those that a choice among all
-        uses most, then one exchanged for another while that helps. A set is worth what a greedy
-        choice with one pass of exchanges makes of it.
+        """Choose the wedges when only `groups` of them may be used: the best of three
+        beginnings (those that a choice among all uses most, least, the first), then one exchanged
+        for another while that helps. A set is worth what a greedy choice with one pass of exchanges
+        makes of it.
         """
         if not self.wedges:
             return {-1}

@@ -35,6 +35,7 @@ from symkin.calibration.estimate.configurations import ClosedConfigurations
 from symkin.calibration.estimate.problem import PRIOR_SHARE, default_parameters
 from symkin.calibration.estimate.workspace import Workspace, lever
 from symkin.calibration.judge.pose_accuracy import less_frames, pose_slopes
+from symkin.calibration.judge.result import length_and_angle
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
@@ -76,13 +77,10 @@ class Accuracy:
 
     def text(self, m: Mechanism) -> str:
         """Write the errors in the mechanism's units."""
-
-        def pair(length: float, angle: float) -> str:
-            return f"{length:.3g} {m.length_unit} and {m.angle_out(angle):.3g} {m.angle_unit}"
-
+        worst = length_and_angle(m, self.worst_position, self.worst_angle)
         return (
-            f"rms {pair(self.position, self.angle)}; largest of {_TEST_POSES} test poses in 95 % "
-            f"of calibrations {pair(self.worst_position, self.worst_angle)}"
+            f"rms {length_and_angle(m, self.position, self.angle)}; largest of {_TEST_POSES} test "
+            f"poses in 95 % of calibrations {worst}"
         )
 
 
@@ -275,11 +273,8 @@ def plan_measurements(
 
 def _noise_by_name(values: Mapping[str, float]) -> Noise:
     allowed = [f.name for f in fields(Noise)]
-    unknown = [name for name in values if name not in allowed]
-    if unknown:
-        raise InputError(
-            f"noise: {', '.join(map(repr, unknown))} is unknown; allowed: {', '.join(allowed)}"
-        )
+    if unknown := ", ".join(repr(name) for name in values if name not in allowed):
+        raise InputError(f"noise: {unknown} is unknown; allowed: {', '.join(allowed)}")
     return Noise(**values)  # type: ignore[arg-type]
 
 

@@ -134,6 +134,11 @@ class Case:
             rows = np.flatnonzero(np.isin(m.groups, np.unique(m.groups[rows])))
         return self.subset(rows[: 4 * _EXAMINED_CONFIGURATIONS])
 
+    def is_possible(self, measurements: Measurements) -> bool:
+        """Tell whether no reading is below the least of its joint (rods of negative length)."""
+        least = [-math.inf if c.least is None else c.least for c in self.mechanism.actuated]
+        return bool(np.all(measurements.joints > np.array(least)))
+
     def angle(self, value: float) -> str:
         return f"{self.mechanism.angle_out(value):.3g} {self.mechanism.angle_unit}"
 
@@ -208,13 +213,13 @@ def _sentences(case: Case, stage: Stage) -> list[str]:
 @dataclass(frozen=True, eq=False)
 class Block:
     """Numbers (n, w) of one kind, with their names and which of them are angles; how others are put
-    in their place (None where they cannot be); which columns are meant, and what these are called.
+    in their place; which columns are meant, and what these are called.
     """
 
     names: Sequence[str]
     angular: Sequence[bool]
     values: np.ndarray
-    put: Callable[[np.ndarray], Measurements | None]
+    put: Callable[[np.ndarray], Measurements]
     columns: Sequence[int]
     called: str = ""
 
@@ -274,15 +279,21 @@ def _in_radians(block: Block) -> Changes:
         yield next(_in_another_unit(block))
 
 
+def _table(
+    case: Case, key: str, names: Sequence[str], angular: Sequence[bool], called: str = ""
+) -> Iterator[Block]:
+    """A table of the measurements, those columns that were read."""
+    m = case.measurements
+    values = getattr(m, key)
+    if values is not None:
+        read = np.flatnonzero(np.any(np.isfinite(values), axis=0)).tolist()
+        put = lambda values: replace(m, **{key: values})  # noqa: E731
+        yield Block(names, angular, values, put, read, called)
+
+
 def _joints(case: Case) -> Iterator[Block]:
-    actuated, m = case.mechanism.actuated, case.measurements
-    names, angular = [c.name for c in actuated], [c.is_angular for c in actuated]
-
-    def put(joints: np.ndarray) -> Measurements | None:
-        least = np.array([-math.inf if c.least is None else c.least for c in actuated])
-        return replace(m, joints=joints) if np.all(joints > least) else None
-
-    yield Block(names, angular, m.joints, put, range(len(names)))
+    actuated = case.mechanism.actuated
+    return _table(case, "joints", [c.name for c in actuated], [c.is_angular for c in actuated])
 
 
 def _kinds_of_joints(case: Case) -> Iterator[Block]:
@@ -307,19 +318,12 @@ def _odd_lengths(case: Case) -> Iterator[Block]:
             yield replace(block, columns=[k])
 
 
-def _platform(case: Case, key: str, names: str, called: str = "") -> Iterator[Block]:
-    """Numbers of the platform, those columns that were read."""
-    m = case.measurements
-    values = getattr(m, key)
-    if values is not None:
-        read = np.flatnonzero(np.any(np.isfinite(values), axis=0)).tolist()
-        angular = [key == "inclination"] * values.shape[1]
-        put = lambda values: replace(m, **{key: values})  # noqa: E731
-        yield Block(names.split(), angular, values, put, read, called)
+def _positions(case: Case) -> Iterator[Block]:
+    return _table(case, "position", "xyz", [False] * 3, "the positions")
 
 
-_positions = partial(_platform, key="position", names="x y z", called="the positions")
-_inclinations = partial(_platform, key="inclination", names="alpha beta")
+def _inclinations(case: Case) -> Iterator[Block]:
+    return _table(case, "inclination", ("alpha", "beta"), [True] * 2)
 
 
 def _taken(case: Case, key: str, places: Sequence[int], called: str = "") -> Iterator[Block]:
@@ -375,7 +379,7 @@ def _find(
 ) -> Iterator[Finding]:
     for block in blocks(case):
         for text, values in change(block):
-            if (put_right := block.put(values)) is not None:
+            if case.is_possible(put_right := block.put(values)):
                 yield text, put_right
 
 
@@ -476,7 +480,7 @@ def _reordered_joints(case: Case) -> Iterator[Finding]:
     order, signs = np.abs(holds).astype(int) - 1, np.sign(holds)
     put_right = block.put(signs * m.joints[:, order])
     text = _describe_order(block.names, order, signs)
-    if text and put_right is not None:
+    if text and case.is_possible(put_right):
         yield text, put_right
 
 
@@ -509,7 +513,7 @@ def _exchanged_in_turn(case: Case, block: Block) -> np.ndarray:
 
     def score(holds: np.ndarray) -> float:
         changed = few.put(np.sign(holds) * few.values[:, np.abs(holds).astype(int) - 1])
-        return math.inf if changed is None else some.trial(changed).score
+        return some.trial(changed).score if case.is_possible(changed) else math.inf
 
     holds = np.arange(1.0, len(block.names) + 1)
     least = score(holds)

@@ -334,3 +334,9 @@ def value_out(mechanism: Mechanism, q: Parameter, value: float) -> float:
 def shown(mechanism: Mechanism, q: Parameter, value: float, digits: str = "+.3g") -> str:
     """Write a value of a parameter's kind with its unit."""
     return f"{value_out(mechanism, q, value):{digits}} {unit_of(mechanism, q)}".strip()
+
+
+def length_and_angle(mechanism: Mechanism, length: float, angle: float) -> str:
+    """Write '0.1 mm and 0.02 deg'."""
+    m = mechanism
+    return f"{length:.3g} {m.length_unit} and {m.angle_out(float(angle)):.3g} {m.angle_unit}"

@@ -23,6 +23,7 @@ from symkin.calibration.judge.result import (
     Calibration,
     Parameter,
     Residual,
+    length_and_angle,
     shown,
 )
 from symkin.calibration.judge.statistics import SIGNIFICANCE, rms_of_better_part
@@ -311,11 +312,11 @@ def _other_machine(fit: Calibration, suspicions: Sequence[str] = ()) -> str:
             f"; {departure.unclosed} of {departure.configurations} postures the file's geometry "
             f"cannot take there"
         )
+    away = length_and_angle(m, departure.position, departure.angle)
     return (
         f"another machine than {m.name} describes: {cause} poses are {100 * departure.share:.2g} % "
         f"of their spread away from the file's at the same joint readings "
-        f"({departure.position:.3g} {m.length_unit} and {m.angle_out(departure.angle):.3g} "
-        f"{m.angle_unit} rms, frames aligned{unclosed}); largest changes: {changes}; for a machine "
+        f"({away} rms, frames aligned{unclosed}); largest changes: {changes}; for a machine "
         f"that is so, state --tolerance or --any-machine"
     )
 
