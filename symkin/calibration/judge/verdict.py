@@ -378,7 +378,7 @@ def _notes_on_residuals(fit: Calibration) -> Iterator[str]:
             "standard deviations are missing: those of the parameters are scaled by the residuals, "
             "and chi-square tests nothing"
         )
-    yield from _chi_square(fit)
+    yield from (f"not believable with the stated noise: {text}" for text in _chi_square(fit))
     if is_exact(fit):
         yield _EXACT
 
