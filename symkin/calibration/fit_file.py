@@ -57,8 +57,7 @@ class NotFittedError(InputError):
 
     def __init__(self, message: str, suspicions: tuple[str, ...]) -> None:
         super().__init__(f"NOT BELIEVABLE, nothing was fitted: {suspicions[0]} ({message})")
-        self.message = message
-        self.suspicions = suspicions
+        self.message, self.suspicions = message, suspicions
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle with both arguments, so that a process pool hands the error on."""

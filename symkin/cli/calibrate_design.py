@@ -358,13 +358,11 @@ def _checked_seed(seed: int) -> int:
 
 def _check_same_joints(mechanism: Mechanism, true: Mechanism) -> None:
     ours, theirs = (
-        (", ".join(f"{c.name}" for c in m.actuated), m.length_unit, m.angle_unit)
+        f"({', '.join(c.name for c in m.actuated)}; {m.length_unit}, {m.angle_unit})"
         for m in (mechanism, true)
     )
-    kinds = [[c.kind for c in m.actuated] for m in (mechanism, true)]
-    if ours != theirs or kinds[0] != kinds[1]:
-        told = [f"({names}; {length}, {angle})" for names, length, angle in (ours, theirs)]
+    if ours != theirs or [c.kind for c in mechanism.actuated] != [c.kind for c in true.actuated]:
         raise InputError(
-            f"--truth {true.name}: its actuated joints {told[1]} are not those of "
-            f"{mechanism.name} {told[0]}"
+            f"--truth {true.name}: its actuated joints {theirs} are not those of {mechanism.name} "
+            f"{ours}"
         )

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 from functools import partial
-from itertools import combinations, permutations, product
+from itertools import combinations, permutations
 from typing import Any
 
 import numpy as np
@@ -52,8 +52,10 @@ _USUAL_SPREAD = (3e-3, 1.0)
 """Usual standard deviation of a joint's readings over the size (angles: radians), and the most that
 its mean may be: 5 times the upper one.
 """
-_ODD_RATIO = 30.0
-"""Size of a joint's readings over the others', from which another unit is tried for it alone."""
+_ODD_DECADES = 1.5
+"""Decades between a joint's readings and the others', from which another unit is tried for it
+alone.
+"""
 _MAX_ASSIGNED_JOINTS, _MIN_WHOLE_POSES = 7, 4
 """Joints whose orders are all tried (5040), with more only single exchanges are; and whole poses
 from which columns are assigned to joints.
@@ -308,13 +310,12 @@ def _odd_lengths(case: Case) -> Iterator[Block]:
     """Joints that are lengths whose readings spread, and are, far more or less than the others'."""
     (block,) = _joints(case)
     columns = [k for k, angular in enumerate(block.angular) if not angular]
-    for k in columns if len(columns) > 2 else ():
-        others = [j for j in columns if j != k]
-        for sizes in (np.std(block.values, axis=0), np.sqrt(np.mean(block.values**2, axis=0))):
-            ratio = sizes[k] / max(float(np.median(sizes[others])), 1e-300)
-            if 1 / _ODD_RATIO < ratio < _ODD_RATIO:
-                break
-        else:
+    values = block.values[:, columns]
+    sizes = np.array([np.std(values, axis=0), np.sqrt(np.mean(values**2, axis=0))])
+    decades = np.log10(np.maximum(sizes, 1e-300))
+    for place, k in enumerate(columns if len(columns) > 2 else ()):
+        others = np.median(np.delete(decades, place, axis=1), axis=1)
+        if np.all(np.abs(decades[:, place] - others) > _ODD_DECADES):
             yield replace(block, columns=[k])
 
 
@@ -329,20 +330,23 @@ def _inclinations(case: Case) -> Iterator[Block]:
 def _taken(case: Case, key: str, places: Sequence[int], called: str = "") -> Iterator[Block]:
     """Distances or other readings, by their places."""
     m, known, read = case.measurements, observables(case.mechanism), getattr(case.measurements, key)
-    tables = [read[k].values.reshape(len(m), -1) for k in places]
-    names = [read[k].name for k, table in zip(places, tables, strict=True) for _ in table.T]
+    own = {read[k].name: read[k].values.reshape(len(m), -1) for k in places}
+    names = [name for name, table in own.items() for _ in table.T]
+    ends = np.cumsum([table.shape[1] for table in own.values()])[:-1]
 
     def put(values: np.ndarray) -> Measurements:
-        changed, rest = list(read), values
-        for k, table in zip(places, tables, strict=True):
-            own, rest = np.hsplit(rest, [table.shape[1]])
-            changed[k] = replace(read[k], values=own.reshape(read[k].values.shape))
-        changes: dict[str, Any] = {key: changed}
+        parts = dict(zip(own, np.hsplit(values, ends), strict=True))
+        changes: dict[str, Any] = {
+            key: [
+                replace(r, values=parts[r.name].reshape(r.values.shape)) if r.name in parts else r
+                for r in read
+            ]
+        }
         return replace(m, **changes)
 
     if names:
         angular = [key == "readings" and known[name].angular for name in names]
-        yield Block(names, angular, np.hstack(tables), put, range(len(names)), called)
+        yield Block(names, angular, np.hstack([*own.values()]), put, range(len(names)), called)
 
 
 def _distances(case: Case) -> Iterator[Block]:
@@ -488,17 +492,18 @@ def _assigned_columns(case: Case, block: Block) -> np.ndarray:
     """For each joint the column (from 1, with its sign) that fits its values at the measured poses
     best, each column once.
     """
-    width, angular = len(block.names), np.array(block.angular)
+    angular = np.array(block.angular)
     poses = np.array(known_poses(case.measurements, measured=True))
     values = joints_at_poses(case.mechanism, poses)
     reached = np.all(np.isfinite(values), axis=1)
-    cost = np.full((2, width, width), np.inf)
-    for s, j, k in product(range(2), range(width), range(width)):
-        if angular[j] == angular[k] and np.sum(reached) >= _MIN_WHOLE_POSES:
-            gap = ((1.0, -1.0)[s] * case.measurements.joints[:, k] - values[:, j])[reached]
-            cost[s, j, k] = rms_of_better_part((wrapped(gap) if angular[j] else gap) ** 2) ** 2
-    orders = np.array([*permutations(range(width))])
-    each = np.arange(width)
+    if not reached.any():
+        return np.arange(1, len(angular) + 1)
+    read = np.multiply.outer([1.0, -1.0], case.measurements.joints[reached].T)
+    gap = read[:, None] - values[reached].T[:, None]  # signs, joints, columns, configurations
+    gap = np.where(angular[:, None, None], wrapped(gap), gap)
+    off = np.apply_along_axis(rms_of_better_part, -1, gap**2)
+    cost = np.where(angular[:, None] == angular, off**2, np.inf)
+    each, orders = np.arange(len(angular)), np.array([*permutations(range(len(angular)))])
     order = orders[int(np.argmin(np.sum(np.min(cost, axis=0)[each, orders], axis=1)))]
     signs = 1 - 2 * np.argmin(cost, axis=0)[each, order]
     return np.asarray(signs * (order + 1))
