@@ -5,8 +5,8 @@ result.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -35,7 +35,7 @@ from symkin.calibration.estimate.problem import (
     NothingReadError,
     build_calibration,
 )
-from symkin.calibration.estimate.robust import LOSSES, loss_note, robust_estimate
+from symkin.calibration.estimate.robust import loss_note, robust_estimate
 from symkin.calibration.estimate.starting import start_configurations, with_starts
 from symkin.calibration.judge.assessment import build_result
 from symkin.calibration.judge.outliers import (
@@ -45,87 +45,21 @@ from symkin.calibration.judge.outliers import (
     StartValues,
     fit_without_outliers,
 )
-from symkin.calibration.judge.result import Calibration, Parameter, Residual
+from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
+from symkin.calibration.options import CalibrateOptions
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.quiet import without_float_warnings
-from symkin.text import not_among
-
-__all__ = [
-    "METHODS",
-    "OUTLIER_RULES",
-    "Calibration",
-    "Parameter",
-    "Residual",
-    "calibrate",
-]
-
-METHODS = ("nested", "lifted", "ipopt")
-"""Names of the method: all are the same now, the two last are accepted for one release."""
-OUTLIER_RULES = ("remove", "report", "ignore")
-
-
-@dataclass(frozen=True)
-class _Options:
-    """Hold the options of one call of `calibrate`."""
-
-    parameters: Sequence[str] | None
-    fixed: Sequence[str]
-    residual: str
-    tolerance: tuple[float, float] | None
-    method: str
-    loss: str
-    outliers: str
-    level: float | None
-    max_iterations: int
-    seed: int
-    any_machine: bool
-
-    def __post_init__(self) -> None:
-        if self.outliers == "ignore":
-            refuse_ignored({"level": self.level}, "outliers = 'ignore' tests no reading")
-        for name, allowed in (("method", METHODS), ("loss", LOSSES), ("outliers", OUTLIER_RULES)):
-            if getattr(self, name) not in allowed:
-                raise InputError(f"{name} = {not_among(getattr(self, name), allowed)}")
-        if not 0.0 < self.significance < 1.0:
-            raise InputError(f"level = {self.level!r}: a probability between 0 and 1 is needed")
-
-    @property
-    def significance(self) -> float:
-        """Return the share of clean data sets in which a reading may be called an outlier."""
-        return OUTLIER_LEVEL if self.level is None else self.level
-
-    def build(self, mechanism: Mechanism, measurements: Measurements) -> CalibrationProblem:
-        """Build the problem of these parameters and residuals."""
-        return build_calibration(
-            mechanism,
-            measurements,
-            parameters=self.parameters,
-            fixed=self.fixed,
-            residual=self.residual,
-            tolerance=self.tolerance,
-        )
+from symkin.verb_options import takes
 
 
 @without_float_warnings
+@takes(CalibrateOptions)
 def calibrate(
-    mechanism: Mechanism,
-    measurements: Measurements,
-    *,
-    parameters: Sequence[str] | None = None,
-    fixed: Sequence[str] = (),
-    residual: str = "means",
-    tolerance: tuple[float, float] | None = None,
-    method: str = "nested",
-    loss: str = "squared",
-    outliers: str = "remove",
-    level: float | None = None,
-    max_iterations: int = 60,
-    seed: int = 0,
-    any_machine: bool = False,
+    mechanism: Mechanism, measurements: Measurements, **options: Unpack[CalibrateOptions]
 ) -> Calibration:
     """Identify a mechanism's geometry from measurements.
 
@@ -161,21 +95,13 @@ def calibrate(
     ('ok', 105.53)
     """
     require_mechanism(mechanism)
-    options = _Options(
-        parameters,
-        fixed,
-        residual,
-        tolerance,
-        method,
-        loss,
-        outliers,
-        level,
-        max_iterations,
-        seed,
-        any_machine,
-    )
+    if options["outliers"] == "ignore":
+        refuse_ignored({"level": options["level"]}, "outliers = 'ignore' tests no reading")
+    level = OUTLIER_LEVEL if options["level"] is None else options["level"]
+    if not 0.0 < level < 1.0:
+        raise InputError(f"level = {level!r}: a probability between 0 and 1 is needed")
     try:
-        return _calibrate(mechanism, measurements, options)
+        return _calibrate(mechanism, measurements, options, level)
     except np.linalg.LinAlgError:
         closure = build_closure(mechanism)
         unknown = sum(c.freedom for c in closure.role("passive", "body", "pose"))
@@ -190,11 +116,13 @@ def calibrate(
         ) from None
 
 
-def _calibrate(mechanism: Mechanism, measurements: Measurements, options: _Options) -> Calibration:
-    begin = time.perf_counter()
+def _calibrate(
+    mechanism: Mechanism, measurements: Measurements, options: CalibrateOptions, level: float
+) -> Calibration:
+    begin, rule, method = time.perf_counter(), options["outliers"], options["method"]
     measurements.check(mechanism)
-    _check_residual_form(options.residual, measurements)
-    free = set(options.parameters or ()) - set(options.fixed)
+    _check_residual_form(options["residual"], measurements)
+    free = set(options["parameters"] or ()) - set(options["fixed"])
     measurements = with_starts(mechanism, measurements, posed=not free & set(MEASURING_FRAMES))
 
     def fit(readings: Measurements, near: StartValues | None = None) -> Fit:
@@ -202,18 +130,15 @@ def _calibrate(mechanism: Mechanism, measurements: Measurements, options: _Optio
 
     found = fit(measurements)
     screening = Screening()
-    if options.outliers != "ignore":
-        clean, screening = fit_without_outliers(fit, measurements, found, options.significance)
-        found = clean if options.outliers == "remove" else found
-    if options.method != "nested":
-        note = (
-            f"method {options.method!r} is one with 'nested' now; the name goes with the next "
-            f"release"
-        )
+    if rule != "ignore":
+        clean, screening = fit_without_outliers(fit, measurements, found, level)
+        found = clean if rule == "remove" else found
+    if method != "nested":
+        note = f"method {method!r} is one with 'nested' now; the name goes with the next release"
         found = replace(found, notes=(*found.notes, note))
-    result = build_result(measurements, found, screening, removed=options.outliers == "remove")
+    result = build_result(measurements, found, screening, removed=rule == "remove")
     elapsed, refused = time.perf_counter() - begin, result.refused or screening.refused
-    return replace(result, method=options.method, elapsed_s=elapsed, refused=refused)
+    return replace(result, method=method, elapsed_s=elapsed, refused=refused)
 
 
 def _check_residual_form(residual: str, measurements: Measurements) -> None:
@@ -234,15 +159,28 @@ def _check_residual_form(residual: str, measurements: Measurements) -> None:
 # --- fitting --------------------------------------------------------------------------------------
 
 
+def _build(
+    mechanism: Mechanism, measurements: Measurements, options: CalibrateOptions
+) -> CalibrationProblem:
+    """State the problem of these parameters and residuals."""
+    chosen: dict[str, Any] = {
+        key: options[key] for key in ("parameters", "fixed", "residual", "tolerance")
+    }
+    return build_calibration(mechanism, measurements, **chosen)
+
+
 def _fit_measurements(
-    mechanism: Mechanism, measurements: Measurements, options: _Options, near: StartValues | None
+    mechanism: Mechanism,
+    measurements: Measurements,
+    options: CalibrateOptions,
+    near: StartValues | None,
 ) -> Fit:
     """Fit the configurations that hold a reading beside the joints, from `near` if given."""
     read = measurements.is_read
     if read.all() or not read.any():
-        return _Fitting(options, options.build(mechanism, measurements)).run(near)
+        return _Fitting(options, _build(mechanism, measurements, options)).run(near)
     some = None if near is None else near.subset(read)
-    found = _Fitting(options, options.build(mechanism, measurements.subset(read))).run(some)
+    found = _Fitting(options, _build(mechanism, measurements.subset(read), options)).run(some)
     numbers = np.flatnonzero(read)
     return replace(
         found,
@@ -257,38 +195,32 @@ class _Fitting:
     are tried again at the estimate.
     """
 
-    def __init__(self, options: _Options, problem: CalibrationProblem) -> None:
+    def __init__(self, options: CalibrateOptions, problem: CalibrationProblem) -> None:
         self.options, self.problem = options, problem
-        self.notes: list[str] = []
 
     def run(self, near: StartValues | None) -> Fit:
         p = self._start_parameters() if near is None else near.p
-        solved = (
-            start_configurations(self.problem, p, seed=self.options.seed)
-            if near is None
-            else self._solve_from(near)
-        )
+        solved = self._solve(p, near)
         if not solved.solved.any():
             raise InputError(
                 f"{self.problem.mechanism.name}: the direct problem of no posture has a solution "
-                f"at the start geometry; check units, signs "
-                "and the order of joints, or give starts"
+                f"at the start geometry; check units, signs and the order of joints, or give starts"
             )
         if near is None:
             p = fit_measuring_frames(self.problem, solved.z, p, solved.solved)
             m = self.problem.measurements.subset(solved.solved)
             refuse_undetermined(self.problem.model, solved.z[solved.solved], m.joints, p)
         part = self._solved_part(solved)
-        result = self._estimate(part, solved, p)
+        result = self._estimate(part, solved.z[solved.solved], p)
         if not solved.solved.all():
             again, p = self._solve_again(result), result.state.p
             if again.solved.sum() > solved.solved.sum():
                 solved, part = again, self._solved_part(again)
-                result = self._estimate(part, solved, p)
-        result = self._by_lines(part, result)
-        if self.options.loss != "squared" and result.status == "ok":
-            result = robust_estimate(part, result.state.p, result.state.z, self.options.loss).result
-            self.notes.append(loss_note(self.options.loss))
+                result = self._estimate(part, solved.z[solved.solved], p)
+        result, loss = self._by_lines(part, result), self.options["loss"]
+        robust = loss != "squared" and result.status == "ok"
+        if robust:
+            result = robust_estimate(part, result.state.p, result.state.z, loss).result
         rows_z = part.model.rows(solved.z[solved.solved], part.measurements.joints, p)[1]
         return Fit(
             problem=replace(part, widened=result.widened),
@@ -296,22 +228,19 @@ class _Fitting:
             used=np.flatnonzero(solved.solved),
             unsolved=np.flatnonzero(~solved.solved),
             start_signs=determinant_signs(rows_z),
-            notes=tuple(self.notes),
-            loss=self.options.loss,
-            any_machine=self.options.any_machine,
+            notes=(loss_note(loss),) if robust else (),
+            loss=loss,
+            any_machine=self.options["any_machine"],
         )
 
-    def _estimate(
-        self, part: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray
-    ) -> Estimate:
-        z, limit = solved.z[solved.solved], self.options.max_iterations
-        return estimate(part, z, p=p, max_iterations=limit)
+    def _estimate(self, part: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> Estimate:
+        return estimate(part, z, p=p, max_iterations=self.options["max_iterations"])
 
     def _by_lines(self, part: CalibrationProblem, result: Estimate) -> Estimate:
         """Fit an arm with nearly parallel axes by its lines, and go on from there, where its table
         alone does not explain the readings; the better of both.
         """
-        arm, m, limit = part.mechanism, part.measurements, self.options.max_iterations
+        arm, m = part.mechanism, part.measurements
         whole = set(dh_names(arm)) <= set(part.names)
         if part.is_stated or not whole or not has_nearly_parallel_axes(arm):
             return result
@@ -320,13 +249,12 @@ class _Fitting:
         if result.status == "ok" and explained:
             return result
         lines = lines_problem(part)
-        z = solve_configurations(lines.model, m, lines.model.nominal).z
-        found = estimate(lines, z, max_iterations=limit)
+        nominal = lines.model.nominal
+        found = self._estimate(lines, solve_configurations(lines.model, m, nominal).z, nominal)
         p = table_of_lines(part, lines, found.state.p)
         change = (p - part.model.nominal) / part.model.scales / part.prior
         wide = replace(part, widened=max(1.0, float(np.max(np.abs(change), initial=0.0))))
-        z = solve_configurations(part.model, m, p).z
-        other = estimate(wide, z, p=p, max_iterations=limit)
+        other = self._estimate(wide, solve_configurations(part.model, m, p).z, p)
         better = other.status == "ok" and (other.state.cost < cost or result.status != "ok")
         return replace(other, iterations=found.iterations + other.iterations) if better else result
 
@@ -339,35 +267,29 @@ class _Fitting:
             return model.nominal
         return start
 
-    def _solve_from(self, near: StartValues) -> SolvedConfigurations:
+    def _solve(self, p: np.ndarray, near: StartValues | None) -> SolvedConfigurations:
         """Solve the direct problems from where an earlier fit has left them; configurations that it
         had not begin where they would without it.
         """
-        begun = first_points(self.problem.model, self.problem.measurements, near.p)
-        return self._solve_roughly(
-            near.p, self.options.seed, np.where(np.isnan(near.z), begun, near.z)
-        )
+        if near is None:
+            return start_configurations(self.problem, p, seed=self.options["seed"])
+        begun = first_points(self.problem.model, self.problem.measurements, p)
+        return self._solve_roughly(p, 0, np.where(np.isnan(near.z), begun, near.z))
 
     def _solve_again(self, result: Estimate) -> SolvedConfigurations:
         """Solve the direct problems at an estimate; near their starts, whatever mode they end in,
         where it did not converge.
         """
-        if result.status == "ok":
-            return start_configurations(self.problem, result.state.p, seed=self.options.seed + 1)
-        return self._solve_roughly(result.state.p, self.options.seed + 1)
+        if result.status != "ok":
+            return self._solve_roughly(result.state.p, 1)
+        return start_configurations(self.problem, result.state.p, seed=self.options["seed"] + 1)
 
     def _solve_roughly(
-        self, p: np.ndarray, seed: int, z: np.ndarray | None = None
+        self, p: np.ndarray, more: int, z: np.ndarray | None = None
     ) -> SolvedConfigurations:
-        problem = self.problem
-        return solve_configurations(
-            problem.model,
-            problem.measurements,
-            p,
-            z=z,
-            seed=seed,
-            tolerance=ROUGHLY_SOLVED_TOLERANCE,
-        )
+        model, m, seed = self.problem.model, self.problem.measurements, self.options["seed"] + more
+        tolerance = ROUGHLY_SOLVED_TOLERANCE
+        return solve_configurations(model, m, p, z=z, seed=seed, tolerance=tolerance)
 
     def _solved_part(self, solved: SolvedConfigurations) -> CalibrationProblem:
         """Build the problem of the configurations that are solved."""
@@ -376,7 +298,7 @@ class _Fitting:
             return problem
         some = problem.measurements.subset(solved.solved)
         try:
-            return self.options.build(problem.mechanism, some)
+            return _build(problem.mechanism, some, self.options)
         except NothingReadError:
             raise InputError(
                 f"{problem.mechanism.name}: the direct problem of only {len(some)} of "

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
-from typing import Any, TypeVar
+from typing import Any, Unpack
 
 import numpy as np
 
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.data.files import DataFile
-from symkin.calibration.data.measurements import Distance, Measurements, Reading
+from symkin.calibration.data.measurements import Measurements, Reading
 from symkin.calibration.data.observables import is_angular, observables_named
 from symkin.calibration.data.parameters import (
     MEASURING_FRAMES,
@@ -21,35 +21,24 @@ from symkin.calibration.data.parameters import (
     parameter_names,
 )
 from symkin.calibration.estimate.problem import default_parameters
-from symkin.calibration.judge.diagnoses import diagnose, diagnose_labels, nominal_misfit
-from symkin.calibration.judge.euler_sequence import diagnose_sequence, find_sequence
+from symkin.calibration.judge.euler_sequence import find_sequence
 from symkin.calibration.judge.holdout import draw_held_out, held_out_count, predict_held_out
-from symkin.calibration.judge.plausibility import (
-    is_beyond_noise,
-    rejection_reason,
-)
+from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels, nominal_misfit
+from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE
 from symkin.calibration.judge.pose_accuracy import predict_pose_sigma
 from symkin.calibration.judge.result import Calibration
+from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions
 from symkin.calibration.report import FitReport
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.text import first_of, meant, printable
+from symkin.verb_options import takes
 
 ALL_PARAMETERS = "all"
 """The pattern that stands for every parameter that moves poses."""
 _MAX_LISTED_NAMES = 12
 """Most names that a message lists."""
-_MANY_OUTLIERS = 0.2
-"""More readings left out than this share of the postures are looked at as a mistake of the file."""
-_READING_NAMES = {
-    "group": "groups",
-    "inclination": "inclinations",
-    "position": "positions",
-    "orientation": "orientations",
-    "distance": "distances",
-}
-"""Readings by the keys of their standard deviations."""
 _SIGMA_KEYS = {
     "joint": "joint",
     "point": "position",
@@ -59,9 +48,6 @@ _SIGMA_KEYS = {
     "distance": "distance",
 }
 """Keys of standard deviations that hold for observables of each kind, too."""
-_Single = TypeVar("_Single", Distance, Reading)
-LEAST_CHANGE = "least"
-"""Frames chosen by the least change from nominal."""
 
 
 class NotFittedError(InputError):
@@ -71,26 +57,21 @@ class NotFittedError(InputError):
 
     def __init__(self, message: str, suspicions: tuple[str, ...]) -> None:
         super().__init__(f"NOT BELIEVABLE, nothing was fitted: {suspicions[0]} ({message})")
-        self.message = message
-        self.suspicions = suspicions
+        self.message, self.suspicions = message, suspicions
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle with both arguments, so that a process pool hands the error on."""
         return type(self), (self.message, self.suspicions)
 
 
+@takes(FileOptions)
 def fit_file(
     mechanism: Mechanism,
     data: DataFile,
     *,
-    parameters: str | None = None,
-    hold: str | None = None,
-    frames: str = LEAST_CHANGE,
     sigmas: Mapping[str, np.ndarray | float] | None = None,
-    hold_out: str | None = None,
     command: str = "",
-    seed: int = 0,
-    **options: Any,
+    **options: Unpack[FileOptions],
 ) -> FitReport:
     """Fit a data file and judge the fit.
 
@@ -98,8 +79,7 @@ def fit_file(
     `hold` matches keep their nominal values. `frames` is "least" or "joints:..." (see
     `frame_names`). `sigmas` are standard deviations by kind of reading, for what the file leaves
     out; `hold_out` is how many configurations (`20`, `20%`) are only predicted. `command` is what
-    the report says was run, `seed` that of random starts and draws; other `options` are those of
-    `calibrate`.
+    the report says was run; other `options` are those of `calibrate`.
 
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be
     fitted.
@@ -108,43 +88,67 @@ def fit_file(
         data.measurements.check(mechanism)
     except InputError as error:
         raise InputError(f"{data.path}: {error}") from None
-    patterns = ALL_PARAMETERS if parameters is None else parameters
-    read = data.measurements.observed
-    names, fixed = _chosen_names(mechanism, read, patterns, hold, frames)
+    read, seed = data.measurements.observed, options["seed"]
+    patterns = ALL_PARAMETERS if options["parameters"] is None else options["parameters"]
+    names = match_parameters(mechanism, patterns, read)
+    fixed = _held(mechanism, read, names, options)
     notes = (*data.notes, *_note_left_out(mechanism, patterns, names, read))
     data = replace(data, notes=notes).without_copies()
     data = replace(data, measurements=with_sigmas(mechanism, data, sigmas or {}))
-    data, kept_back = _hold_out(data, hold_out, seed)
-    task = _FileFit(mechanism, data, {**options, "parameters": names, "fixed": fixed})
-    fit = task.fit(seed)
-    mistakes = task.mistakes(fit)
-    refused = rejection_reason(fit, task.nominal_misfit(fit), mistakes)
-    sequence = "" if task.choice is None else task.choice.sequence
+    data, kept_back = _hold_out(data, options["hold_out"], seed)
+    choice, sequence = None, ""
+    if data.open_euler is not None:
+        form = options["residual"]
+        choice = find_sequence(mechanism, data, parameters=names, fixed=fixed, residual=form)
+        sequence = choice.sequence
+    placed = [n for n in names if n in MEASURING_FRAMES and n not in fixed]
+    case = Case.of(mechanism, data, sequence, placed)
+    every: dict[str, Any] = {key: options[key] for key in FitOptions.__annotations__}  # type: ignore[literal-required]
+    try:
+        fit = calibrate(mechanism, case.measurements, parameters=names, fixed=fixed, **every)
+    except InputError as error:
+        if mistakes := diagnose(case):
+            raise NotFittedError(f"{data.path}: {error}", mistakes) from None
+        raise InputError(f"{data.path}: {error}") from None
+    held_out = None
+    if kept_back is not None:
+        held_out = predict_held_out(fit, kept_back.with_sequence(sequence), seed)
     return FitReport(
         fit=fit,
         data=data.path,
         command=command,
-        sequence=task.choice,
-        suspicions=mistakes,
+        sequence=choice,
+        suspicions=_mistakes(case, fit),
         notes=data.notes,
         sigma=predict_pose_sigma(fit, seed),
-        refusal=refused,
-        held_out=None
-        if kept_back is None
-        else predict_held_out(fit, kept_back.with_sequence(sequence), seed),
+        at_nominal=0.0 if fit.sound else nominal_misfit(case),
+        held_out=held_out,
     )
 
 
-def _chosen_names(
-    mechanism: Mechanism, read: tuple[str, ...], patterns: str, hold: str | None, frames: str
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Name the parameters to identify, and those among them that keep their values; `read` is what
-    is read beside the platform.
+def _mistakes(case: Case, fit: Calibration) -> tuple[str, ...]:
+    """Find mistakes of the file that may explain a fit which is not believable, or which went far
+    from the file's geometry.
     """
-    names = match_parameters(mechanism, patterns, read)
-    fixed = () if hold is None else _match_patterns(mechanism, hold, read)
-    fixed = tuple(dict.fromkeys((*fixed, *frame_names(mechanism, frames))))
-    return names, tuple(name for name in fixed if name in names)
+    spoilt = {o.configuration for o in fit.outliers}
+    doubtful = len(spoilt) > MAX_OUTLIER_SHARE * len(fit.measurements)
+    doubtful |= fit.identifiability.drowned.shape[1] > 0
+    if fit.believable and not fit.is_noticeable and not doubtful:
+        return ()
+    found = diagnose(case)
+    return found if found or (fit.sound and not doubtful) else diagnose_labels(case)
+
+
+def _held(
+    mechanism: Mechanism, read: tuple[str, ...], names: Sequence[str], options: FileOptions
+) -> tuple[str, ...]:
+    """Name those of the parameters to identify that keep their values; `read` is what is read
+    beside the platform.
+    """
+    hold = options["hold"]
+    held = () if hold is None else _match_patterns(mechanism, hold, read)
+    fixed = dict.fromkeys((*held, *frame_names(mechanism, options["frames"])))
+    return tuple(name for name in fixed if name in names)
 
 
 def _hold_out(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile, DataFile | None]:
@@ -157,91 +161,32 @@ def _hold_out(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile
     return data.subset(np.flatnonzero(~held)), data.subset(np.flatnonzero(held))
 
 
-class _FileFit:
-    """Fit a file's readings, in the Euler sequence that was found where the header names none, and
-    what may be wrong with them; `options` are those of `calibrate`.
-    """
-
-    def __init__(self, mechanism: Mechanism, data: DataFile, options: dict[str, Any]) -> None:
-        self.mechanism, self.data, self.options = mechanism, data, options
-        self.choice = (
-            find_sequence(mechanism, data, **options) if data.open_euler is not None else None
-        )
-        self.measurements = (
-            data.measurements if self.choice is None else data.with_sequence(self.choice.sequence)
-        )
-        self.frames = tuple(
-            n for n in options["parameters"] if n in MEASURING_FRAMES and n not in options["fixed"]
-        )
-
-    def fit(self, seed: int) -> Calibration:
-        try:
-            return calibrate(self.mechanism, self.measurements, seed=seed, **self.options)
-        except InputError as error:
-            mistakes = (
-                diagnose(self.mechanism, self.measurements, self.frames) or self._wrong_sequence()
-            )
-            if not mistakes:
-                raise InputError(f"{self.data.path}: {error}") from None
-            raise NotFittedError(f"{self.data.path}: {error}", mistakes) from None
-
-    def mistakes(self, fit: Calibration) -> tuple[str, ...]:
-        """Find mistakes of the file that may explain a fit which is not believable, or which went
-        far from the file's geometry.
-        """
-        doubtful = len(fit.outliers) > _MANY_OUTLIERS * len(fit.measurements)
-        doubtful |= fit.identifiability.drowned.shape[1] > 0
-        if fit.believable and not fit.is_noticeable and not doubtful:
-            return ()
-        found = diagnose(self.mechanism, self.measurements, self.frames)
-        if found or (fit.sound and not doubtful):
-            return found
-        found = diagnose_labels(self.mechanism, self.measurements)
-        return (
-            self._wrong_sequence()
-            if not found and (fit.status != "ok" or is_beyond_noise(fit))
-            else found
-        )
-
-    def nominal_misfit(self, fit: Calibration) -> float:
-        """Compute the misfit of the nominal geometry, 0 where the fit is believable and nothing is
-        compared with it.
-        """
-        return 0.0 if fit.sound else nominal_misfit(self.mechanism, self.measurements, self.frames)
-
-    def _wrong_sequence(self) -> tuple[str, ...]:
-        return diagnose_sequence(self.mechanism, self.data, self.options)
-
-
 def with_sigmas(
     mechanism: Mechanism, data: DataFile, sigmas: Mapping[str, np.ndarray | float]
 ) -> Measurements:
     """Add standard deviations (keys joint, group, ...) that the file does not give."""
     m = data.measurements
+    kinds = {o.name: o.kind for o in observables_named(mechanism, m.observed)}
     for key, value in sigmas.items():
-        if key != "joint" and not _is_read(mechanism, data, key):
-            refuse_ignored({f"--sigma-{key}": value}, f"{data.path} holds no {_READING_NAMES[key]}")
-        others = tuple(
-            o.name for o in observables_named(mechanism, m.observed) if _SIGMA_KEYS[o.kind] == key
-        )
-        m = replace(
-            m,
-            readings=[
-                _with_sigma(data, r, _of_joints(mechanism, value, r)) if r.name in others else r
-                for r in m.readings
-            ],
-        )
-        if key == "distance":
-            m = replace(m, distances=[_with_sigma(data, d, float(value)) for d in m.distances])
-            continue
-        if key not in ("joint", "group") and getattr(m, key) is None and not _is_euler(data, key):
-            continue
-        if m.sigma(key) is not None:
+        own = key == "joint" or getattr(m, "groups" if key == "group" else key, None) is not None
+        own |= key == "orientation" and data.open_euler is not None
+        read = [r for r in m.readings if _SIGMA_KEYS[kinds[r.name]] == key]
+        distances = [d for d in m.distances if key == "distance"]
+        if not (own or read or distances):
+            refuse_ignored({f"--sigma-{key}": value}, f"{data.path} holds no {key}s")
+        stated = [r.name for r in read if r.sigma is not None]
+        stated += [d.name for d in distances if d.sigma is not None]
+        stated += [f"{key} readings"] if own and m.sigma(key) is not None else []
+        if stated:
             raise InputError(
-                f"{data.path}: the standard deviation of {key} readings stands in the file; leave "
-                f"the option out"
+                f"{data.path}: the standard deviation of {stated[0]} stands in the file; leave the "
+                f"option out"
             )
-        m = replace(m, **{f"{key}_sigma": value})  # type: ignore[arg-type]
+        given = {r.name: replace(r, sigma=_of_joints(mechanism, value, r)) for r in read}
+        changes: dict[str, Any] = {f"{key}_sigma": value} if own else {}
+        if distances:
+            changes["distances"] = [replace(d, sigma=float(value)) for d in distances]
+        m = replace(m, readings=[given.get(r.name, r) for r in m.readings], **changes)
     return m
 
 
@@ -249,45 +194,16 @@ def _of_joints(mechanism: Mechanism, value: np.ndarray | float, reading: Reading
     """Choose the standard deviation of a reading; of joints it is by kind, as that of the actuated
     ones.
     """
-    if np.ndim(value) == 0:
-        return float(value)
     angular = is_angular(mechanism, reading.name)
-    like = [
-        float(v)
-        for v, c in zip(np.asarray(value), mechanism.actuated, strict=True)
-        if c.is_angular == angular
-    ]
+    each = np.broadcast_to(value, len(mechanism.actuated)) if np.ndim(value) else [value]
+    kinds = [c.is_angular for c in mechanism.actuated] if np.ndim(value) else [angular]
+    like = [float(v) for v, its in zip(each, kinds, strict=True) if its == angular]
     if not like:
         raise InputError(
             f"--sigma-joints: it says nothing of {reading.name}; give its column "
             f"sigma_{reading.name}"
         )
     return like[0]
-
-
-def _is_read(mechanism: Mechanism, data: DataFile, key: str) -> bool:
-    """Tell whether the file holds readings of a kind (group, inclination, position, orientation,
-    distance).
-    """
-    m = data.measurements
-    if any(_SIGMA_KEYS[o.kind] == key for o in observables_named(mechanism, m.observed)):
-        return True
-    if key == "distance":
-        return bool(m.distances)
-    return _is_euler(data, key) or getattr(m, "groups" if key == "group" else key) is not None
-
-
-def _is_euler(data: DataFile, key: str) -> bool:
-    return key == "orientation" and (data.euler is not None or data.open_euler is not None)
-
-
-def _with_sigma(data: DataFile, d: _Single, value: float) -> _Single:
-    if d.sigma is not None:
-        raise InputError(
-            f"{data.path}: the standard deviation of {d.name} stands in the file; leave the option "
-            f"out"
-        )
-    return replace(d, sigma=value)
 
 
 def match_parameters(
@@ -315,7 +231,7 @@ def _match_patterns(mechanism: Mechanism, patterns: str, read: tuple[str, ...]) 
             raise InputError(
                 f"parameter {pattern!r} matches nothing of "
                 f"{mechanism.name}{meant(pattern, known)}; allowed: {ALL_PARAMETERS}, "
-                f"{_list_names(known)}, and patterns "
+                f"{first_of(known, _MAX_LISTED_NAMES)}, and patterns "
                 "such as 'leg*.base.*'"
             )
         wanted |= found
@@ -346,23 +262,6 @@ def _note_left_out(
         f"not identified, bound by the {mechanism.motion} motion of the platform: "
         f"{first_of(missing)}; to identify them, declare the "
         "motion spatial",
-    )
-
-
-def _list_names(names: Sequence[str]) -> str:
-    """List some names of each beginning and end, from which the rest can be guessed."""
-    if len(names) <= _MAX_LISTED_NAMES:
-        return ", ".join(names)
-    endings = dict.fromkeys(".".join(name.split(".")[1:]) for name in names)
-    begins = list(dict.fromkeys(name.split(".")[0] for name in names))
-    kinds = [
-        next(n for n in names if n.split(".", 1)[1:] == [ending])
-        for ending in list(endings)[:_MAX_LISTED_NAMES]
-        if ending
-    ]
-    more = len(begins) - _MAX_LISTED_NAMES
-    return f"{', '.join(kinds)}, ... of {', '.join(begins[:_MAX_LISTED_NAMES])}" + (
-        f" and {more} more" if more > 0 else ""
     )
 
 

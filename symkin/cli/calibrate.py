@@ -7,29 +7,16 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from symkin.calibration.options import FileOptions
 from symkin.cli.calibrate_design import plan, simulate
 from symkin.cli.calibrate_folder import check_folder, write_fit, write_unfitted
-from symkin.cli.calibrate_options import (
-    AnyMachineOption,
-    DataArgument,
-    DistanceOption,
-    ForceOption,
-    HoldOption,
-    HoldOutOption,
-    Loss,
-    Method,
-    Outliers,
-    PatternOption,
-    Residual,
-    SigmaOption,
-    ToleranceOption,
-)
-from symkin.cli.help import HELP_NAMES, HOW, OUTPUT, Group, add_command
-from symkin.cli.options import MechArgument, SeedOption, choice
+from symkin.cli.calibrate_options import MEASURES, DataArgument, ForceOption, Sigmas
+from symkin.cli.help import HELP_NAMES, OUTPUT, Group, add_command
+from symkin.cli.options import MechArgument
 from symkin.cli.quantities import distance_points, joint_quantities, quantity, tolerances
 from symkin.cli.reading import loaded, reads_robots
 from symkin.cli.streams import print_text
@@ -64,48 +51,8 @@ def fit(
             rich_help_panel=OUTPUT,
         ),
     ],
-    parameters: PatternOption = None,
-    hold: HoldOption = None,
-    frames: Annotated[
-        str,
-        typer.Option(
-            metavar="least|joints:...",
-            help="Frames that no reading tells: least change, or joints:P1,P2,P3/B1,B2.",
-            rich_help_panel=HOW,
-        ),
-    ] = "least",
-    method: Annotated[
-        Method,
-        choice(Method, "--method", "Names of before: all mean nested now.", HOW),
-    ] = Method.nested,
-    residual: Annotated[
-        Residual, choice(Residual, "--residual", "How groups and joint noise enter.", HOW)
-    ] = Residual.means,
-    outliers: Annotated[
-        Outliers,
-        choice(Outliers, "--outliers", "What to do with readings that do not belong.", HOW),
-    ] = Outliers.remove,
-    loss: Annotated[
-        Loss,
-        choice(
-            Loss,
-            "--loss",
-            "How far readings count that are far off: in full, or less the farther (robust, with "
-            "a note on figures).",
-            HOW,
-        ),
-    ] = Loss.squared,
-    sigma_joints: SigmaOption = None,
-    sigma_group: SigmaOption = None,
-    sigma_inclination: SigmaOption = None,
-    sigma_position: SigmaOption = None,
-    sigma_orientation: SigmaOption = None,
-    distance: DistanceOption = None,
-    sigma_distance: SigmaOption = None,
-    hold_out: HoldOutOption = None,
-    tolerance: ToleranceOption = None,
-    any_machine: AnyMachineOption = False,
-    seed: SeedOption = 0,
+    options: FileOptions,
+    sigmas: Sigmas,
     force: ForceOption = False,
 ) -> None:
     """Identify the geometry: DIR/NAME.toml, report.json, report.md and pictures. Exit status 3: not
@@ -116,39 +63,23 @@ def fit(
 
     mechanism = loaded(mech, read)
     check_folder(output, mech, mechanism, force=force)
-    given = {
-        "group": sigma_group,
-        "inclination": sigma_inclination,
-        "orientation": sigma_orientation,
+    ends = distance_points(sigmas["distance"], mechanism)
+    given: dict[str, Any] = {
+        kind: quantity(text, measure, mechanism, f"sigma-{kind}")
+        for kind, measure in MEASURES.items()
+        if (text := sigmas[f"sigma_{kind}"]) is not None  # type: ignore[literal-required]
     }
-    sigmas = {
-        k: quantity(v, "angle", mechanism, f"sigma-{k}") for k, v in given.items() if v is not None
-    }
-    lengths = {"position": sigma_position, "distance": sigma_distance}
-    sigmas |= {
-        k: quantity(v, "length", mechanism, f"sigma-{k}")
-        for k, v in lengths.items()
-        if v is not None
-    }
-    if sigma_joints is not None:
-        sigmas["joint"] = joint_quantities(sigma_joints, mechanism, "sigma-joints")  # type: ignore[assignment]
+    if sigmas["sigma_joints"] is not None:
+        given["joint"] = joint_quantities(sigmas["sigma_joints"], mechanism, "sigma-joints")
+    told: Any = options["tolerance"]
+    options["tolerance"] = None if told is None else tolerances(told, mechanism)
     try:
         report = fit_file(
             mechanism,
-            read_measurements(data, mechanism, distance_points(distance, mechanism)),
-            parameters=parameters,
-            hold=hold,
-            frames=frames,
-            sigmas=sigmas,
+            read_measurements(data, mechanism, ends),
+            sigmas=given,
             command=shlex.join(["symkin", *sys.argv[1:]]),
-            seed=seed,
-            method=method.value,
-            residual=residual.value.replace("-", " "),
-            outliers=outliers.value,
-            loss=loss.value,
-            tolerance=None if tolerance is None else tolerances(tolerance, mechanism),
-            any_machine=any_machine,
-            hold_out=hold_out,
+            **options,
         )
     except NotFittedError as error:
         write_unfitted(mechanism, data, error, output)

@@ -5,34 +5,27 @@ those worth taking.
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from symkin.cli.calibrate_options import (
-    BoxOption,
+    MEASURES,
+    AllNoise,
     CriterionName,
     CsvOption,
-    DistanceOption,
     ForceOption,
     GroupsOption,
-    NoiseDistance,
-    NoiseGroup,
-    NoiseInclination,
-    NoiseJoints,
-    NoiseOrientation,
-    NoisePosition,
+    Noise,
     PatternOption,
     PosturesOption,
     RandomGroupsOption,
     RandomPosturesOption,
     ReadingsOption,
     Shape,
-    SpinOption,
-    TiltOption,
+    Space,
 )
 from symkin.cli.help import HOW, OUTPUT, POSTURES, READINGS
 from symkin.cli.options import MechArgument, SeedOption, check_output, choice
@@ -51,7 +44,7 @@ from symkin.formats.read_options import ReadOptions
 from symkin.ignored_options import refuse_ignored
 
 if TYPE_CHECKING:
-    from symkin.calibration.design.simulation import Noise
+    from symkin.calibration.design import simulation
     from symkin.calibration.estimate.workspace import Workspace
     from symkin.model.mechanism import Mechanism
 
@@ -59,8 +52,10 @@ _LIMIT_MARGIN = 0.02
 """Share of each joint's range that a plan keeps free at its limits: the true geometry is not the
 nominal one.
 """
-_DEFAULT_ANGULAR_NOISE = "0.001deg"
-"""Standard deviation of angular readings where none is given."""
+_ANGULAR_NOISE, _LENGTH_NOISE, _JOINT_NOISE = "0.001deg", 1e-5, 1e-6
+"""Standard deviation of angular readings where none is given, of lengths and of the lengths of
+joints over the size.
+"""
 _DEFAULT_CONFIGURATIONS = 40
 """Random postures that are simulated where no count is given."""
 _DEFAULT_RANGE = "20deg"
@@ -72,6 +67,8 @@ def simulate(
     mech: MechArgument,
     read: ReadOptions,
     output: CsvOption,
+    noise: AllNoise,
+    space: Space,
     postures: RandomPosturesOption = None,
     groups: RandomGroupsOption = None,
     readings: ReadingsOption = "",
@@ -91,13 +88,6 @@ def simulate(
             rich_help_panel=POSTURES,
         ),
     ] = None,
-    noise_joints: NoiseJoints = None,
-    noise_group: NoiseGroup = None,
-    noise_inclination: NoiseInclination = None,
-    noise_position: NoisePosition = None,
-    noise_orientation: NoiseOrientation = None,
-    distance: DistanceOption = None,
-    noise_distance: NoiseDistance = None,
     noise_shape: Annotated[
         Shape,
         choice(
@@ -121,9 +111,6 @@ def simulate(
             "--hide-sequence", help="Leave the sequence out of the header.", rich_help_panel=OUTPUT
         ),
     ] = False,
-    box: BoxOption = None,
-    tilt: TiltOption = None,
-    spin: SpinOption = None,
     seed: SeedOption = 0,
     force: ForceOption = False,
 ) -> None:
@@ -134,33 +121,19 @@ def simulate(
 
     from symkin.calibration.data.column_names import DISTANCE
     from symkin.calibration.data.files import measurements_text, read_measurements
-    from symkin.calibration.design.simulation import (
-        group_numbers,
-        planned_configurations,
-        platform_kinds,
-        random_configurations,
-        simulate_readings,
-    )
+    from symkin.calibration.design import simulation
     from symkin.formats.load import is_robot
 
     check_output(output, mech, truth, plan)
     check_own_file(output, force=force)
-    mechanism = loaded(mech, read)
-    true = mechanism
+    mechanism = true = loaded(mech, read)
     if truth is not None:
         # a robot's file is read as MECH is
         true = loaded(truth, read if is_robot(Path(truth)) else ReadOptions())
     _check_same_joints(mechanism, true)
-    kinds = _split_names(readings)
-    beside = [*kinds, *(distance or ())]
-    _refuse_unread_noise(mechanism, kinds, noise_inclination, noise_position, noise_orientation)
-    _refuse_unread_drawing(true, plan, postures, groups, box=box, tilt=tilt, spin=spin)
-    if not distance and not any(kind.startswith("distance.") for kind in kinds):
-        refuse_ignored(
-            {"--noise-distance": noise_distance},
-            "no distance is read",
-            "name one with --distance, or with --readings distance.A.B",
-        )
+    kinds, distance = _split_names(readings), noise["distance"] or ()
+    _refuse_unread_noise(mechanism, kinds, noise, distance)
+    _refuse_unread_drawing(true, plan, postures, groups, space)
     if not {"orientation", "pose"} & set(kinds):
         refuse_ignored({"--euler": euler}, "no orientation is read", "name it with --readings")
     if euler is None:
@@ -169,45 +142,29 @@ def simulate(
             "orientations are written as quaternions",
             "name a sequence with --euler",
         )
-    noise = _noise(
-        mechanism,
-        noise_joints,
-        noise_group,
-        noise_inclination,
-        noise_position,
-        noise_orientation,
-        noise_shape,
-    )
-    if noise_distance is not None:
-        noise = replace(
-            noise, distance=noise_quantity(noise_distance, "length", mechanism, "noise-distance")
-        )
+    sigmas = _noise(mechanism, noise, noise_shape)
     rng = np.random.default_rng(_checked_seed(seed))
-    workspace = _workspace(true, box, tilt, spin)
-    if plan is not None:
-        planned = read_measurements(plan, mechanism)
-        _check_anything_read(planned.measurements.groups is not None, beside, noise_group)
-        numbers, made = planned_configurations(
-            workspace, mechanism, planned.measurements, planned.wedges, noise, rng
+    workspace = _workspace(true, space)
+    planned = None if plan is None else read_measurements(plan, mechanism)
+    grouped = bool(groups) if planned is None else planned.measurements.groups is not None
+    _check_anything_read(grouped, [*kinds, *distance], noise["noise_group"])
+    if planned is not None:
+        numbers, made = simulation.planned_configurations(
+            workspace, mechanism, planned.measurements, planned.wedges, sigmas, rng
         )
     else:
-        _check_anything_read(bool(groups), beside, noise_group)
-        platform_kinds(true, kinds, grouped=bool(groups))
-        numbers = group_numbers(
-            _DEFAULT_CONFIGURATIONS if postures is None else postures, groups or 0
-        )
-        made = random_configurations(workspace, numbers, noise, rng)
-    ends = {
-        DISTANCE + name: points for name, points in distance_points(distance, mechanism).items()
-    }
-    measured = simulate_readings(true, made, numbers, kinds, noise, rng, ends)
-    comments = [f"fit with --distance {shlex.quote(text)}" for text in distance or ()]
-    write_own_file(
-        output,
-        measurements_text(
-            mechanism, measured, sequence=euler, hidden=hide_sequence, comments=comments
-        ),
+        simulation.platform_kinds(true, kinds, grouped=grouped)
+        count = _DEFAULT_CONFIGURATIONS if postures is None else postures
+        numbers = simulation.group_numbers(count, groups or 0)
+        made = simulation.random_configurations(workspace, numbers, sigmas, rng)
+    points = distance_points(noise["distance"], mechanism)
+    ends = {DISTANCE + name: pair for name, pair in points.items()}
+    measured = simulation.simulate_readings(true, made, numbers, kinds, sigmas, rng, ends)
+    comments = [f"fit with --distance {shlex.quote(text)}" for text in distance]
+    text = measurements_text(
+        mechanism, measured, sequence=euler, hidden=hide_sequence, comments=comments
     )
+    write_own_file(output, text)
     print(
         f"written: {output}, {len(made)} postures in {len(set(numbers.tolist()) - {-1})} groups, "
         f"seed {seed}"
@@ -219,6 +176,8 @@ def plan(
     mech: MechArgument,
     read: ReadOptions,
     output: CsvOption,
+    noise: Noise,
+    space: Space,
     postures: PosturesOption = 40,
     groups: GroupsOption = 5,
     criterion: Annotated[
@@ -248,19 +207,11 @@ def plan(
             rich_help_panel=HOW,
         ),
     ] = False,
-    noise_joints: NoiseJoints = None,
-    noise_group: NoiseGroup = None,
-    noise_inclination: NoiseInclination = None,
-    noise_position: NoisePosition = None,
-    noise_orientation: NoiseOrientation = None,
-    box: BoxOption = None,
-    tilt: TiltOption = None,
-    spin: SpinOption = None,
     seed: SeedOption = 0,
     force: ForceOption = False,
 ) -> None:
     """Choose postures and wedges that identify the geometry best, and say what they will reach."""
-    from symkin.calibration.design.planning import accuracy_text, plan_measurements, plan_text
+    from symkin.calibration.design.planning import plan_measurements, plan_text
     from symkin.calibration.design.simulation import observed_kinds
     from symkin.calibration.fit_file import match_parameters
 
@@ -268,22 +219,14 @@ def plan(
     check_own_file(output, force=force)
     mechanism = loaded(mech, read)
     kinds = _split_names(readings)
-    _check_anything_read(groups != 0, kinds, noise_group)
-    _refuse_unread_noise(mechanism, kinds, noise_inclination, noise_position, noise_orientation)
-    noise = _noise(
-        mechanism,
-        noise_joints,
-        noise_group,
-        noise_inclination,
-        noise_position,
-        noise_orientation,
-        Shape.normal,
-    )
+    _check_anything_read(groups != 0, kinds, noise["noise_group"])
+    _refuse_unread_noise(mechanism, kinds, noise)
+    sigmas = _noise(mechanism, noise, Shape.normal)
     told = tuple(o.name for o in observed_kinds(mechanism, kinds))
     made = plan_measurements(
-        _workspace(mechanism, box, tilt, spin, _LIMIT_MARGIN),
+        _workspace(mechanism, space, _LIMIT_MARGIN),
         postures,
-        noise,
+        sigmas,
         groups=groups,
         criterion=criterion.value,
         seed=_checked_seed(seed),
@@ -305,8 +248,7 @@ def plan(
             f"note: too few postures; these readings can tell {made.observable} combinations of "
             f"parameters"
         )
-    print(f"expected pose error: {accuracy_text(mechanism, made.accuracy)}")
-    print(f"the same of random postures: {accuracy_text(mechanism, made.random)}")
+    print("\n".join(made.expected("postures")))
     print(f"written: {output}, {len(made.groups)} postures, {criterion.value}-optimal, seed {seed}")
 
 
@@ -314,27 +256,20 @@ def plan(
 
 
 def _refuse_unread_noise(
-    mechanism: Mechanism,
-    readings: Sequence[str],
-    inclination: str | None,
-    position: str | None,
-    orientation: str | None,
+    mechanism: Mechanism, readings: Sequence[str], noise: Noise, distances: Collection[str] = ()
 ) -> None:
     """Refuse the noise of readings that are not taken."""
     from symkin.calibration.design.simulation import observed_kinds
 
-    taken = {
-        "position" if o.kind == "point" else o.kind for o in observed_kinds(mechanism, readings)
-    } | set(readings)
-    for name, noise in {
-        "inclination": inclination,
-        "position": position,
-        "orientation": orientation,
-    }.items():
-        if name not in taken and (name == "inclination" or "pose" not in taken):
-            refuse_ignored(
-                {f"--noise-{name}": noise}, f"no {name} is read", "name it with --readings"
-            )
+    observed = observed_kinds(mechanism, readings)
+    taken = {"position" if o.kind == "point" else o.kind for o in observed} | set(readings)
+    taken |= {"position", "orientation"} if "pose" in readings else set()
+    taken |= {"distance", "group"} if distances else {"group"}
+    for kind in MEASURES:
+        named = "--readings distance.A.B, or --distance" if kind == "distance" else "--readings"
+        if kind not in taken:
+            given = {f"--noise-{kind}": noise.get(f"noise_{kind}")}
+            refuse_ignored(given, f"no {kind} is read", f"name it with {named}")
 
 
 def _refuse_unread_drawing(
@@ -342,73 +277,44 @@ def _refuse_unread_drawing(
     plan: Path | None,
     postures: int | None,
     groups: int | None,
-    *,
-    box: str | None,
-    tilt: str | None,
-    spin: str | None,
+    space: Space,
 ) -> None:
     """Refuse what random postures are drawn by where a plan gives the postures, and a workspace of
     poses where an arm is drawn by its joints.
     """
-    workspace = {"--box": box, "--tilt": tilt, "--spin": spin}
-    if plan is not None:
-        drawn = {"--postures": postures, "--groups": groups, **workspace}
-        refuse_ignored(drawn, "the plan gives the postures and their groups", "leave --plan out")
-    elif _drawn_by_joints(mechanism):
-        unread = {
-            name: value for name, value in workspace.items() if name != "--tilt" or not groups
-        }
-        what = (
-            "a serial arm"
-            if mechanism.serial
-            else f"{mechanism.name}, whose joints carry what they move,"
-        )
-        refuse_ignored(unread, f"postures of {what} are drawn by its joints, within their limits")
-
-
-def _drawn_by_joints(mechanism: Mechanism) -> bool:
     from symkin.calibration.estimate.workspace import Workspace
 
-    return Workspace.about(mechanism).drawn_by_joints
+    ranges = {f"--{name}": value for name, value in space.items()}
+    if plan is not None:
+        drawn = {"--postures": postures, "--groups": groups, **ranges}
+        refuse_ignored(drawn, "the plan gives the postures and their groups", "leave --plan out")
+    elif Workspace.about(mechanism).drawn_by_joints:
+        unread = {name: v for name, v in ranges.items() if name != "--tilt" or not groups}
+        what = f"{mechanism.name}, whose joints carry what they move,"
+        refuse_ignored(
+            unread,
+            f"postures of {'a serial arm' if mechanism.serial else what} are drawn by its joints, "
+            f"within their limits",
+        )
 
 
-def _noise(
-    m: Mechanism,
-    joints: str | None,
-    group: str | None,
-    inclination: str | None,
-    position: str | None,
-    orientation: str | None,
-    shape: Shape,
-) -> Noise:
-    from symkin.calibration.design.simulation import Noise
+def _noise(m: Mechanism, told: Noise, shape: Shape) -> simulation.Noise:
+    from symkin.calibration.design import simulation
 
-    lengths, angles = (
-        1e-6 * m.characteristic_length,
-        quantity(_DEFAULT_ANGULAR_NOISE, "angle", m, "noise-joints"),
-    )
-    if joints is not None:
-        values = joint_quantities(joints, m, "noise-joints")
+    angle = quantity(_ANGULAR_NOISE, "angle", m, "noise-joints")
+    usual = {"angle": angle, "length": _LENGTH_NOISE * m.characteristic_length}
+    sigmas: dict[str, Any] = {kind: usual[measure] for kind, measure in MEASURES.items()}
+    sigmas |= {"lengths": _JOINT_NOISE * m.characteristic_length, "angles": angle}
+    for kind, measure in MEASURES.items():
+        if (text := told.get(f"noise_{kind}")) is not None:
+            sigmas[kind] = noise_quantity(str(text), measure, m, f"noise-{kind}")
+    if told["noise_joints"] is not None:
+        values = joint_quantities(told["noise_joints"], m, "noise-joints")
         for value, c in zip(values, m.actuated, strict=True):
-            check_noise(float(value), "angle" if c.is_angular else "length", m, "noise-joints")
-            lengths, angles = (lengths, float(value)) if c.is_angular else (float(value), angles)
-    return Noise(
-        lengths=lengths,
-        angles=angles,
-        group=noise_quantity(_or_default(group), "angle", m, "noise-group"),
-        inclination=noise_quantity(_or_default(inclination), "angle", m, "noise-inclination"),
-        position=1e-5 * m.characteristic_length
-        if position is None
-        else noise_quantity(position, "length", m, "noise-position"),
-        orientation=noise_quantity(_or_default(orientation), "angle", m, "noise-orientation"),
-        distance=1e-5 * m.characteristic_length,
-        uniform=shape is Shape.uniform,
-    )
-
-
-def _or_default(text: str | None, default: str = _DEFAULT_ANGULAR_NOISE) -> str:
-    """An option's text, or the default where it is not given; an empty one is given."""
-    return default if text is None else text
+            measure = "angle" if c.is_angular else "length"
+            check_noise(float(value), measure, m, "noise-joints")
+            sigmas[f"{measure}s"] = float(value)
+    return simulation.Noise(uniform=shape is Shape.uniform, **sigmas)
 
 
 def _split_names(readings: str) -> list[str]:
@@ -425,29 +331,23 @@ def _check_anything_read(grouped: bool, readings: list[str], noise_group: str | 
     if not grouped and not readings:
         raise InputError(
             "nothing is read beside the joints, and a fit would refuse the file; name --groups, or "
-            "--readings (inclination, "
-            "position, orientation, pose; passive joints, point.NAME, LINK.pose, distance.A.B), or "
-            "distances"
+            "--readings (inclination, position, orientation, pose; passive joints, point.NAME, "
+            "LINK.pose, distance.A.B), or distances"
         )
 
 
-def _workspace(
-    mechanism: Mechanism, box: str | None, tilt: str | None, spin: str | None, margin: float = 0.0
-) -> Workspace:
+def _workspace(mechanism: Mechanism, space: Space, margin: float = 0.0) -> Workspace:
     from symkin.calibration.estimate.workspace import Workspace
 
-    half = (
-        None
-        if box is None
-        else [quantity(part, "length", mechanism, "box") for part in box.split(",")]
+    box = space["box"]
+    half = None
+    if box is not None:
+        half = [quantity(part, "length", mechanism, "box") for part in box.split(",")]
+    tilt, spin = (
+        quantity(_DEFAULT_RANGE if text is None else text, "angle", mechanism, name)
+        for name, text in (("tilt", space["tilt"]), ("spin", space["spin"]))
     )
-    return Workspace.about(
-        mechanism,
-        half,
-        tilt=quantity(_or_default(tilt, _DEFAULT_RANGE), "angle", mechanism, "tilt"),
-        spin=quantity(_or_default(spin, _DEFAULT_RANGE), "angle", mechanism, "spin"),
-        margin=margin,
-    )
+    return Workspace.about(mechanism, half, tilt=tilt, spin=spin, margin=margin)
 
 
 def _checked_seed(seed: int) -> int:
@@ -457,15 +357,12 @@ def _checked_seed(seed: int) -> int:
 
 
 def _check_same_joints(mechanism: Mechanism, true: Mechanism) -> None:
-    ours, theirs = ([(c.name, c.kind) for c in m.actuated] for m in (mechanism, true))
-    if (
-        ours != theirs
-        or mechanism.length_unit != true.length_unit
-        or mechanism.angle_unit != true.angle_unit
-    ):
+    ours, theirs = (
+        f"({', '.join(c.name for c in m.actuated)}; {m.length_unit}, {m.angle_unit})"
+        for m in (mechanism, true)
+    )
+    if ours != theirs or [c.kind for c in mechanism.actuated] != [c.kind for c in true.actuated]:
         raise InputError(
-            f"--truth {true.name}: its actuated joints ({', '.join(n for n, _ in theirs)}; "
-            f"{true.length_unit}, {true.angle_unit}) are not those "
-            f"of {mechanism.name} ({', '.join(n for n, _ in ours)}; {mechanism.length_unit}, "
-            f"{mechanism.angle_unit})"
+            f"--truth {true.name}: its actuated joints {theirs} are not those of {mechanism.name} "
+            f"{ours}"
         )

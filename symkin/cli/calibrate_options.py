@@ -4,36 +4,12 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, TypedDict
 
 import typer
 
 from symkin.cli.help import HOW, OUTPUT, POSTURES, READINGS
 from symkin.cli.options import whole_number
-
-
-class Method(StrEnum):
-    nested = "nested"
-    lifted = "lifted"
-    ipopt = "ipopt"
-
-
-class Residual(StrEnum):
-    means = "means"
-    differences = "differences"
-    likelihood = "maximum-likelihood"
-
-
-class Loss(StrEnum):
-    squared = "squared"
-    huber = "huber"
-    cauchy = "cauchy"
-
-
-class Outliers(StrEnum):
-    remove = "remove"
-    report = "report"
-    ignore = "ignore"
 
 
 class CriterionName(StrEnum):
@@ -100,90 +76,6 @@ ReadingsOption = Annotated[
         rich_help_panel=READINGS,
     ),
 ]
-BoxOption = Annotated[
-    str | None,
-    typer.Option(
-        metavar="DX,DY,DZ",
-        help="Half widths of the workspace about the reference. Default: 0.15 of the size.",
-        rich_help_panel=POSTURES,
-    ),
-]
-TiltOption = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ANGLE",
-        help="Range of alpha and beta about the reference. Default: 20deg.",
-        rich_help_panel=POSTURES,
-    ),
-]
-SpinOption = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ANGLE", help="Range of the turn about z. Default: 20deg.", rich_help_panel=POSTURES
-    ),
-]
-NoiseJoints = Annotated[
-    str | None,
-    typer.Option(
-        metavar="SIGMA",
-        help=(
-            "Standard deviation of joint readings, as in 2um or 2um,0.001deg. Default: 1e-6 of "
-            "the size, 0.001deg."
-        ),
-        rich_help_panel=READINGS,
-    ),
-]
-NoiseGroup = Annotated[
-    str | None,
-    typer.Option(
-        metavar="SIGMA",
-        help=(
-            "Standard deviation of equality in a group (inclinometer's repeatability). "
-            "Default: 0.001deg."
-        ),
-        rich_help_panel=READINGS,
-    ),
-]
-NoiseInclination = Annotated[
-    str | None,
-    typer.Option(
-        metavar="SIGMA",
-        help="Standard deviation of inclination readings. Default: 0.001deg.",
-        rich_help_panel=READINGS,
-    ),
-]
-NoisePosition = Annotated[
-    str | None,
-    typer.Option(
-        metavar="SIGMA",
-        help="Standard deviation of positions. Default: 1e-5 of the size.",
-        rich_help_panel=READINGS,
-    ),
-]
-NoiseOrientation = Annotated[
-    str | None,
-    typer.Option(
-        metavar="SIGMA",
-        help="Standard deviation of orientations. Default: 0.001deg.",
-        rich_help_panel=READINGS,
-    ),
-]
-SigmaOption = Annotated[
-    str | None,
-    typer.Option(
-        metavar="SIGMA",
-        help="Standard deviation where the file has no sigma_ columns.",
-        rich_help_panel=READINGS,
-    ),
-]
-HoldOption = Annotated[
-    str | None,
-    typer.Option(
-        metavar="A,B,...",
-        help="Parameters that keep their nominal values: names or patterns.",
-        rich_help_panel=HOW,
-    ),
-]
 PatternOption = Annotated[
     str | None,
     typer.Option(
@@ -192,25 +84,6 @@ PatternOption = Annotated[
             "Names or patterns such as 'leg*.base.*'; all (default): every parameter that "
             "moves poses."
         ),
-        rich_help_panel=HOW,
-    ),
-]
-ToleranceOption = Annotated[
-    str | None,
-    typer.Option(
-        metavar="LENGTH,ANGLE",
-        help=(
-            "Manufacturing tolerances, as in 1mm,0.1deg: standard deviations about the file's "
-            "geometry, weighed against the noise."
-        ),
-        rich_help_panel=HOW,
-    ),
-]
-AnyMachineOption = Annotated[
-    bool,
-    typer.Option(
-        "--any-machine",
-        help="Write the geometry even where it is another machine than the file describes.",
         rich_help_panel=HOW,
     ),
 ]
@@ -226,14 +99,6 @@ DistanceOption = Annotated[
         rich_help_panel=READINGS,
     ),
 ]
-NoiseDistance = Annotated[
-    str | None,
-    typer.Option(
-        metavar="SIGMA",
-        help="Standard deviation of distances. Default: 1e-5 of the size.",
-        rich_help_panel=READINGS,
-    ),
-]
 ForceOption = Annotated[
     bool,
     typer.Option(
@@ -242,11 +107,86 @@ ForceOption = Annotated[
         rich_help_panel=OUTPUT,
     ),
 ]
-HoldOutOption = Annotated[
-    str | None,
-    typer.Option(
-        metavar="N|PERCENT",
-        help="Postures, as in 20 or 20%, drawn with --seed, that are not fitted but predicted.",
-        rich_help_panel=HOW,
-    ),
-]
+
+
+def _sigma(text: str) -> Any:
+    return typer.Option(metavar="SIGMA", help=text, rich_help_panel=READINGS)
+
+
+_ANGULAR, _LENGTH = " Default: 0.001deg.", " Default: 1e-5 of the size."
+_MISSING = _sigma("Standard deviation where the file has no sigma_ columns.")
+
+
+class Noise(TypedDict):
+    """Options of the noise of readings."""
+
+    noise_joints: Annotated[
+        str | None,
+        _sigma(
+            "Standard deviation of joint readings, as in 2um or 2um,0.001deg. Default: 1e-6 of the "
+            "size, 0.001deg."
+        ),
+    ]
+    noise_group: Annotated[
+        str | None,
+        _sigma(
+            "Standard deviation of equality in a group (inclinometer's repeatability)." + _ANGULAR
+        ),
+    ]
+    noise_inclination: Annotated[
+        str | None, _sigma("Standard deviation of inclination readings." + _ANGULAR)
+    ]
+    noise_position: Annotated[str | None, _sigma("Standard deviation of positions." + _LENGTH)]
+    noise_orientation: Annotated[
+        str | None, _sigma("Standard deviation of orientations." + _ANGULAR)
+    ]
+
+
+class AllNoise(Noise):
+    """The same, and of distances."""
+
+    distance: DistanceOption
+    noise_distance: Annotated[str | None, _sigma("Standard deviation of distances." + _LENGTH)]
+
+
+class Sigmas(TypedDict):
+    """Options for standard deviations that the file leaves out."""
+
+    sigma_joints: Annotated[str | None, _MISSING]
+    sigma_group: Annotated[str | None, _MISSING]
+    sigma_inclination: Annotated[str | None, _MISSING]
+    sigma_position: Annotated[str | None, _MISSING]
+    sigma_orientation: Annotated[str | None, _MISSING]
+    distance: DistanceOption
+    sigma_distance: Annotated[str | None, _MISSING]
+
+
+def _range(metavar: str, text: str) -> Any:
+    return typer.Option(metavar=metavar, help=text, rich_help_panel=POSTURES)
+
+
+class Space(TypedDict):
+    """Options of the workspace that postures are drawn from."""
+
+    box: Annotated[
+        str | None,
+        _range(
+            "DX,DY,DZ",
+            "Half widths of the workspace about the reference. Default: 0.15 of the size.",
+        ),
+    ]
+    tilt: Annotated[
+        str | None,
+        _range("ANGLE", "Range of alpha and beta about the reference. Default: 20deg."),
+    ]
+    spin: Annotated[str | None, _range("ANGLE", "Range of the turn about z. Default: 20deg.")]
+
+
+MEASURES = {
+    "group": "angle",
+    "inclination": "angle",
+    "orientation": "angle",
+    "position": "length",
+    "distance": "length",
+}
+"""What readings are, by the ends of their options' names."""

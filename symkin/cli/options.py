@@ -8,8 +8,9 @@ import json
 import re
 from collections.abc import Callable
 from enum import StrEnum
+from inspect import Parameter
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_type_hints
 
 import typer
 
@@ -19,6 +20,7 @@ from symkin.cli.streams import print_text
 from symkin.errors import InputError
 from symkin.model.written_number import whole, written_number
 from symkin.text import not_among, shown
+from symkin.verb_options import Option
 
 
 def whole_number(text: str) -> int:
@@ -64,6 +66,34 @@ def choice(kind: type[StrEnum], option: str, text: str, group: str) -> Any:
         help=text,
         rich_help_panel=group,
     )
+
+
+def record_options(record: type) -> list[Parameter]:
+    """The options of a verb's record that have help, and those of a command's own record, which are
+    none by default.
+    """
+    found = []
+    for name, hint in get_type_hints(record, include_extras=True).items():
+        told = hint.__metadata__[0]
+        if not isinstance(told, Option):
+            found.append(Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=hint))
+        elif told.help:
+            kind = _annotated(name, hint.__origin__, told)
+            found.append(
+                Parameter(name, Parameter.KEYWORD_ONLY, default=told.default, annotation=kind)
+            )
+    return found
+
+
+def _annotated(name: str, kind: Any, option: Option) -> Any:
+    flag, text = f"--{name.replace('_', '-')}", option.help
+    if option.words:
+        make: Callable[..., Any] = StrEnum
+        words = make("words", {word: word.replace(" ", "-") for word in option.words})
+        return Annotated[words, choice(words, flag, text, HOW)]
+    read = whole_number if kind is int else None
+    told = typer.Option(flag, metavar=option.metavar, parser=read, help=text, rich_help_panel=HOW)
+    return Annotated[kind if kind in (bool, int) else str | None, told]
 
 
 MechArgument = Annotated[

@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints, is_typeddict
 
 import typer
 
 from symkin.cli.help import ROBOT_FILES
+from symkin.cli.options import record_options
 from symkin.cli.streams import say
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
@@ -77,18 +79,24 @@ _OPTIONS: dict[str, Any] = {
 
 def reads_robots(command: Callable[..., Any]) -> Callable[..., Any]:
     """Give a command the options of how a robot's file is read; they reach it as `read`, a
-    `ReadOptions`.
+    `ReadOptions`. Options of a record (a TypedDict) stand in the place of the parameter whose type
+    it is, and reach it as one.
     """
+    own, hints = inspect.signature(command).parameters, get_type_hints(command, include_extras=True)
+    if "read" not in own:
+        raise TypeError(f"{command.__name__} has no parameter `read`")
+    records = {name: record_options(hints[name]) for name in own if is_typeddict(hints[name])}
 
     def with_options(*values: Any, **named: Any) -> Any:
         told = {key: named.pop(key) for key in _OPTIONS}
+        for name, options in records.items():
+            named[name] = {p.name: _word(named.pop(p.name)) for p in options}
         return command(*values, read=_read_options(**told), **named)
 
-    own = inspect.signature(command).parameters
-    if "read" not in own:
-        raise TypeError(f"{command.__name__} has no parameter `read`")
-    hints = get_type_hints(command, include_extras=True)
-    kept = [p.replace(annotation=hints[p.name]) for p in own.values() if p.name != "read"]
+    kept: list[inspect.Parameter] = []
+    for name, p in own.items():
+        if name != "read":
+            kept += records.get(name, [p.replace(annotation=hints[name], kind=p.KEYWORD_ONLY)])
     added = [
         inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
         for key, kind in _OPTIONS.items()
@@ -97,6 +105,11 @@ def reads_robots(command: Callable[..., Any]) -> Callable[..., Any]:
     with_options.__annotations__ = {p.name: p.annotation for p in (*kept, *added)}
     with_options.__signature__ = inspect.Signature([*kept, *added])  # type: ignore[attr-defined]
     return with_options
+
+
+def _word(value: Any) -> Any:
+    """The word that a choice stands for."""
+    return value.name if isinstance(value, StrEnum) else value
 
 
 def loaded(mech: str, read: ReadOptions) -> Mechanism:

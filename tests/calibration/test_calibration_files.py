@@ -16,6 +16,7 @@ from helpers import inside
 from helpers.csv_cells import rewritten
 from helpers.inside import (
     SEQUENCES,
+    Case,
     Noise,
     Workspace,
     diagnose,
@@ -286,7 +287,7 @@ def test_the_euler_sequence_that_fits_is_found(tmp_path, sequence, rows):
     choice = find_sequence(wrong, data)
     assert choice.sequence == sequence
     assert choice.clear
-    assert choice.runner_up_chi_square > 100 * choice.chi_square
+    assert choice.second.chi_square > 100 * choice.best.chi_square
     report = fit_file(wrong, data, any_machine=True)
     assert report.believable, report.verdict
     assert report.fit.rank == 42
@@ -315,8 +316,8 @@ def test_slips_are_suspected(measured, slip, word):
         position_sigma=None,
         orientation_sigma=None,
     )
-    assert diagnose(NOMINAL, grouped) == ()
-    assert word in diagnose(NOMINAL, replace(grouped, joints=slip(grouped.joints)))[0]
+    assert diagnose(Case(NOMINAL, grouped)) == ()
+    assert word in diagnose(Case(NOMINAL, replace(grouped, joints=slip(grouped.joints))))[0]
 
 
 def test_patterns_name_parameters():

@@ -4,6 +4,8 @@ leave rows to the parameters.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -19,6 +21,7 @@ from helpers.inside import (
     simulate_readings,
     write_measurements,
 )
+from helpers.samples import three_rrr
 from symkin import InputError, calibrate
 
 
@@ -157,3 +160,18 @@ def test_what_a_motion_binds_is_left_out_and_said(tmp_path):
         match="leave it out of the parameters to identify, hold it, or declare the motion spatial",
     ):
         fit_file(mechanism, data, parameters="left.crank1.axis.x,left.elbow1.point.x")
+
+
+@pytest.mark.parametrize("turned", [True, False])
+def test_a_planar_machine_is_not_told_of_frames_beside_its_plane(turned):
+    """All three coordinates of a planar platform are read: heights and tilts, which no reading
+    tells and no use asks, are no advice; the turn about the plane's normal, where it is not read,
+    is.
+    """
+    mechanism = three_rrr("planar")
+    data = measured(mechanism, ("pose",), Noise(position=1e-3, orientation=1e-5))
+    position = data.position * [1.0, 1.0, np.nan]
+    data = replace(data, position=position, orientation=data.orientation if turned else None)
+    found = calibrate(mechanism, data).identifiability
+    assert "base frame translation z" in found.unobservable
+    assert any("frames are free" in text for text in found.advice) is not turned

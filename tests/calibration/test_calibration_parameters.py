@@ -6,24 +6,24 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
 
 import symkin
 from helpers.inside import (
+    RULES,
+    Case,
     Noise,
     Workspace,
-    best_column_order,
     bound_by_motion,
     build_closure,
     default_parameters,
+    diagnose,
     fit_file,
     group_numbers,
     main,
     match_parameters,
-    nominal_misfit,
     random_configurations,
     read_measurements,
     simulate_readings,
@@ -261,9 +261,10 @@ def test_order_and_signs_of_columns_are_found_together(tmp_path):
         file_of(tmp_path, mechanism, ("pose",), tilt=0.0), mechanism
     ).measurements
     joints = np.column_stack([data.joints[:, 1], -data.joints[:, 2], data.joints[:, 0]])
-    text, put_right = best_column_order(
-        mechanism, replace(data, joints=joints), partial(nominal_misfit, mechanism)
-    )
+    case = Case(mechanism, replace(data, joints=joints))
+    rule = next(rule for rule in RULES if rule.mistake.startswith("joint columns in another order"))
+    ((text, put_right),) = rule.find(case)
+    assert text in diagnose(case)[0]
     assert (
         "the columns slide1, slide2, slide3 look exchanged: they seem to hold slide2, slide3, "
         "slide1" in text

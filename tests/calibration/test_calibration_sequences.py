@@ -12,7 +12,7 @@ import pytest
 import symkin
 from helpers.inside import (
     Noise,
-    SequenceTrial,
+    Trial,
     Workspace,
     find_sequence,
     fit_file,
@@ -110,11 +110,11 @@ def test_the_sequence_is_not_stated_where_nothing_fits(tmp_path, pool):
 @pytest.mark.parametrize(
     ("best", "second", "clear"),
     [
-        (SequenceTrial(30.0, 30, True), SequenceTrial(3e6, 30, True), True),
-        (SequenceTrial(0.01, 2, True), SequenceTrial(2.5, 2, True), False),
-        (SequenceTrial(30.0, 30, True), SequenceTrial(45.0, 30, True), False),
-        (SequenceTrial(1e-9, 40, False), SequenceTrial(1e-3, 40, False), True),
-        (SequenceTrial(1e-3, 1, False), SequenceTrial(1.0, 1, False), False),
+        (Trial(30.0, 30, True), Trial(3e6, 30, True), True),
+        (Trial(0.01, 2, True), Trial(2.5, 2, True), False),
+        (Trial(30.0, 30, True), Trial(45.0, 30, True), False),
+        (Trial(1e-9, 40, False), Trial(1e-3, 40, False), True),
+        (Trial(1e-3, 1, False), Trial(1.0, 1, False), False),
     ],
 )
 def test_a_choice_is_clear_where_noise_cannot_make_the_difference(best, second, clear):

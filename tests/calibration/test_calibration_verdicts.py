@@ -5,6 +5,7 @@ slips of files are named.
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import replace
 from itertools import pairwise
@@ -298,6 +299,30 @@ def test_a_sequence_named_wrongly_is_told(tmp_path, poses):
     assert said.startswith("NOT ")
     assert "look to be of another sequence than ZYX" in said
     assert "XZX about moving axes" in said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("hidden", [False, True], ids=["ZYX named", "no sequence named"])
+def test_euler_angles_in_radians_are_told(tmp_path, poses, hidden):
+    """Radians under a header that says degrees: the unit is named, whether the sequence is stated
+    or sought.
+    """
+    path = tmp_path / "data.csv"
+    write_measurements(path, NOMINAL, poses, sequence="ZYX", hidden=hidden)
+
+    def in_radians(header, rows):
+        for k, name in enumerate(header):
+            for row in rows if name.startswith("euler_") else ():
+                row[k] = repr(math.radians(float(row[k])))
+
+    try:
+        report = fit_file(NOMINAL, read_measurements(rewritten(path, in_radians), NOMINAL))
+    except NotFittedError as nothing:
+        said = str(nothing)
+    else:
+        assert not report.usable
+        said = report.verdict
+    assert "the Euler angles look radians taken for degrees" in said
 
 
 # --- picture --------------------------------------------------------------------------------------

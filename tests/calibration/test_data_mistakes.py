@@ -21,6 +21,8 @@ from helpers.inside import (
     Workspace,
     diagnose,
     diagnose_labels,
+    euler_from_quaternion,
+    quaternion_from_euler,
     random_configurations,
     simulate_readings,
 )
@@ -70,7 +72,7 @@ MISTAKES = {
         "the posture never changes",
     ),
     "all joints of a kind in another unit": (with_joints(lambda q: 1e3 * q), "too large"),
-    "one joint in another unit than the others": (
+    "one joint in another unit": (
         with_joints(column_times(2, 1e-3)),
         "leg3 look a factor of 1000 too small",
     ),
@@ -100,15 +102,28 @@ MISTAKES = {
         with_joints(lambda q: q[:, [1, 2, 0, 3, 4, 5]]),
         "they seem to hold leg2, leg3, leg1",
     ),
-    "position columns in another order": (
+    "two position columns exchanged": (
         positions_only(lambda x: x[:, [2, 1, 0]]),
         "the columns x and z look exchanged",
+    ),
+    "position columns in another order": (
+        positions_only(lambda x: x[:, [1, 2, 0]]),
+        "x, y, z seem to stand in z, x, y",
     ),
     "the sign of a position column reversed": (
         positions_only(column_times(2, -1.0)),
         "the sign of z looks reversed",
     ),
 }
+
+
+EULER_MISTAKES = {
+    "Euler angles in another unit": ("ZYX", np.radians, "Euler angles look radians taken for"),
+    "Euler angles of another sequence": ("XZX", np.copy, "XZX about moving axes"),
+}
+"""The sequence of the angles, what is done to them, and what is said of them under the header
+ZYX.
+"""
 
 
 LINKAGE = symkin.load("stephenson_six_bar")
@@ -128,7 +143,7 @@ def with_readings(change):
 
 
 MISTAKES_OF_ENCODERS = {
-    "the sign of a passive joint's encoder reversed": (
+    "the sign of an encoder reversed": (
         with_readings(lambda read: [read[0], replace(read[1], values=-read[1].values)]),
         "the sign of output looks reversed",
     ),
@@ -141,7 +156,7 @@ MISTAKES_OF_ENCODERS = {
         ),
         "the columns rocker and output look exchanged",
     ),
-    "readings of joints, points and links in another unit": (
+    "a reading in another unit": (
         with_readings(lambda read: [replace(read[0], values=np.degrees(read[0].values)), read[1]]),
         "the readings of rocker look",
     ),
@@ -167,37 +182,56 @@ def arm() -> Measurements:
 
 
 def test_right_positions_of_an_arm_are_not_suspected(arm: Measurements) -> None:
-    assert diagnose(ARM, arm) == ()
+    assert diagnose(Case(ARM, arm)) == ()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mistake", MISTAKES_OF_ARMS)
 def test_a_mistake_of_an_arms_joints_is_named_by_its_rule(arm: Measurements, mistake: str) -> None:
     """Radians that spread as degrees may, so that the readings alone do not show them."""
-    assert_named(ARM, arm, mistake, *MISTAKES_OF_ARMS[mistake])
+    spoil, words = MISTAKES_OF_ARMS[mistake]
+    assert_named(Case(ARM, spoil(arm)), mistake, words)
 
 
-def assert_named(machine, right, mistake, spoil, words) -> None:
+def assert_named(case, mistake, words) -> None:
     """The spoilt readings are said to have the mistake, in a sentence of its own rule."""
-    spoilt = spoil(right)
-    said = diagnose(machine, spoilt)
+    said = diagnose(case)
     assert any(words in sentence for sentence in said), said
     rule = next(rule for rule in RULES if rule.mistake == mistake)
-    assert any(words in sentence for sentence, _ in rule.find(Case(machine, spoilt)))
+    assert any(words in sentence for sentence, _ in rule.find(case))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mistake", EULER_MISTAKES)
+def test_a_mistake_of_euler_angles_is_named_by_its_rule(poses: Measurements, mistake: str) -> None:
+    """Angles that the header says to be degrees of ZYX, and are not; right ones are not
+    suspected.
+    """
+    sequence, spoil, words = EULER_MISTAKES[mistake]
+    assert diagnose(case_of_angles(poses, "ZYX", "ZYX", np.copy)) == ()
+    assert_named(case_of_angles(poses, sequence, "ZYX", spoil), mistake, words)
+
+
+def case_of_angles(m: Measurements, sequence: str, header: str, spoil) -> Case:
+    """Angles of a sequence, spoilt, and read in that of the header."""
+    angles = spoil(np.array(euler_from_quaternion(m.orientation.T, sequence))).T
+    read = np.array(quaternion_from_euler(angles.T, header)).T
+    return Case(MACHINE, replace(m, orientation=read), euler=angles, sequence=header)
 
 
 def test_right_encoders_are_not_suspected(encoders: Measurements) -> None:
-    assert diagnose(LINKAGE, encoders) == ()
+    assert diagnose(Case(LINKAGE, encoders)) == ()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mistake", MISTAKES_OF_ENCODERS)
 def test_a_mistake_of_encoders_is_named_by_its_rule(encoders: Measurements, mistake: str) -> None:
-    assert_named(LINKAGE, encoders, mistake, *MISTAKES_OF_ENCODERS[mistake])
+    spoil, words = MISTAKES_OF_ENCODERS[mistake]
+    assert_named(Case(LINKAGE, spoil(encoders)), mistake, words)
 
 
 def test_right_readings_are_not_suspected(poses: Measurements) -> None:
-    assert diagnose(MACHINE, poses) == ()
+    assert diagnose(Case(MACHINE, poses)) == ()
 
 
 def test_every_rule_of_the_table_has_a_case_here() -> None:
@@ -205,6 +239,7 @@ def test_every_rule_of_the_table_has_a_case_here() -> None:
         *MISTAKES,
         *MISTAKES_OF_ENCODERS,
         *MISTAKES_OF_ARMS,
+        *EULER_MISTAKES,
     }
     assert sum(rule.stage is Stage.LABELS for rule in RULES) == 1
 
@@ -213,7 +248,8 @@ def test_every_rule_of_the_table_has_a_case_here() -> None:
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_is_named_by_its_rule(poses: Measurements, mistake: str) -> None:
     """The sentence is one of the rule's own, and is said of the file."""
-    assert_named(MACHINE, poses, mistake, *MISTAKES[mistake])
+    spoil, words = MISTAKES[mistake]
+    assert_named(Case(MACHINE, spoil(poses)), mistake, words)
 
 
 def test_a_wrong_label_of_a_group_is_named() -> None:
@@ -223,10 +259,10 @@ def test_a_wrong_label_of_a_group_is_named() -> None:
     noise = Noise(group=1e-4)
     made = random_configurations(Workspace.about(MACHINE), groups, noise, rng, wedges)
     data = simulate_readings(MACHINE, made, groups, (), noise, rng)
-    assert diagnose_labels(MACHINE, data) == ()
+    assert diagnose_labels(Case(MACHINE, data)) == ()
     wrong = groups.copy()
     wrong[4] = 2
     assert (
         "posture 5 looks to be in the wrong group"
-        in diagnose_labels(MACHINE, replace(data, groups=wrong))[0]
+        in diagnose_labels(Case(MACHINE, replace(data, groups=wrong)))[0]
     )

@@ -5,6 +5,7 @@ against random ones.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -28,8 +29,8 @@ from helpers.inside import (
     reading_slopes,
     simulate_readings,
 )
-from helpers.samples import delta, three_rps
-from symkin import InputError, Pose, calibrate, plan_measurements
+from helpers.samples import delta, five_bar, three_rps
+from symkin import InputError, Measurements, Pose, calibrate, plan_measurements
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 NOISE = Noise(lengths=2e-6 / math.sqrt(12), group=math.radians(0.001) / math.sqrt(12), uniform=True)
@@ -306,3 +307,23 @@ def test_a_plan_counts_what_a_fit_counts(count):
         rng, groups = np.random.default_rng(0), np.full(len(made), NO_GROUP)
         read = simulate_readings(machine, made, groups, ("position",), noise, rng)
         assert calibrate(machine, read).rank == rank
+
+
+def test_what_a_fit_refuses_is_neither_simulated_nor_planned():
+    """A five-bar with one motor of two: readings, plan and fit are refused in the same sentence."""
+    limbs = [
+        replace(limb, joints=[replace(j, actuated=j.actuated and k == 0) for j in limb.joints])
+        for k, limb in enumerate(five_bar().limbs)
+    ]
+    mechanism = replace(five_bar(), limbs=limbs, motion="planar")
+    rng, groups = np.random.default_rng(0), group_numbers(10, 0)
+    noise = Noise(angles=1e-4, position=1e-4, orientation=1e-4)
+    made = random_configurations(Workspace.about(mechanism), groups, noise, rng)
+    read = Measurements(made.joints, position=made.poses[:, :3], orientation=made.poses[:, 3:])
+    for refused in (
+        lambda: simulate_readings(mechanism, made, groups, ("pose",), noise, rng),
+        lambda: plan_measurements(mechanism, 5, noise, groups=0, readings=["pose"]),
+        lambda: calibrate(mechanism, read),
+    ):
+        with pytest.raises(InputError, match="do not determine the pose"):
+            refused()

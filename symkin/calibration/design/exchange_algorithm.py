@@ -154,9 +154,10 @@ class ExchangeSearch:
         return chosen
 
     def best_wedges(self, count: int, groups: int) -> set[int]:
-        """Choose the wedges when only `groups` of them may be used: the best of several beginnings,
-        then one exchanged for another while that helps. A set is worth what a greedy choice with
-        one pass of exchanges makes of it.
+        """Choose the wedges when only `groups` of them may be used: the best of three
+        beginnings (those that a choice among all uses most, least, the first), then one exchanged
+        for another while that helps. A set is worth what a greedy choice with one pass of exchanges
+        makes of it.
         """
         if not self.wedges:
             return {-1}
@@ -174,14 +175,10 @@ class ExchangeSearch:
                 )
             return worth[key]
 
-        best = min(
-            (
-                self._fewer(count, groups),
-                set(range(groups)),
-                set(range(self.wedges - groups, self.wedges)),
-            ),
-            key=value,
-        )
+        used = self.candidates.wedge[self.greedy(count, everything)]
+        most = np.argsort(-np.bincount(used, minlength=self.wedges), kind="stable")
+        ends = (most, most[::-1], range(self.wedges))
+        best = min((set(list(map(int, end))[:groups]) for end in ends), key=value)
         improved = True
         while improved and len(worth) < _MAX_WEDGE_SETS:
             trials = [
@@ -191,22 +188,3 @@ class ExchangeSearch:
             improved = value(trial) < value(best)
             best = trial if improved else best
         return best
-
-    def _fewer(self, count: int, groups: int) -> set[int]:
-        """Eliminate wedges backwards: the one whose configurations determine least goes, again and
-        again.
-        """
-        allowed = set(range(self.wedges))
-        while len(allowed) > groups:
-            chosen = self.greedy(count, allowed)
-            used = {int(self.candidates.wedge[k]) for k in chosen}
-            unused = sorted(allowed - used)
-            if unused:
-                allowed = allowed - {unused[-1]}
-                continue
-            costs = {
-                w: self.value(self.covariance([k for k in chosen if self.candidates.wedge[k] != w]))
-                for w in sorted(used)
-            }
-            allowed = allowed - {min(costs, key=lambda w: costs[w])}
-        return allowed

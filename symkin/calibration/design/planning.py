@@ -43,6 +43,7 @@ from symkin.calibration.estimate.workspace import Workspace, lever
 from symkin.calibration.judge.departure import less_frames
 from symkin.calibration.judge.identifiability import told_rank
 from symkin.calibration.judge.pose_accuracy import pose_slopes
+from symkin.calibration.judge.result import length_and_angle
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
@@ -84,6 +85,14 @@ class Accuracy:
     rank: int
     parameters: int
 
+    def text(self, m: Mechanism) -> str:
+        """Write the errors in the mechanism's units."""
+        worst = length_and_angle(m, self.worst_position, self.worst_angle)
+        return (
+            f"rms {length_and_angle(m, self.position, self.angle)}; largest of {_TEST_POSES} test "
+            f"poses in 95 % of calibrations {worst}"
+        )
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plan(Result):
@@ -112,24 +121,27 @@ class Plan(Result):
             [str(k), g, *(f"{v:.6g}" for v in q)]
             for k, (g, q) in enumerate(zip(groups, self._joints, strict=True), start=1)
         ]
-        shown = rows[:most_rows]
-        left = (
-            [f"the first {len(shown)} of {len(rows)} configurations"]
-            if len(shown) < len(rows)
-            else []
-        )
-        accuracy = [
-            f"expected pose error: {accuracy_text(m, self.accuracy)}",
-            f"the same of random configurations: {accuracy_text(m, self.random)}",
-        ]
-        head = (
-            f"plan for {m.name}: {len(rows)} configurations, {self.criterion}-optimal, seed "
-            f"{self.seed}"
-        )
         titles = [
             f"{c.name} [{m.angle_unit if c.is_angular else m.length_unit}]" for c in m.actuated
         ]
-        return Summary([head], ["#", "group", *titles], shown, [*left, *accuracy])
+        shown = rows[:most_rows]
+        left = [f"the first {len(shown)} of {len(rows)} configurations"]
+        notes = [*left[: len(shown) < len(rows)], *self.expected("configurations")]
+        return Summary([self.head("configurations")], ["#", "group", *titles], shown, notes)
+
+    def head(self, what: str) -> str:
+        """Say what was planned."""
+        return (
+            f"plan for {self.mechanism.name}: {len(self.groups)} {what}, "
+            f"{self.criterion}-optimal, seed {self.seed}"
+        )
+
+    def expected(self, what: str) -> list[str]:
+        """Say what errors are expected of the plan, and of as many random postures."""
+        return [
+            f"expected pose error: {self.accuracy.text(self.mechanism)}",
+            f"the same of random {what}: {self.random.text(self.mechanism)}",
+        ]
 
     @property
     def _joints(self) -> list[list[float]]:
@@ -271,11 +283,8 @@ def plan_measurements(
 
 def _noise_by_name(values: Mapping[str, float]) -> Noise:
     allowed = [f.name for f in fields(Noise)]
-    unknown = [name for name in values if name not in allowed]
-    if unknown:
-        raise InputError(
-            f"noise: {', '.join(map(repr, unknown))} is unknown; allowed: {', '.join(allowed)}"
-        )
+    if unknown := ", ".join(repr(name) for name in values if name not in allowed):
+        raise InputError(f"noise: {unknown} is unknown; allowed: {', '.join(allowed)}")
     return Noise(**values)  # type: ignore[arg-type]
 
 
@@ -483,21 +492,4 @@ def plan_text(plan: Plan) -> str:
         table.number(c.name, plan.configurations.joints[:, k], measure_of(c))
     for k, name in enumerate(WEDGE if len(plan.wedges) else ()):
         table.number(name, plan.wedges[plan.groups, k], "angle")
-    comments = [
-        f"plan for {plan.mechanism.name}: {len(plan.groups)} postures, {plan.criterion}-optimal, "
-        f"seed {plan.seed}",
-        f"expected pose error: {accuracy_text(plan.mechanism, plan.accuracy)}",
-        f"the same of random postures: {accuracy_text(plan.mechanism, plan.random)}",
-    ]
-    return table.csv(comments)
-
-
-def accuracy_text(mechanism: Mechanism, accuracy: Accuracy) -> str:
-    """Write predicted errors in the mechanism's units."""
-    length, angle = mechanism.length_unit, mechanism.angle_unit
-    return (
-        f"rms {accuracy.position:.3g} {length} and {mechanism.angle_out(accuracy.angle):.3g} "
-        f"{angle}; largest of 200 test poses in "
-        f"95 % of calibrations {accuracy.worst_position:.3g} {length} and "
-        f"{mechanism.angle_out(accuracy.worst_angle):.3g} {angle}"
-    )
+    return table.csv([plan.head("postures"), *plan.expected("postures")])

@@ -5,15 +5,16 @@ deviations.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP
-from symkin.calibration.design.simulation import Noise, simulate_readings
-from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import ClosedConfigurations, refuse_undetermined
-from symkin.calibration.estimate.residuals import build_readings, whitening
+from symkin.calibration.design.simulation import READING_CHOICES, Noise, simulate_readings
+from symkin.calibration.estimate.configurations import ClosedConfigurations
+from symkin.calibration.estimate.problem import build_calibration
+from symkin.calibration.estimate.residuals import whitening
+from symkin.calibration.estimate.state import evaluate_at, joint_covariance_at
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
@@ -46,32 +47,27 @@ def reading_slopes(
     quiet = np.random.default_rng(0)
     groups = np.zeros(len(made), dtype=int) if grouped else np.full(len(made), NO_GROUP)
     taken = simulate_readings(mechanism, made, groups, readings, noise, quiet)
-    for kind in ("group", "inclination", "position", "orientation"):
-        present = grouped if kind == "group" else getattr(taken, kind) is not None
-        if present and taken.sigma(kind) is None:
+    stated = {r.name: r.sigma for r in taken.readings}
+    for kind, key in (("group", "groups"), *((k, k) for k in READING_CHOICES[:3])):
+        if getattr(taken, key) is not None:
+            stated[f"{kind} readings"] = taken.sigma(kind)
+    for name, sigma in stated.items():
+        if sigma is None:
             raise InputError(
-                f"the standard deviation of {kind} readings is zero or not given; a plan needs it"
+                f"the standard deviation of {name} is zero or not given; a plan needs it"
             )
-    for reading in taken.readings:
-        if reading.sigma is None:
-            raise InputError(
-                f"the standard deviation of {reading.name} is zero or not given; a plan needs it"
-            )
-    model = build_model(mechanism, taken, names)
-    values, weights = build_readings(model, taken), noise.joints(mechanism)
-    count = len(mechanism.actuated)
-    z = np.ascontiguousarray(
-        many_elsewhere(model.closure, build_closure(mechanism), made.values)[:, count:]
-    )
-    refuse_undetermined(model, z, made.joints, model.nominal)
-    quaternions = np.hstack([made.poses[:, 3:], taken.quaternions[:, 4:]])
-    e = model.evaluate(z, made.joints, model.nominal, quaternions)
-    by_joint = model.joint_slopes(e, z, made.joints, model.nominal, quaternions) * weights
-    slopes = e.readings_p + e.readings_z @ e.following
+    # slopes at the configurations themselves
+    read = None if taken.orientation is None else made.poses[:, 3:]
+    taken = replace(taken, joints=made.joints, orientation=read)
+    problem = build_calibration(mechanism, taken, parameters=names)
+    model, closure = problem.model, build_closure(mechanism)
+    values = many_elsewhere(model.closure, closure, made.values)
+    z, p = np.ascontiguousarray(values[:, made.joints.shape[1] :]), model.nominal
+    found = evaluate_at(problem, p, z).slopes, joint_covariance_at(problem, p, z)
     # two inclinations have no slopes where the platform's z axis lies level: such a configuration
     # is offered as one that tells nothing
-    told = np.all(np.isfinite(by_joint), axis=(1, 2)) & np.all(np.isfinite(slopes), axis=(1, 2))
-    by_joint, slopes = (np.where(told[:, None, None], values, 0.0) for values in (by_joint, slopes))
-    whiten = whitening(values, by_joint @ by_joint.transpose(0, 2, 1))
-    basis = whiten[:, :, values.grouped] if grouped else np.zeros((*whiten.shape[:2], 0))
+    told = np.all([np.all(np.isfinite(v), axis=(1, 2)) for v in found], axis=0)
+    slopes, of_joints = (np.where(told[:, None, None], v, 0.0) for v in found)
+    whiten = whitening(problem.readings, of_joints)
+    basis = whiten[:, :, problem.readings.grouped if grouped else []]
     return ReadingSlopes(whiten @ slopes, basis)

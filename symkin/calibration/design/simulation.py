@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,13 +16,18 @@ from symkin.calibration.data.observables import (
     unknown_observable,
 )
 from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import ClosedConfigurations, solve_configurations
+from symkin.calibration.estimate.configurations import (
+    ClosedConfigurations,
+    refuse_undetermined,
+    solve_configurations,
+)
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.closure.closure import build_closure
 from symkin.closure.link_poses import joint_readings, link_poses
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.readings import points_at
+from symkin.position.transfer import many_elsewhere
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import euler_from_quaternion, multiply, quaternion_from_rotation_vector
 
@@ -62,19 +68,10 @@ class Noise:
         """Standard deviation of each actuated joint (a,)."""
         return np.array([self.angles if c.is_angular else self.lengths for c in mechanism.actuated])
 
-    def of(self, observable: Observable) -> float:
-        """Standard deviation of the readings of an observable."""
-        match observable.kind:
-            case "joint":
-                return self.angles if observable.angular else self.lengths
-            case "point" | "position":
-                return self.position
-            case "orientation":
-                return self.orientation
-            case "inclination":
-                return self.inclination
-            case _:
-                return self.distance
+    def of(self, kind: str, *, angular: bool = True) -> float:
+        """Standard deviation of the readings of a kind; of joints those of angles or lengths."""
+        others = {"point": "position", "joint": "angles" if angular else "lengths"}
+        return float(getattr(self, others.get(kind, kind)))
 
 
 def platform_kinds(
@@ -204,63 +201,53 @@ def simulate_readings(
     of the platform (see `READING_CHOICES`) and names of observables (see `data.observables`),
     `distances` points of the platform and of the base by the names of their columns.
     """
-    own = platform_kinds(mechanism, readings, grouped=bool(np.any(groups != NO_GROUP)))
-    kinds = {
-        part
-        for kind in own
-        for part in (("position", "orientation") if kind == "pose" else (kind,))
-    }
-    count, joint_sigma = len(true), noise.joints(mechanism)
     grouped = bool(np.any(groups != NO_GROUP))
-    made = Measurements(
-        true.joints + noise.draw(joint_sigma, true.joints.shape, rng),
-        groups=groups if grouped else None,
-        joint_sigma=joint_sigma if np.any(joint_sigma) else None,
-        group_sigma=noise.group if noise.group and grouped else None,
-    )
-    if "inclination" in kinds:
-        alpha, beta, _ = euler_from_quaternion(true.poses[:, 3:].T, "xyz")
-        read_as = np.column_stack([alpha, beta]) + noise.draw(noise.inclination, (count, 2), rng)
-        made = replace(made, inclination=read_as, inclination_sigma=noise.inclination or None)
-    if "position" in kinds:
-        read_as = true.poses[:, :3] + noise.draw(noise.position, (count, 3), rng)
-        made = replace(made, position=read_as, position_sigma=noise.position or None)
-    if "orientation" in kinds:
-        turn = quaternion_from_rotation_vector(noise.draw(noise.orientation, (3, count), rng))
-        read_as = np.asarray(multiply(true.poses[:, 3:].T, turn)).T
-        made = replace(made, orientation=read_as, orientation_sigma=noise.orientation or None)
-    for name, (platform, base) in (distances or {}).items():
-        ends = np.array([Pose(row[:3], row[3:]).apply(np.array(platform)) for row in true.poses])
-        values = np.linalg.norm(ends - np.array(base), axis=1) + noise.draw(
-            noise.distance, (count,), rng
-        )
-        made = replace(
-            made,
-            distances=(
-                *made.distances,
-                Distance(
-                    platform=platform,
-                    base=base,
-                    values=values,
-                    sigma=noise.distance or None,
-                    name=name,
-                ),
-            ),
-        )
+    own = platform_kinds(mechanism, readings, grouped=grouped)
+    _refuse_undetermined(mechanism, true)
+
+    def read(kind: str, exact: np.ndarray, sigma: float) -> np.ndarray:
+        if kind != "orientation":
+            return np.asarray(exact + noise.draw(sigma, exact.shape, rng))
+        turn = quaternion_from_rotation_vector(noise.draw(sigma, (3, len(exact)), rng))
+        return np.asarray(multiply(exact.T, turn)).T
+
+    joint_sigma = noise.joints(mechanism)
+    changes: dict[str, Any] = {
+        "joints": true.joints + noise.draw(joint_sigma, true.joints.shape, rng),
+        "joint_sigma": joint_sigma if np.any(joint_sigma) else None,
+    }
+    if grouped:
+        changes |= {"groups": groups, "group_sigma": noise.group or None}
+    alpha, beta, _ = euler_from_quaternion(true.poses[:, 3:].T, "xyz")
+    platform = {
+        "inclination": np.column_stack([alpha, beta]),
+        "position": true.poses[:, :3],
+        "orientation": true.poses[:, 3:],
+    }
+    for kind, exact in platform.items():
+        if kind in own or ("pose" in own and kind != "inclination"):
+            sigma = noise.of(kind)
+            changes |= {kind: read(kind, exact, sigma), f"{kind}_sigma": sigma or None}
+    measured = []
+    for name, (end, base) in (distances or {}).items():
+        ends = np.array([Pose(row[:3], row[3:]).apply(np.array(end)) for row in true.poses])
+        values = read("distance", np.linalg.norm(ends - np.array(base), axis=1), noise.distance)
+        measured.append(Distance(end, base, values, noise.distance or None, name))
     others = observed_kinds(mechanism, readings)
-    if not others:
-        return made
-    exact = exact_readings(mechanism, true, others)
-    return replace(made, readings=[_read(o, exact[o.name], noise, rng) for o in others])
+    exactly = exact_readings(mechanism, true, others) if others else {}
+    beside = []
+    for o in others:
+        sigma = noise.of(o.kind, angular=o.angular)
+        beside.append(Reading(o.name, read(o.kind, exactly[o.name], sigma), sigma or None))
+    return Measurements(**changes, distances=measured, readings=beside)
 
 
-def _read(o: Observable, exact: np.ndarray, noise: Noise, rng: np.random.Generator) -> Reading:
-    """Readings of exact values (n, w), with noise."""
-    sigma = noise.of(o)
-    if o.kind != "orientation":
-        return Reading(o.name, exact + noise.draw(sigma, exact.shape, rng), sigma or None)
-    turn = quaternion_from_rotation_vector(noise.draw(sigma, (3, len(exact)), rng))
-    return Reading(o.name, np.asarray(multiply(exact.T, turn)).T, sigma or None)
+def _refuse_undetermined(mechanism: Mechanism, true: ClosedConfigurations) -> None:
+    """Refuse, as a fit would, joints that do not determine the configuration."""
+    model = build_model(mechanism, Measurements(true.joints), ())
+    values = many_elsewhere(model.closure, build_closure(mechanism), true.values)
+    z = np.ascontiguousarray(values[:, true.joints.shape[1] :])
+    refuse_undetermined(model, z, true.joints, model.nominal)
 
 
 def exact_readings(

@@ -14,21 +14,18 @@ In a group only equality is known. Three forms of it:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
+from symkin.calibration.options import FORMS as FORMS
+from symkin.calibration.options import Form as Form
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import wrapped
 
-Form = Literal["means", "differences", "maximum likelihood"]
 _ROUNDING_RESIDUAL = 1e-9
 """Residuals below this, in radians or of the size, are rounding and not errors of an instrument."""
-
-
-FORMS: tuple[Form, ...] = ("means", "differences", "maximum likelihood")
 
 
 def only_rounding(values: np.ndarray | float, unit: float) -> bool:

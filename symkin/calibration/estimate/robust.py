@@ -17,7 +17,6 @@ from symkin.calibration.estimate.estimator import Estimate, estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State, evaluate, joint_covariance
 
-LOSSES = ("squared", "huber", "cauchy")
 _TUNING = {"huber": 1.345, "cauchy": 2.385}
 """Standard deviations from which a reading counts less, for EFFICIENCY with normal errors."""
 EFFICIENCY = 0.95

@@ -46,6 +46,8 @@ OPEN_LOOPS = (
 )
 _FREE_FRAMES = ("base frame translation", "base frame yaw", "platform frame", "tool frame")
 """Combinations that inclinations never determine."""
+_OFF_PLANE = ("translation z", "about x", "about x)", "about y", "about y)")
+"""Ends of the names of frames in which a planar mechanism cannot be used."""
 _MAX_LISTED_PARAMETERS = 4
 """Most parameters that a combination without a name of its own lists."""
 _JOINTS_BESIDE = 0.1
@@ -328,7 +330,8 @@ def _advice(
             "no reading fixes the size: hold one length or factor, or measure a distance, a "
             "position or a known length"
         )
-    if any("frame" in text for text in unobservable):
+    flat = problem.mechanism.motion == "planar"
+    if any("frame" in text and not (flat and text.endswith(_OFF_PLANE)) for text in unobservable):
         found = {o.kind for o in observables(problem.mechanism).values()}
         others = " or of links, or by positions of points" if found & {"point", "position"} else ""
         yield (

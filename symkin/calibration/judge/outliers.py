@@ -45,9 +45,10 @@ from symkin.calibration.judge.statistics import (
 
 OUTLIER_LEVEL = 0.02
 """Share of clean data sets in which a reading may be flagged."""
-_MAX_OUTLIER_SHARE, _MAX_OUTLIERS = 0.2, 300
+MAX_OUTLIER_SHARE, _MAX_OUTLIERS = 0.2, 300
 """The largest share and the largest number of readings that are judged one by one; beyond, the fit
-is wrong as a whole.
+is wrong as a whole. Postures with readings left out beyond that share hint at a mistake in the
+file.
 """
 _MIN_REDUNDANCY = 1e-3
 """A shift of which the fit absorbs all but this share (of its square) cannot be judged."""
@@ -154,7 +155,7 @@ def screen_readings(
 ) -> Screening:
     """Find outliers by deletion, while their statistics are at least `share` of the largest and
     their shifts more than rounding. The search is given up where more than the share
-    `_MAX_OUTLIER_SHARE` of the readings, a third of the degrees of freedom or `_MAX_OUTLIERS`
+    `MAX_OUTLIER_SHARE` of the readings, a third of the degrees of freedom or `_MAX_OUTLIERS`
     readings would go.
     """
     kinds = reading_kinds(problem)
@@ -188,7 +189,7 @@ def screen_readings(
 
 def max_outliers(problem: CalibrationProblem) -> int:
     """Return the number of readings that may be left out one by one."""
-    return min(_MAX_OUTLIERS, int(_MAX_OUTLIER_SHARE * _count(reading_kinds(problem))))
+    return min(_MAX_OUTLIERS, int(MAX_OUTLIER_SHARE * _count(reading_kinds(problem))))
 
 
 def reading_kinds(problem: CalibrationProblem) -> list[_Kind]:

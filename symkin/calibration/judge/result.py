@@ -330,3 +330,14 @@ def unit_of(mechanism: Mechanism, q: Parameter) -> str:
 def value_out(mechanism: Mechanism, q: Parameter, value: float) -> float:
     """A value of a parameter's kind in the mechanism's unit."""
     return mechanism.angle_out(value) if q.kind == "angle" else value
+
+
+def shown(mechanism: Mechanism, q: Parameter, value: float, digits: str = "+.3g") -> str:
+    """Write a value of a parameter's kind with its unit."""
+    return f"{value_out(mechanism, q, value):{digits}} {unit_of(mechanism, q)}".strip()
+
+
+def length_and_angle(mechanism: Mechanism, length: float, angle: float) -> str:
+    """Write '0.1 mm and 0.02 deg'."""
+    m = mechanism
+    return f"{length:.3g} {m.length_unit} and {m.angle_out(float(angle)):.3g} {m.angle_unit}"

@@ -1,0 +1,651 @@
+"""Find mistakes in data: other units, orders and signs of columns, Euler angles, wrong labels.
+
+`RULES` is the table of what is looked for. A rule puts the readings right by a map of their
+columns; one loop tries all of a stage from the same geometry, the nominal one, and names those by
+which the readings are explained far better. A few mistakes the readings show by themselves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum, auto
+from functools import partial
+from itertools import combinations, permutations
+from typing import Any
+
+import numpy as np
+
+from symkin.calibration.data.files import DataFile, euler_quaternions
+from symkin.calibration.data.measurements import Measurements, spread_rows
+from symkin.calibration.data.observables import observables
+from symkin.calibration.estimate.configurations import joints_at_poses, known_poses
+from symkin.calibration.judge.euler_sequence import describe_sequence, equal_sequences
+from symkin.calibration.judge.statistics import rms_of_better_part
+from symkin.calibration.judge.trials import NO_TRIAL, Start, Trial, begin
+from symkin.errors import SymkinError
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.rotation import wrapped
+from symkin.text import first_of
+
+_EXAMINED_CONFIGURATIONS = 40
+"""Configurations that are looked at, spread evenly over the file: enough to see a mistake of all
+rows.
+"""
+_MAX_SENTENCES = 3
+"""Mistakes that are named at most: further ones are likely to follow from these."""
+_LENGTH_UNITS = {
+    1000.0: "a factor of 1000 too small (m taken for mm?)",
+    0.001: "a factor of 1000 too large (mm taken for m?)",
+}
+_ANGLE_UNITS = {
+    180 / math.pi: "radians taken for degrees",
+    math.pi / 180: "degrees taken for radians",
+}
+"""Factors that put lengths and angles in another unit right, with what is said of them."""
+_REST_SPREAD = 1e-4
+"""Joints that spread by less than this share of the size (angles: radians), and of ten times their
+value, are at rest.
+"""
+_USUAL_SPREAD = (3e-3, 1.0)
+"""Usual standard deviation of a joint's readings over the size (angles: radians), and the most that
+its mean may be: 5 times the upper one.
+"""
+_ODD_DECADES = 1.5
+"""Decades between a joint's readings and the others', from which another unit is tried for it
+alone.
+"""
+_MAX_ASSIGNED_JOINTS, _MIN_WHOLE_POSES = 7, 4
+"""Joints whose orders are all tried (5040), with more only single exchanges are; and whole poses
+from which columns are assigned to joints.
+"""
+_EXCHANGE_CONFIGURATIONS, _EXCHANGE_GAIN = 16, 0.9
+"""Configurations by which exchanges one after the other are judged, and the share below which the
+misfit must fall.
+"""
+_GROUP_PART, _OUTSTANDING_RATIO = 0.4, 15.0
+"""Share of a group by which its middle is sought; and a configuration stands out when it is so many
+times further away than half of all are: errors of the nominal geometry spread them too.
+"""
+_MIN_GROUP_SIZE = 3
+"""Configurations of a group from which one can be told from the others."""
+_COMPARED_NEIGHBOURS, _SCATTER_RATIO = 3, 5.0
+"""Labels mean nothing when a configuration is so many times further from its group than from this
+many others of any label.
+"""
+
+
+# --- the table ------------------------------------------------------------------------------------
+
+
+class Stage(Enum):
+    """When a rule is asked: those of a stage where those before it found nothing; positions, whose
+    orientations may be read wrongly besides, in any case; labels by themselves.
+    """
+
+    READINGS = auto()
+    CORRECTION = auto()
+    ORDER = auto()
+    POSITION = auto()
+    LABELS = auto()
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """What the rules look at: readings of a mechanism, parameters that are unknown frames, and
+    Euler angles (n, 3) as they stand with the sequence in which they are read.
+    """
+
+    mechanism: Mechanism
+    measurements: Measurements
+    frames: tuple[str, ...] = ()
+    euler: np.ndarray | None = None
+    sequence: str = ""
+
+    @staticmethod
+    def of(
+        mechanism: Mechanism, data: DataFile, sequence: str = "", frames: Sequence[str] = ()
+    ) -> Case:
+        """Make the case of a file; `sequence` is that of Euler angles whose header names none."""
+        named = data.sequence or sequence
+        return Case(mechanism, data.with_sequence(sequence), tuple(frames), data.euler, named)
+
+    def start(self, measurements: Measurements | None = None) -> Start:
+        """Begin a trial of other readings in place of these."""
+        m = self.measurements if measurements is None else measurements
+        return begin(self.mechanism, m, parameters=self.frames or None)
+
+    def trial(self, measurements: Measurements | None = None) -> Trial:
+        """Try readings at the nominal geometry."""
+        try:
+            return self.start(measurements).trial
+        except SymkinError:
+            return NO_TRIAL
+
+    def subset(self, rows: np.ndarray) -> Case:
+        euler = None if self.euler is None else self.euler[rows]
+        return replace(self, measurements=self.measurements.subset(rows), euler=euler)
+
+    @property
+    def examined(self) -> Case:
+        """Some rows, spread over the file, whole groups where there are any."""
+        m = self.measurements
+        rows = spread_rows(len(m), _EXAMINED_CONFIGURATIONS)
+        if m.groups is not None and len(m) > _EXAMINED_CONFIGURATIONS:
+            rows = np.flatnonzero(np.isin(m.groups, np.unique(m.groups[rows])))
+        return self.subset(rows[: 4 * _EXAMINED_CONFIGURATIONS])
+
+    def is_possible(self, measurements: Measurements) -> bool:
+        """Tell whether no reading is below the least of its joint (rods of negative length)."""
+        least = [-math.inf if c.least is None else c.least for c in self.mechanism.actuated]
+        return bool(np.all(measurements.joints > np.array(least)))
+
+    def angle(self, value: float) -> str:
+        return f"{self.mechanism.angle_out(value):.3g} {self.mechanism.angle_unit}"
+
+
+Finding = tuple[str, Measurements | None]
+"""A sentence on a mistake, and the readings put right by which it is judged; None where the
+readings alone show it.
+"""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A mistake that is looked for: `find` yields its possible forms in a case."""
+
+    mistake: str
+    stage: Stage
+    find: Callable[[Case], Iterable[Finding]]
+
+
+def diagnose(case: Case) -> tuple[str, ...]:
+    """Sentences on mistakes in the columns, at most three; none where nothing explains the readings
+    far better than they are.
+    """
+    some = case.examined
+    found = _sentences(some, Stage.READINGS)
+    if not found:
+        found = _sentences(some, Stage.CORRECTION) or _sentences(some, Stage.ORDER)
+        positions = replace(some, measurements=replace(some.measurements, orientation=None))
+        found += _sentences(positions, Stage.POSITION)
+    return tuple(found[:_MAX_SENTENCES])
+
+
+def diagnose_labels(case: Case) -> tuple[str, ...]:
+    """Sentences on labels of groups that look wrong."""
+    return tuple(_sentences(case, Stage.LABELS))
+
+
+def nominal_misfit(case: Case) -> float:
+    """How far the readings of some rows are off at the nominal geometry (length unit)."""
+    try:
+        return case.examined.start().misfit
+    except SymkinError:
+        return math.inf
+
+
+def _sentences(case: Case, stage: Stage) -> list[str]:
+    """What a stage finds: the sentences of the first rule that the readings alone show, else of all
+    mistakes that explain the readings far better if they are put right, best first.
+    """
+    judged: list[tuple[str, Measurements]] = []
+    for rule in (rule for rule in RULES if rule.stage is stage):
+        findings = [*rule.find(case)]
+        shown = [text for text, changed in findings if changed is None]
+        if shown:
+            return shown
+        judged += [(text, changed) for text, changed in findings if changed is not None]
+    if not judged:
+        return []
+    as_read, unit = case.trial(), case.mechanism.length_unit
+    tried = sorted(((case.trial(m), text) for text, m in judged), key=lambda t: t[0].score)
+    return [
+        f"{text}: the misfit at the nominal geometry would fall from {as_read.score**0.5:.3g} to "
+        f"{trial.score**0.5:.3g} {unit} (angles times the size)"
+        for trial, text in tried
+        if trial.better_than(as_read)
+    ]
+
+
+# --- columns, and what is done to them ------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Numbers (n, w) of one kind, with their names and which of them are angles; how others are put
+    in their place; which columns are meant, and what these are called.
+    """
+
+    names: Sequence[str]
+    angular: Sequence[bool]
+    values: np.ndarray
+    put: Callable[[np.ndarray], Measurements]
+    columns: Sequence[int]
+    called: str = ""
+
+    def times(self, factor: float, columns: Sequence[int]) -> np.ndarray:
+        """Multiply some columns."""
+        return self.values * np.where(np.isin(np.arange(len(self.names)), columns), factor, 1.0)
+
+    def listed(self, columns: Sequence[int]) -> str:
+        return ", ".join(self.names[k] for k in columns)
+
+
+Changes = Iterator[tuple[str, np.ndarray]]
+"""Sentences and the numbers put right."""
+
+
+def _exchanged(block: Block) -> Changes:
+    for a, b in combinations(block.columns, 2):
+        if block.angular[a] == block.angular[b]:
+            order = np.arange(len(block.names))
+            order[[a, b]] = b, a
+            text = f"the columns {block.names[a]} and {block.names[b]} look exchanged"
+            yield text, block.values[:, order]
+
+
+def _turned_round(block: Block) -> Changes:
+    """Three columns and more in another order."""
+    for order in permutations(block.columns):
+        if np.sum(np.not_equal(order, block.columns)) > 2:
+            values, names = np.array(block.values), block.listed(block.columns)
+            values[:, block.columns] = values[:, order]
+            seem = f"{names} seem to stand in {block.listed(order)}"
+            yield f"the columns {names} look exchanged: {seem}", values
+
+
+def _reversed(block: Block) -> Changes:
+    for k in block.columns:
+        yield f"the sign of {block.names[k]} looks reversed", block.times(-1.0, [k])
+
+
+def _all_reversed(block: Block) -> Changes:
+    if len(block.columns) > 1:
+        yield f"the signs of {block.listed(block.columns)} look reversed", -block.values
+
+
+def _in_another_unit(block: Block) -> Changes:
+    called = block.called or f"the readings of {block.listed(block.columns)}"
+    units = _ANGLE_UNITS if block.angular[block.columns[0]] else _LENGTH_UNITS
+    for factor, text in units.items():
+        yield f"{called} look {text}", block.times(factor, block.columns)
+
+
+def _in_radians(block: Block) -> Changes:
+    """Angles in radians, which spread as degrees may. Of other units the spread tells; and factors
+    below one make any misfit smaller.
+    """
+    if block.angular[block.columns[0]]:
+        yield next(_in_another_unit(block))
+
+
+def _table(
+    case: Case, key: str, names: Sequence[str], angular: Sequence[bool], called: str = ""
+) -> Iterator[Block]:
+    """A table of the measurements, those columns that were read."""
+    m = case.measurements
+    values = getattr(m, key)
+    if values is not None:
+        read = np.flatnonzero(np.any(np.isfinite(values), axis=0)).tolist()
+        put = lambda values: replace(m, **{key: values})  # noqa: E731
+        yield Block(names, angular, values, put, read, called)
+
+
+def _joints(case: Case) -> Iterator[Block]:
+    actuated = case.mechanism.actuated
+    return _table(case, "joints", [c.name for c in actuated], [c.is_angular for c in actuated])
+
+
+def _kinds_of_joints(case: Case) -> Iterator[Block]:
+    """The joints that are lengths, and those that are angles."""
+    (block,) = _joints(case)
+    for angular in (False, True):
+        if columns := [k for k, its in enumerate(block.angular) if its == angular]:
+            yield replace(block, columns=columns)
+
+
+def _odd_lengths(case: Case) -> Iterator[Block]:
+    """Joints that are lengths whose readings spread, and are, far more or less than the others'."""
+    (block,) = _joints(case)
+    columns = [k for k, angular in enumerate(block.angular) if not angular]
+    values = block.values[:, columns]
+    sizes = np.array([np.std(values, axis=0), np.sqrt(np.mean(values**2, axis=0))])
+    decades = np.log10(np.maximum(sizes, 1e-300))
+    for place, k in enumerate(columns if len(columns) > 2 else ()):
+        others = np.median(np.delete(decades, place, axis=1), axis=1)
+        if np.all(np.abs(decades[:, place] - others) > _ODD_DECADES):
+            yield replace(block, columns=[k])
+
+
+def _positions(case: Case) -> Iterator[Block]:
+    return _table(case, "position", "xyz", [False] * 3, "the positions")
+
+
+def _inclinations(case: Case) -> Iterator[Block]:
+    return _table(case, "inclination", ("alpha", "beta"), [True] * 2)
+
+
+def _taken(case: Case, key: str, places: Sequence[int], called: str = "") -> Iterator[Block]:
+    """Distances or other readings, by their places."""
+    m, known, read = case.measurements, observables(case.mechanism), getattr(case.measurements, key)
+    own = {read[k].name: read[k].values.reshape(len(m), -1) for k in places}
+    names = [name for name, table in own.items() for _ in table.T]
+    ends = np.cumsum([table.shape[1] for table in own.values()])[:-1]
+
+    def put(values: np.ndarray) -> Measurements:
+        parts = dict(zip(own, np.hsplit(values, ends), strict=True))
+        changes: dict[str, Any] = {
+            key: [
+                replace(r, values=parts[r.name].reshape(r.values.shape)) if r.name in parts else r
+                for r in read
+            ]
+        }
+        return replace(m, **changes)
+
+    if names:
+        angular = [key == "readings" and known[name].angular for name in names]
+        yield Block(names, angular, np.hstack([*own.values()]), put, range(len(names)), called)
+
+
+def _distances(case: Case) -> Iterator[Block]:
+    return _taken(case, "distances", range(len(case.measurements.distances)), "the distances")
+
+
+def _readings(case: Case) -> Iterator[Block]:
+    """Readings of passive joints, points, distances and links, one by one."""
+    for k, r in enumerate(case.measurements.readings):
+        if not r.is_orientation:
+            yield from _taken(case, "readings", [k], f"the readings of {r.name}")
+
+
+def _encoders(case: Case) -> Iterator[Block]:
+    """Readings of passive joints, together."""
+    known, read = observables(case.mechanism), case.measurements.readings
+    return _taken(
+        case, "readings", [k for k, r in enumerate(read) if known[r.name].kind == "joint"]
+    )
+
+
+def _euler(case: Case) -> Iterator[Block]:
+    m, sequence = case.measurements, case.sequence
+
+    def put(angles: np.ndarray) -> Measurements:
+        return replace(m, orientation=euler_quaternions(angles, sequence))
+
+    if case.euler is not None and sequence:
+        yield Block(sequence, [True] * 3, case.euler, put, range(3), "the Euler angles")
+
+
+def _find(
+    blocks: Callable[[Case], Iterator[Block]], change: Callable[[Block], Changes], case: Case
+) -> Iterator[Finding]:
+    for block in blocks(case):
+        for text, values in change(block):
+            if case.is_possible(put_right := block.put(values)):
+                yield text, put_right
+
+
+# --- orientations ---------------------------------------------------------------------------------
+
+
+def _inverted_orientations(case: Case) -> Iterator[Finding]:
+    m, q = case.measurements, case.measurements.orientation
+    if q is not None:
+        inverse = replace(m, orientation=q * (1.0, -1.0, -1.0, -1.0))
+        yield "the orientations look inverted (base seen from the platform)", inverse
+
+
+def _scalar_last(case: Case) -> Iterator[Finding]:
+    m, q = case.measurements, case.measurements.orientation
+    if q is not None and case.euler is None:
+        rolled = replace(m, orientation=np.roll(q, 1, axis=1))
+        yield "qw looks to stand last, not first", rolled
+
+
+def _other_sequences(case: Case) -> Iterator[Finding]:
+    for block in _euler(case):
+        for names in equal_sequences(block.values):
+            if case.sequence not in names:
+                read = _euler(replace(case, sequence=names[0]))
+                text = (
+                    f"the Euler angles look to be of another sequence than {case.sequence}, in "
+                    f"which they are read: {describe_sequence(names[0])} fits"
+                )
+                yield text, next(read).put(block.values)
+
+
+# --- what the readings alone show -----------------------------------------------------------------
+
+
+def _joints_at_rest(case: Case) -> Iterator[Finding]:
+    """Every joint stays where it is but for noise: its spread is nothing beside the size and, of a
+    length, which may be in another unit, beside its value.
+    """
+    m, said = case.mechanism, []
+    for block in _kinds_of_joints(case):
+        values, angular = block.values[:, block.columns], block.angular[block.columns[0]]
+        spread, mean = np.std(values, axis=0), np.abs(np.mean(values, axis=0))
+        most = 1.0 if angular else np.minimum(m.characteristic_length, 10.0 * mean)
+        if len(values) < 2 or not np.all(spread <= _REST_SPREAD * most):
+            return
+        widest = float(np.max(spread))
+        said.append(case.angle(widest) if angular else f"{widest:.3g} {m.length_unit}")
+    yield (
+        f"the posture never changes: the joint readings spread by {' and '.join(said)} only; one "
+        f"posture determines no geometry, measure many that differ",
+        None,
+    )
+
+
+def _units_of_all_joints(case: Case) -> Iterator[Finding]:
+    """Joint readings whose spread or mean is out of all proportion, by a decade or more, and would
+    not be in other units.
+    """
+    for block in _kinds_of_joints(case):
+        one, of = case.mechanism.characteristic_length, "of the mechanism's size"
+        if block.angular[block.columns[0]]:
+            one, of = 1.0, "rad"
+        as_read, spread = _out_of_proportion(block.values[:, block.columns] / one)
+        for text, values in _in_another_unit(block):
+            if as_read - _out_of_proportion(values[:, block.columns] / one)[0] >= 1.0:
+                yield f"{text}: they spread by {spread:.2g} {of}", None
+
+
+def _out_of_proportion(values: np.ndarray) -> tuple[float, float]:
+    """Decades by which the spread lies outside its usual range, or the mean above it, none where a
+    joint does not move; and the spread.
+    """
+    spread = float(np.median(np.std(values, axis=0)))
+    mean = float(np.median(np.abs(np.mean(values, axis=0))))
+    low, high = _USUAL_SPREAD
+    if np.any(np.ptp(values, axis=0) == 0.0):
+        return 0.0, spread
+    return math.log10(max(1.0, low / spread, spread / high, mean / (5 * high))), spread
+
+
+# --- the order of joint columns -------------------------------------------------------------------
+
+
+def _reordered_joints(case: Case) -> Iterator[Finding]:
+    """The order and signs of the joint columns that explain the readings. Where whole poses were
+    measured, each limb of a parallel mechanism has a joint value of its own at each pose (the
+    inverse problem at the nominal geometry), and the columns are assigned to the limbs that they
+    fit best. Elsewhere exchanges and signs are taken one after the other.
+    """
+    (block,), m = _joints(case), case.measurements
+    poses = [p is not None for p in known_poses(m, measured=True)]
+    by_poses = not case.mechanism.serial and len(block.names) <= _MAX_ASSIGNED_JOINTS
+    if by_poses and sum(poses) >= _MIN_WHOLE_POSES:
+        holds = _assigned_columns(case.subset(np.array(poses)), block)
+    else:
+        holds = _exchanged_in_turn(case, block)
+    order, signs = np.abs(holds).astype(int) - 1, np.sign(holds)
+    put_right = block.put(signs * m.joints[:, order])
+    text = _describe_order(block.names, order, signs)
+    if text and case.is_possible(put_right):
+        yield text, put_right
+
+
+def _assigned_columns(case: Case, block: Block) -> np.ndarray:
+    """For each joint the column (from 1, with its sign) that fits its values at the measured poses
+    best, each column once.
+    """
+    angular = np.array(block.angular)
+    poses = np.array(known_poses(case.measurements, measured=True))
+    values = joints_at_poses(case.mechanism, poses)
+    reached = np.all(np.isfinite(values), axis=1)
+    if not reached.any():
+        return np.arange(1, len(angular) + 1)
+    read = np.multiply.outer([1.0, -1.0], case.measurements.joints[reached].T)
+    gap = read[:, None] - values[reached].T[:, None]  # signs, joints, columns, configurations
+    gap = np.where(angular[:, None, None], wrapped(gap), gap)
+    off = np.apply_along_axis(rms_of_better_part, -1, gap**2)
+    cost = np.where(angular[:, None] == angular, off**2, np.inf)
+    each, orders = np.arange(len(angular)), np.array([*permutations(range(len(angular)))])
+    order = orders[int(np.argmin(np.sum(np.min(cost, axis=0)[each, orders], axis=1)))]
+    signs = 1 - 2 * np.argmin(cost, axis=0)[each, order]
+    return np.asarray(signs * (order + 1))
+
+
+def _exchanged_in_turn(case: Case, block: Block) -> np.ndarray:
+    """The same by exchanges of two columns and changes of one sign, the best first, while the
+    misfit falls.
+    """
+    some = case.subset(spread_rows(len(case.measurements), _EXCHANGE_CONFIGURATIONS))
+    (few,) = _joints(some)
+
+    def score(holds: np.ndarray) -> float:
+        changed = few.put(np.sign(holds) * few.values[:, np.abs(holds).astype(int) - 1])
+        return some.trial(changed).score if case.is_possible(changed) else math.inf
+
+    holds = np.arange(1.0, len(block.names) + 1)
+    least = score(holds)
+    for _ in block.names:
+        now = replace(block, values=holds[None])
+        trials = [row[0] for change in (_exchanged, _reversed) for _, row in change(now)]
+        value, best = min(((score(t), k) for k, t in enumerate(trials)), default=(math.inf, 0))
+        if not value < _EXCHANGE_GAIN**2 * least:
+            break
+        holds, least = trials[best], value
+    return holds
+
+
+def _describe_order(names: Sequence[str], order: np.ndarray, signs: np.ndarray) -> str:
+    """'the columns a, b, c look exchanged: they seem to hold b, c, a; the sign of d looks
+    reversed'; nothing where all stand as they should.
+    """
+    holds = np.argsort(order)  # column order[j] holds joint j
+    moved = [k for k, held in enumerate(holds) if held != k]
+    parts = []
+    if moved:
+        parts.append(
+            f"the columns {', '.join(names[k] for k in moved)} look exchanged: they seem to hold "
+            f"{', '.join(names[holds[k]] for k in moved)}"
+        )
+    turned = [names[k] for k, sign in zip(order, signs, strict=True) if sign < 0]
+    if turned:
+        several = len(turned) > 1
+        parts.append(
+            f"the sign{'s' * several} of {', '.join(turned)} look{'s' * (not several)} reversed"
+        )
+    return "; ".join(parts)
+
+
+# --- labels of groups -----------------------------------------------------------------------------
+
+
+def _wrong_labels(case: Case) -> Iterator[Finding]:
+    """Inclinations at the nominal geometry show labels that have nothing to do with them, two
+    groups under one label, or configurations in a wrong group.
+    """
+    try:
+        start = case.start()
+    except SymkinError:
+        return
+    problem, model, m = start.problem, start.problem.model, start.problem.measurements
+    group = np.where(start.solved, problem.readings.group, -1)
+    numbers, counts = np.unique(group[group >= 0], return_counts=True)
+    members = np.flatnonzero(np.isin(group, numbers[counts >= _MIN_GROUP_SIZE]))
+    if len(members) <= _COMPARED_NEIGHBOURS:
+        return
+    e = model.evaluate(np.nan_to_num(start.z), m.joints, start.p, problem.quaternions)
+    at, group = e.readings[members][:, problem.readings.columns], group[members]
+    apart = np.linalg.norm(wrapped(at[:, None] - at), axis=2)
+    off = np.zeros(len(at))
+    for number in np.unique(group):
+        own = np.flatnonzero(group == number)
+        inside = apart[np.ix_(own, own)]
+        # the member that a good part of the others is nearest to: a mean of two groups is in none
+        off[own] = inside[np.argmin(np.quantile(inside, _GROUP_PART, axis=1))]
+    usual, near = float(np.median(off)), float(np.median(np.sort(apart)[:, _COMPARED_NEIGHBOURS]))
+    out = np.flatnonzero(off > _OUTSTANDING_RATIO * usual)
+    if usual > _SCATTER_RATIO * near:
+        yield (
+            f"the groups look wrongly labelled: at the nominal geometry half of the postures are "
+            f"more than {case.angle(usual)} from the inclination of their group, and half have "
+            f"{_COMPARED_NEIGHBOURS} postures of any group within {case.angle(near)}",
+            None,
+        )
+        return
+    rest = np.flatnonzero(np.isin(group, group[out]) & ~np.isin(np.arange(len(at)), out))
+    far, usually = case.angle(float(np.max(off[out], initial=0.0))), case.angle(usual)
+    named, others = (first_of([m.labels[members[k]] for k in rows]) for rows in (out, rest))
+    if len(out) == 1:
+        yield (
+            f"posture {named} looks to be in the wrong group: at the nominal geometry the "
+            f"inclination is {far} from the others of the group, where half of the postures are "
+            f"within {usually}",
+            None,
+        )
+    elif len(out) and (
+        np.ptp(group[out]) or np.max(apart[np.ix_(out, out)]) > 0.5 * np.min(off[out])
+    ):
+        yield (
+            f"posture {named} look to be in wrong groups: at the nominal geometry the inclination "
+            f"is up to {far} from the others of the group, where half of the postures are within "
+            f"{usually}",
+            None,
+        )
+    elif len(out):
+        yield (
+            f"the group of posture {named} looks to be two groups under one label: at the nominal "
+            f"geometry these are inclined by {far} against {others}, where half of the postures "
+            f"are within {usually} of their group",
+            None,
+        )
+
+
+RULES = (
+    Rule("the joints never move", Stage.READINGS, _joints_at_rest),
+    Rule("all joints of a kind in another unit", Stage.READINGS, _units_of_all_joints),
+    *(
+        Rule(mistake, stage, partial(_find, blocks, change))
+        for mistake, stage, blocks, change in (
+            ("one joint in another unit", Stage.CORRECTION, _odd_lengths, _in_another_unit),
+            ("two joint columns exchanged", Stage.CORRECTION, _joints, _exchanged),
+            ("the sign of a joint reversed", Stage.CORRECTION, _joints, _reversed),
+            ("the signs of all joints reversed", Stage.CORRECTION, _joints, _all_reversed),
+            ("angles of joints in radians", Stage.CORRECTION, _kinds_of_joints, _in_radians),
+            ("positions in another unit", Stage.CORRECTION, _positions, _in_another_unit),
+            ("distances in another unit", Stage.CORRECTION, _distances, _in_another_unit),
+            ("Euler angles in another unit", Stage.CORRECTION, _euler, _in_another_unit),
+            ("the sign of an encoder reversed", Stage.CORRECTION, _encoders, _reversed),
+            ("two encoders exchanged", Stage.CORRECTION, _encoders, _exchanged),
+            ("a reading in another unit", Stage.CORRECTION, _readings, _in_another_unit),
+            ("alpha and beta exchanged", Stage.CORRECTION, _inclinations, _exchanged),
+            ("two position columns exchanged", Stage.POSITION, _positions, _exchanged),
+            ("position columns in another order", Stage.POSITION, _positions, _turned_round),
+            ("the sign of a position column reversed", Stage.POSITION, _positions, _reversed),
+        )
+    ),
+    Rule("orientations of the base in the platform", Stage.CORRECTION, _inverted_orientations),
+    Rule("quaternions with their scalar last", Stage.CORRECTION, _scalar_last),
+    Rule("Euler angles of another sequence", Stage.CORRECTION, _other_sequences),
+    Rule("joint columns in another order, with other signs", Stage.ORDER, _reordered_joints),
+    Rule("groups wrongly labelled", Stage.LABELS, _wrong_labels),
+)
+"""The mistakes that are looked for, in the order in which those that the readings alone show
+are.
+"""

@@ -1,0 +1,148 @@
+"""Try readings as they might be meant: where each trial begins, what a fit from there leaves, and
+which of two explains the readings.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.parameters import MEASURING_FRAMES
+from symkin.calibration.estimate.configurations import first_points, newton_configurations
+from symkin.calibration.estimate.estimator import estimate, parameters_at_poses
+from symkin.calibration.estimate.first_guess import fit_measuring_frames
+from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
+from symkin.calibration.estimate.residuals import linearise
+from symkin.calibration.estimate.starting import has_home, with_starts
+from symkin.calibration.estimate.state import design, spectrum
+from symkin.calibration.judge.statistics import (
+    SIGNIFICANCE,
+    chi_square_tail,
+    rms_of_better_part,
+)
+from symkin.model.mechanism import Mechanism
+
+_WIDENED = 10.0
+"""How much wider the prior of a trial is: what is meant must be found of machines far off, too."""
+_CLEAR_RATIO = 9.0
+"""A trial's chi-square per degree of freedom must be so many times another's for the choice to be
+clear: readings that are off three times as far.
+"""
+_UNCLOSED_MISFIT = 0.1
+"""A configuration that does not close counts in a fit as one whose readings are off by this share
+of the size (angles: radians), and no configuration counts as more: what explains most of the
+configurations is wanted, and not what leaves out those that it does not.
+"""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """How well readings are explained: chi-square with its degrees of freedom, and whether standard
+    deviations are known.
+    """
+
+    chi_square: float
+    degrees: int
+    known: bool
+
+    @property
+    def score(self) -> float:
+        """Chi-square per degree of freedom."""
+        return self.chi_square / self.degrees
+
+    def better_than(self, other: Trial) -> bool:
+        """Tell whether the data separate the two: the other is worse by far more than noise can
+        make of equal ones, and worse than noise.
+        """
+        ratio = other.score / max(self.score, 1.0 if self.known else 1e-300)
+        if not ratio > _CLEAR_RATIO:
+            return False
+        if self.known:
+            return chi_square_tail(other.chi_square, other.degrees) < SIGNIFICANCE
+        # each explains the same readings with the noise that it leaves: how much less likely these
+        # are by the other
+        likelihood = -0.5 * min(self.degrees, other.degrees) * math.log(ratio)
+        return likelihood < math.log(SIGNIFICANCE)
+
+
+NO_TRIAL = Trial(math.inf, 1, known=False)
+"""Readings that cannot be tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a trial begins: parameters p, configurations z there, which of them close, and the
+    squares (n,) of how far the readings of each are off, angles times the size.
+    """
+
+    problem: CalibrationProblem
+    p: np.ndarray
+    z: np.ndarray
+    solved: np.ndarray
+    squares: np.ndarray
+
+    @property
+    def misfit(self) -> float:
+        """How far readings are off (length unit), root mean square over the better four fifths of
+        the configurations, so that single bad rows do not count; one that does not close counts as
+        one size.
+        """
+        readings, size = self.problem.readings, self.problem.model.closure.characteristic_length
+        unclosed = readings.values.shape[1] * size**2
+        return rms_of_better_part(np.where(self.solved, self.squares, unclosed))
+
+    @property
+    def trial(self) -> Trial:
+        """What the start itself explains, whatever the noise."""
+        count = self.problem.readings.count
+        return Trial(count * self.misfit**2, count, known=False)
+
+    def fitted(self) -> Trial | None:
+        """What a fit over the configurations that close explains, the others counted as misfit;
+        None where it leaves no degree of freedom.
+        """
+        problem, solved = self.problem, self.solved
+        some = problem.of(np.flatnonzero(solved))
+        state = estimate(some, self.z[solved], p=self.p, max_iterations=20).state
+        degrees = problem.readings.count
+        if not np.all(np.isfinite(state.linearised.vector)):
+            return None
+        degrees -= spectrum(design(state)).rank
+        if degrees <= 0:
+            return None
+        units = np.where(problem.model.angular, 1.0, problem.model.closure.characteristic_length)
+        most = np.sum((_UNCLOSED_MISFIT * problem.readings.weight * units) ** 2, axis=1)
+        squares = np.minimum(np.sum(state.linearised.residuals**2, axis=1), most[solved])
+        chi_square = float(np.sum(squares) + np.sum(most[~solved]))
+        return Trial(chi_square, degrees, problem.readings.known)
+
+
+def begin(
+    mechanism: Mechanism, measurements: Measurements, *, at_poses: bool = False, **options: Any
+) -> Start:
+    """Begin a trial at the nominal geometry, or (`at_poses`) at that which whole measured poses
+    give by themselves; measuring frames are where they fit best. `options` are those of
+    `build_calibration`.
+    """
+    free = set(options.get("parameters") or ()) - set(options.get("fixed", ()))
+    completed = not has_home(mechanism)
+    ready = with_starts(
+        mechanism, measurements, posed=not free & set(MEASURING_FRAMES), completed=completed
+    )
+    problem = replace(build_calibration(mechanism, ready, **options), widened=_WIDENED)
+    model, readings = problem.model, problem.readings
+    first = parameters_at_poses(problem) if at_poses else None
+    p = model.nominal if first is None else first
+    with np.errstate(all="ignore"):
+        z, solved = newton_configurations(model, first_points(model, ready, p), ready.joints, p)
+        p = fit_measuring_frames(problem, np.nan_to_num(z), p, solved)
+        h = np.nan_to_num(
+            model.evaluate(np.nan_to_num(z), ready.joints, p, problem.quaternions).readings
+        )
+        off = linearise("means", readings, h, np.zeros((*h.shape, 1))).residuals
+        gaps = np.where(readings.taken, off * readings.sigma * model.lengths, 0.0)
+        return Start(problem, p, z, solved, np.nan_to_num(np.sum(gaps**2, axis=1), nan=1e300))

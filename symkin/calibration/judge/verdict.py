@@ -1,0 +1,421 @@
+"""Judge a fit: whether it is a calibration, what speaks against it, and what its reader must know.
+
+Noise that is stated too small or a model that lacks something leaves residuals some times as large
+as expected; such a fit is not believable, and yet nearer to the truth than nominal. Readings that
+mean something else (columns exchanged, a sign, another sequence) leave residuals far beyond any
+noise, and move the geometry by a large share of its size to reach even these: not usable.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from symkin.calibration.data.parameters import MEASURING_FRAMES
+from symkin.calibration.estimate.residuals import only_rounding
+from symkin.calibration.judge.identifiability import OPEN_LOOPS
+from symkin.calibration.judge.named_directions import all_values, nearly_parallel
+from symkin.calibration.judge.result import (
+    EXPECTED_TOLERANCES,
+    Calibration,
+    Parameter,
+    Residual,
+    length_and_angle,
+    shown,
+)
+from symkin.calibration.judge.statistics import SIGNIFICANCE, rms_of_better_part
+from symkin.computed_once import cached_property
+from symkin.text import first_of
+
+if TYPE_CHECKING:
+    from symkin.calibration.judge.euler_sequence import SequenceChoice
+    from symkin.calibration.judge.holdout import HeldOut
+    from symkin.calibration.judge.pose_accuracy import PoseSigma
+
+LARGE_CHANGE = 0.2
+"""A change of a parameter by more than this share of the size (angles: radians) is no correction of
+a nominal geometry.
+"""
+_MAX_NOISE_RATIO = 30.0
+"""Residuals larger than so many times the noise stated do not come from noise: an instrument's is
+known better than to a factor of ten.
+"""
+_MAX_RESIDUAL_SHARE = 1e-3
+"""Where no noise is stated, residuals above this share of the size are coarser than any instrument
+that calibrates.
+"""
+_UNEXPLAINED_SHARE = 0.5
+"""Residuals above this share of the nominal geometry's say that the parameters do not explain the
+readings.
+"""
+_NAMED_CHANGES, _NAMED_TOLERANCES = 3, 5
+"""Largest changes, and parameters beyond their tolerances, that a sentence and notes name."""
+_MAX_CONDITION = 1e6
+"""Condition of the identification Jacobian above which digits of the parameters are lost."""
+_MAX_OUTSIDE_SHARE = 0.2
+"""Share of the workspace's poses beyond the measured joint values that is worth a note."""
+_NOT_CHECKED = "no degree of freedom is left to check it; add postures"
+_EXACT = "the residuals are rounding only: is this a plan, or a simulation without noise?"
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """A fit with what bears on it: the Euler sequence that was found, mistakes that may explain
+    readings which do not fit, the pose's standard deviation, predictions of postures held out, and
+    the misfit of the nominal geometry. `objections` is all that speaks against the fit, the gravest
+    first; what follows is read from it.
+    """
+
+    fit: Calibration
+    sequence: SequenceChoice | None
+    suspicions: tuple[str, ...]
+    sigma: PoseSigma
+    held_out: HeldOut | None
+    at_nominal: float
+
+    @cached_property
+    def objections(self) -> tuple[tuple[bool, str], ...]:
+        """Whether a fit may be used in spite of each objection, and the sentence."""
+        grave = ((False, text) for text in self._grave())
+        return (*grave, *((True, text) for text in self._doubts()))
+
+    def _grave(self) -> Iterator[str]:
+        fit = self.fit
+        if fit.status != "ok":
+            yield _not_converged(fit)
+        if fit.identifiability.opens:
+            yield OPEN_LOOPS
+        if self.sigma.blind or fit.rank == 0:
+            yield "the readings do not determine the geometry; see what is not observable"
+        if self.refusal is not None:
+            yield self.refusal
+        if fit.refused is not None:
+            yield fit.refused
+
+    def _doubts(self) -> Iterator[str]:
+        fit, held = self.fit, self.held_out
+        yield from self.suspicions[:1]
+        if fit.degrees <= 0:
+            yield _NOT_CHECKED
+        elif fit.p_value is not None and is_exact(fit):
+            yield _EXACT
+        else:
+            yield from _chi_square(fit)
+        if fit.given_up:
+            yield "too many readings do not belong; see the notes"
+        if fit.unsolved:
+            yield f"{len(fit.unsolved)} of {len(fit.measurements)} postures do not close"
+        if held is not None and not held.believable:
+            yield held.doubt
+        if self.sequence is not None and not self.sequence.clear:
+            yield "these data cannot tell the Euler sequence: several fit almost equally"
+
+    @cached_property
+    def refusal(self) -> str | None:
+        """Why the readings fit no geometry near the file's, None where they do."""
+        fit, found, suspected = self.fit, self.fit.identifiability, self.suspicions[:1]
+        if suspected and found.drowned.shape[1]:
+            told = f"{found.rank} of {len(found.names)} parameters"
+            return f"the readings tell {told} beside their noise; {suspected[0]}"
+        beyond = noise_excess(fit)
+        why = None if beyond is None else self._misfit_reason(beyond)
+        misplaced = fit.is_other_machine or (suspected and fit.is_noticeable)
+        if why is None and misplaced and not fit.any_machine:
+            return _other_machine(fit, suspected)
+        return why
+
+    def _misfit_reason(self, beyond: str) -> str | None:
+        """Say why residuals beyond any noise fit no geometry, None where they may fit one that the
+        model does not know.
+        """
+        fit = self.fit
+        if moved := large_changes(fit):
+            largest = max(moved, key=fit.relative_change)
+            how = {"length": "of the size", "angle": "of a radian"}.get(largest.kind, "of one")
+            return (
+                f"{beyond}, although {largest.name} moved by "
+                f"{100 * fit.relative_change(largest):.0f} % {how}: no geometry near the nominal "
+                f"one fits these readings"
+            )
+        misfit = residual_misfit(fit.residuals, fit.mechanism.characteristic_length)
+        if misfit > _UNEXPLAINED_SHARE * self.at_nominal:
+            unit = fit.mechanism.length_unit
+            return (
+                f"{beyond}, hardly less than those of the nominal geometry ({misfit:.3g} {unit} "
+                f"after {self.at_nominal:.3g} {unit}, angles times the size): the parameters do "
+                f"not explain the readings"
+            )
+        return beyond if self.suspicions else None
+
+    @property
+    def usable(self) -> bool:
+        """Whether the fit converged, every combination that moves poses was observable, and the
+        readings fit the geometry.
+        """
+        return all(usable for usable, _ in self.objections)
+
+    @property
+    def sound(self) -> bool:
+        """Whether nothing speaks against the fit."""
+        return not self.objections
+
+    @property
+    def tested(self) -> bool:
+        """Whether the fit was tested: by the noise stated, or by postures held out."""
+        return self.fit.tested or self._predicted > 0
+
+    @property
+    def believable(self) -> bool:
+        return self.sound and self.tested
+
+    @property
+    def _predicted(self) -> int:
+        """How many postures were held out and predicted with a probability."""
+        held = self.held_out
+        return 0 if held is None or held.p_value is None else len(held.labels)
+
+    @property
+    def verdict(self) -> str:
+        """One sentence: believable, not tested, or why not."""
+        if self.objections:
+            usable, why = self.objections[0]
+            cause = self.suspicions[0] if self.suspicions else ""
+            besides = "" if usable or cause in why else f"; {cause}"
+            return f"NOT {'BELIEVABLE' if usable else 'USABLE'}: {why}{besides}"
+        other = f"; {_other_machine(self.fit)}" if self.fit.is_other_machine else ""
+        if not self.tested:
+            return (
+                f"NOT TESTED: converged; the noise is not known and no posture was held out, so "
+                f"that nothing says whether it is right: state standard deviations or take "
+                f"--hold-out 20%{other}"
+            )
+        sure, link = "the residuals are as the stated noise lets expect", "and"
+        if self.fit.p_value is None:
+            sure, link = "the noise is not known", "but"
+        if self._predicted:
+            sure += (
+                f", {link} {self._predicted} held-out postures are predicted as well as it lets "
+                f"expect"
+            )
+        return f"believable: {sure}{other}"
+
+    # --- notes ------------------------------------------------------------------------------------
+
+    def notes_on_data(self, notes: Iterable[str]) -> Iterator[str]:
+        """Yield all notes, those on the data first; `notes` are those of the file."""
+        if self.sequence is not None:
+            yield str(self.sequence) if self.fits else self.sequence.none_fits
+        yield from self.suspicions
+        yield from self._beyond()
+        yield from notes
+        yield from self.fit.notes
+
+    @property
+    def fits(self) -> bool:
+        """Whether the readings fit some geometry, all of it observable or not."""
+        return self.fit.status == "ok" and self.refusal is None
+
+    def _beyond(self) -> Iterator[str]:
+        """Say what is known of poses outside the measured configurations, where they are many."""
+        sigma, unit = self.sigma.about_home, self.fit.mechanism.length_unit
+        if sigma is None or not self.usable or np.mean(sigma.outside) <= _MAX_OUTSIDE_SHARE:
+            return
+        there, inside = (
+            float(np.max(sigma.position[part], initial=0.0))
+            for part in (sigma.outside, ~sigma.outside)
+        )
+        elsewhere = "" if np.all(sigma.outside) else f" and {inside:.3g} {unit} elsewhere"
+        yield (
+            f"{int(np.sum(sigma.outside))} of {len(sigma.outside)} poses of the workspace about "
+            f"home need joint values beyond those measured: the largest standard deviation of the "
+            f"position is {there:.3g} {unit} there{elsewhere}; no reading has tested the model "
+            f"there; measure as far as the mechanism is used"
+        )
+
+
+# --- residuals ------------------------------------------------------------------------------------
+
+
+def noise_excess(fit: Calibration) -> str | None:
+    """Say how far residuals are beyond noise, None where they are not."""
+    if fit.p_value is not None and fit.degrees > 0:
+        times = math.sqrt(fit.chi_square / fit.degrees)
+        said = f"the residuals are {times:.3g} times as large as the noise stated"
+        return said if times > _MAX_NOISE_RATIO else None
+    size = fit.mechanism.characteristic_length
+    share = residual_misfit(fit.residuals, size) / size
+    said = f"the residuals are {100 * share:.2g} % of the size"
+    return said if share > _MAX_RESIDUAL_SHARE else None
+
+
+def residual_misfit(residuals: Iterable[Residual], size: float) -> float:
+    """Return the root mean square of a configuration's residuals, angles times the size (length
+    unit), over the better four fifths.
+    """
+    squares: dict[int, float] = {}
+    for r in residuals:
+        square = (r.value * (size if r.angular else 1.0)) ** 2
+        squares[r.configuration] = squares.get(r.configuration, 0.0) + square
+    return rms_of_better_part(np.array(list(squares.values())))
+
+
+def is_exact(fit: Calibration) -> bool:
+    """Tell whether the fit has degrees of freedom and yet leaves no residual above rounding: no
+    instrument reads so.
+    """
+    size = fit.mechanism.characteristic_length
+    rounding = all(only_rounding(r.value, 1.0 if r.angular else size) for r in fit.residuals)
+    return fit.status == "ok" and fit.degrees > 0 and rounding
+
+
+def _not_converged(fit: Calibration) -> str:
+    return f"the fit did not converge ({fit.status})"
+
+
+def _chi_square(fit: Calibration) -> Iterator[str]:
+    """Say why chi-square is not as the stated noise lets expect."""
+    ratio, p = fit.chi_square / max(fit.degrees, 1), fit.p_value
+    if p is not None and p <= SIGNIFICANCE:
+        yield (
+            f"chi-square per degree of freedom is {ratio:.3g}, probability {p:.1g}; noise larger "
+            f"than stated, outliers, or a model that lacks something"
+        )
+    elif p is not None and 1.0 - p <= SIGNIFICANCE:
+        yield (
+            f"chi-square per degree of freedom is only {ratio:.3g}; the stated noise is too large, "
+            f"and the standard deviations with it"
+        )
+
+
+# --- changes --------------------------------------------------------------------------------------
+
+
+def large_changes(fit: Calibration) -> list[Parameter]:
+    """List free parameters that moved by more than `LARGE_CHANGE`; measuring frames have no nominal
+    place.
+    """
+    free = (p for p in fit.parameters if not p.held and p.name not in MEASURING_FRAMES)
+    return [p for p in free if fit.relative_change(p) > LARGE_CHANGE]
+
+
+def _other_machine(fit: Calibration, suspicions: Sequence[str] = ()) -> str:
+    """Describe a geometry far from the file's, first what would explain it."""
+    m, departure = fit.mechanism, fit.departure
+    free = sorted((p for p in fit.parameters if not p.held), key=fit.relative_change)
+    changes = ", ".join(
+        f"{p.name} {shown(m, p, p.change)}" for p in free[: -_NAMED_CHANGES - 1 : -1]
+    )
+    unclosed, cause = "", f"{suspicions[0]}; its" if suspicions else "its"
+    if departure.unclosed:
+        unclosed = (
+            f"; {departure.unclosed} of {departure.configurations} postures the file's geometry "
+            f"cannot take there"
+        )
+    away = length_and_angle(m, departure.position, departure.angle)
+    return (
+        f"another machine than {m.name} describes: {cause} poses are {100 * departure.share:.2g} % "
+        f"of their spread away from the file's at the same joint readings "
+        f"({away} rms, frames aligned{unclosed}); largest changes: {changes}; for a machine "
+        f"that is so, state --tolerance or --any-machine"
+    )
+
+
+# --- notes on a fit alone -------------------------------------------------------------------------
+
+
+def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
+    """Yield doubts and facts about a fit; `removed` says whether its outliers were left out."""
+    yield from _notes_on_postures(fit)
+    yield from _notes_on_residuals(fit)
+    yield from _notes_on_parameters(fit)
+    for o in fit.outliers:
+        yield ("left out: " if removed else "outlier: ") + o.reason
+    if fit.given_up:
+        yield (
+            f"so many readings do not belong, {len(fit.given_up)} and more, that none was left "
+            f"out: the readings or the model are wrong as a whole; the first was "
+            f"{fit.given_up[0].reason}"
+        )
+    if fit.unchecked:
+        alone = [f"{kind} of posture {fit.measurements.labels[k]}" for k, kind in fit.unchecked]
+        yield f"nothing else checks {first_of(alone)}"
+
+
+def _notes_on_postures(fit: Calibration) -> Iterator[str]:
+    judged = {o.configuration for o in (*fit.outliers, *fit.given_up)}
+    silent = [k for k in fit.silent if k not in judged]
+
+    def named(numbers: Iterable[int]) -> str:
+        return f"posture {first_of([fit.measurements.labels[k] for k in numbers])}"
+
+    if fit.unsolved:
+        yield (
+            f"not used: the direct problem of {named(fit.unsolved)} was not solved, neither at the "
+            f"nominal nor at the identified geometry; check the joint readings or give starts"
+        )
+    if silent:
+        yield (
+            f"not used: {named(silent)} holds no reading beside the joints (a group of two "
+            f"postures or more, or a sensor's)"
+        )
+    if fit.changed_mode:
+        yield f"{named(fit.changed_mode)} crossed a singularity and changed its assembly mode"
+    groups = fit.measurements.groups
+    if groups is not None:
+        numbers, counts = np.unique(groups[groups >= 0], return_counts=True)
+        if single := [str(g) for g in numbers[counts == 1]]:
+            yield f"group {first_of(single)} has one posture and says nothing"
+
+
+def _notes_on_residuals(fit: Calibration) -> Iterator[str]:
+    if fit.status != "ok":
+        yield f"{_not_converged(fit)}, after {fit.iterations} steps; the values are not a minimum"
+    if fit.degrees <= 0:
+        yield f"{_NOT_CHECKED}: the residuals are zero for any noise"
+    elif fit.p_value is None:
+        yield (
+            "standard deviations are missing: those of the parameters are scaled by the residuals, "
+            "and chi-square tests nothing"
+        )
+    yield from (f"not believable with the stated noise: {text}" for text in _chi_square(fit))
+    if is_exact(fit):
+        yield _EXACT
+
+
+def _notes_on_parameters(fit: Calibration) -> Iterator[str]:
+    found, beyond = fit.identifiability, dict(fit.changes_over_tolerances)
+    for name in sorted(beyond, key=lambda name: -abs(beyond[name]))[:_NAMED_TOLERANCES]:
+        if abs(beyond[name]) > EXPECTED_TOLERANCES:
+            yield f"{name} moved by {abs(beyond[name]):.3g} times its tolerance"
+    if far := [p.name for p in large_changes(fit)]:
+        yield (
+            f"{first_of(far)} moved by more than {100 * LARGE_CHANGE:.0f} % of the size (angles: "
+            f"{LARGE_CHANGE} rad); check units and nominal values"
+        )
+    pairs = nearly_parallel(fit.mechanism, all_values(fit.problem.model, fit.state.p))
+    offsets = [n for n in fit.problem.names if n.endswith(".d")]
+    parallel = (
+        f"{', '.join(pairs)} are parallel axes or nearly so, and their offsets d are told by how "
+        f"little they are not: hold one of each pair"
+        if pairs and len(offsets) > 1
+        else ""
+    )
+    if found.weak:
+        text, share = found.weak[0]
+        yield (
+            f"hardly told by the readings, and held near nominal by the prior: {len(found.weak)} "
+            f"combination{'s' * (len(found.weak) != 1)} of parameters, most of all {text}, whose "
+            f"standard deviation by the readings is {share:.2g} of the prior's"
+            f"{parallel and f'; {parallel}'}"
+        )
+    if found.condition > _MAX_CONDITION:
+        remedy = parallel or "choose postures that differ more"
+        yield f"the identification Jacobian has condition {found.condition:.2g}; {remedy}"
+    if found.unobservable:
+        held = "; ".join(found.unobservable)
+        yield f"not observable, held by the least change from nominal: {held}"
+    yield from found.advice
