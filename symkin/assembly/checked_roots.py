@@ -8,15 +8,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.assembly.block_proofs import BlockProver, RootProofs
+from symkin.assembly.prover import Prover
 from symkin.certificate.certificate import CertificateBatch
+from symkin.certificate.knowns import Knowns
 from symkin.computed_once import lru_cache
 from symkin.numeric.linear_algebra import extreme_singular_values
 from symkin.numeric.root_checks import POLISHING, are_roots, are_suspect
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.canonical import canonical
-from symkin.position.roots import features
+from symkin.position.roots import Proofs, features
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +34,7 @@ class BlockRoots:
     extremes: np.ndarray
     plain: np.ndarray
     complex_count: np.ndarray
-    proofs: RootProofs | None
+    proofs: Proofs | None
 
     @property
     def counts(self) -> np.ndarray:
@@ -86,17 +87,17 @@ def checked_roots(
 
 def with_proofs(
     found: BlockRoots,
-    prover: BlockProver,
+    prover: Prover,
     ends: CertificateBatch | None,
-    known: np.ndarray,
-    origin: np.ndarray,
+    knowns: Knowns,
+    origin: np.ndarray | None,
     *,
     required: bool = True,
 ) -> BlockRoots:
     """The roots with what is proved of them; where certificates are `required`, instances with a
     root that has none are no longer plain.
     """
-    proofs = prover.roots(ends, found.points, found.owner, known, origin)
+    proofs = prover.proofs(ends, found.points, found.owner, knowns, origin)
     if required:
         found.plain[found.owner[~proofs.certified]] = False
     return replace(found, proofs=proofs)

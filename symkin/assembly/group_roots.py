@@ -48,7 +48,8 @@ class GroupRoots:
     each row (n,): the place of what is said of it in `STATEMENTS`, complex solutions and unresolved
     paths (`NOT_KNOWN`), the least closure error that a search without success has reached (else
     infinite), whether a set that is not isolated was met; `notes` of single rows, and the `samples`
-    of those searched from random starts; `engine` and `orbits` (notes) of all.
+    of those searched from random starts; `engine`, `orbits` (notes) and `theorem` (what
+    proves that there are no others) of all.
     """
 
     points: np.ndarray
@@ -62,6 +63,7 @@ class GroupRoots:
     notes: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
     engine: str | None = None
     orbits: tuple[str, ...] = ()
+    theorem: str | None = None
     samples: Mapping[int, Roots] = field(default_factory=dict)
 
     @property
@@ -93,6 +95,14 @@ class GroupRoots:
             orbits=self.orbits,
             samples=samples,
         )
+
+    def proved(self, complete: np.ndarray, theorem: str | None) -> GroupRoots:
+        """The same where a theorem proves that these are all solutions of the rows `complete`
+        (n,).
+        """
+        if not (complete & (self.statement > 0)).any():
+            return self
+        return replace(self, statement=np.where(complete, 0, self.statement), theorem=theorem)
 
     def in_order(self) -> GroupRoots:
         """The same with the solutions of each row in an order that rounding errors do not

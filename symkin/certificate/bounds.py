@@ -9,16 +9,14 @@ near another, a curve in the variety would lead to generic members with one solu
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
 import casadi as ca
 import numpy as np
 
-from symkin.certificate.certificate import Certificates
-from symkin.certificate.exact import exact_arm, knowns_of
-from symkin.certificate.knowns import Knowns
+from symkin.certificate.certificate import CertificateBatch
+from symkin.certificate.exact import exact_arm
 from symkin.closure.expression_graph import instructions
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import universal_system
@@ -55,26 +53,22 @@ SIX_REVOLUTE = Theorem(
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """A theorem, the system to certify for it, and its known values for those (m, known) of the
-    problem's instances (length unit, radians).
+    """A theorem, the system to certify for it, and the geometry that this has among its known
+    values, after those of the problem.
     """
 
     theorem: Theorem
     system: AlgebraicSystem
-    knowns: Callable[[np.ndarray], Knowns]
+    geometry: tuple[float, ...] = ()
 
 
 def bound_of(problem: Problem, system: AlgebraicSystem) -> Bound | None:
     """The bound on the roots of one of a problem's algebraic systems, where a theorem is known."""
-
-    def knowns(values: np.ndarray) -> Knowns:
-        return knowns_of(problem, values)
-
     if problem.kind == "direct" and system is universal_system():
-        return Bound(SIX_DISTANCES, system, knowns)
+        return Bound(SIX_DISTANCES, system)
     if is_six_revolute(problem):
         arm, geometry = exact_arm(problem, system)
-        return Bound(SIX_REVOLUTE, arm, lambda values: knowns(values).beside(geometry))
+        return Bound(SIX_REVOLUTE, arm, geometry)
     degree = univariate_degree(system)
     if degree is None:
         return None
@@ -85,21 +79,20 @@ def bound_of(problem: Problem, system: AlgebraicSystem) -> Bound | None:
     return Bound(
         Theorem((degree + 1) // 2 if least else degree, text, "fundamental theorem of algebra"),
         system,
-        knowns,
     )
 
 
-def proves(certificates: Certificates, bound: Bound) -> bool:
-    """Whether the certified roots are all solutions that there are, and each is known to be real or
-    not: they are as many as the theorem allows, proved to be different from each other, and poses.
+def proves(found: CertificateBatch, bound: Bound) -> np.ndarray:
+    """Instances (n,) whose certified roots are all solutions that there are, each known to be real
+    or not: they are as many as the theorem allows, proved to be different from each other, and
+    poses.
     """
-    return bool(
-        certificates.system is bound.system
-        and certificates.certified.all()
-        and certificates.pose.all()
-        and not np.any(certificates.real == "unknown")
-        and certificates.distinct == len(certificates.certified) == bound.theorem.count
-    )
+    n, count = found.knowns.count, bound.theorem.count
+    if found.system is not bound.system:
+        return np.zeros(n, dtype=bool)
+    whole = found.certified & found.pose & (found.real != "unknown")
+    every, sure = (np.bincount(found.instance[some], minlength=n) for some in (slice(None), whole))
+    return np.asarray((every == count) & (sure == count) & (found.distinct == count))
 
 
 # --- one row in one unknown -----------------------------------------------------------------------

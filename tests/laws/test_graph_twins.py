@@ -106,6 +106,21 @@ def test_a_graph_has_the_inverse_solutions_of_its_limbs(name):
     same(symkin.modes(limbs, pose=where), symkin.modes(twin, pose=where))
 
 
+def test_a_theorem_holds_for_a_graph_as_for_limbs():
+    """Each leg of a platform has one length at a given pose, sign apart: proved in both spellings.
+    Its 28 poses are fewer than the theorem's 40, and nothing is proved of them.
+    """
+    limbs = symkin.load("zhang2009")
+    twin = graph_twin(limbs)
+    where = symkin.solve(limbs, joints=limbs.example.joints).solution.pose
+    a, b = symkin.modes(limbs, pose=where), symkin.modes(twin, pose=where)
+    same(a, b)
+    assert [a.completeness, b.completeness] == ["proved", "proved"]
+    assert {len(a), *(mode.certified for mode in (*a, *b))} == {1}
+    among = symkin.modes(twin, joints=limbs.example.joints)
+    assert (among.completeness, among.complex_count) == ("probability one", 28)
+
+
 @pytest.mark.parametrize("name", sorted(MACHINES))
 def test_a_graph_has_the_mobility_of_its_limbs(name):
     limbs = MACHINES[name]()
