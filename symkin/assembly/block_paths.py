@@ -9,7 +9,7 @@ beyond doubt, and every real one is well conditioned and differs from the others
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -65,7 +65,7 @@ class BlockPaths:
 
     @cached_property
     def prover(self) -> Prover:
-        return prover_of(self.problem, self.algebraic, self.block)
+        return prover_of(self.problem, self.algebraic, self.block, self.shared)
 
     @property
     def digest(self) -> bytes:
@@ -99,6 +99,7 @@ class BlockPaths:
         found, origin = checked_roots(
             self.block, self._points(columns, owner, origin, k, known), known, plain, counts
         )
+        found = replace(found, ends=z, ends_of=instance)
         return found if knowns is None else with_proofs(found, self.prover, proved, knowns, origin)
 
     def _clear(self, ends: np.ndarray) -> np.ndarray:

@@ -357,7 +357,7 @@ def _extended(group: Problem, number: int, tree: _Tree, account: _Account, ask: 
     if ask.certify:
         far = np.zeros(known.shape)
         np.maximum.at(far, which, away[:, group.known_places])
-        proofs, complete, theorem = proofs_of_group(group, roots.points, roots.owner, known, far)
+        proofs, complete, theorem = proofs_of_group(group, roots, known, far)
         roots = roots.proved(complete, theorem)
     account.add(number, roots, tree.owner, which)
     empty = lost[tree.owner]

@@ -4,7 +4,8 @@ apart, proved.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -19,13 +20,17 @@ from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.canonical import canonical
 from symkin.position.roots import Proofs, features
 
+no_ends = partial(np.zeros, (0, 0), dtype=complex)
+"""Complex roots of what was found without paths."""
+
 
 @dataclass(frozen=True, eq=False)
 class BlockRoots:
     """Distinct real roots of a block at n instances: `points` (m, width) in their standard writing,
     `owner` (m,) their instances, rising, `residual` (m,), `extremes` (m, 2): the largest and
     smallest singular values of their Jacobians; `plain` (n,) the instances to which this applies,
-    `complex_count` (n,), and what is proved, if asked.
+    `complex_count` (n,), and what is proved, if asked. From paths all complex roots `ends` (width,
+    e) of the instances `ends_of` (e,), rising.
     """
 
     points: np.ndarray
@@ -34,7 +39,9 @@ class BlockRoots:
     extremes: np.ndarray
     plain: np.ndarray
     complex_count: np.ndarray
-    proofs: Proofs | None
+    proofs: Proofs | None = None
+    ends: np.ndarray = field(default_factory=no_ends)
+    ends_of: np.ndarray = field(default_factory=partial(np.zeros, 0, dtype=int))
 
     @property
     def counts(self) -> np.ndarray:
@@ -81,7 +88,6 @@ def checked_roots(
         extremes=extremes,
         plain=plain,
         complex_count=counts,
-        proofs=None,
     ), candidates.origin[closed]
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symkin.assembly.group_roots import GroupRoots, group_paths
 from symkin.assembly.prover import prover_of
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.system import System
@@ -65,29 +66,41 @@ def can_be_proved(groups: Sequence[Problem]) -> bool:
 
 
 def proofs_of_group(
-    group: Problem, points: np.ndarray, owner: np.ndarray, known: np.ndarray, away: np.ndarray
+    group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray
 ) -> tuple[PartProofs, np.ndarray, str | None]:
-    """What is proved of solutions `points` (m, width) of a group at the rows `owner` (m,), rising,
-    of known values (n, known) that are within `away` (n, known) of exact ones (length unit); of
-    which rows (n,) they are all solutions, and by which theorem.
+    """What is proved of the solutions of a group at known values (n, known) that are within `away`
+    (n, known) of exact ones (length unit); of which rows (n,) they are all solutions, and by which
+    theorem.
     """
-    ground = np.tile([0.0, 0.0, np.inf, 0.0], (len(owner), 1))
-    certified, complete = np.zeros(len(owner), dtype=bool), np.zeros(len(known), dtype=bool)
+    ground = np.tile([0.0, 0.0, np.inf, 0.0], (len(roots.owner), 1))
+    certified = np.zeros(len(roots.owner), dtype=bool)
+    complete, theorem = np.zeros(len(known), dtype=bool), None
     near = np.isfinite(away).all(axis=1)
-    chosen = np.flatnonzero(near[owner])
-    if not near.any():
-        return PartProofs(certified, ground), complete, None
     (block,) = group.blocks
-    prover = prover_of(group, system_of(group, block), block)
-    knowns = prover.knowns(known[near], away[near])
-    here = (np.cumsum(near) - 1)[owner[chosen]]
-    proofs = prover.proofs(None, points[chosen], here, knowns)
-    certified[chosen], complete[near] = proofs.certified, proofs.complete
-    grounds = prover.grounds(points[chosen], here, knowns, proofs)
-    for place, proof in zip(chosen.tolist(), grounds, strict=True):
-        if proof is not None:
-            ground[place] = proof.independent, proof.rows, proof.radius, proof.remaining
-    return PartProofs(certified, ground), complete, prover.theorem
+    paths = group_paths(group) if len(roots.ends_of) else None
+    tracked = np.zeros(len(known), dtype=bool)
+    if paths is not None and paths.prover.bound is not None:
+        tracked[roots.ends_of] = True
+    for rows, by_paths in ((near & tracked, True), (near & ~tracked, False)):
+        if not rows.any():
+            continue
+        own = prover_of(group, system_of(group, block), block)
+        prover = paths.prover if by_paths and paths is not None else own
+        chosen = np.flatnonzero(rows[roots.owner])
+        knowns, number = prover.knowns(known[rows], away[rows]), np.cumsum(rows) - 1
+        ends = None
+        if by_paths:
+            here = np.flatnonzero(rows[roots.ends_of])
+            ends = prover.ends(roots.ends[:, here], knowns, number[roots.ends_of[here]])
+        owner = number[roots.owner[chosen]]
+        proofs = prover.proofs(ends, roots.points[chosen], owner, knowns)
+        certified[chosen], complete[rows] = proofs.certified, proofs.complete
+        theorem = prover.theorem or theorem
+        grounds = prover.grounds(roots.points[chosen], owner, knowns, proofs)
+        for place, proof in zip(chosen.tolist(), grounds, strict=True):
+            if proof is not None:
+                ground[place] = proof.independent, proof.rows, proof.radius, proof.remaining
+    return PartProofs(certified, ground), complete, theorem
 
 
 def with_grounds(

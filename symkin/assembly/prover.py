@@ -11,6 +11,7 @@ import numpy as np
 
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.structure import Structure
 from symkin.homotopy.systems import whole_system
 from symkin.homotopy.values import algebraic_points
 from symkin.numeric.system import System
@@ -69,8 +70,7 @@ class Prover:
 
         if self.bound is None:
             return certify_batch(self.whole, z, knowns, instance, self._size)
-        beside = knowns.beside(self.bound.geometry)
-        return certify_batch(self.bound.system, z, beside, instance, self._size)
+        return certify_batch(self.bound.system, z, self.bound.knowns(knowns), instance, self._size)
 
     def proofs(
         self,
@@ -154,10 +154,14 @@ class Prover:
 
 
 @lru_cache(maxsize=128)
-def prover_of(problem: Problem, algebraic: AlgebraicSystem, block: System) -> Prover:
-    """The prover of a block whose paths are those of `algebraic`."""
+def prover_of(
+    problem: Problem, algebraic: AlgebraicSystem, block: System, structure: Structure | None = None
+) -> Prover:
+    """The prover of a block whose paths are those of `algebraic`, which may be the system of its
+    structure.
+    """
     from symkin.certificate.bounds import bound_of
 
-    whole, bound = whole_system(problem, block), bound_of(problem, algebraic)
+    whole, bound = whole_system(problem, block), bound_of(problem, algebraic, structure)
     proves_ends = bound is not None or (whole is algebraic and not algebraic.limbs)
     return Prover(problem, block, whole, bound, proves_ends)

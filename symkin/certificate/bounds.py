@@ -9,19 +9,31 @@ near another, a curve in the variety would lead to generic members with one solu
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 
 import casadi as ca
 import numpy as np
 
 from symkin.certificate.certificate import CertificateBatch
+from symkin.certificate.discs import DiscFunction
 from symkin.certificate.exact import exact_arm
+from symkin.certificate.knowns import Knowns
+from symkin.certificate.tape import build_tape
 from symkin.closure.expression_graph import instructions
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import universal_system
 from symkin.homotopy.six_revolute import is_six_revolute
+from symkin.homotopy.structure import Structure
 from symkin.position.problem import Problem
+
+_GEOMETRY_ROUNDING = 1e-13
+"""How far numbers that are read from a block's rows are from the geometry's, of the size and of
+themselves: some hundreds of roundings.
+"""
 
 
 @dataclass(frozen=True)
@@ -53,22 +65,26 @@ SIX_REVOLUTE = Theorem(
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """A theorem, the system to certify for it, and the geometry that this has among its known
-    values, after those of the problem.
-    """
+    """A theorem, the system to certify for it, and its known values from those of the problem."""
 
     theorem: Theorem
     system: AlgebraicSystem
-    geometry: tuple[float, ...] = ()
+    knowns: Callable[[Knowns], Knowns] = lambda knowns: knowns
 
 
-def bound_of(problem: Problem, system: AlgebraicSystem) -> Bound | None:
-    """The bound on the roots of one of a problem's algebraic systems, where a theorem is known."""
+def bound_of(
+    problem: Problem, system: AlgebraicSystem, structure: Structure | None = None
+) -> Bound | None:
+    """The bound on the roots of one of a problem's algebraic systems, or of the system of its
+    structure, where a theorem is known.
+    """
+    if structure is not None and structure.system.projective:
+        return Bound(SIX_DISTANCES, structure.system, partial(_of_structure, structure))
     if problem.kind == "direct" and system is universal_system():
         return Bound(SIX_DISTANCES, system)
     if is_six_revolute(problem):
         arm, geometry = exact_arm(problem, system)
-        return Bound(SIX_REVOLUTE, arm, geometry)
+        return Bound(SIX_REVOLUTE, arm, lambda knowns: knowns.beside(geometry))
     degree = univariate_degree(system)
     if degree is None:
         return None
@@ -80,6 +96,22 @@ def bound_of(problem: Problem, system: AlgebraicSystem) -> Bound | None:
         Theorem((degree + 1) // 2 if least else degree, text, "fundamental theorem of algebra"),
         system,
     )
+
+
+def _of_structure(structure: Structure, knowns: Knowns) -> Knowns:
+    """The distances and points of six rods from the known values of a block, in units of the size.
+    The rows that they are read from hold the geometry to rounding.
+    """
+    function, here = _distances(structure), np.zeros(knowns.count, dtype=np.intc)
+    found = function.evaluate(0, knowns.discs, function.prepare(knowns.discs), here)
+    rounding = _GEOMETRY_ROUNDING * (1.0 + np.abs(found.middle))
+    return Knowns.exact(found.middle).widened(found.radius + rounding)
+
+
+@lru_cache(maxsize=64)
+def _distances(structure: Structure) -> DiscFunction:
+    known = ca.SX.sym("k", structure.data.size1_in(0))
+    return DiscFunction(build_tape(known, ca.SX(0, 1), structure.data(known), ("value",)))
 
 
 def proves(found: CertificateBatch, bound: Bound) -> np.ndarray:

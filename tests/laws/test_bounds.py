@@ -112,7 +112,7 @@ def test_sixteen_solutions_of_a_general_arm_are_proved(seed):
     z = complex_roots(system, known_values(problem, values))
     bound = bound_of(problem, system)
     assert bound is not None
-    knowns = knowns_of(problem, values[None]).beside(bound.geometry)
+    knowns = bound.knowns(knowns_of(problem, values[None]))
     certificates = certify(bound.system, z, knowns, problem.closure.characteristic_length)
     assert is_complete(certificates, bound)
     assert not is_complete(certify(bound.system, z[:, 1:], knowns), bound)
