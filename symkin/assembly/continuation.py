@@ -26,7 +26,7 @@ from symkin.homotopy.engine import engine_of
 from symkin.homotopy.instance import instance
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
-from symkin.homotopy.start_store import TIED, start_of
+from symkin.homotopy.start_store import AGREEING, TIED, start_of
 from symkin.homotopy.systems import squared, system_of, unsuitable
 from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, real_values
@@ -81,11 +81,12 @@ def by_continuation(
     return blocks, tuple(notes), random_starts
 
 
-def has_starts(problem: Problem, progress: Progress | None = None) -> bool:
-    """Whether all blocks of a problem have a start system."""
-    return unsuitable(problem) is None and all(
-        _start(problem, block, progress)[1] is not None for block in problem.blocks
-    )
+def lacks_starts(problem: Problem, progress: Progress | None = None) -> bool:
+    """Whether some block of a problem has no start system, though its given values may be any."""
+    if unsuitable(problem) is not None:
+        return True
+    found = [_start(problem, block, progress) for block in problem.blocks]
+    return any(start is None and AGREEING not in why for _, start, why in found)
 
 
 def _start(

@@ -11,7 +11,7 @@ from math import prod
 
 import numpy as np
 
-from symkin.assembly.continuation import by_continuation, has_starts
+from symkin.assembly.continuation import by_continuation, lacks_starts
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import ground_notes, theorem_notes
 from symkin.assembly.modes_by_name import modes_by_name
@@ -71,7 +71,7 @@ def _only_by_groups(problem: Problem, progress: Progress | None) -> bool:
     have one each.
     """
     is_finer = len(structure_groups(problem)) > len(problem.blocks)
-    return is_finer and not has_starts(problem, progress)
+    return is_finer and lacks_starts(problem, progress)
 
 
 def free_unknowns(problem: Problem) -> str | None:
