@@ -9,13 +9,13 @@ beyond doubt, and every real one is well conditioned and differs from the others
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
-from symkin.assembly.block_proofs import BlockProver, block_prover
 from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
+from symkin.assembly.prover import Prover, prover_of
 from symkin.computed_once import cached_property
 from symkin.errors import TooManyModesError
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
@@ -64,8 +64,8 @@ class BlockPaths:
         return orbit_notes(self.algebraic, self.start)
 
     @cached_property
-    def prover(self) -> BlockProver:
-        return block_prover(self.problem, self.algebraic, self.block)
+    def prover(self) -> Prover:
+        return prover_of(self.problem, self.algebraic, self.block, self.shared)
 
     @property
     def digest(self) -> bytes:
@@ -82,7 +82,8 @@ class BlockPaths:
         chosen = np.flatnonzero(plain)
         instance = np.repeat(chosen, ends.shape[2])
         z = ends[chosen].transpose(1, 0, 2).reshape(self.algebraic.width, -1)
-        proved = self.prover.ends(z, known, instance) if proves else None
+        knowns = self.prover.knowns(known) if certify else None
+        proved = self.prover.ends(z, knowns, instance) if proves and knowns is not None else None
         if proved is not None and not proved.certified.all():  # a certified root is regular
             left = np.flatnonzero(~proved.certified)
             irregular = ~are_regular(
@@ -98,7 +99,8 @@ class BlockPaths:
         found, origin = checked_roots(
             self.block, self._points(columns, owner, origin, k, known), known, plain, counts
         )
-        return with_proofs(found, self.prover, proved, known, origin) if certify else found
+        found = replace(found, ends=z, ends_of=instance)
+        return found if knowns is None else with_proofs(found, self.prover, proved, knowns, origin)
 
     def _clear(self, ends: np.ndarray) -> np.ndarray:
         """Instances (n,) whose ends (n, width, roots) are real or not, beyond doubt, in the pose

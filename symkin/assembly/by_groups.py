@@ -14,7 +14,6 @@ from math import prod
 
 import numpy as np
 
-from symkin.assembly.group_proofs import with_certificates
 from symkin.assembly.group_roots import (
     STATEMENTS,
     GroupRoots,
@@ -23,8 +22,14 @@ from symkin.assembly.group_roots import (
     one_by_one,
 )
 from symkin.assembly.mode_order import order_of_modes
+from symkin.assembly.mode_proofs import (
+    PartProofs,
+    can_be_proved,
+    ground_notes,
+    proofs_of_group,
+    theorem_notes,
+)
 from symkin.assembly.modes_result import Completeness, Group, Modes, sampling
-from symkin.assembly.proofs import ground_notes
 from symkin.assembly.search import Search
 from symkin.errors import InputError, TooManyModesError
 from symkin.numeric.levenberg import Progress
@@ -91,6 +96,7 @@ class GroupedModes:
                     (
                         *given.notes,
                         *account.notes_of(number),
+                        *theorem_notes(account.theorems_of(number)),
                         *ground_notes(self.problem, grounds, len(found)),
                     )
                 )
@@ -120,6 +126,7 @@ class _Account:
     too_many: np.ndarray
     notes: list[tuple[int, np.ndarray | None, tuple[str, ...]]] = field(default_factory=list)
     engines: list[str] = field(default_factory=list)
+    theorems: dict[int, str] = field(default_factory=dict)
     samples: dict[int, list[Roots]] = field(default_factory=dict)
 
     @staticmethod
@@ -157,6 +164,8 @@ class _Account:
         self.notes += [
             (number, np.unique(owner[which == row]), texts) for row, texts in roots.notes.items()
         ]
+        if roots.theorem is not None:
+            self.theorems[number] = roots.theorem
         self.engines += [roots.engine] if roots.engine is not None else []
         for row, sample in roots.samples.items():
             for i in np.unique(owner[which == row]).tolist():
@@ -193,6 +202,11 @@ class _Account:
     def unresolved_of(self, number: int) -> int | None:
         """Unresolved paths of an input; None where some group was searched without paths."""
         return sum_of_counts(self.unresolved[number].tolist())
+
+    def theorems_of(self, number: int) -> list[str]:
+        """What proves an input's groups complete, in their order."""
+        proved = np.flatnonzero(self.seen[number] & (self.statement[number] == 0)).tolist()
+        return [self.theorems[k] for k in proved if k in self.theorems]
 
     def notes_of(self, number: int) -> list[str]:
         """What is said of an input's groups, in their order."""
@@ -234,15 +248,20 @@ def modes_by_groups(
     begin[:, problem.known_places] = known if known.shape[1] else problem.reference_known
     _check_choices(problem, choose)
     account, parts = _Account.empty(n, len(groups)), []
+    certify = certify and can_be_proved(groups)
     for numbers in independent_parts(groups):
-        tree = _Tree(begin, np.arange(n), np.full(n, np.inf))
+        tree = _Tree(begin, np.arange(n), np.full(n, np.inf), PartProofs.of_nothing(n))
         for number in numbers:
             chosen = choose[number] if number < len(choose) else None
             tree = _extended(
-                groups[number], number, tree, account, _Ask(search, chosen, least_errors, progress)
+                groups[number],
+                number,
+                tree,
+                account,
+                _Ask(search, chosen, least_errors, certify, progress),
             )
         columns = np.concatenate([groups[number].unknown_places for number in numbers])
-        parts.append(_Tree(tree.values[:, columns], tree.owner, tree.hits, columns))
+        parts.append(replace(tree, values=tree.values[:, columns], columns=columns))
     return _checked(problem, known, search, account, _combined(begin, parts), certify=certify)
 
 
@@ -288,26 +307,30 @@ def _too_many(problem: Problem, groups: Sequence[Problem], number: int) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Tree:
-    """Partial configurations `values` (m, variables) of the inputs `owner` (m,), rising, and the
-    `hits` (m,) of the rarest choice of each; of a part that is done only its own `columns` of the
-    variables.
+    """Partial configurations `values` (m, variables) of the inputs `owner` (m,), rising, the `hits`
+    (m,) of the rarest choice of each, and what is proved of them; of a part that is done only its
+    own `columns` of the variables. `away` (m, variables) is how far the values are from exact ones
+    (length unit), None where all are exact or nothing is to be proved.
     """
 
     values: np.ndarray
     owner: np.ndarray
     hits: np.ndarray
+    proofs: PartProofs
+    away: np.ndarray | None = None
     columns: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
 
 
 @dataclass(frozen=True)
 class _Ask:
-    """How a group is to be solved: the search, the number of the one solution to take, and whether
-    least errors are needed.
+    """How a group is to be solved: the search, the number of the one solution to take, whether
+    least errors are needed, and whether solutions are to be proved.
     """
 
     search: Search
     choice: int | None
     least_errors: bool
+    certify: bool
     progress: Progress | None
 
 
@@ -329,6 +352,13 @@ def _extended(group: Problem, number: int, tree: _Tree, account: _Account, ask: 
             )
             lost = _lost(roots, tree.owner, which, len(account.seen))
     roots = roots.in_order()
+    away = np.zeros(tree.values.shape) if tree.away is None else tree.away
+    proofs = PartProofs.of_nothing(len(roots.owner))
+    if ask.certify:
+        far = np.zeros(known.shape)
+        np.maximum.at(far, which, away[:, group.known_places])
+        proofs, complete, theorem = proofs_of_group(group, roots, known, far)
+        roots = roots.proved(complete, theorem)
     account.add(number, roots, tree.owner, which)
     empty = lost[tree.owner]
     np.minimum.at(account.smallest, tree.owner[empty], roots.smallest[which[empty]])
@@ -344,7 +374,10 @@ def _extended(group: Problem, number: int, tree: _Tree, account: _Account, ask: 
     )
     values = tree.values[parent]
     values[:, group.unknown_places] = roots.points[place]
-    return _Tree(values, tree.owner[parent], np.minimum(tree.hits[parent], roots.hits[place]))
+    proofs, away = proofs.of(place), away[parent]
+    away[:, group.unknown_places] = proofs.radius[:, None]
+    hits = np.minimum(tree.hits[parent], roots.hits[place])
+    return _Tree(values, tree.owner[parent], hits, tree.proofs.of(parent).beside(proofs), away)
 
 
 def _lost(roots: GroupRoots, owner: np.ndarray, which: np.ndarray, n: int) -> np.ndarray:
@@ -381,13 +414,14 @@ def _without_too_many(
 
 @dataclass(frozen=True, eq=False)
 class _Combined:
-    """Configurations (m, variables) of the inputs `owner` (m,), rising, with the hits of each; how
-    many each input has, listed or not.
+    """Configurations (m, variables) of the inputs `owner` (m,), rising, with the hits of each and
+    what is proved of it; how many each input has, listed or not.
     """
 
     values: np.ndarray
     owner: np.ndarray
     hits: np.ndarray
+    proofs: PartProofs
     total: tuple[int, ...]
 
 
@@ -414,11 +448,14 @@ def _combined(begin: np.ndarray, parts: list[_Tree]) -> _Combined:
         owner = np.insert(owner, before, np.full(some.shape[1], i))
         places = np.concatenate([places[:, :before], some, places[:, before:]], axis=1)
     values, hits = begin[owner], np.full(len(owner), np.inf)
+    proofs = PartProofs.of_nothing(len(owner))
     for part, size, place in zip(parts, sizes, places, strict=True):
         row = (np.cumsum(size) - size)[owner] + place
         values[:, part.columns] = part.values[row]
         hits = np.minimum(hits, part.hits[row])
-    return _Combined(values, owner, hits, tuple(prod(column) for column in sizes.T.tolist()))
+        proofs = proofs.beside(part.proofs.of(row))
+    total = tuple(prod(column) for column in sizes.T.tolist())
+    return _Combined(values, owner, hits, proofs, total)
 
 
 def _some_combinations(sizes: list[int]) -> np.ndarray:
@@ -459,8 +496,8 @@ def _checked(
         ),
         owner[closed],
     )
-    if certify:
-        listed = with_certificates(structure_groups(problem), listed)
+    if certify and len(listed):
+        listed = combined.proofs.of(order[closed]).told(listed)
     statement = np.max(account.statement, axis=1, initial=0)
     statement = np.where(left_out, np.maximum(statement, STATEMENTS.index("incomplete")), statement)
     counts = np.bincount(owner, minlength=len(known))

@@ -4,19 +4,24 @@ apart, proved.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
-from symkin.assembly.block_proofs import BlockProver, RootProofs
+from symkin.assembly.prover import Prover
 from symkin.certificate.certificate import CertificateBatch
+from symkin.certificate.knowns import Knowns
 from symkin.computed_once import lru_cache
 from symkin.numeric.linear_algebra import extreme_singular_values
 from symkin.numeric.root_checks import POLISHING, are_roots, are_suspect
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.canonical import canonical
-from symkin.position.roots import features
+from symkin.position.roots import Proofs, features
+
+no_ends = partial(np.zeros, (0, 0), dtype=complex)
+"""Complex roots of what was found without paths."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +29,8 @@ class BlockRoots:
     """Distinct real roots of a block at n instances: `points` (m, width) in their standard writing,
     `owner` (m,) their instances, rising, `residual` (m,), `extremes` (m, 2): the largest and
     smallest singular values of their Jacobians; `plain` (n,) the instances to which this applies,
-    `complex_count` (n,), and what is proved, if asked.
+    `complex_count` (n,), and what is proved, if asked. From paths all complex roots `ends` (width,
+    e) of the instances `ends_of` (e,), rising.
     """
 
     points: np.ndarray
@@ -33,7 +39,9 @@ class BlockRoots:
     extremes: np.ndarray
     plain: np.ndarray
     complex_count: np.ndarray
-    proofs: RootProofs | None
+    proofs: Proofs | None = None
+    ends: np.ndarray = field(default_factory=no_ends)
+    ends_of: np.ndarray = field(default_factory=partial(np.zeros, 0, dtype=int))
 
     @property
     def counts(self) -> np.ndarray:
@@ -80,23 +88,22 @@ def checked_roots(
         extremes=extremes,
         plain=plain,
         complex_count=counts,
-        proofs=None,
     ), candidates.origin[closed]
 
 
 def with_proofs(
     found: BlockRoots,
-    prover: BlockProver,
+    prover: Prover,
     ends: CertificateBatch | None,
-    known: np.ndarray,
-    origin: np.ndarray,
+    knowns: Knowns,
+    origin: np.ndarray | None,
     *,
     required: bool = True,
 ) -> BlockRoots:
     """The roots with what is proved of them; where certificates are `required`, instances with a
     root that has none are no longer plain.
     """
-    proofs = prover.roots(ends, found.points, found.owner, known, origin)
+    proofs = prover.proofs(ends, found.points, found.owner, knowns, origin)
     if required:
         found.plain[found.owner[~proofs.certified]] = False
     return replace(found, proofs=proofs)

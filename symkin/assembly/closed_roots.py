@@ -16,8 +16,8 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.block_proofs import BlockProver, block_prover
 from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
+from symkin.assembly.prover import Prover, prover_of
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import ClosedForm, Solutions, closed_form, samples_about
 from symkin.elimination.complex_branches import complex_errors
@@ -79,8 +79,8 @@ class ClosedBlock:
         return ()
 
     @cached_property
-    def prover(self) -> BlockProver:
-        return block_prover(self.problem, system_of(self.problem, self.block), self.block)
+    def prover(self) -> Prover:
+        return prover_of(self.problem, system_of(self.problem, self.block), self.block)
 
     @property
     def digest(self) -> bytes:
@@ -137,7 +137,9 @@ class ClosedBlock:
         # a branch that solves all steps and fails the check leaves a doubt
         plain[np.bincount(owner, minlength=len(known)) != found.counts] = False
         return (
-            with_proofs(found, self.prover, None, known, kept, required=self._certifies)
+            with_proofs(
+                found, self.prover, None, self.prover.knowns(known), None, required=self._certifies
+            )
             if certify
             else found
         )
@@ -150,9 +152,8 @@ class ClosedBlock:
         if self._is_square:
             return True
         found = self.roots(self.regular[None], certify=False)
-        proofs = self.prover.roots(
-            None, found.points, found.owner, self.regular[None], np.full(len(found.owner), -1)
-        )
+        knowns = self.prover.knowns(self.regular[None])
+        proofs = self.prover.proofs(None, found.points, found.owner, knowns)
         return bool(len(found.owner) and proofs.certified.all())
 
 

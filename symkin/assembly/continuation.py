@@ -13,11 +13,12 @@ combinations.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from symkin.assembly.block_paths import orbit_notes
-from symkin.assembly.proofs import Prover
+from symkin.assembly.prover import Prover, prover_of
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.branches import complex_count, real_candidates
 from symkin.homotopy.ends import Ends
@@ -25,7 +26,7 @@ from symkin.homotopy.engine import engine_of
 from symkin.homotopy.instance import instance
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
-from symkin.homotopy.start_store import TIED, start_of
+from symkin.homotopy.start_store import AGREEING, TIED, start_of
 from symkin.homotopy.systems import squared, system_of, unsuitable
 from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, real_values
@@ -35,6 +36,10 @@ from symkin.position.given import Given
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.roots import PolishedRoots, Proofs, Roots, polished_roots, unite
+
+if TYPE_CHECKING:
+    from symkin.certificate.certificate import CertificateBatch
+    from symkin.certificate.knowns import Knowns
 
 _ALL_ROWS = 1e-6
 """Largest row, over the size, of a root of combined rows that is one of all: given values that were
@@ -61,11 +66,7 @@ def by_continuation(
     reason = unsuitable(problem)
     begin_loading()
     for block in problem.blocks:
-        match = None if reason else system_of(problem, block)
-        start, why = (None, reason) if match is None else start_of(problem, match, block, progress)
-        if match is not None and start is None and why == TIED:
-            match = squared(match)
-            start, why = start_of(problem, match, block, progress)
+        match, start, why = (None, None, reason) if reason else _start(problem, block, progress)
         if match is None or start is None:
             blocks.append(batched(problem, block, given, starts, rng))
             notes.append(
@@ -78,6 +79,26 @@ def by_continuation(
         random_starts |= doubtful
         notes += orbit_notes(match, start)
     return blocks, tuple(notes), random_starts
+
+
+def lacks_starts(problem: Problem, progress: Progress | None = None) -> bool:
+    """Whether some block of a problem has no start system, though its given values may be any."""
+    if unsuitable(problem) is not None:
+        return True
+    found = [_start(problem, block, progress) for block in problem.blocks]
+    return any(start is None and AGREEING not in why for _, start, why in found)
+
+
+def _start(
+    problem: Problem, block: System, progress: Progress | None
+) -> tuple[AlgebraicSystem, Fibre | None, str]:
+    """The system of a block that paths are tracked in and its generic roots, or None and why."""
+    system = system_of(problem, block)
+    start, why = start_of(problem, system, block, progress)
+    if start is None and why == TIED:
+        system = squared(system)
+        start, why = start_of(problem, system, block, progress)
+    return system, start, why
 
 
 def _block_roots(
@@ -96,10 +117,13 @@ def _block_roots(
     """
     k = known_values(problem, given.values)
     ends = instance(algebraic, start, k)
-    prover = Prover.of(problem, algebraic, block, ends.z, given)
-    possible = np.concatenate(
-        [ends.z[:, ~prover.not_real(ends.z.shape[1])], ends.singular.z], axis=1
-    )
+    prover = prover_of(problem, algebraic, block)
+    knowns = prover.knowns(given.values[None])
+    count = ends.z.shape[1]
+    proved = prover.ends(ends.z, knowns, np.zeros(count, dtype=int)) if prover.proves_ends else None
+    # however near to being real
+    unreal = np.zeros(count, dtype=bool) if proved is None else proved.real == "not real"
+    possible = np.concatenate([ends.z[:, ~unreal], ends.singular.z], axis=1)
     real = [real_values(problem, algebraic, z, k) for z in real_candidates(algebraic, possible).T]
     named = [
         values for root in real for values in with_universal_angles(problem, given.values, root)
@@ -132,7 +156,7 @@ def _block_roots(
         complex_count=max(poses * 2 ** len(replaced_universal_joints(problem)), len(points)),
         complex_sets=not ends.singular.isolated.all(),
         engine=engine_of(algebraic)[1],
-        proofs=_proofs(problem, prover, points),
+        proofs=_proofs(problem, prover, proved, points, knowns),
         missing=_missing(ends),
     )
     return roots, doubtful
@@ -148,20 +172,30 @@ def _isolated(problem: Problem, ends: Ends, given: Given) -> np.ndarray:
     )
 
 
-def _proofs(problem: Problem, prover: Prover, points: np.ndarray) -> Proofs:
-    """What is proved; of more distances than six, that numbers can only meet up to rounding,
-    nothing.
+def _proofs(
+    problem: Problem,
+    prover: Prover,
+    ends: CertificateBatch | None,
+    points: np.ndarray,
+    knowns: Knowns,
+) -> Proofs:
+    """What is proved of one instance's roots; of more distances than six, that numbers can only
+    meet up to rounding, nothing.
     """
-    found, more = prover.proofs(points), redundant_distances(problem)
-    if not more:
+    more = redundant_distances(problem)
+    if more:
+        reason = f"of {6 + more} distances six have been solved, the others are met up to rounding"
+        return replace(Proofs.none(len(points), 1), reason=reason)
+    owner = np.zeros(len(points), dtype=int)
+    found = prover.proofs(ends, points, owner, knowns, careful=True)
+    open_ones = np.flatnonzero(~found.certified)
+    if not open_ones.size:
         return found
-    none, reason = (
-        np.zeros(len(points), dtype=bool),
-        f"of {6 + more} distances six have been solved, the others are met up to rounding",
-    )
-    return replace(
-        found, certified=none, radius=np.full(len(points), np.nan), theorem=None, reason=reason
-    )
+    why = prover.why_not(points[open_ones], knowns)
+    grounds = np.full(len(points), None, dtype=object)
+    if prover.is_redundant:
+        grounds[open_ones] = prover.grounds(points[open_ones], owner[open_ones], knowns)
+    return replace(found, reason=why, grounds=tuple(grounds.tolist()))
 
 
 def _missing(ends: Ends) -> str | None:

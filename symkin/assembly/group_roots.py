@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.checked_roots import no_ends
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
 from symkin.assembly.continuation import by_continuation
 from symkin.assembly.modes_result import Completeness
@@ -48,7 +50,9 @@ class GroupRoots:
     each row (n,): the place of what is said of it in `STATEMENTS`, complex solutions and unresolved
     paths (`NOT_KNOWN`), the least closure error that a search without success has reached (else
     infinite), whether a set that is not isolated was met; `notes` of single rows, and the `samples`
-    of those searched from random starts; `engine` and `orbits` (notes) of all.
+    of those searched from random starts; `engine`, `orbits` (notes) and `theorem` (what
+    proves that there are no others) of all; from paths all complex roots `ends` (width, e) of the
+    rows `ends_of` (e,), rising.
     """
 
     points: np.ndarray
@@ -62,6 +66,9 @@ class GroupRoots:
     notes: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
     engine: str | None = None
     orbits: tuple[str, ...] = ()
+    theorem: str | None = None
+    ends: np.ndarray = field(default_factory=no_ends)
+    ends_of: np.ndarray = field(default_factory=partial(np.zeros, 0, dtype=int))
     samples: Mapping[int, Roots] = field(default_factory=dict)
 
     @property
@@ -83,6 +90,10 @@ class GroupRoots:
         notes = {**self.notes, **{int(rows[i]): texts for i, texts in other.notes.items()}}
         samples = {**self.samples, **{int(rows[i]): roots for i, roots in other.samples.items()}}
         engine = engines_together([self.engine, other.engine])
+        left = ~np.isin(self.ends_of, rows[other.ends_of])
+        of = np.concatenate([self.ends_of[left], rows[other.ends_of]])
+        parts = [part for part in (self.ends[:, left], other.ends) if part.size]
+        by_row = np.argsort(of, kind="stable")
         return GroupRoots(
             points[order],
             owner[order],
@@ -92,7 +103,17 @@ class GroupRoots:
             engine=engine,
             orbits=self.orbits,
             samples=samples,
+            ends=np.hstack(parts)[:, by_row] if parts else self.ends[:, :0],
+            ends_of=of[by_row],
         )
+
+    def proved(self, complete: np.ndarray, theorem: str | None) -> GroupRoots:
+        """The same where a theorem proves that these are all solutions of the rows `complete`
+        (n,).
+        """
+        if not (complete & (self.statement > 0)).any():
+            return self
+        return replace(self, statement=np.where(complete, 0, self.statement), theorem=theorem)
 
     def in_order(self) -> GroupRoots:
         """The same with the solutions of each row in an order that rounding errors do not
@@ -145,6 +166,8 @@ def _all_together(
         continuum=np.zeros(len(known), dtype=bool),
         engine=solver.engine,
         orbits=solver.notes,
+        ends=found.ends,
+        ends_of=found.ends_of,
     ), np.flatnonzero(~found.plain)
 
 

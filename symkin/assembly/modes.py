@@ -9,13 +9,12 @@ from typing import Any, TypedDict, Unpack, overload
 
 import numpy as np
 
-from symkin.assembly.mode_grounds import with_grounds
+from symkin.assembly.mode_proofs import ground_notes, with_grounds
 from symkin.assembly.mode_table import COMPLETENESS
 from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.one_input import modes_of_input
 from symkin.assembly.plain_modes import Plain, PlainModes, plain_modes
-from symkin.assembly.proofs import ground_notes
 from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress

@@ -11,15 +11,17 @@ from math import prod
 
 import numpy as np
 
-from symkin.assembly.continuation import by_continuation
+from symkin.assembly.continuation import by_continuation, lacks_starts
 from symkin.assembly.mode_order import order_of_modes
+from symkin.assembly.mode_proofs import ground_notes, theorem_notes
+from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.modes_result import Completeness, Modes, sampling
-from symkin.assembly.proofs import ground_notes
 from symkin.assembly.search import Search
 from symkin.errors import InputError, TooManyModesError
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
+from symkin.position.groups import structure_groups
 from symkin.position.multistart import batched, one_by_one
 from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
@@ -44,6 +46,9 @@ def _searched(
     problem: Problem, given: Given, search: Search, progress: Progress | None
 ) -> tuple[Modes, bool]:
     """The modes by paths or from random starts, and whether these were of use."""
+    if search.method == "continuation" and _only_by_groups(problem, progress):
+        (found,) = modes_by_name(problem, [given], search, progress=progress)
+        return found, found.starts is not None
     rng = np.random.default_rng(search.seed)
     notes: tuple[str, ...] = ()
     random_starts = True
@@ -59,6 +64,14 @@ def _searched(
     if search.method == "continuation" and found.completeness == "sampled":
         found = replace(found, notes=(*found.notes, *motion_notes(problem)))
     return found, random_starts
+
+
+def _only_by_groups(problem: Problem, progress: Progress | None) -> bool:
+    """Whether a block has no start system, and its parts, which are solved one after another, may
+    have one each.
+    """
+    is_finer = len(structure_groups(problem)) > len(problem.blocks)
+    return is_finer and lacks_starts(problem, progress)
 
 
 def free_unknowns(problem: Problem) -> str | None:
@@ -203,7 +216,7 @@ def _completeness(blocks: list[Roots]) -> Completeness:
     """The weakest statement among the parts."""
     if not blocks or any(b.sampled for b in blocks):
         return "sampled"
-    if all(b.proofs is not None and b.proofs.theorem is not None for b in blocks):
+    if all(b.proofs is not None and b.proofs.reached for b in blocks):
         return "proved"
     return (
         "incomplete"
@@ -215,10 +228,9 @@ def _completeness(blocks: list[Roots]) -> Completeness:
 def _proof_notes(blocks: list[Roots]) -> list[str]:
     """Theorems that the certified roots reach, and why modes have no certificate."""
     proofs = [b.proofs for b in blocks if b.proofs is not None]
-    theorems = dict.fromkeys(p.theorem for p in proofs if p.theorem is not None)
     reasons = dict.fromkeys(p.reason for p in proofs if p.reason is not None)
     return [
-        *(f"at most {t}" for t in theorems if len(theorems) == 1 or "alone" not in t),
+        *theorem_notes(p.reached for p in proofs),
         *(f"not certified: {r}" for r in reasons),
     ]
 

@@ -15,6 +15,7 @@ from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.checked_roots import BlockRoots
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
 from symkin.assembly.mode_order import order_of_modes
+from symkin.assembly.mode_proofs import theorem_notes
 from symkin.assembly.mode_table import (
     COMPLETENESS,
     ModeTable,
@@ -78,13 +79,8 @@ class PlainModes:
 
     def theorems(self, complete: np.ndarray) -> tuple[str, ...]:
         """What is said of the bounds that an input's blocks (blocks,) reach."""
-        texts = [
-            part.prover.theorem
-            for part, reached in zip(self.parts, complete, strict=True)
-            if reached
-        ]
-        found = dict.fromkeys(text for text in texts if text is not None)
-        return tuple(f"at most {text}" for text in found if len(found) == 1 or "alone" not in text)
+        reached = zip(self.parts, complete, strict=True)
+        return theorem_notes(part.prover.theorem for part, whole in reached if whole)
 
     @property
     def is_tracked(self) -> bool:

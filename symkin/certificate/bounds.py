@@ -12,18 +12,28 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 
 import casadi as ca
 import numpy as np
 
-from symkin.certificate.certificate import Certificates
-from symkin.certificate.exact import exact_arm, knowns_of
+from symkin.certificate.certificate import CertificateBatch
+from symkin.certificate.discs import DiscFunction
+from symkin.certificate.exact import exact_arm
 from symkin.certificate.knowns import Knowns
+from symkin.certificate.tape import build_tape
 from symkin.closure.expression_graph import instructions
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import universal_system
 from symkin.homotopy.six_revolute import is_six_revolute
+from symkin.homotopy.structure import Structure
 from symkin.position.problem import Problem
+
+_GEOMETRY_ROUNDING = 1e-13
+"""How far numbers that are read from a block's rows are from the geometry's, of the size and of
+themselves: some hundreds of roundings.
+"""
 
 
 @dataclass(frozen=True)
@@ -55,26 +65,26 @@ SIX_REVOLUTE = Theorem(
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """A theorem, the system to certify for it, and its known values for those (m, known) of the
-    problem's instances (length unit, radians).
-    """
+    """A theorem, the system to certify for it, and its known values from those of the problem."""
 
     theorem: Theorem
     system: AlgebraicSystem
-    knowns: Callable[[np.ndarray], Knowns]
+    knowns: Callable[[Knowns], Knowns] = lambda knowns: knowns
 
 
-def bound_of(problem: Problem, system: AlgebraicSystem) -> Bound | None:
-    """The bound on the roots of one of a problem's algebraic systems, where a theorem is known."""
-
-    def knowns(values: np.ndarray) -> Knowns:
-        return knowns_of(problem, values)
-
+def bound_of(
+    problem: Problem, system: AlgebraicSystem, structure: Structure | None = None
+) -> Bound | None:
+    """The bound on the roots of one of a problem's algebraic systems, or of the system of its
+    structure, where a theorem is known.
+    """
+    if structure is not None and structure.system.projective:
+        return Bound(SIX_DISTANCES, structure.system, partial(_of_structure, structure))
     if problem.kind == "direct" and system is universal_system():
-        return Bound(SIX_DISTANCES, system, knowns)
+        return Bound(SIX_DISTANCES, system)
     if is_six_revolute(problem):
         arm, geometry = exact_arm(problem, system)
-        return Bound(SIX_REVOLUTE, arm, lambda values: knowns(values).beside(geometry))
+        return Bound(SIX_REVOLUTE, arm, lambda knowns: knowns.beside(geometry))
     degree = univariate_degree(system)
     if degree is None:
         return None
@@ -85,21 +95,36 @@ def bound_of(problem: Problem, system: AlgebraicSystem) -> Bound | None:
     return Bound(
         Theorem((degree + 1) // 2 if least else degree, text, "fundamental theorem of algebra"),
         system,
-        knowns,
     )
 
 
-def proves(certificates: Certificates, bound: Bound) -> bool:
-    """Whether the certified roots are all solutions that there are, and each is known to be real or
-    not: they are as many as the theorem allows, proved to be different from each other, and poses.
+def _of_structure(structure: Structure, knowns: Knowns) -> Knowns:
+    """The distances and points of six rods from the known values of a block, in units of the size.
+    The rows that they are read from hold the geometry to rounding.
     """
-    return bool(
-        certificates.system is bound.system
-        and certificates.certified.all()
-        and certificates.pose.all()
-        and not np.any(certificates.real == "unknown")
-        and certificates.distinct == len(certificates.certified) == bound.theorem.count
-    )
+    function, here = _distances(structure), np.zeros(knowns.count, dtype=np.intc)
+    found = function.evaluate(0, knowns.discs, function.prepare(knowns.discs), here)
+    rounding = _GEOMETRY_ROUNDING * (1.0 + np.abs(found.middle))
+    return Knowns.exact(found.middle).widened(found.radius + rounding)
+
+
+@lru_cache(maxsize=64)
+def _distances(structure: Structure) -> DiscFunction:
+    known = ca.SX.sym("k", structure.data.size1_in(0))
+    return DiscFunction(build_tape(known, ca.SX(0, 1), structure.data(known), ("value",)))
+
+
+def proves(found: CertificateBatch, bound: Bound) -> np.ndarray:
+    """Instances (n,) whose certified roots are all solutions that there are, each known to be real
+    or not: they are as many as the theorem allows, proved to be different from each other, and
+    poses.
+    """
+    n, count = found.knowns.count, bound.theorem.count
+    if found.system is not bound.system:
+        return np.zeros(n, dtype=bool)
+    whole = found.certified & found.pose & (found.real != "unknown")
+    every, sure = (np.bincount(found.instance[some], minlength=n) for some in (slice(None), whole))
+    return np.asarray((every == count) & (sure == count) & (found.distinct == count))
 
 
 # --- one row in one unknown -----------------------------------------------------------------------

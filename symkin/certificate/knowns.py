@@ -12,7 +12,9 @@ from flint import acb, arb
 
 from symkin.certificate.disc_arithmetic import TINY, UP
 from symkin.certificate.discs import Discs
-from symkin.numeric.balls import Number
+from symkin.numeric.balls import Number, precision
+
+_BITS = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +34,20 @@ class Knowns:
     def beside(self, numbers: Sequence[float]) -> Knowns:
         """With further doubles behind, the same in each instance."""
         return Knowns(self.discs.beside(np.array(numbers)), lambda j: (*self.numbers(j), *numbers))
+
+    def widened(self, radius: np.ndarray) -> Knowns:
+        """Each value within a radius (m, known) of what it is."""
+        discs = Discs(self.discs.middle, (self.discs.radius + radius) * UP)
+
+        def numbers(j: int) -> tuple[Number, ...]:
+            middle, radii = discs.middle[j].real.tolist(), discs.radius[j].tolist()
+            with precision(_BITS):
+                return tuple(
+                    arb(m, r) if r > 0.0 else v
+                    for v, m, r in zip(self.numbers(j), middle, radii, strict=True)
+                )
+
+        return Knowns(discs, numbers)
 
     @staticmethod
     def of_one(k: Sequence[Number] | np.ndarray) -> Knowns:

@@ -60,7 +60,7 @@ _INSTANCES = 5
 _CHECK_STARTS = 600
 _TARGETS, _BASES = 4, 19
 """Real instances on which bases of a start are compared, and how many bases."""
-_AGREEING = "the values of the actuated joints must agree with each other"
+AGREEING = "the values of the actuated joints must agree with each other"
 _RUNS = 4
 """Second searches at most; the first that agrees settles the generic count."""
 _LOOPS, _FEW_LOOPS, _FEW_RUNS = 200, 40, 1
@@ -237,7 +237,7 @@ def _by_monodromy(
     if problem.kind == "direct":
         found = mobility(problem.mechanism)
         if found.closed and found.direct_rank.value < found.rank.value:
-            return None, f"{_AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
+            return None, f"{AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
     # fewer combinations of the rows than these are no more redundant than they
     whole = int(block.rows.shape[0]) - (
         redundant_rows(problem, block) if problem.kind != "inverse" else 0

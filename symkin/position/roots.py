@@ -42,25 +42,36 @@ _CONTINUUM_SAMPLE = 5
 
 @dataclass(frozen=True, eq=False)
 class Proofs:
-    """Of each real root: whether it is certified, and its radius (length unit; NaN without
-    certificate). `theorem` names the bound that the certified roots reach, so that there are no
-    others; `distinct` complex roots were certified and proved to differ; `reason` why some real
-    root is not certified; `partial` what is proved of each all the same, where rows are redundant
-    (None for certified roots).
+    """Of each real root (m,): whether it is certified, and its radius (length unit; NaN without
+    certificate); of each instance (n,) whether as many roots are certified as a theorem allows, so
+    that there are no others (`complete`). `theorem` is its bound in words. Of one instance alone
+    `reason` says why some real root is not certified, and `grounds` what is proved of each all the
+    same, where rows are redundant (None for certified roots).
     """
 
     certified: np.ndarray
     radius: np.ndarray
+    complete: np.ndarray
     theorem: str | None
-    distinct: int
-    reason: str | None
-    partial: tuple[PartialProof | None, ...] = ()
+    reason: str | None = None
+    grounds: tuple[PartialProof | None, ...] = ()
+
+    @staticmethod
+    def none(roots: int, instances: int, theorem: str | None = None) -> Proofs:
+        """Nothing is proved."""
+        sure, complete = np.zeros(roots, dtype=bool), np.zeros(instances, dtype=bool)
+        return Proofs(sure, np.full(roots, np.nan), complete, theorem)
+
+    @property
+    def reached(self) -> str | None:
+        """The bound that the certified roots of all instances reach."""
+        return self.theorem if self.complete.all() else None
 
     def of(self, number: int, system: System) -> PartialProof | None:
         """What is proved of one root of a system: of all rows, where it is certified."""
         if self.certified[number]:
             return PartialProof.whole(int(system.rows.shape[0]), float(self.radius[number]))
-        return self.partial[number] if self.partial else None
+        return self.grounds[number] if self.grounds else None
 
 
 @dataclass(frozen=True, eq=False)

@@ -245,6 +245,7 @@ NAMES = {
     "BOUND": "symkin.homotopy.universal_start",
     "universal_start": "symkin.homotopy.universal_start",
     "algebraic_point": "symkin.homotopy.values",
+    "knowns_of": "symkin.certificate.exact",
     "known_values": "symkin.homotopy.values",
     "real_values": "symkin.homotopy.values",
     # modes by formulas

@@ -13,6 +13,7 @@ import symkin
 from helpers import samples
 from helpers.gate import in_gate
 from helpers.graph_twin import graph_twin
+from symkin import Mechanism, RodLimb
 
 MACHINES = {
     "planar 3-RRR": lambda: samples.three_rrr("planar"),
@@ -104,6 +105,40 @@ def test_a_graph_has_the_inverse_solutions_of_its_limbs(name):
     )
     where = pose.solution.pose
     same(symkin.modes(limbs, pose=where), symkin.modes(twin, pose=where))
+
+
+def test_a_theorem_holds_for_a_graph_as_for_limbs():
+    """Each leg of a platform has one length at a given pose, sign apart: proved in both spellings.
+    Its 28 poses are fewer than the theorem's 40, and nothing is proved of them.
+    """
+    limbs = symkin.load("zhang2009")
+    twin = graph_twin(limbs)
+    where = symkin.solve(limbs, joints=limbs.example.joints).solution.pose
+    a, b = symkin.modes(limbs, pose=where), symkin.modes(twin, pose=where)
+    same(a, b)
+    assert [a.completeness, b.completeness] == ["proved", "proved"]
+    assert {len(a), *(mode.certified for mode in (*a, *b))} == {1}
+    among = symkin.modes(twin, joints=limbs.example.joints)
+    assert (among.completeness, among.complex_count) == ("probability one", 28)
+
+
+@pytest.mark.parametrize("longer", [0.0, 50.0])
+def test_forty_poses_are_proved_of_a_graph_as_of_limbs(longer):
+    """Six rods between random points: 40 certified poses over the complex numbers are all that
+    there are, in both spellings; so is it proved that rods far too long for each other have none.
+    """
+    rng = np.random.default_rng(3)
+    legs = [RodLimb(f"leg{i}", samples.unit(rng), samples.unit(rng)) for i in range(6)]
+    limbs = Mechanism("general", legs, platform_position=(0.1, 0.2, 1.5))
+    joints = [c.reference[0] + 1e-3 * i for i, c in enumerate(limbs.actuated)]
+    joints[2] += longer
+    a, b = (symkin.modes(x, joints=joints) for x in (limbs, graph_twin(limbs)))
+    same(a, b)
+    assert [a.completeness, b.completeness] == ["proved", "proved"]
+    assert [a.complex_count, b.complex_count] == [40, 40]
+    assert all(mode.certified for mode in (*a, *b))
+    assert bool(len(a)) == (longer == 0.0)
+    assert any("six points at given distances" in note for note in b.notes)
 
 
 @pytest.mark.parametrize("name", sorted(MACHINES))

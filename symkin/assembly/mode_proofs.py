@@ -1,0 +1,156 @@
+"""What is proved of modes, from what is proved of the parts that they are solved in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symkin.assembly.group_roots import GroupRoots, group_paths
+from symkin.assembly.prover import prover_of
+from symkin.homotopy.systems import system_of, unsuitable
+from symkin.numeric.system import System
+from symkin.position.groups import is_linear
+from symkin.position.problem import Problem
+from symkin.position.solution import PartialProof
+from symkin.position.solution_list import SolutionList
+
+
+@dataclass(frozen=True, eq=False)
+class PartProofs:
+    """What is proved of m partial configurations: whether they are `certified`, and in `ground`
+    (m, 4) the numbers of a `PartialProof`, its radius infinite where nothing is proved.
+    """
+
+    certified: np.ndarray
+    ground: np.ndarray
+
+    @staticmethod
+    def of_nothing(count: int) -> PartProofs:
+        """Of configurations without parts: they are exact."""
+        return PartProofs(np.ones(count, dtype=bool), np.zeros((count, 4)))
+
+    @property
+    def radius(self) -> np.ndarray:
+        return self.ground[:, 2]
+
+    def of(self, places: np.ndarray) -> PartProofs:
+        """Of some configurations."""
+        return PartProofs(self.certified[places], self.ground[places])
+
+    def beside(self, other: PartProofs) -> PartProofs:
+        """Of the configurations with another part beside each."""
+        sums = self.ground[:, :2] + other.ground[:, :2]
+        largest = np.maximum(self.ground[:, 2:], other.ground[:, 2:])
+        return PartProofs(self.certified & other.certified, np.hstack([sums, largest]))
+
+    def told(self, found: SolutionList) -> SolutionList:
+        """The modes with what is proved of them."""
+        grounds = np.full(len(found), None, dtype=object)
+        for i in np.flatnonzero(~self.certified & np.isfinite(self.radius)).tolist():
+            independent, rows, radius, remaining = self.ground[i].tolist()
+            grounds[i] = PartialProof(int(independent), int(rows), radius, remaining)
+        return replace(
+            found,
+            certified=self.certified.astype(int),
+            radius=np.where(self.certified, self.radius, np.nan),
+            ground=grounds,
+            _made={},
+        )
+
+
+def can_be_proved(groups: Sequence[Problem]) -> bool:
+    """Whether proofs can be tried: the rows of all groups are algebraic."""
+    return all(is_linear(group) or unsuitable(group) is None for group in groups)
+
+
+def proofs_of_group(
+    group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray
+) -> tuple[PartProofs, np.ndarray, str | None]:
+    """What is proved of the solutions of a group at known values (n, known) that are within `away`
+    (n, known) of exact ones (length unit); of which rows (n,) they are all solutions, and by which
+    theorem.
+    """
+    ground = np.tile([0.0, 0.0, np.inf, 0.0], (len(roots.owner), 1))
+    certified = np.zeros(len(roots.owner), dtype=bool)
+    complete, theorem = np.zeros(len(known), dtype=bool), None
+    near = np.isfinite(away).all(axis=1)
+    (block,) = group.blocks
+    paths = group_paths(group) if len(roots.ends_of) else None
+    tracked = np.zeros(len(known), dtype=bool)
+    if paths is not None and paths.prover.bound is not None:
+        tracked[roots.ends_of] = True
+    for rows, by_paths in ((near & tracked, True), (near & ~tracked, False)):
+        if not rows.any():
+            continue
+        own = prover_of(group, system_of(group, block), block)
+        prover = paths.prover if by_paths and paths is not None else own
+        chosen = np.flatnonzero(rows[roots.owner])
+        knowns, number = prover.knowns(known[rows], away[rows]), np.cumsum(rows) - 1
+        ends = None
+        if by_paths:
+            here = np.flatnonzero(rows[roots.ends_of])
+            ends = prover.ends(roots.ends[:, here], knowns, number[roots.ends_of[here]])
+        owner = number[roots.owner[chosen]]
+        proofs = prover.proofs(ends, roots.points[chosen], owner, knowns)
+        certified[chosen], complete[rows] = proofs.certified, proofs.complete
+        theorem = prover.theorem or theorem
+        grounds = prover.grounds(roots.points[chosen], owner, knowns, proofs)
+        for place, proof in zip(chosen.tolist(), grounds, strict=True):
+            if proof is not None:
+                ground[place] = proof.independent, proof.rows, proof.radius, proof.remaining
+    return PartProofs(certified, ground), complete, theorem
+
+
+def with_grounds(
+    problem: Problem, found: SolutionList, known: np.ndarray, owner: np.ndarray
+) -> SolutionList:
+    """The modes of inputs known (n, values), each of its input `owner` (m,), rising, with what is
+    proved of those that are not certified: of each of a mode's blocks.
+    """
+    left = np.flatnonzero(found.certified == 0)
+    if not left.size:
+        return found
+    parts = [
+        _of_block(problem, block, known, found.values[left], owner[left])
+        for block in problem.blocks
+    ]
+    ground = np.full(len(found), None, dtype=object)
+    for place, number in enumerate(left.tolist()):
+        ground[number] = PartialProof.joined([part[place] for part in parts])
+    return replace(found, ground=ground, _made={})
+
+
+def _of_block(
+    problem: Problem, block: System, known: np.ndarray, values: np.ndarray, owner: np.ndarray
+) -> Sequence[PartialProof | None]:
+    """What is proved of a block's part of modes `values` (m, variables); modes that share it share
+    that.
+    """
+    rows = np.column_stack([owner, values[:, problem.places(block.unknowns)]])
+    own, which = np.unique(rows, axis=0, return_inverse=True)
+    prover = prover_of(problem, system_of(problem, block), block)
+    found = prover.grounds(own[:, 1:], own[:, 0].astype(int), prover.knowns(known))
+    return [found[k] for k in which.ravel().tolist()]
+
+
+def theorem_notes(theorems: Iterable[str | None]) -> tuple[str, ...]:
+    """What is said of the bounds that the solutions of parts reach: of several those that are about
+    more than one unknown alone.
+    """
+    found = dict.fromkeys(text for text in theorems if text is not None)
+    return tuple(f"at most {text}" for text in found if len(found) == 1 or "alone" not in text)
+
+
+def ground_notes(problem: Problem, grounds: Sequence[PartialProof], count: int) -> list[str]:
+    """What is proved of those of `count` modes whose rows are redundant."""
+    if not grounds:
+        return []
+    one, unit = grounds[0], problem.mechanism.length_unit
+    every = "each mode" if len(grounds) == count else f"{len(grounds)} of the modes"
+    return [
+        f"proved of {every}: {one.independent} independent rows of {one.rows} vanish at one exact "
+        f"point within {max(g.radius for g in grounds):.1e} {unit}, and no other row is more than "
+        f"{max(g.remaining for g in grounds):.1e} {unit} there"
+    ]

@@ -1,0 +1,167 @@
+"""What is proved of the roots of one block at many instances: each one by a certificate, and their
+number where a theorem bounds it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from symkin.computed_once import lru_cache
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.structure import Structure
+from symkin.homotopy.systems import whole_system
+from symkin.homotopy.values import algebraic_points
+from symkin.numeric.system import System
+from symkin.position.problem import Problem
+from symkin.position.roots import Proofs
+from symkin.position.solution import PartialProof
+
+if TYPE_CHECKING:
+    from symkin.certificate.bounds import Bound
+    from symkin.certificate.certificate import CertificateBatch
+    from symkin.certificate.knowns import Knowns
+
+
+@dataclass(frozen=True, eq=False)
+class Prover:
+    """Certificates of a block's roots: of all complex ones where the paths' system holds all its
+    coordinates (`proves_ends`), else of the real ones. `bound` is a theorem on their number, where
+    one is known.
+    """
+
+    problem: Problem
+    block: System
+    whole: AlgebraicSystem
+    bound: Bound | None
+    proves_ends: bool
+
+    @property
+    def is_redundant(self) -> bool:
+        """Whether there are more rows than unknowns, which no root can be proved to meet all, but
+        for those of a plane in space.
+        """
+        return self.whole.count > self.whole.width - bool(self.whole.projective)
+
+    @property
+    def theorem(self) -> str | None:
+        """The bound in words."""
+        if self.bound is None:
+            return None
+        t = self.bound.theorem
+        return f"{t.count}: {t.about} ({t.reference})"
+
+    def knowns(self, known: np.ndarray, away: np.ndarray | None = None) -> Knowns:
+        """Known values (n, known) of n instances, which are exact or within `away` (n, known) of
+        exact ones (length unit; angles times the size).
+        """
+        from symkin.certificate.exact import knowns_of
+
+        values = knowns_of(self.problem, known)
+        return values if away is None else values.widened(away / self._size)
+
+    def ends(self, z: np.ndarray, knowns: Knowns, instance: np.ndarray) -> CertificateBatch:
+        """Certificates of complex roots z (width, m) of the instances `instance` (m,), where these
+        say all (`proves_ends`).
+        """
+        from symkin.certificate.certificate import certify_batch
+
+        if self.bound is None:
+            return certify_batch(self.whole, z, knowns, instance, self._size)
+        return certify_batch(self.bound.system, z, self.bound.knowns(knowns), instance, self._size)
+
+    def proofs(
+        self,
+        ends: CertificateBatch | None,
+        points: np.ndarray,
+        owner: np.ndarray,
+        knowns: Knowns,
+        origin: np.ndarray | None = None,
+        *,
+        careful: bool = False,
+    ) -> Proofs:
+        """What is proved of real roots `points` (m, width) of the block at the instances `owner`,
+        rising; `origin` (m,) are the ends that they come from, -1 where they combine several. With
+        `careful` redundant rows are searched for a square part that implies the others.
+        """
+        from symkin.certificate.certificate import certify_batch
+
+        z = self._algebraic(points)
+        if ends is not None and ends.system.width != len(z):
+            # the theorem is one on poses, and these roots have passive joints beside them
+            ends = None
+        if ends is None and self.is_redundant and not careful:
+            return Proofs.none(len(owner), knowns.count, self.theorem)
+        found = ends or certify_batch(self.whole, z, knowns, owner, self._size)
+        expected = np.arange(z.shape[1]) if ends is None else origin
+        if expected is not None and (expected < 0).any():
+            expected = None
+        index, radius = found.find(z, owner, expected)
+        listed = np.bincount(owner, minlength=knowns.count)
+        return Proofs(index >= 0, radius, self._complete(found, listed), self.theorem)
+
+    def why_not(self, points: np.ndarray, knowns: Knowns) -> str | None:
+        """Why real roots `points` (m, width) of one instance have no certificate."""
+        from symkin.certificate.certificate import certify
+
+        reasons = certify(self.whole, self._algebraic(points), knowns, self._size).reasons
+        return next((reason for reason in reasons if reason), None)
+
+    def grounds(
+        self, points: np.ndarray, owner: np.ndarray, knowns: Knowns, proofs: Proofs | None = None
+    ) -> list[PartialProof | None]:
+        """What is proved of real roots as in `proofs`, which may be told: of all rows of those that
+        are certified, of independent ones where rows are redundant.
+        """
+        from symkin.certificate.independent_rows import prove_independent_rows
+
+        if self.is_redundant:
+            z = self._algebraic(points)
+            return prove_independent_rows(self.whole, z, knowns, owner, self._size)
+        proofs = proofs or self.proofs(None, points, owner, knowns)
+        rows = int(self.block.rows.shape[0])
+        return [
+            PartialProof.whole(rows, radius) if certified else None
+            for certified, radius in zip(
+                proofs.certified.tolist(), proofs.radius.tolist(), strict=True
+            )
+        ]
+
+    @property
+    def _size(self) -> float:
+        return self.problem.closure.characteristic_length
+
+    def _algebraic(self, points: np.ndarray) -> np.ndarray:
+        """The roots (width, m) of the paths' system that real roots `points` (m, width) are."""
+        values = {
+            c.name: points[:, s]
+            for c, s in zip(self.block.unknowns, self.block.slices, strict=True)
+        }
+        return algebraic_points(self.problem, self.whole, values)
+
+    def _complete(self, found: CertificateBatch, listed: np.ndarray) -> np.ndarray:
+        """Instances (n,) whose certified roots are all that there are, the real ones as many as
+        those `listed` (n,).
+        """
+        from symkin.certificate.bounds import proves
+
+        if self.bound is None:
+            return np.zeros(len(listed), dtype=bool)
+        real = np.bincount(found.instance[found.real == "real"], minlength=len(listed))
+        return np.asarray(proves(found, self.bound) & (real == listed))
+
+
+@lru_cache(maxsize=128)
+def prover_of(
+    problem: Problem, algebraic: AlgebraicSystem, block: System, structure: Structure | None = None
+) -> Prover:
+    """The prover of a block whose paths are those of `algebraic`, which may be the system of its
+    structure.
+    """
+    from symkin.certificate.bounds import bound_of
+
+    whole, bound = whole_system(problem, block), bound_of(problem, algebraic, structure)
+    proves_ends = bound is not None or (whole is algebraic and not algebraic.limbs)
+    return Prover(problem, block, whole, bound, proves_ends)
