@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import re
 
 import numpy as np
@@ -28,12 +29,14 @@ from helpers.inside import (
     default_parameters,
     identifiability,
     joint_frames,
+    main,
     measure_departure,
     named_motions,
     nominal_parameters,
     predict_pose_sigma,
     simulate_readings,
     solve_configurations,
+    write_measurements,
 )
 from helpers.inside import evaluate_state as evaluate
 from helpers.samples import delta, five_bar
@@ -272,6 +275,18 @@ def test_loops_must_close_elsewhere_too(count, opens):
     assert fit.identifiability.opens is opens
     assert fit.believable is not opens
     assert any("need not close at others" in text for text in fit.notes) is opens
+
+
+def test_a_file_of_too_few_postures_is_not_usable(tmp_path):
+    """The command writes no geometry whose loops need not close, and its verdict says why."""
+    write_measurements(tmp_path / "d.csv", delta(), read_delta(5))
+    (tmp_path / "m.toml").write_text(delta().to_toml())
+    files = [str(tmp_path / name) for name in ("m.toml", "d.csv")]
+    with pytest.raises(SystemExit) as ended:
+        main(["calibrate", "fit", *files, "-o", str(tmp_path / "out")])
+    assert ended.value.code == 3
+    report = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert report["verdict"].startswith("NOT USABLE: loops that are redundant")
 
 
 @pytest.mark.parametrize(("times", "blind"), [(3.0, True), (0.3, False)])

@@ -125,8 +125,10 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
     made = clean = predict_readings(problem, fit.state.p, z, root, factor)
     taken, group, kept = problem.readings.taken, problem.readings.group, np.ones(len(z), dtype=bool)
     level = 1.0 - (1.0 - _OUTLIER_LEVEL) ** (1.0 / len(z))
-    every = np.arange(len(z))
-    chances = [_probability(fit, made.chi_square(every == k), int(np.sum(taken[k]))) for k in every]
+    chances = [
+        _probability(fit, made.chi_square(np.array([k])), int(count))
+        for k, count in enumerate(np.sum(taken, axis=1))
+    ]
     off = np.array([chance is not None and chance < level for chance in chances])
     if 0 < np.sum(off) <= _MAX_OUTLIER_SHARE * len(z):
         kept = ~off

@@ -44,6 +44,7 @@ OPEN_LOOPS = (
     "loops that are redundant close at the postures measured and need not close at others; add "
     "postures"
 )
+"""What is said of a fit of too few postures."""
 _FREE_FRAMES = ("base frame translation", "base frame yaw", "platform frame", "tool frame")
 """Combinations that inclinations never determine."""
 _OFF_PLANE = ("translation z", "about x", "about x)", "about y", "about y)")
@@ -88,13 +89,13 @@ class Identifiability:
         """As many parameters as the rank, that the readings determine when the others are held: of
         the null space, by elimination with pivots, the parameters that span it best are left out.
         """
-        rest, dropped = self.null_space.copy(), set[int]()
+        rest, dropped = self.null_space, set[int]()
         for _ in range(self.null_space.shape[1]):
             sizes = np.linalg.norm(rest, axis=1)
             pivot = int(np.flatnonzero(sizes >= (1 - 1e-9) * sizes.max())[-1])
             dropped.add(pivot)
             unit = rest[pivot] / sizes[pivot]
-            rest -= np.outer(rest @ unit, unit)
+            rest = rest - np.outer(rest @ unit, unit)
         return tuple(n for k, n in enumerate(self.names) if k not in dropped)
 
     @property
@@ -208,8 +209,8 @@ def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
     def left_over(q: np.ndarray) -> np.ndarray:
         with np.errstate(all="ignore"):
             z, closed = newton_configurations(model, state.z[some], q, model.nominal)
-        e = model.evaluate(z, q, model.nominal, quaternions)
-        return np.asarray(e.left_over[closed].reshape(-1, len(problem.names)))
+            left = model.evaluate(z, q, model.nominal, quaternions).left_over
+        return np.asarray(left[closed].reshape(-1, len(problem.names)))
 
     open_steps = left_over(joints + moved) @ unbound(left_over(joints))
     return bool(np.max(np.abs(open_steps), initial=0.0) > _OPEN_SLOPE)
@@ -250,8 +251,8 @@ def _mixed_frames(
     table, names, moves = problem.mechanism.dh, np.array(problem.names), dict(known)
     sides = [] if table is not None else list(frame_names(problem.mechanism))
     for row, beside in () if table is None else ((1, "world"), (len(table.rows), "target")):
-        for own in sorted({f"dh.{row}.{key}" for key in ("theta", "d", "a", "alpha")} & {*names}):
-            moves[own] = 1.0 * (names == own)
+        for own in (f"dh.{row}.{key}" for key in ("theta", "d", "a", "alpha")):
+            moves |= {own: 1.0 * (names == own)} if own in problem.names else {}
             sides.append((own, beside, f"{beside} frame with {own}"))
     for text, beside, mixed in sides:
         frame = np.eye(len(names))[:, np.char.startswith(names, f"{beside}.")]
@@ -270,7 +271,7 @@ def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:
     width, count = null_space.shape
     rng, found = np.random.default_rng(0), list[np.ndarray]()
     for _ in range(_SPARSE_DRAWS if count else 0):
-        pivots, reduced = list[int](), null_space.copy()
+        pivots, reduced = list[int](), null_space
         for row in map(int, rng.permutation(width)):
             norm = np.linalg.norm(reduced[row])
             if norm > 0.03 and len(pivots) < count:

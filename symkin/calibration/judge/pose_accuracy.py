@@ -117,8 +117,9 @@ def _pose_sigma_at(
 def _measured_region(
     identified: Mechanism, fit: Calibration, rng: np.random.Generator
 ) -> tuple[ClosedConfigurations, str]:
-    """Draw random configurations, followed from measured ones part of the way to the joints of
-    others (an arm: within its measured joint values), else the configurations measured.
+    """Draw random configurations between pairs of measured ones (an arm: within its measured joint
+    values; where joints carry the platform, followed part of the way to the joints of others), else
+    the configurations measured.
     """
     joints, closure = fit.problem.measurements.joints, build_closure(identified)
     measured, home = np.tile(closure.reference, (len(joints), 1)), home_pose(identified)
@@ -131,13 +132,17 @@ def _measured_region(
         home = Pose(central[:3], central[3:])
     solver = ClosureSolver(identified, home)
     first, second = rng.integers(len(measured), size=(2, _DRAWN_POSES))
-    share = rng.uniform(0.0, 1.0, (_DRAWN_POSES, 1))
+    share, (a, b) = rng.uniform(0.0, 1.0, (_DRAWN_POSES, 1)), measured[[first, second]]
+    starts = (1 - share) * a + share * b
+    for place in (closure.slices[c.name] for c in closure.coordinates if c.kind == "quaternion"):
+        shorter = np.sign(np.sum(a[:, place] * b[:, place], axis=1, keepdims=True))
+        turned = (1 - share) * a[:, place] + share * shorter * b[:, place]
+        starts[:, place] = turned / np.linalg.norm(turned, axis=1, keepdims=True)
     if identified.serial:
         drawn = rng.uniform(joints.min(axis=0), joints.max(axis=0), (len(first), joints.shape[1]))
-        starts = solver.with_tool(np.hstack([drawn, measured[first][:, joints.shape[1] :]]))
-    else:
-        between = (1 - share) * joints[first] + share * joints[second]
-        starts = solver.at_joints(between, measured[first])
+        starts = solver.with_tool(np.hstack([drawn, a[:, joints.shape[1] :]]))
+    elif is_carried(closure):
+        starts = solver.at_joints((1 - share) * joints[first] + share * joints[second], a)
     made, good = solver.close(starts, None, limits=False)
     if good.any():
         return made.take(np.flatnonzero(good)[:_ACCURACY_POSES]), _REGION_TEXT

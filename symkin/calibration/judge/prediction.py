@@ -74,7 +74,8 @@ class Prediction:
         """Return e^T (S + J C J^T)^-1 e over some configurations together: with e and M = J L
         whitened by S, |e|^2 - e^T M (1 + M^T M)^-1 M^T e.
         """
-        both = (self.whiten @ np.dstack([self.errors, self.spread]))[rows]
+        root = np.linalg.cholesky(self.noise[rows])
+        both = np.linalg.solve(root, np.dstack([self.errors[rows], self.spread[rows]]))
         both = both.reshape(-1, both.shape[2])
         e, m = both[:, 0], both[:, 1:]
         within = np.eye(m.shape[1]) + m.T @ m
