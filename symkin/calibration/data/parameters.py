@@ -133,24 +133,18 @@ def bound_by_motion(mechanism: Mechanism, read: tuple[str, ...] = ()) -> frozens
     builder.build_rows()
     if len(builder.rows) == int(closure.rows.shape[0]):
         return frozenset()
-    coordinates = [builder.coordinates[c.name][1] for c in closure.coordinates]
-    variables, table = ca.vertcat(*coordinates), ca.vertcat(*builder.table.symbols)
-    both = ca.Function(
-        "left_out",
-        [variables, table],
-        [ca.vertcat(*builder.rows), ca.jacobian(ca.vertcat(*builder.rows), table)],
-    )
+    variables = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.coordinates))
+    rows, table = ca.vertcat(*builder.rows), ca.vertcat(*builder.table.symbols)
+    both = ca.Function("left_out", [variables, table], [rows, ca.jacobian(rows, table)])
     rng, size = np.random.default_rng(0), closure.characteristic_length
+    drawn = [
+        both(random_values(closure.coordinates, size, rng), builder.table.values) for _ in range(3)
+    ]
     largest, slopes = (
-        np.zeros(len(builder.rows)),
-        np.zeros((len(builder.rows), len(builder.table.names))),
+        np.max(np.abs([np.asarray(values) for values in found]), axis=0)
+        for found in zip(*drawn, strict=True)
     )
-    for _ in range(3):
-        rows, by_p = both(random_values(closure.coordinates, size, rng), builder.table.values)
-        largest = np.maximum(largest, np.abs(np.asarray(rows)).ravel())
-        slopes = np.maximum(slopes, np.abs(np.asarray(by_p)))
-    left_out = largest <= 1e-11 * size
-    reach = np.max(slopes[left_out], axis=0, initial=0.0)
+    reach = np.max(slopes[largest[:, 0] <= 1e-11 * size], axis=0, initial=0.0)
     return frozenset(n for n, r in zip(builder.table.names, reach, strict=True) if r > 1e-9)
 
 
@@ -296,14 +290,9 @@ def joint_frames(
                 f"joint frames: {name!r} is no rod limb of {mechanism.name}{meant(name, rods)}; "
                 f"its rods are {', '.join(rods) or 'none'}"
             )
-    held = [
-        (name, "platform", k)
-        for name, letters in zip(platform, ("xyz", "yz", "z"), strict=True)
-        for k in letters
-    ]
-    held += [
-        (name, "base", k) for name, letters in zip(base, ("xyz", "y"), strict=True) for k in letters
-    ]
+    ends = [*((name, "platform") for name in platform), *((name, "base") for name in base)]
+    letters = ("xyz", "yz", "z", "xyz", "y")
+    held = [(*end, k) for end, some in zip(ends, letters, strict=True) for k in some]
     for name, end, k in held:
         value = getattr(rods[name], end)["xyz".index(k)]
         if abs(value) > 1e-9 * mechanism.characteristic_length:

@@ -288,7 +288,7 @@ def start_points(
     `measured`), else the reference. Poses that are seen through unknown frames are no starts.
     """
     if model.observes_through_frames:
-        measurements = without_poses(measurements)
+        measurements = replace(measurements, position=None, orientation=None)
     poses = known_poses(measurements, measured=measured)
     begin = np.tile(model.closure.reference, (len(measurements), 1))
     return Closing(model, np.zeros(0)).split(with_poses(model.closure, begin, poses))[0]
@@ -321,22 +321,22 @@ def follow_joints(
     """Follow configurations z (n, width) by Newton while the joint readings move straight from
     `begin` to `end` (n, a); one that is lost, or would jump, stays where it was last.
     """
-    size = model.closure.characteristic_length
-    lengths = np.array(units_of(model.closure.role("actuated"), size))
-    furthest = float(np.max(np.abs(end - begin) / lengths, initial=0.0))
+    size, away = model.closure.characteristic_length, end - begin
+    units, lengths = (
+        np.array(units_of(coordinates, size))
+        for coordinates in (model.closure.role("actuated"), model.system.unknowns)
+    )
+    furthest = float(np.max(np.abs(away) / units, initial=0.0))
     count = min(max(1, int(np.ceil(furthest / _FOLLOWED_STEP))), _MAX_FOLLOWED_STEPS)
-    lengths = np.array(units_of(model.system.unknowns, size))
+    # from the reference, which need not be closed, the first step may be a long one
+    longest = np.inf
     with np.errstate(all="ignore"):
         for k in range(1, count + 1):
-            joints = begin + (k / count) * (end - begin)
             found, closed = newton_configurations(
-                model, z, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE
+                model, z, begin + (k / count) * away, p, tolerance=ROUGHLY_SOLVED_TOLERANCE
             )
-            # from the reference, which need not be closed, the first step may be a long one
-            near = np.max(np.abs(found - z) / lengths, axis=1, initial=0.0) < (
-                _MAX_FOLLOWED_MOVE if k > 1 else np.inf
-            )
-            z = np.where((closed & near)[:, None], found, z)
+            near = np.all(np.abs(found - z) < longest * lengths, axis=1)
+            z, longest = np.where((closed & near)[:, None], found, z), _MAX_FOLLOWED_MOVE
     return z
 
 
@@ -365,11 +365,6 @@ def known_poses(measurements: Measurements, *, measured: bool = False) -> np.nda
         whole = np.all(np.isfinite(table), axis=1)
         poses[whole] = table[whole]
     return poses
-
-
-def without_poses(measurements: Measurements) -> Measurements:
-    """Leave out positions and orientations."""
-    return replace(measurements, position=None, orientation=None)
 
 
 def nearest_rows(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarray:

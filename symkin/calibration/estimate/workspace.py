@@ -35,7 +35,6 @@ from symkin.closure.closure import build_closure
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.bar import Bar
-from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
@@ -273,9 +272,8 @@ class Workspace:
             share = np.clip(edge * rng.uniform(-1, 1, (count, 4)), -1, 1)
             angles = np.vstack([inclinations.T, self.spin * share[:, 3]])
             return self._posed(starts, self.half * share[:, :3], angles)
-        ranges = zip(*self._joint_ranges, strict=True)
-        drawn = [np.zeros((count, 0)), *(rng.uniform(a, b, (1, count)).T for a, b in ranges)]
-        joints = np.hstack(drawn)
+        low, high = self._joint_ranges
+        joints = rng.uniform(low[:, None], high[:, None], (len(low), count)).T
         if self.carried:
             return self.solver.at_joints(joints, starts)
         return self.solver.with_tool(np.hstack([joints, starts[:, joints.shape[1] :]]))
@@ -295,16 +293,11 @@ class Workspace:
         """Ranges (a,) from which actuated joints are drawn: their limits, else about the
         reference.
         """
-        size = self.mechanism.characteristic_length
-        ranges = np.array(
-            [c.limits or _default_range(c, size) for c in self.mechanism.actuated]
-        ).reshape(-1, 2)
+        reach, ranges = DEFAULT_REACH * self.mechanism.characteristic_length, np.zeros((0, 2))
+        for c in self.mechanism.actuated:
+            swing = np.array([-1.0, 1.0]) * (_ARM_SWING if c.is_angular else reach)
+            ranges = np.vstack([ranges, c.limits or c.reference[0] + swing])
         return ranges[:, 0], ranges[:, 1]
-
-
-def _default_range(c: Coordinate, size: float) -> tuple[float, float]:
-    reach = _ARM_SWING if c.is_angular else DEFAULT_REACH * size
-    return c.reference[0] - reach, c.reference[0] + reach
 
 
 def platform_points(mechanism: Mechanism) -> np.ndarray:

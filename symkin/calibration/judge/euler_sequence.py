@@ -212,7 +212,7 @@ def diagnose_sequence(
     if data.sequence is None or data.euler is None:
         return ()
     try:
-        choice = find_sequence(mechanism, replace(data, open_euler=data.euler), **options)
+        choice = find_sequence(mechanism, replace(data, sequence=None), **options)
     except InputError:
         return ()
     if not choice.clear or data.sequence in (choice.sequence, *choice.same) or choice.is_beyond:
