@@ -59,9 +59,11 @@ def nominal_parameters(
     """List all that may be identified by name, with nominal value (lengths, radians, plain numbers)
     and kind.
     """
+    every = described_parameters(mechanism)
     joints = [o.name for o in observables_named(mechanism, read) if o.kind == "joint"]
-    joints = [*(c.name for c in mechanism.actuated), *joints]
-    return _table(mechanism, geometry_parameters(mechanism, read), joints)
+    scales = [f"{name}.scale" for name in (*(c.name for c in mechanism.actuated), *joints)]
+    names = (*geometry_parameters(mechanism, read), *scales, *MEASURING_FRAMES)
+    return {name: every[name] for name in names}
 
 
 @lru_cache(maxsize=64)
@@ -82,21 +84,15 @@ def geometry_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> Map
     return {name: value for name, value in values.items() if not name.startswith(out)}
 
 
-def described_parameters(mechanism: Mechanism) -> dict[str, tuple[float, ParameterKind]]:
-    """List all numbers of the description, those that nothing depends on too, and the factors of
-    all joints.
+@lru_cache(maxsize=64)
+def described_parameters(mechanism: Mechanism) -> Mapping[str, tuple[float, ParameterKind]]:
+    """List all numbers of the description, those that nothing depends on too, the factors of all
+    joints and the measuring frames.
     """
     geometry = link_frames(build_closure(mechanism)).geometry
     values = {name: value for name, (_, value) in geometry.items()}
     for p in mechanism.link_points:
         values |= vector_velocity(point_path(p), np.array(p.point))
-    return _table(mechanism, values, [c.name for c in mechanism.coordinates])
-
-
-def _table(
-    mechanism: Mechanism, values: Mapping[str, float], joints: Sequence[str]
-) -> dict[str, tuple[float, ParameterKind]]:
-    """Values and kinds of geometry, factors of joints and measuring frames."""
     zeros = {f"{p}.zero" for p, joint in joint_paths(mechanism) if joint.type in ("R", "H")}
     points = tuple(f"{point_path(point)}." for point in mechanism.link_points)
 
@@ -108,7 +104,7 @@ def _table(
         return "number" if unit and not name.startswith(points) else "length"
 
     found = {name: (float(value), kind_of(name)) for name, value in values.items()}
-    found |= {f"{name}.scale": (1.0, "number") for name in joints}
+    found |= {f"{c.name}.scale": (1.0, "number") for c in mechanism.coordinates}
     return found | {
         name: (0.0, "angle" if ".rotation." in name else "length") for name in MEASURING_FRAMES
     }

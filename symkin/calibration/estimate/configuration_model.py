@@ -363,16 +363,14 @@ def _values_of(
     """Nominal values and kinds of all parameters; those of the names that only what is not read
     depends on are among them.
     """
-    table = nominal_parameters(mechanism, read)
-    missing = [name for name in names if name not in table]
-    every = described_parameters(mechanism) if missing else {}
-    for name in missing:
+    table, every = nominal_parameters(mechanism, read), described_parameters(mechanism)
+    for name in names:
         if name not in every:
             raise InputError(
                 f"parameter {shown(name)} is unknown{meant(name, table)}; {mechanism.name} has "
                 f"{', '.join(table)}"
             )
-    return table | {name: every[name] for name in missing}
+    return table | {name: every[name] for name in names}
 
 
 def _frame(symbols: Mapping[str, ca.SX], name: str) -> Pose:

@@ -21,6 +21,7 @@ from symkin.errors import InputError
 from symkin.model.joint import units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.linear_algebra import conditions
 from symkin.position.given import poses_coordinates
 from symkin.spatial.rotation import wrapped
 
@@ -259,12 +260,7 @@ def is_determined(
     unknown coordinates anywhere.
     """
     rows_z = model.rows(z, joints, p)[1]
-    if rows_z.shape[2] == 0:
-        return True
-    if rows_z.shape[1] < rows_z.shape[2]:
-        return False
-    singular = np.linalg.svd(np.nan_to_num(rows_z), compute_uv=False)
-    return bool(np.any(singular[:, -1] >= 1e-10 * singular[:, 0]))
+    return rows_z.shape[1] >= rows_z.shape[2] and bool(np.any(conditions(rows_z) <= 1e10))
 
 
 def refuse_undetermined(
@@ -289,7 +285,7 @@ def start_points(
     """
     if model.observes_through_frames:
         measurements = replace(measurements, position=None, orientation=None)
-    poses = known_poses(measurements, measured=measured)
+    poses = whole_poses(measurements, measured=measured)
     begin = np.tile(model.closure.reference, (len(measurements), 1))
     return Closing(model, np.zeros(0)).split(with_poses(model.closure, begin, poses))[0]
 
@@ -354,7 +350,7 @@ def fit_passive(
     return closing.split(found.points)[0]
 
 
-def known_poses(measurements: Measurements, *, measured: bool = False) -> np.ndarray:
+def whole_poses(measurements: Measurements, *, measured: bool = False) -> np.ndarray:
     """Return a whole pose (n, 7) of each configuration, NaN where there is none: its start (unless
     `measured`), else what was measured.
     """

@@ -30,8 +30,8 @@ from symkin.calibration.estimate.configurations import (
     Closing,
     fit_passive,
     is_carried,
-    known_poses,
     start_points,
+    whole_poses,
 )
 from symkin.calibration.estimate.linear import (
     WELL_TOLD,
@@ -135,7 +135,7 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     measurement are unknown, and where the joints carry the platform.
     """
     model, m = problem.model, problem.measurements
-    given = np.isfinite(known_poses(m, measured=True)[:, 0])
+    given = np.isfinite(whole_poses(m, measured=True)[:, 0])
     rows = int(np.sum(given)) * int(model.system.rows.shape[0])
     if is_carried(model.closure) or model.observes_through_frames or rows < len(model.names):
         return None

@@ -25,10 +25,10 @@ from symkin.calibration.estimate.configurations import (
     SolvedConfigurations,
     follow_joints,
     is_carried,
-    known_poses,
     nearest_rows,
     newton_configurations,
     solve_configurations,
+    whole_poses,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import evaluate, readings_at
@@ -84,8 +84,8 @@ def with_starts(
     home = home_pose(mechanism)
     m, starts = measurements, measurements.starts
     starts = np.full((len(m), 7), np.nan) if starts is None else starts.copy()
-    bare = np.isnan(starts).any(axis=1) & (np.isnan(known_poses(m)[:, 0]) | (not posed))
-    rows, read = np.flatnonzero(bare), known_poses(m, measured=True)
+    bare = np.isnan(starts).any(axis=1) & (np.isnan(whole_poses(m)[:, 0]) | (not posed))
+    rows, read = np.flatnonzero(bare), whole_poses(m, measured=True)
     if not len(rows):
         return m
     starts[rows] = [*home.position, *home.quaternion]
@@ -128,7 +128,7 @@ def start_configurations(
         judged = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
         if judged.any():
             # a whole measured pose is where the direct problem began, and so tells the mode
-            begun = np.isfinite(known_poses(m, measured=True)[:, 0])
+            begun = np.isfinite(whole_poses(m, measured=True)[:, 0])
             begun &= configurations.solved & (not is_carried(model.closure))
             return _Modes(problem, p, configurations).chosen(judged & ~begun)
         if problem.readings.groups and (

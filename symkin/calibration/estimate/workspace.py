@@ -36,6 +36,7 @@ from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.bar import Bar
 from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.numeric.linear_algebra import conditions
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import (
@@ -399,7 +400,7 @@ class ClosureSolver:
         F_z.
         """
         rows_z = _rows_at(self._model, self.home)
-        (side,), (condition,) = determinant_signs(rows_z), _conditions(rows_z)
+        (side,), (condition,) = determinant_signs(rows_z), conditions(rows_z)
         return (side if condition < _SINGULAR_CONDITION else 0.0), condition
 
     def _regular(self, rows_z: np.ndarray) -> np.ndarray:
@@ -407,7 +408,7 @@ class ClosureSolver:
         worst = _SINGULAR_CONDITION
         if condition < _SINGULAR_CONDITION:
             worst = _WORSE_CONDITION * condition
-        return (_conditions(rows_z) < worst) & (determinant_signs(rows_z) * side >= 0)
+        return (conditions(rows_z) < worst) & (determinant_signs(rows_z) * side >= 0)
 
 
 def home_pose(mechanism: Mechanism) -> Pose:
@@ -423,7 +424,7 @@ def home_pose(mechanism: Mechanism) -> Pose:
     shown = pose_from(given, "example")
     if not states_reference(mechanism):
         return shown
-    here, there = _conditions(_rows_at(closing_model(mechanism), reference, shown))
+    here, there = conditions(_rows_at(closing_model(mechanism), reference, shown))
     return shown if here > _POORER_CONDITION * there else reference
 
 
@@ -442,10 +443,6 @@ def _rows_at(model: ConfigurationModel, *poses: Pose) -> np.ndarray:
     return model.rows(
         *closing.split(closing.close(with_poses(model.closure, starts, table))[0]), closing.p
     )[1]
-
-
-def _conditions(rows_z: np.ndarray) -> np.ndarray:
-    return np.linalg.cond(np.nan_to_num(rows_z)) if rows_z.shape[2] else np.ones(len(rows_z))
 
 
 def lever(mechanism: Mechanism) -> float:

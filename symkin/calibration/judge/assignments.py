@@ -22,8 +22,8 @@ from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.estimate.configurations import (
     first_points,
     joints_at_poses,
-    known_poses,
     newton_configurations,
+    whole_poses,
 )
 from symkin.calibration.estimate.problem import build_calibration
 from symkin.calibration.estimate.starting import with_starts
@@ -68,7 +68,7 @@ def best_column_order(
     readings put right; None where the columns stand as they should, or where too few poses are
     known.
     """
-    whole = np.isfinite(known_poses(m, measured=True)[:, 0])
+    whole = np.isfinite(whole_poses(m, measured=True)[:, 0])
     if (
         not mechanism.serial
         and np.sum(whole) >= _MIN_WHOLE_POSES
@@ -117,7 +117,7 @@ def _assign_columns(mechanism: Mechanism, m: Measurements) -> tuple[np.ndarray, 
     and its sign.
     """
     actuated = mechanism.actuated
-    poses = known_poses(m, measured=True)
+    poses = whole_poses(m, measured=True)
     values = joints_at_poses(mechanism, poses[np.isfinite(poses[:, 0])])
     reached = np.all(np.isfinite(values), axis=1)
     if np.sum(reached) < _MIN_WHOLE_POSES:
