@@ -73,7 +73,8 @@ def png(figure: Figure) -> bytes:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.image import imsave
 
-    content, canvas = io.BytesIO(), FigureCanvasAgg(figure)
+    content = io.BytesIO()
+    canvas: Any = FigureCanvasAgg(figure)
     figure.dpi = _DPI
     canvas.draw()  # once, where savefig draws twice
     imsave(content, canvas.buffer_rgba(), format="png", dpi=_DPI)

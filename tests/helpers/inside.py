@@ -384,6 +384,7 @@ NAMES = {
     "estimate": "symkin.calibration.estimate.estimator",
     "start_configurations": "symkin.calibration.estimate.starting",
     "with_starts": "symkin.calibration.estimate.starting",
+    "error_free_state": "symkin.calibration.estimate.state",
     "evaluate_readings": "symkin.calibration.estimate.state",
     "evaluate_state": "symkin.calibration.estimate.state:evaluate",
     "Workspace": "symkin.calibration.estimate.workspace",

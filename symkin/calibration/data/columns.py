@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ from symkin.calibration.data.column_names import (
     refuse_misspelt,
     unit_of,
 )
-from symkin.calibration.data.measurements import NO_GROUP, Reading
+from symkin.calibration.data.measurements import NO_GROUP, Distance, Reading
 from symkin.calibration.data.observables import PLATFORM, Measure, Observable, observables
 from symkin.errors import InputError
 from symkin.files.csv_dialect import listed
@@ -29,10 +29,9 @@ from symkin.files.csv_table import UNITS, Table
 from symkin.files.euler_columns import sequenced_columns
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.text import first_of
 
 _EULER_COLUMN = re.compile(r"(?:platform\.)?euler_(?:([A-Za-z]{3})_)?([123])")
-_MAX_LISTED_GROUPS = 5
-"""Most groups of one configuration that a message lists."""
 _MAX_LISTED_JOINTS = 12
 """Most joint names that a message lists."""
 
@@ -90,13 +89,10 @@ class ColumnReader:
                 )
         lacking = [c.name for c in self.mechanism.actuated if c.name not in made.columns]
         if lacking or (made.left_out and not anything_read):
-            what = (
-                f"the actuated joint {lacking[0]!r}" if lacking else "any reading beside the joints"
-            )
-            names = [c.name for c in self.mechanism.actuated]
-            joints = ", ".join(names[:_MAX_LISTED_JOINTS]) + (
-                ", ..." if len(names) > _MAX_LISTED_JOINTS else ""
-            )
+            what = "any reading beside the joints"
+            if lacking:
+                what = f"the actuated joint {lacking[0]!r}"
+            joints = first_of([c.name for c in self.mechanism.actuated], _MAX_LISTED_JOINTS)
             unknown = f"; unknown: {listed(made.left_out)}" if made.left_out else ""
             raise InputError(
                 f"{made.path}: there is no column of {what}{unknown}; known: {joints} (the "
@@ -104,31 +100,22 @@ class ColumnReader:
                 "sigma_ before a name"
             )
 
-    def groups(self) -> tuple[tuple[str, ...], np.ndarray | None]:
+    def groups(self) -> np.ndarray | None:
         column = self._column("group")
         if column is None:
-            return (), None
+            return None
         cells = [cell.strip() for cell in self.table.text(column)]
-        labels = tuple(dict.fromkeys(cell for cell in cells if cell))
-        counts, numbers = Counter(cells), {label: k for k, label in enumerate(labels)}
-        alone = [label for label in labels if counts[label] == 1]
+        numbers = {label: k for k, label in enumerate(dict.fromkeys(filter(None, cells)))}
+        counts = Counter(cells)
+        alone = [label for label in numbers if counts[label] == 1]
         if alone:
-            lines = [
-                str(self.table.lines[cells.index(label)]) for label in alone[:_MAX_LISTED_GROUPS]
-            ]
-            more = (
-                f" and {len(alone) - _MAX_LISTED_GROUPS} more"
-                if len(alone) > _MAX_LISTED_GROUPS
-                else ""
-            )
             self.notes.append(
                 f"a group of one posture says nothing of inclination: "
-                f"{', '.join(map(repr, alone[:_MAX_LISTED_GROUPS]))}{more} "
-                f"(line {', '.join(lines)}{', ...' if more else ''})"
+                f"{first_of(list(map(repr, alone)))} (line {self._lines(map(cells.index, alone))})"
             )
-        if len(alone) == len(labels):
-            return labels, None
-        return labels, np.array(
+        if len(alone) == len(numbers):
+            return None
+        return np.array(
             [numbers[cell] if cell and counts[cell] > 1 else NO_GROUP for cell in cells]
         )
 
@@ -148,20 +135,16 @@ class ColumnReader:
         whole = {row for row, _ in self.copies}
         _, first, inverse = np.unique(values, axis=0, return_index=True, return_inverse=True)
         earlier = first[inverse.ravel()]
-        repeats = [
-            int(k) for k in np.flatnonzero(earlier != np.arange(len(values))) if int(k) not in whole
-        ]
+        every = np.arange(len(values))
+        repeats = [k for k in every[earlier != every] if k not in whole]
         if repeats and len(first) > 1:
-            lines = self.table.lines
             self.notes.append(
                 f"{len(repeats)} rows repeat the joint readings of an earlier one exactly (line "
-                f"{lines[repeats[0]]} those of line "
-                f"{lines[earlier[repeats[0]]]}, ...): copies are no new measurements, and make "
-                f"sigma too small"
+                f"{self._lines(repeats[:1])} those of line {self._lines(earlier[repeats[:1]])}, "
+                f"...): copies are no new measurements, and make sigma too small"
             )
 
     def _check_range(self, c: Coordinate, values: np.ndarray) -> None:
-        unit = 1.0 if not c.is_angular else 1 / UNITS[self.mechanism.angle_unit][1]
         if c.least is not None and np.any(values < c.least):
             raise self._error(
                 int(np.argmax(values < c.least)),
@@ -170,17 +153,20 @@ class ColumnReader:
                 f"above is needed",
             )
         low, high = c.limits or (-np.inf, np.inf)
+        unit = 1 / UNITS[self.mechanism.angle_unit][1] if c.is_angular else 1.0
         outside = (values < low) | (values > high)
         if np.any(outside):
-            where = ", ".join(str(self.table.lines[k]) for k in np.flatnonzero(outside)[:3])
             self.notes.append(
                 f"{c.name}: {int(outside.sum())} of {len(values)} readings lie outside its limits "
                 f"{low * unit:g} to {high * unit:g} "
                 f"{unit_of(self.mechanism, measure_of(c))} (line "
-                f"{where}{', ...' if outside.sum() > 3 else ''})"
+                f"{self._lines(np.flatnonzero(outside))})"
             )
         if len(values) > 2 and np.ptp(values) == 0.0:
             self.notes.append(f"{c.name}: the reading is the same in all rows")
+
+    def _lines(self, rows: Iterable[int]) -> str:
+        return first_of([str(self.table.lines[k]) for k in rows])
 
     def _error(self, row: Any, column: str, text: str) -> InputError:
         return InputError(
@@ -222,22 +208,14 @@ class ColumnReader:
         else:
             values = self._numbers([self._column(c, own=own) for c in o.columns], o.measure)
             values = None if np.all(np.isnan(values)) else values
-        if oriented and values is not None:
-            norms = np.linalg.norm(values, axis=1)
-            for row in np.flatnonzero(np.abs(norms - 1.0) > 1e-2):
-                raise self._error(
-                    row,
-                    o.columns[0],
-                    f"the quaternion has norm {norms[row]:.6g}; allowed: 1 to within 0.01",
-                )
-        if o.kind == "distance" and values is not None:
-            for row in np.flatnonzero(values <= 0.0):
-                raise self._error(
-                    row,
-                    o.columns[0],
-                    f"a distance of {self.table.text(o.columns[0])[row].strip()}; a positive "
-                    f"number is needed",
-                )
+        if values is not None and (oriented or o.kind == "distance"):
+            norms = np.linalg.norm(values, axis=1) if oriented else values[:, 0]
+            bad = np.abs(norms - 1.0) > 1e-2 if oriented else norms <= 0.0
+            text = "a distance of {:g}; a positive number is needed"
+            if oriented:
+                text = "the quaternion has norm {:.6g}; allowed: 1 to within 0.01"
+            for row in np.flatnonzero(bad):
+                raise self._error(row, o.columns[0], text.format(norms[row]))
         return values, self.sigmas(o)
 
     def euler(self) -> tuple[str | None, np.ndarray | None]:
@@ -259,10 +237,8 @@ class ColumnReader:
         prefix = "euler_" if sequence is None else f"euler_{sequence}_"
         return sequence, self.together([prefix + k for k in "123"], "angle")
 
-    def distance(self, name: str) -> tuple[np.ndarray, np.ndarray | None]:
-        """Read the values (n,) of a distance and their standard deviations, None without a
-        column.
-        """
+    def distance(self, name: str, platform: Sequence[float], base: Sequence[float]) -> Distance:
+        """Read a distance between a point of the platform and one of the base."""
         column = DISTANCE + name
         values, sigma = self.channel(Observable("distance", "distance", (), (column,), ("length",)))
         if values is None:
@@ -270,7 +246,9 @@ class ColumnReader:
                 f"{self.table.path}: column {column!r} is missing or empty; --distance {name} "
                 f"names it"
             )
-        return values[:, 0], None if sigma is None else sigma[:, 0]
+        return Distance(
+            platform, base, values[:, 0], None if sigma is None else sigma[:, 0], column
+        )
 
     def observed(self) -> tuple[Reading, ...]:
         """Read what is read of passive joints, named points and other links."""
@@ -286,9 +264,10 @@ class ColumnReader:
         if stray is None:
             return None
         of = o.columns if o.of or o.kind != "orientation" else (*o.columns, "euler")
-        if not {
-            "euler" if "euler_" in c else c.removeprefix("platform.") for c in self.table.columns
-        } & {*of}:
+        held = {c.removeprefix("platform.") for c in self.table.columns}
+        held |= {"euler" for c in held if "euler_" in c}
+        # those of inclination and position are let stand alone
+        if (o.of or len(given) == 1) and held.isdisjoint(of):
             raise InputError(
                 f"{self.table.path}: column {stray!r} stands there without {' or '.join(of)}"
             )

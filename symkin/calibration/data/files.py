@@ -36,14 +36,13 @@ from typing import Any
 import numpy as np
 
 from symkin.calibration.data.column_names import (
-    DISTANCE,
     WEDGE,
     measure_of,
     reading_name,
     unit_of,
 )
 from symkin.calibration.data.columns import ColumnReader
-from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurements
+from symkin.calibration.data.measurements import NO_GROUP, Measurements
 from symkin.calibration.data.observables import PLATFORM, Measure
 from symkin.errors import InputError
 from symkin.files.csv_table import read_table
@@ -61,20 +60,17 @@ frame, length unit.
 
 @dataclass(frozen=True, eq=False)
 class DataFile:
-    """The content of a file: measurements in radians and the mechanism's length unit, the line of
-    each configuration, and the names of its groups. `sequence` is the Euler sequence that the
-    header names; where it names none, `open_euler` (n, 3) holds the angles (radians) and the
-    measurements have no orientation yet. `euler` holds the angles of any sequence, `wedges` (n, 2)
-    a plan's inclinations, `copies` rows (from 0) that repeat an earlier one in every cell, with
-    that one.
+    """The content of a file: measurements in radians and the mechanism's length unit, and the line
+    of each configuration. `sequence` is the Euler sequence that the
+    header names; where it names none, the measurements have no orientation yet. `euler` (n, 3)
+    holds the angles (radians) of any sequence, `wedges` (n, 2) a plan's inclinations, `copies` rows
+    (from 0) that repeat an earlier one in every cell, with that one.
     """
 
     path: str
     measurements: Measurements
     lines: tuple[int, ...]
-    groups: tuple[str, ...]
     sequence: str | None
-    open_euler: np.ndarray | None
     wedges: np.ndarray | None
     notes: tuple[str, ...]
     euler: np.ndarray | None = None
@@ -83,16 +79,12 @@ class DataFile:
     def subset(self, rows: np.ndarray) -> DataFile:
         """Keep some of the rows, by number from 0."""
 
-        def part(table: np.ndarray | None) -> np.ndarray | None:
-            return None if table is None else table[rows]
-
         return replace(
             self,
             measurements=self.measurements.subset(rows),
             lines=tuple(self.lines[k] for k in rows),
-            open_euler=part(self.open_euler),
-            wedges=part(self.wedges),
-            euler=part(self.euler),
+            wedges=None if self.wedges is None else self.wedges[rows],
+            euler=None if self.euler is None else self.euler[rows],
             copies=(),
         )
 
@@ -118,6 +110,11 @@ class DataFile:
         )
         return replace(self.subset(kept), notes=(note, *self.notes))
 
+    @property
+    def open_euler(self) -> np.ndarray | None:
+        """The angles whose sequence the header does not name."""
+        return self.euler if self.sequence is None else None
+
     def with_sequence(self, sequence: str) -> Measurements:
         """Read the open Euler angles in a sequence, and return the measurements with them."""
         if self.open_euler is None:
@@ -139,51 +136,39 @@ def read_measurements(
         raise InputError(
             f"{path}: the file has a header and no row; one row for each posture is needed"
         )
-    labels, groups = reader.groups()
-    found = {kind: reader.channel(PLATFORM[kind]) for kind in ("inclination", "position")}
-    quaternions, spread = reader.channel(PLATFORM["orientation"])
+    groups = reader.groups()
+    kinds = ("inclination", "position", "orientation")
+    found = {kind: reader.channel(PLATFORM[kind]) for kind in kinds}
+    readings: dict[str, Any] = {kind: values for kind, (values, _) in found.items()}
+    readings |= {f"{kind}_sigma": sigma for kind, (_, sigma) in found.items()}
     sequence, angles = reader.euler()
-    if angles is not None and quaternions is not None:
+    if angles is not None and readings["orientation"] is not None:
         raise InputError(
             f"{path}: the orientation stands twice, as quaternion and as Euler angles; give one of "
             f"them"
         )
     if angles is not None and sequence is not None:
-        quaternions = euler_quaternions(angles, sequence)
+        readings["orientation"] = euler_quaternions(angles, sequence)
     measurements = Measurements(
         reader.joints(),
         groups=groups,
-        distances=[_distance(reader, name, *ends) for name, ends in points.items()],
+        distances=[reader.distance(name, *ends) for name, ends in points.items()],
         readings=reader.observed(),
         joint_sigma=reader.joint_sigmas(),
         group_sigma=reader.sigmas(PLATFORM["group"]),
-        orientation=quaternions,
-        orientation_sigma=spread,
-        **{kind: values for kind, (values, _) in found.items()},
-        **{f"{kind}_sigma": sigma for kind, (_, sigma) in found.items()},
         labels=tuple(f"line {line}" for line in table.lines),
+        **readings,
     )
-    wedges = reader.together(WEDGE, "angle")
-    open_euler = angles if sequence is None else None
     return DataFile(
         path=str(path),
         measurements=measurements,
         lines=table.lines,
-        groups=labels,
         sequence=sequence,
-        open_euler=open_euler,
-        wedges=wedges,
+        wedges=reader.together(WEDGE, "angle"),
         notes=tuple(reader.notes),
         euler=angles,
         copies=reader.copies,
     )
-
-
-def _distance(
-    reader: ColumnReader, name: str, platform: Sequence[float], base: Sequence[float]
-) -> Distance:
-    values, sigma = reader.distance(name)
-    return Distance(platform=platform, base=base, values=values, sigma=sigma, name=DISTANCE + name)
 
 
 def euler_quaternions(angles: np.ndarray, sequence: str) -> np.ndarray:

@@ -18,7 +18,7 @@ import numpy as np
 from symkin.calibration.data.observables import PLATFORM, Observable, observables_named
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
-from symkin.model.joint import vector3
+from symkin.model.joint import units_of, vector3
 from symkin.model.mechanism import Mechanism
 
 _MOST_READING = 1e6
@@ -280,40 +280,32 @@ class Measurements:
         """Refuse readings of another number of joints than the mechanism has, and of what it does
         not have.
         """
-        if self.joints.shape[1] != len(mechanism.actuated):
-            names = ", ".join(c.name for c in mechanism.actuated) or "none"
+        names = [c.name for c in mechanism.actuated]
+        if self.joints.shape[1] != len(names):
             raise InputError(
                 f"joints: {self.joints.shape[1]} readings a posture, {mechanism.name} has "
-                f"{len(mechanism.actuated)} "
-                f"actuated joints ({names})"
+                f"{len(names)} actuated joints ({', '.join(names) or 'none'})"
             )
-        size = mechanism.characteristic_length
-        most = _MOST_READING * np.array([1.0 if c.is_angular else size for c in mechanism.actuated])
+        most = _MOST_READING * np.array(
+            units_of(mechanism.actuated, mechanism.characteristic_length)
+        )
         beyond = np.argwhere(np.abs(self.joints) > most)
         if len(beyond):
             row, column = beyond[0]
             raise InputError(
                 f"joints: posture {self.labels[row]} reads {self.joints[row, column]:g} of "
-                f"{mechanism.actuated[column].name}, beyond {most[column]:g} (a million "
+                f"{names[column]}, beyond {most[column]:g} (a million "
                 f"radians, or times the size); check the units"
             )
-        for o, reading in zip(
-            observables_named(mechanism, self.observed), self.readings, strict=True
-        ):
-            _shaped(reading.values, (len(self), o.width), reading.name)
-        if mechanism.platform_link is None:
-            self._check_no_platform(mechanism)
-
-    def _check_no_platform(self, mechanism: Mechanism) -> None:
-        """Refuse readings of a platform of a mechanism without one."""
-        for kind in ("groups", "inclination", "position", "orientation", "distances"):
-            if getattr(self, kind) is not None and len(getattr(self, kind)):
+        for o, reading in self.channels(mechanism):
+            if not o.of and mechanism.platform_link is None:
                 raise InputError(
-                    f"{kind}: {mechanism.name} has no platform link that they could be of; name it "
-                    f"by [platform] link, or read "
-                    "named points (point.NAME) and other links (LINK.position, LINK.orientation, "
-                    "LINK.inclination)"
+                    f"{o.name}: {mechanism.name} has no platform link that it could be of; name it "
+                    f"by [platform] link, or read named points (point.NAME) and other links "
+                    f"(LINK.position, LINK.orientation, LINK.inclination)"
                 )
+            if o.of:
+                _shaped(reading.values, (len(self), o.width), reading.name)
 
 
 def _left_out(reading: _Single, configuration: int, kind: str) -> _Single:

@@ -59,9 +59,11 @@ def nominal_parameters(
     """List all that may be identified by name, with nominal value (lengths, radians, plain numbers)
     and kind.
     """
+    every = described_parameters(mechanism)
     joints = [o.name for o in observables_named(mechanism, read) if o.kind == "joint"]
-    joints = [*(c.name for c in mechanism.actuated), *joints]
-    return _table(mechanism, geometry_parameters(mechanism, read), joints)
+    scales = [f"{name}.scale" for name in (*(c.name for c in mechanism.actuated), *joints)]
+    names = (*geometry_parameters(mechanism, read), *scales, *MEASURING_FRAMES)
+    return {name: every[name] for name in names}
 
 
 @lru_cache(maxsize=64)
@@ -82,21 +84,15 @@ def geometry_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> Map
     return {name: value for name, value in values.items() if not name.startswith(out)}
 
 
-def described_parameters(mechanism: Mechanism) -> dict[str, tuple[float, ParameterKind]]:
-    """List all numbers of the description, those that nothing depends on too, and the factors of
-    all joints.
+@lru_cache(maxsize=64)
+def described_parameters(mechanism: Mechanism) -> Mapping[str, tuple[float, ParameterKind]]:
+    """List all numbers of the description, those that nothing depends on too, the factors of all
+    joints and the measuring frames.
     """
     geometry = link_frames(build_closure(mechanism)).geometry
     values = {name: value for name, (_, value) in geometry.items()}
     for p in mechanism.link_points:
         values |= vector_velocity(point_path(p), np.array(p.point))
-    return _table(mechanism, values, [c.name for c in mechanism.coordinates])
-
-
-def _table(
-    mechanism: Mechanism, values: Mapping[str, float], joints: Sequence[str]
-) -> dict[str, tuple[float, ParameterKind]]:
-    """Values and kinds of geometry, factors of joints and measuring frames."""
     zeros = {f"{p}.zero" for p, joint in joint_paths(mechanism) if joint.type in ("R", "H")}
     points = tuple(f"{point_path(point)}." for point in mechanism.link_points)
 
@@ -108,7 +104,7 @@ def _table(
         return "number" if unit and not name.startswith(points) else "length"
 
     found = {name: (float(value), kind_of(name)) for name, value in values.items()}
-    found |= {f"{name}.scale": (1.0, "number") for name in joints}
+    found |= {f"{c.name}.scale": (1.0, "number") for c in mechanism.coordinates}
     return found | {
         name: (0.0, "angle" if ".rotation." in name else "length") for name in MEASURING_FRAMES
     }
@@ -133,24 +129,18 @@ def bound_by_motion(mechanism: Mechanism, read: tuple[str, ...] = ()) -> frozens
     builder.build_rows()
     if len(builder.rows) == int(closure.rows.shape[0]):
         return frozenset()
-    coordinates = [builder.coordinates[c.name][1] for c in closure.coordinates]
-    variables, table = ca.vertcat(*coordinates), ca.vertcat(*builder.table.symbols)
-    both = ca.Function(
-        "left_out",
-        [variables, table],
-        [ca.vertcat(*builder.rows), ca.jacobian(ca.vertcat(*builder.rows), table)],
-    )
+    variables = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.coordinates))
+    rows, table = ca.vertcat(*builder.rows), ca.vertcat(*builder.table.symbols)
+    both = ca.Function("left_out", [variables, table], [rows, ca.jacobian(rows, table)])
     rng, size = np.random.default_rng(0), closure.characteristic_length
+    drawn = [
+        both(random_values(closure.coordinates, size, rng), builder.table.values) for _ in range(3)
+    ]
     largest, slopes = (
-        np.zeros(len(builder.rows)),
-        np.zeros((len(builder.rows), len(builder.table.names))),
+        np.max(np.abs([np.asarray(values) for values in found]), axis=0)
+        for found in zip(*drawn, strict=True)
     )
-    for _ in range(3):
-        rows, by_p = both(random_values(closure.coordinates, size, rng), builder.table.values)
-        largest = np.maximum(largest, np.abs(np.asarray(rows)).ravel())
-        slopes = np.maximum(slopes, np.abs(np.asarray(by_p)))
-    left_out = largest <= 1e-11 * size
-    reach = np.max(slopes[left_out], axis=0, initial=0.0)
+    reach = np.max(slopes[largest[:, 0] <= 1e-11 * size], axis=0, initial=0.0)
     return frozenset(n for n, r in zip(builder.table.names, reach, strict=True) if r > 1e-9)
 
 
@@ -296,14 +286,9 @@ def joint_frames(
                 f"joint frames: {name!r} is no rod limb of {mechanism.name}{meant(name, rods)}; "
                 f"its rods are {', '.join(rods) or 'none'}"
             )
-    held = [
-        (name, "platform", k)
-        for name, letters in zip(platform, ("xyz", "yz", "z"), strict=True)
-        for k in letters
-    ]
-    held += [
-        (name, "base", k) for name, letters in zip(base, ("xyz", "y"), strict=True) for k in letters
-    ]
+    ends = [*((name, "platform") for name in platform), *((name, "base") for name in base)]
+    letters = ("xyz", "yz", "z", "xyz", "y")
+    held = [(*end, k) for end, some in zip(ends, letters, strict=True) for k in some]
     for name, end, k in held:
         value = getattr(rods[name], end)["xyz".index(k)]
         if abs(value) > 1e-9 * mechanism.characteristic_length:

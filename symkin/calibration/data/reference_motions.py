@@ -53,8 +53,14 @@ def reference_motions(
     links = list(dict.fromkeys(link for edge in edges for link in edge.ends if link != BASE))
     read = (*read, *(name for c in mechanism.couplings for name in (c.joint, *c.names)))
     rates = [(edge, rate) for edge in edges for rate in _rates(edge, values, read)]
-    size = mechanism.characteristic_length
-    moves = null_space(_constraints(edges, links, rates, size), _RANK_TOLERANCE, relative=True).T
+    size, width = mechanism.characteristic_length, len(rates) + 6 * len(links)
+    unit, rows = np.array([1.0 / size] * 3 + [1.0] * 3), [np.zeros((0, width))]
+    # V_b - V_a - sum of S q' = 0 of all joints, lengths over the size
+    for edge in (e for e in edges if isinstance(e.elements[0].part, Joint)):
+        ends = [float(link == edge.ends[1]) - float(link == edge.ends[0]) for link in links]
+        screws = [-unit * screw if own is edge else np.zeros(6) for own, (_, screw, _) in rates]
+        rows.append(np.column_stack([*screws, np.kron(ends, np.eye(6))]))
+    moves = null_space(np.vstack(rows), _RANK_TOLERANCE, relative=True).T
     labels = [f"reference configuration by {name}" for _, (name, *_) in rates]
     labels += [
         f"reference place of {link}, {k}"
@@ -91,26 +97,6 @@ def _rates(edge: Branch, values: Mapping[str, float], held: Sequence[str]) -> It
     screws = {"P": [slide], "H": [turns[0] + pitch * slide], "C": [turns[0], slide]}
     for name, screw in zip(names, screws.get(joint.type, turns), strict=True):
         yield name, screw, zero
-
-
-def _constraints(
-    edges: Sequence[Branch],
-    links: Sequence[str],
-    rates: Sequence[tuple[Branch, _Rate]],
-    size: float,
-) -> np.ndarray:
-    """Rows V_b - V_a - sum of S q' = 0 of all joints, lengths over the size."""
-    unit, rows = (
-        np.array([1.0 / size] * 3 + [1.0] * 3),
-        [np.zeros((0, len(rates) + 6 * len(links)))],
-    )
-    for edge in edges:
-        if not isinstance(edge.elements[0].part, Joint):
-            continue
-        ends = [float(link == edge.ends[1]) - float(link == edge.ends[0]) for link in links]
-        screws = [-unit * screw if own is edge else np.zeros(6) for own, (_, screw, _) in rates]
-        rows.append(np.column_stack([*screws, np.kron(ends, np.eye(6))]))
-    return np.vstack(rows)
 
 
 def _independent(space: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:

@@ -8,14 +8,15 @@ for angles and directions 1/size.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.observables import Observable, observed
+from symkin.calibration.data.observables import Observable, Observed, observed
 from symkin.calibration.data.parameters import (
     MEASURING_FRAMES,
     ParameterKind,
@@ -28,9 +29,9 @@ from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import System
-from symkin.spatial.backend import Array, dot
+from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector
+from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector, rotate
 from symkin.text import meant, shown
 
 _VECTOR_OUTPUTS = {"whole": (0, 3), "rows": (0,), "tangent": (0, 3), "pose": (0,)}
@@ -51,32 +52,21 @@ class Evaluation:
     readings_p: np.ndarray
 
     def condensed(
-        self, pending: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
-        """Eliminate the unknown coordinates: readings corrected for closures that are off by
-        `pending` steps (n, f), their derivative dh/dp (n, K, P) with the configurations following,
-        and what an overconstrained closure leaves of F and dF/dp.
+        self,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
+        """Eliminate the unknown coordinates: the steps (n, f) by which closures are off, readings
+        corrected for them, their derivative dh/dp (n, K, P) with the configurations following, and
+        what an overconstrained closure leaves of F and dF/dp.
         """
-        if self.rows_z.shape[1] == self.rows_z.shape[2]:
-            # A = h_z F_z^-1 from the transposed system: K right sides in place of P
-            weights = solve_systems(
-                self.rows_z.transpose(0, 2, 1), self.readings_z.transpose(0, 2, 1)
-            ).transpose(0, 2, 1)
-            return (
-                self.readings - (weights @ self.rows[:, :, None])[:, :, 0],
-                self.readings_p - weights @ self.rows_p,
-                None,
-            )
-        follow = self.following
-        left = (
-            self.rows - (self.rows_z @ pending[:, :, None])[:, :, 0],
-            self.rows_p + self.rows_z @ follow,
-        )
-        return (
-            self.readings - (self.readings_z @ pending[:, :, None])[:, :, 0],
-            self.readings_p + self.readings_z @ follow,
-            left,
-        )
+        inverse = solve_systems(self.rows_z, np.eye(self.rows.shape[1]))
+        weights, rows = self.readings_z @ inverse, self.rows[:, :, None]
+        readings = self.readings - (weights @ rows)[:, :, 0]
+        slopes, left = self.readings_p - weights @ self.rows_p, None
+        if self.rows_z.shape[1] != self.rows_z.shape[2]:
+            both = np.concatenate([rows, self.rows_p], axis=2)
+            both = both - self.rows_z @ (inverse @ both)
+            left = both[:, :, 0], both[:, :, 1:]
+        return (inverse @ rows)[:, :, 0], readings, slopes, left
 
     @property
     def following(self) -> np.ndarray:
@@ -86,13 +76,13 @@ class Evaluation:
     @property
     def left_over(self) -> np.ndarray:
         """What an overconstrained closure leaves of dF/dp (n, m, P); no rows where none is left."""
-        left = self.condensed(np.zeros((len(self.rows), self.rows_z.shape[2])))[2]
+        left = self.condensed()[3]
         return self.rows_p[:, :0] if left is None else left[1]
 
     @property
     def slopes(self) -> np.ndarray:
         """dh/dp (n, K, P) with the configurations following: h_p - h_z F_z^+ F_p."""
-        return self.condensed(np.zeros((len(self.rows), self.rows_z.shape[2])))[1]
+        return self.condensed()[2]
 
 
 def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -130,6 +120,10 @@ class ConfigurationModel:
     readings: ca.SX
     channels: tuple[Observable, ...]
     pose: Pose
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        """Pickle as what it is built from: symbols and functions stay in their process."""
+        return _build_model, (self.mechanism, self.channels, self.names)
 
     def evaluate(
         self, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray
@@ -170,9 +164,8 @@ class ConfigurationModel:
     def poses(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
         """Evaluate the observed poses (n, 7), quaternions with w >= 0."""
         packed = self._call("pose", z, joints, p, self.no_quaternions(len(z)))[0]
-        return np.asarray(
-            np.where(packed[:, 3:4] < 0, np.hstack([packed[:, :3], -packed[:, 3:]]), packed)
-        )
+        packed[:, 3:] *= np.where(packed[:, 3:4] < 0, -1.0, 1.0)
+        return packed
 
     def no_quaternions(self, count: int) -> np.ndarray:
         """Orientations to measure against, where none is told."""
@@ -271,85 +264,103 @@ def _build_model(
     mechanism: Mechanism, channels: tuple[Observable, ...], names: tuple[str, ...]
 ) -> ConfigurationModel:
     read = tuple(o.name for o in channels if o.of)
-    seen = observed(mechanism, read)
-    closure = seen.closure  # another one, of equal rows, would have other symbols
     table = _values_of(mechanism, read, names)
     symbols = {
         name: ca.SX.sym(name) if name in names else ca.SX(value)
         for name, (value, _) in table.items()
     }
-    parameters = ca.vertcat(ca.SX(0, 1), *(symbols[n] for n in names))
-    actuated, geometry = closure.role("actuated"), {n: v for n, (_, v) in seen.geometry.items()}
-    joints = ca.vertcat(ca.SX(0, 1), *(ca.SX.sym(f"{c.name}.reading") for c in actuated))
-    own = dict(zip(closure.parameter_names, closure.parameter_values, strict=True))
-    before = ca.vertcat(
-        *(closure.variables[closure.slices[c.name]] for c in actuated),
-        closure.parameters,
-        *(symbol for name, (symbol, _) in seen.geometry.items() if name not in own),
-    )
-    after = ca.vertcat(
-        ca.SX(0, 1),
-        *(symbols[f"{c.name}.scale"] * joints[k] for k, c in enumerate(actuated)),
-        *(symbols.get(n, ca.SX(float(v))) for n, v in (own | geometry).items()),
-    )
-
-    def known(*expressions: ca.SX) -> list[ca.SX]:
-        """Put in what is known: readings of actuated joints, and parameters or their numbers."""
-        return list(ca.substitute(list(expressions), [before], [after]))
-
-    world, target = (_frame(symbols, name) for name in ("world", "target"))
-    pose = world @ _unpacked(*known(seen.pose)) @ target
-    slots = 1 + sum(o.kind == "orientation" and bool(o.of) for o in channels)
-    quaternion = ca.SX.sym("measured", 4 * slots)
+    known = _Known(mechanism, symbols, observed(mechanism, read))
+    closure, size = known.seen.closure, known.seen.closure.characteristic_length
+    quaternion = ca.SX.sym("measured", 4 + 4 * sum(name.endswith(".orientation") for name in read))
     measured = iter(ca.vertsplit(quaternion, 4))
-    of_platform, readings = next(measured), [ca.SX(0, 1)]
-    for o in channels:
-        match o.kind:
-            case "joint":
-                (value,) = known(seen.values[o.name])
-                readings.append(value / symbols[f"{o.name}.scale"])
-            case "point":
-                readings.append(world.apply(known(seen.values[o.name])[0]))
-            case "distance" if o.ends:
-                end, base = (ca.SX(ca.DM(list(point))) for point in o.ends)
-                gap = pose.apply(end) - base
-                readings.append(ca.sqrt(dot(gap, gap)))
-            case "distance":
-                readings += known(seen.values[o.name])
-            case "group":
-                level = ca.SX(ca.DM(level_turn(mechanism)))
-                readings.append(inclination(multiply(pose.quaternion, level)))
-            case kind:
-                link = world @ _unpacked(*known(seen.values[o.name])) if o.of else pose
-                if kind == "position":
-                    readings.append(link.position)
-                elif kind == "inclination":
-                    readings.append(inclination(link.quaternion))
-                else:
-                    against = next(measured) if o.of else of_platform
-                    readings.append(_turn_from(against, link.quaternion))
+    slots = {"orientation": next(measured)}  # the platform's, read or not
+    slots |= {name: next(measured) for name in read if name.endswith(".orientation")}
+    readings = [known.reading(o, slots.get(o.name)) for o in channels]
+    parameters = ca.vertcat(ca.SX(0, 1), *(symbols[n] for n in names))
     unknowns = closure.role("passive", "body", "pose")
-    unknown = ca.vertcat(
-        ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in unknowns)
-    )
-    rows, errors, size = *known(closure.rows, closure.errors), closure.characteristic_length
+    places = (closure.variables[closure.slices[c.name]] for c in unknowns)
     types = tuple(table[n][1] for n in names)
-    scales = np.array([1.0 if kind == "length" else 1.0 / size for kind in types])
     return ConfigurationModel(
         mechanism=mechanism,
         closure=closure,
-        system=System(unknowns, unknown, ca.vertcat(joints, parameters), rows, errors, size),
+        system=System(
+            unknowns,
+            ca.vertcat(ca.SX(0, 1), *places),
+            ca.vertcat(known.joints, parameters),
+            known(closure.rows),
+            known(closure.errors),
+            size,
+        ),
         names=names,
         kinds=types,
         nominal=np.array([table[n][0] for n in names]),
-        scales=scales,
-        joints=joints,
+        scales=np.array([1.0 if kind == "length" else 1.0 / size for kind in types]),
+        joints=known.joints,
         parameters=parameters,
         quaternion=quaternion,
-        readings=ca.vertcat(*readings),
+        readings=ca.vertcat(ca.SX(0, 1), *readings),
         channels=channels,
-        pose=pose,
+        pose=known.pose,
     )
+
+
+class _Known:
+    """Expressions with what is known put in: readings of actuated joints in place of their
+    coordinates, the parameters' symbols or numbers in place of the geometry; `pose` is that of the
+    judged link as it is observed, from the world frame to the target.
+    """
+
+    def __init__(self, mechanism: Mechanism, symbols: Mapping[str, ca.SX], seen: Observed) -> None:
+        self.mechanism, self.symbols, self.seen = mechanism, symbols, seen
+        closure, actuated = seen.closure, seen.closure.role("actuated")
+        self.joints = ca.vertcat(ca.SX(0, 1), *(ca.SX.sym(f"{c.name}.reading") for c in actuated))
+        own = dict(zip(closure.parameter_names, closure.parameter_values, strict=True))
+        values = own | {name: value for name, (_, value) in seen.geometry.items()}
+        self._before = ca.vertcat(
+            *(closure.variables[closure.slices[c.name]] for c in actuated),
+            closure.parameters,
+            *(symbol for name, (symbol, _) in seen.geometry.items() if name not in own),
+        )
+        self._after = ca.vertcat(
+            ca.SX(0, 1),
+            *(symbols[f"{c.name}.scale"] * self.joints[k] for k, c in enumerate(actuated)),
+            *(symbols.get(name, ca.SX(float(value))) for name, value in values.items()),
+        )
+        self.world, target = (_frame(symbols, name) for name in ("world", "target"))
+        self.pose = self._observed(seen.pose) @ target
+
+    def __call__(self, expression: ca.SX) -> ca.SX:
+        return ca.substitute(expression, self._before, self._after)
+
+    def _observed(self, pose: ca.SX) -> Pose:
+        known = self(pose)
+        return self.world @ Pose(known[:3], known[3:])
+
+    def reading(self, o: Observable, measured: ca.SX | None) -> ca.SX:
+        """What is read, a column; of an orientation the turn from the one `measured`."""
+        value = self.seen.values.get(o.name, self.seen.pose)
+        if o.kind == "joint":
+            return self(value) / self.symbols[f"{o.name}.scale"]
+        if o.kind == "point":
+            return self.world.apply(self(value))
+        if o.kind == "distance" and not o.ends:
+            return self(value)
+        pose = self._observed(value) if o.of else self.pose
+        match o.kind:
+            case "distance":
+                end, base = (ca.SX(ca.DM(list(point))) for point in o.ends)
+                gap = pose.apply(end) - base
+                return ca.sqrt(dot(gap, gap))
+            case "group":
+                level = ca.SX(ca.DM(level_turn(self.mechanism)))
+                return inclination(multiply(pose.quaternion, level))
+            case "inclination":
+                return inclination(pose.quaternion)
+            case "position":
+                return pose.position
+        # twice the vector part of the quaternion
+        e = multiply(conjugate(measured), pose.quaternion)
+        return 2 * ca.if_else(e[0] < 0, -1, 1) * e[1:]
 
 
 def _values_of(
@@ -358,20 +369,14 @@ def _values_of(
     """Nominal values and kinds of all parameters; those of the names that only what is not read
     depends on are among them.
     """
-    table = nominal_parameters(mechanism, read)
-    missing = [name for name in names if name not in table]
-    every = described_parameters(mechanism) if missing else {}
-    for name in missing:
+    table, every = nominal_parameters(mechanism, read), described_parameters(mechanism)
+    for name in names:
         if name not in every:
             raise InputError(
                 f"parameter {shown(name)} is unknown{meant(name, table)}; {mechanism.name} has "
                 f"{', '.join(table)}"
             )
-    return table | {name: every[name] for name in missing}
-
-
-def _unpacked(pose: ca.SX) -> Pose:
-    return Pose(pose[:3], pose[3:])
+    return table | {name: every[name] for name in names}
 
 
 def _frame(symbols: Mapping[str, ca.SX], name: str) -> Pose:
@@ -384,25 +389,13 @@ def _frame(symbols: Mapping[str, ca.SX], name: str) -> Pose:
     return Pose(place, ca.SX([1, 0, 0, 0]) if still else quaternion_from_rotation_vector(turn))
 
 
-def _turn_from(measured: ca.SX, quaternion: ca.SX) -> ca.SX:
-    """The turn from a measured orientation, twice the vector part of its quaternion."""
-    e = multiply(conjugate(measured), quaternion)
-    return 2 * ca.if_else(e[0] < 0, -1, 1) * e[1:]
-
-
 def inclination(q: ca.SX) -> ca.SX:
     """Return alpha and beta of R = Rz(gamma) Ry(beta) Rx(alpha), from the last row of R: (-sin b,
     cos b sin a, cos b cos a).
     """
-    first, second, third = _upward(q)
-    across = ca.sqrt(second * second + third * third)
-    return ca.vertcat(ca.atan2(second, third), ca.atan2(-first, across))
-
-
-def _upward(q: Array) -> tuple[Array, Array, Array]:
-    """The last row of a rotation: the base's z axis in the turned frame."""
-    w, x, y, z = q[0], q[1], q[2], q[3]
-    return 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+    up = rotate(conjugate(q), ca.SX([0, 0, 1]))
+    across = ca.sqrt(up[1] * up[1] + up[2] * up[2])
+    return ca.vertcat(ca.atan2(up[1], up[2]), ca.atan2(-up[0], across))
 
 
 def level_turn(mechanism: Mechanism) -> np.ndarray:
@@ -410,7 +403,7 @@ def level_turn(mechanism: Mechanism) -> np.ndarray:
     are compared by alpha and beta of the frame so turned: these weigh errors of tilt alike about
     every axis there, where alpha of a frame whose x axis points up is any.
     """
-    first, second, third = _upward(mechanism.reference_pose.quaternion)
+    first, second, third = mechanism.reference_pose.inverse().turn(np.array([0.0, 0.0, 1.0]))
     turn = np.array([1.0 + third, -second, first, 0.0])
     if turn[0] < 1e-12:  # z points down: a half turn about x
         turn = np.array([0.0, 1.0, 0.0, 0.0])

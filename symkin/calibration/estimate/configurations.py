@@ -21,6 +21,7 @@ from symkin.errors import InputError
 from symkin.model.joint import units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.linear_algebra import conditions
 from symkin.position.given import poses_coordinates
 from symkin.spatial.rotation import wrapped
 
@@ -259,12 +260,7 @@ def is_determined(
     unknown coordinates anywhere.
     """
     rows_z = model.rows(z, joints, p)[1]
-    if rows_z.shape[2] == 0:
-        return True
-    if rows_z.shape[1] < rows_z.shape[2]:
-        return False
-    singular = np.linalg.svd(np.nan_to_num(rows_z), compute_uv=False)
-    return bool(np.any(singular[:, -1] >= 1e-10 * singular[:, 0]))
+    return rows_z.shape[1] >= rows_z.shape[2] and bool(np.any(conditions(rows_z) <= 1e10))
 
 
 def refuse_undetermined(
@@ -288,8 +284,8 @@ def start_points(
     `measured`), else the reference. Poses that are seen through unknown frames are no starts.
     """
     if model.observes_through_frames:
-        measurements = without_poses(measurements)
-    poses = known_poses(measurements, measured=measured)
+        measurements = replace(measurements, position=None, orientation=None)
+    poses = whole_poses(measurements, measured=measured)
     begin = np.tile(model.closure.reference, (len(measurements), 1))
     return Closing(model, np.zeros(0)).split(with_poses(model.closure, begin, poses))[0]
 
@@ -321,22 +317,22 @@ def follow_joints(
     """Follow configurations z (n, width) by Newton while the joint readings move straight from
     `begin` to `end` (n, a); one that is lost, or would jump, stays where it was last.
     """
-    size = model.closure.characteristic_length
-    lengths = np.array(units_of(model.closure.role("actuated"), size))
-    furthest = float(np.max(np.abs(end - begin) / lengths, initial=0.0))
+    size, away = model.closure.characteristic_length, end - begin
+    units, lengths = (
+        np.array(units_of(coordinates, size))
+        for coordinates in (model.closure.role("actuated"), model.system.unknowns)
+    )
+    furthest = float(np.max(np.abs(away) / units, initial=0.0))
     count = min(max(1, int(np.ceil(furthest / _FOLLOWED_STEP))), _MAX_FOLLOWED_STEPS)
-    lengths = np.array(units_of(model.system.unknowns, size))
+    # from the reference, which need not be closed, the first step may be a long one
+    longest = np.inf
     with np.errstate(all="ignore"):
         for k in range(1, count + 1):
-            joints = begin + (k / count) * (end - begin)
             found, closed = newton_configurations(
-                model, z, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE
+                model, z, begin + (k / count) * away, p, tolerance=ROUGHLY_SOLVED_TOLERANCE
             )
-            # from the reference, which need not be closed, the first step may be a long one
-            near = np.max(np.abs(found - z) / lengths, axis=1, initial=0.0) < (
-                _MAX_FOLLOWED_MOVE if k > 1 else np.inf
-            )
-            z = np.where((closed & near)[:, None], found, z)
+            near = np.all(np.abs(found - z) < longest * lengths, axis=1)
+            z, longest = np.where((closed & near)[:, None], found, z), _MAX_FOLLOWED_MOVE
     return z
 
 
@@ -354,7 +350,7 @@ def fit_passive(
     return closing.split(found.points)[0]
 
 
-def known_poses(measurements: Measurements, *, measured: bool = False) -> np.ndarray:
+def whole_poses(measurements: Measurements, *, measured: bool = False) -> np.ndarray:
     """Return a whole pose (n, 7) of each configuration, NaN where there is none: its start (unless
     `measured`), else what was measured.
     """
@@ -365,11 +361,6 @@ def known_poses(measurements: Measurements, *, measured: bool = False) -> np.nda
         whole = np.all(np.isfinite(table), axis=1)
         poses[whole] = table[whole]
     return poses
-
-
-def without_poses(measurements: Measurements) -> Measurements:
-    """Leave out positions and orientations."""
-    return replace(measurements, position=None, orientation=None)
 
 
 def nearest_rows(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarray:

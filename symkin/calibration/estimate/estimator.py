@@ -30,8 +30,8 @@ from symkin.calibration.estimate.configurations import (
     Closing,
     fit_passive,
     is_carried,
-    known_poses,
     start_points,
+    whole_poses,
 )
 from symkin.calibration.estimate.linear import (
     WELL_TOLD,
@@ -135,7 +135,7 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     measurement are unknown, and where the joints carry the platform.
     """
     model, m = problem.model, problem.measurements
-    given = np.isfinite(known_poses(m, measured=True)[:, 0])
+    given = np.isfinite(whole_poses(m, measured=True)[:, 0])
     rows = int(np.sum(given)) * int(model.system.rows.shape[0])
     if is_carried(model.closure) or model.observes_through_frames or rows < len(model.names):
         return None
@@ -352,8 +352,8 @@ def _unmet(state: State) -> float:
 
 
 class _Damped:
-    """Steps of the linear model with the prior of weight w and damping, by the singular values of
-    the columns brought to equal lengths.
+    """Steps of the linear model with the prior of weight w and damping, of columns brought to equal
+    lengths. `decrement` is what the step without damping would gain, by the linear model.
     """
 
     def __init__(self, linear: Linear, weight: float) -> None:
@@ -361,26 +361,21 @@ class _Damped:
         self.matrix = np.vstack([linear.jacobian, weight * linear.tight])
         self.right = -np.concatenate([linear.residuals, weight * linear.change])
         self.is_finite = bool(np.all(np.isfinite(self.matrix)) and np.all(np.isfinite(self.right)))
+        self._lengths = np.maximum(np.linalg.norm(self.matrix, axis=0), 1e-300)
         if self.is_finite:
-            self._lengths = np.maximum(np.linalg.norm(self.matrix, axis=0), 1e-300)
-            left, self._values, self._across = np.linalg.svd(
-                self.matrix / self._lengths, full_matrices=False
-            )
-            self._along = left.T @ self.right
-            self._values = np.maximum(self._values, 1e-15)
+            self._free = self._solved(0.0)
+            self._told = self.matrix @ self._free
+            self.decrement = float(self._told @ self._told)
 
-    @property
-    def decrement(self) -> float:
-        """What the step without damping would gain, by the linear model."""
-        return float(np.sum(self._along**2))
+    def _solved(self, damping: float) -> np.ndarray:
+        weak = np.sqrt(damping) * np.diag(1.0 / self._lengths)
+        above = np.vstack([self.matrix / self._lengths, weak])
+        right = np.append(self.right, np.zeros(len(weak)))
+        return np.asarray(np.linalg.lstsq(above, right, rcond=None)[0] / self._lengths)
 
     def step(self, damping: float) -> tuple[np.ndarray, float]:
         """Return the change (P,) of the scaled parameters, and its gain by the linear model."""
-        y = self._across.T @ (self._along / self._values)
-        if damping > 0.0:
-            weak = np.sqrt(damping) * np.diag(1.0 / self._lengths)
-            above = np.vstack([self._values[:, None] * self._across, weak])
-            y = np.linalg.lstsq(above, np.append(self._along, np.zeros(len(weak))), rcond=None)[0]
-        after = self._values * (self._across @ y) - self._along
-        step = self._linear.particular + self._linear.basis @ (y / self._lengths)
+        y = self._solved(damping) if damping > 0.0 else self._free
+        after = self.matrix @ y - self._told
+        step = self._linear.particular + self._linear.basis @ y
         return np.asarray(step), self.decrement - float(after @ after)

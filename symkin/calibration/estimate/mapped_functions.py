@@ -52,20 +52,18 @@ class CompiledLibrary:
         self.functions = functions
         self.size = sum(f.n_instructions() for f in functions)
         self.library: ctypes.CDLL | None = None
-        self.left = float(_INTERPRETED_BEFORE_COMPILING) * self.size
-        if os.environ.get("SYMKIN_ENGINE", "") == OFF or self.size > _MAX_INSTRUCTIONS:
-            self.left = float("inf")
-        else:
+        self.left = float("inf")
+        if os.environ.get("SYMKIN_ENGINE", "") != OFF and self.size <= _MAX_INSTRUCTIONS:
+            self.left = float(_INTERPRETED_BEFORE_COMPILING) * self.size
             self._load(build=False)
 
     def spend(self, instructions: int) -> ctypes.CDLL | None:
         """Count interpreted instructions, and compile the library when there were enough; return
         it.
         """
-        if self.library is None and self.left < float("inf"):
-            self.left -= instructions
-            if self.left <= 0.0:
-                self.compile()
+        self.left -= instructions
+        if self.left <= 0.0:
+            self.compile()
         return self.library
 
     def compile(self) -> None:
@@ -73,7 +71,7 @@ class CompiledLibrary:
         with computing((id(self), "library")):
             if self.library is None and self.left < float("inf"):
                 self._load(build=True)
-                self.left = float("inf")
+            self.left = float("inf")
 
     def _load(self, *, build: bool) -> None:
         try:

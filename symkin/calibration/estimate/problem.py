@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -76,20 +75,6 @@ class CalibrationProblem:
     @property
     def names(self) -> tuple[str, ...]:
         return self.model.names
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickle without the model, whose symbols are built anew from the mechanism, the
-        measurements and the names.
-        """
-        return {
-            **{k: v for k, v in self.__dict__.items() if k not in ("model", "parts")},
-            "_free": self.names,
-        }
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        own = dict(state)
-        model = build_model(own["mechanism"], own["measurements"], own.pop("_free"))
-        self.__dict__.update(own, model=model)
 
     @property
     def is_large(self) -> bool:

@@ -77,7 +77,8 @@ class Readings:
     @cached_property
     def order(self) -> np.ndarray:
         """Configurations that belong to a group, group after group."""
-        return self.inside[np.argsort(self.group[self.inside], kind="stable")]
+        order = np.argsort(self.group, kind="stable")
+        return order[len(order) - len(self.inside) :]
 
     @cached_property
     def places(self) -> np.ndarray:
@@ -165,9 +166,9 @@ def deviations(readings: Readings, h: np.ndarray) -> np.ndarray:
     """
     gap = np.where(readings.taken, h - readings.targets, 0.0)
     if readings.groups:
-        reference = h[readings.first[readings.group[readings.inside]]]
-        for column in readings.columns:
-            gap[readings.inside, column] -= reference[:, column]
+        first = readings.first[readings.group[readings.inside]]
+        own, theirs = (np.ix_(rows, readings.columns) for rows in (readings.inside, first))
+        gap[own] -= h[theirs]
     return np.where(readings.turning & (np.abs(gap) > np.pi), wrapped(gap), gap)
 
 

@@ -25,10 +25,10 @@ from symkin.calibration.estimate.configurations import (
     SolvedConfigurations,
     follow_joints,
     is_carried,
-    known_poses,
     nearest_rows,
     newton_configurations,
     solve_configurations,
+    whole_poses,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import evaluate, readings_at
@@ -82,41 +82,31 @@ def with_starts(
     if is_carried(build_closure(mechanism)):
         return measurements
     home = home_pose(mechanism)
-    whole, starts = known_poses(measurements), measurements.starts
-    if starts is None:
-        starts = np.full(whole.shape, np.nan)
-    bare = np.isnan(starts).any(axis=1) & (np.isnan(whole[:, 0]) | (not posed))
-    if not bare.any():
-        return measurements
-    starts = np.where(bare[:, None], [*home.position, *home.quaternion], starts)
+    m, starts = measurements, measurements.starts
+    starts = np.full((len(m), 7), np.nan) if starts is None else starts.copy()
+    bare = np.isnan(starts).any(axis=1) & (np.isnan(whole_poses(m)[:, 0]) | (not posed))
+    rows, read = np.flatnonzero(bare), whole_poses(m, measured=True)
+    if not len(rows):
+        return m
+    starts[rows] = [*home.position, *home.quaternion]
     if posed and completed and not mechanism.serial:
-        _complete_poses(measurements, starts, bare)
-    return replace(measurements, starts=starts)
+        whole = np.flatnonzero(~np.isnan(read[:, 0]))
+        if len(whole):
+            starts[rows] = read[whole[nearest_rows(m.joints[whole], m.joints[rows], 1)[:, 0]]]
+        parts = {"position": starts[:, :3], "orientation": starts[:, 3:]}
+        if m.inclination is not None:  # with their own yaw
+            angles = np.array(euler_from_quaternion(starts[:, 3:].T, "xyz"))
+            _put_in(m.inclination, angles[:2].T, rows)
+            starts[rows, 3:] = np.asarray(quaternion_from_euler(angles, "xyz")).T[rows]
+        for kind, part in parts.items():
+            if getattr(m, kind) is not None:
+                _put_in(getattr(m, kind), part, rows)
+    return replace(m, starts=starts)
 
 
-def _complete_poses(m: Measurements, starts: np.ndarray, bare: np.ndarray) -> None:
-    """Put what was read of the configurations without a start into the starts (n, 7)."""
-    rows, read = np.flatnonzero(bare), known_poses(m, measured=True)
-    whole = np.flatnonzero(~np.isnan(read[:, 0]))
-    found = starts[rows]
-    if len(whole):
-        found = read[whole[nearest_rows(m.joints[whole], m.joints[rows], 1)[:, 0]]]
-    if m.inclination is not None:
-        _incline(found, m.inclination[rows])
-    for place, table in ((slice(3), m.position), (slice(3, 7), m.orientation)):
-        if table is not None:
-            found[:, place] = np.where(np.isfinite(table[rows]), table[rows], found[:, place])
-    starts[rows] = found
-
-
-def _incline(poses: np.ndarray, inclination: np.ndarray) -> None:
-    """Turn poses (k, 7) to the inclinations (k, 2) read, with their own yaw."""
-    read = np.all(np.isfinite(inclination), axis=1)
-    if read.any():
-        yaw = np.asarray(euler_from_quaternion(poses[read, 3:].T, "xyz"))[2]
-        poses[read, 3:] = np.asarray(
-            quaternion_from_euler(np.array([*inclination[read].T, yaw]), "xyz")
-        ).T
+def _put_in(read: np.ndarray, table: np.ndarray, rows: np.ndarray) -> None:
+    """Put what was read into some rows of a table."""
+    table[rows] = np.where(np.isfinite(read[rows]), read[rows], table[rows])
 
 
 # --- modes ----------------------------------------------------------------------------------------
@@ -138,7 +128,7 @@ def start_configurations(
         judged = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
         if judged.any():
             # a whole measured pose is where the direct problem began, and so tells the mode
-            begun = np.isfinite(known_poses(m, measured=True)[:, 0])
+            begun = np.isfinite(whole_poses(m, measured=True)[:, 0])
             begun &= configurations.solved & (not is_carried(model.closure))
             return _Modes(problem, p, configurations).chosen(judged & ~begun)
         if problem.readings.groups and (

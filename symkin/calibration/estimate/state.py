@@ -92,8 +92,7 @@ def evaluate(
     if problem.is_large:
         return _evaluate_parts(problem, p, z, form, covariance)
     e = problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
-    pending = solve_systems(e.rows_z, e.rows[:, :, None])[:, :, 0]
-    readings, slopes, leftover = e.condensed(pending)
+    pending, readings, slopes, leftover = e.condensed()
     fit = linearise(form, problem.readings, readings, slopes, covariance)
     return State(problem, p, z, fit, e, pending, leftover, determinant_signs(e.rows_z))
 

@@ -35,8 +35,8 @@ from symkin.closure.closure import build_closure
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.bar import Bar
-from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.numeric.linear_algebra import conditions
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import (
@@ -273,9 +273,8 @@ class Workspace:
             share = np.clip(edge * rng.uniform(-1, 1, (count, 4)), -1, 1)
             angles = np.vstack([inclinations.T, self.spin * share[:, 3]])
             return self._posed(starts, self.half * share[:, :3], angles)
-        ranges = zip(*self._joint_ranges, strict=True)
-        drawn = [np.zeros((count, 0)), *(rng.uniform(a, b, (1, count)).T for a, b in ranges)]
-        joints = np.hstack(drawn)
+        low, high = self._joint_ranges
+        joints = rng.uniform(low[:, None], high[:, None], (len(low), count)).T
         if self.carried:
             return self.solver.at_joints(joints, starts)
         return self.solver.with_tool(np.hstack([joints, starts[:, joints.shape[1] :]]))
@@ -295,16 +294,11 @@ class Workspace:
         """Ranges (a,) from which actuated joints are drawn: their limits, else about the
         reference.
         """
-        size = self.mechanism.characteristic_length
-        ranges = np.array(
-            [c.limits or _default_range(c, size) for c in self.mechanism.actuated]
-        ).reshape(-1, 2)
+        reach, ranges = DEFAULT_REACH * self.mechanism.characteristic_length, np.zeros((0, 2))
+        for c in self.mechanism.actuated:
+            swing = np.array([-1.0, 1.0]) * (_ARM_SWING if c.is_angular else reach)
+            ranges = np.vstack([ranges, c.limits or c.reference[0] + swing])
         return ranges[:, 0], ranges[:, 1]
-
-
-def _default_range(c: Coordinate, size: float) -> tuple[float, float]:
-    reach = _ARM_SWING if c.is_angular else DEFAULT_REACH * size
-    return c.reference[0] - reach, c.reference[0] + reach
 
 
 def platform_points(mechanism: Mechanism) -> np.ndarray:
@@ -406,7 +400,7 @@ class ClosureSolver:
         F_z.
         """
         rows_z = _rows_at(self._model, self.home)
-        (side,), (condition,) = determinant_signs(rows_z), _conditions(rows_z)
+        (side,), (condition,) = determinant_signs(rows_z), conditions(rows_z)
         return (side if condition < _SINGULAR_CONDITION else 0.0), condition
 
     def _regular(self, rows_z: np.ndarray) -> np.ndarray:
@@ -414,7 +408,7 @@ class ClosureSolver:
         worst = _SINGULAR_CONDITION
         if condition < _SINGULAR_CONDITION:
             worst = _WORSE_CONDITION * condition
-        return (_conditions(rows_z) < worst) & (determinant_signs(rows_z) * side >= 0)
+        return (conditions(rows_z) < worst) & (determinant_signs(rows_z) * side >= 0)
 
 
 def home_pose(mechanism: Mechanism) -> Pose:
@@ -430,7 +424,7 @@ def home_pose(mechanism: Mechanism) -> Pose:
     shown = pose_from(given, "example")
     if not states_reference(mechanism):
         return shown
-    here, there = _conditions(_rows_at(closing_model(mechanism), reference, shown))
+    here, there = conditions(_rows_at(closing_model(mechanism), reference, shown))
     return shown if here > _POORER_CONDITION * there else reference
 
 
@@ -449,10 +443,6 @@ def _rows_at(model: ConfigurationModel, *poses: Pose) -> np.ndarray:
     return model.rows(
         *closing.split(closing.close(with_poses(model.closure, starts, table))[0]), closing.p
     )[1]
-
-
-def _conditions(rows_z: np.ndarray) -> np.ndarray:
-    return np.linalg.cond(np.nan_to_num(rows_z)) if rows_z.shape[2] else np.ones(len(rows_z))
 
 
 def lever(mechanism: Mechanism) -> float:

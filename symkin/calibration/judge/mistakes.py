@@ -20,7 +20,7 @@ import numpy as np
 from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.observables import observables
-from symkin.calibration.estimate.configurations import joints_at_poses, known_poses
+from symkin.calibration.estimate.configurations import joints_at_poses, whole_poses
 from symkin.calibration.judge.euler_sequence import describe_sequence, equal_sequences
 from symkin.calibration.judge.statistics import rms_of_better_part
 from symkin.calibration.judge.trials import NO_TRIAL, Start, Trial, begin
@@ -475,7 +475,7 @@ def _reordered_joints(case: Case) -> Iterator[Finding]:
     fit best. Elsewhere exchanges and signs are taken one after the other.
     """
     (block,), m = _joints(case), case.measurements
-    poses = [p is not None for p in known_poses(m, measured=True)]
+    poses = np.isfinite(whole_poses(m, measured=True)[:, 0])
     by_poses = not case.mechanism.serial and len(block.names) <= _MAX_ASSIGNED_JOINTS
     if by_poses and sum(poses) >= _MIN_WHOLE_POSES:
         holds = _assigned_columns(case.subset(np.array(poses)), block)
@@ -493,7 +493,7 @@ def _assigned_columns(case: Case, block: Block) -> np.ndarray:
     best, each column once.
     """
     angular = np.array(block.angular)
-    poses = np.array(known_poses(case.measurements, measured=True))
+    poses = np.array(whole_poses(case.measurements, measured=True))
     values = joints_at_poses(case.mechanism, poses)
     reached = np.all(np.isfinite(values), axis=1)
     if not reached.any():
