@@ -572,49 +572,45 @@ def _wrong_labels(case: Case) -> Iterator[Finding]:
         return
     e = model.evaluate(np.nan_to_num(start.z), m.joints, start.p, problem.quaternions)
     at, group = e.readings[members][:, problem.readings.columns], group[members]
-    apart = np.linalg.norm(wrapped(at[:, None] - at), axis=2)
     off = np.zeros(len(at))
     for number in np.unique(group):
         own = np.flatnonzero(group == number)
-        inside = apart[np.ix_(own, own)]
+        tried = own[spread_rows(len(own), _EXAMINED_CONFIGURATIONS)]
+        inside = np.array([_apart(at[own], at[k]) for k in tried])
         # the member that a good part of the others is nearest to: a mean of two groups is in none
         off[own] = inside[np.argmin(np.quantile(inside, _GROUP_PART, axis=1))]
-    usual, near = float(np.median(off)), float(np.median(np.sort(apart)[:, _COMPARED_NEIGHBOURS]))
+    k = _COMPARED_NEIGHBOURS
+    near = float(np.median([np.partition(_apart(at, row), k)[k] for row in at]))
+    usual = float(np.median(off))
     out = np.flatnonzero(off > _OUTSTANDING_RATIO * usual)
+    rest = np.setdiff1d(np.flatnonzero(np.isin(group, group[out])), out)
+    named, others = (first_of([m.labels[members[k]] for k in rows]) for rows in (out, rest))
+    most, half = case.angle(float(np.max(off, initial=0.0))), "at the nominal geometry half of the"
+    tail = f"from the others of the group; {half} postures are within {case.angle(usual)}"
     if usual > _SCATTER_RATIO * near:
         yield (
-            f"the groups look wrongly labelled: at the nominal geometry half of the postures are "
-            f"more than {case.angle(usual)} from the inclination of their group, and half have "
-            f"{_COMPARED_NEIGHBOURS} postures of any group within {case.angle(near)}",
+            f"the groups look wrongly labelled: {half} postures are more than {case.angle(usual)} "
+            f"from the inclination of their group, and half have {_COMPARED_NEIGHBOURS} postures "
+            f"of any group within {case.angle(near)}",
             None,
         )
-        return
-    rest = np.flatnonzero(np.isin(group, group[out]) & ~np.isin(np.arange(len(at)), out))
-    far, usually = case.angle(float(np.max(off[out], initial=0.0))), case.angle(usual)
-    named, others = (first_of([m.labels[members[k]] for k in rows]) for rows in (out, rest))
-    if len(out) == 1:
-        yield (
-            f"posture {named} looks to be in the wrong group: at the nominal geometry the "
-            f"inclination is {far} from the others of the group, where half of the postures are "
-            f"within {usually}",
-            None,
-        )
-    elif len(out) and (
-        np.ptp(group[out]) or np.max(apart[np.ix_(out, out)]) > 0.5 * np.min(off[out])
+    elif len(out) == 1:
+        yield f"posture {named} looks to be in the wrong group, inclined by {most} {tail}", None
+    elif len(out) and np.all(
+        (group[out] == group[out[0]]) & (_apart(at[out], at[out[0]]) < 0.5 * np.min(off[out]))
     ):
         yield (
-            f"posture {named} look to be in wrong groups: at the nominal geometry the inclination "
-            f"is up to {far} from the others of the group, where half of the postures are within "
-            f"{usually}",
+            f"the group of posture {named} looks to be two groups under one label, inclined by "
+            f"{most} against {others}; {half} postures are within {case.angle(usual)} of their "
+            f"group",
             None,
         )
     elif len(out):
-        yield (
-            f"the group of posture {named} looks to be two groups under one label: at the nominal "
-            f"geometry these are inclined by {far} against {others}, where half of the postures "
-            f"are within {usually} of their group",
-            None,
-        )
+        yield f"posture {named} look to be in wrong groups, inclined by up to {most} {tail}", None
+
+
+def _apart(inclinations: np.ndarray, other: np.ndarray) -> np.ndarray:
+    return np.asarray(np.linalg.norm(wrapped(inclinations - other), axis=1))
 
 
 RULES = (
