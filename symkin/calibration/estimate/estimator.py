@@ -368,7 +368,7 @@ class _Damped:
             self.decrement = float(self._told @ self._told)
 
     def _solved(self, damping: float) -> np.ndarray:
-        weak = np.sqrt(damping) * np.diag(1.0 / self._lengths)
+        weak = np.sqrt(damping) * np.diag(1.0 / self._lengths)[: None if damping > 0.0 else 0]
         above = np.vstack([self.matrix / self._lengths, weak])
         right = np.append(self.right, np.zeros(len(weak)))
         return np.asarray(np.linalg.lstsq(above, right, rcond=None)[0] / self._lengths)

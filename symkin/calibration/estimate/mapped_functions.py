@@ -99,10 +99,10 @@ class MappedFunction:
     engine: CompiledLibrary
 
     def __call__(self, count: int, inputs: Sequence[np.ndarray]) -> list[np.ndarray]:
-        if self.engine.spend(count * int(self.function.n_instructions())) is None:
+        cost, shapes = self._cost_and_shapes
+        if self.engine.spend(count * cost) is None:
             return self._interpreted(*inputs)
-        f = self.function
-        results = [np.empty((count, f.size2_out(k), f.size1_out(k))) for k in range(f.n_out())]
+        results = [np.empty((count, *shape)) for shape in shapes]
         inputs = [np.ascontiguousarray(a, dtype=float) for a in inputs]
         strides = (0 if a.ndim == 1 else a.shape[1] for a in inputs)
         pointers, ends = (
@@ -111,6 +111,12 @@ class MappedFunction:
         )
         self._run(count, (ctypes.c_int * len(inputs))(*strides), pointers, ends)
         return [result.transpose(0, 2, 1) for result in results]
+
+    @cached_property
+    def _cost_and_shapes(self) -> tuple[int, list[tuple[int, int]]]:
+        f = self.function
+        shapes = [(f.size2_out(k), f.size1_out(k)) for k in range(f.n_out())]
+        return int(f.n_instructions()), shapes
 
     @cached_property
     def _run(self) -> Any:

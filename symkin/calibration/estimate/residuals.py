@@ -70,6 +70,11 @@ class Readings:
         return np.flatnonzero(self.grouped)
 
     @cached_property
+    def pair(self) -> slice:
+        """The same as a slice: they stand together."""
+        return slice(int(self.columns[0]), int(self.columns[-1]) + 1)
+
+    @cached_property
     def inside(self) -> np.ndarray:
         """Configurations that belong to a group."""
         return np.flatnonzero(self.group >= 0)
@@ -167,8 +172,7 @@ def deviations(readings: Readings, h: np.ndarray) -> np.ndarray:
     gap = np.where(readings.taken, h - readings.targets, 0.0)
     if readings.groups:
         first = readings.first[readings.group[readings.inside]]
-        own, theirs = (np.ix_(rows, readings.columns) for rows in (readings.inside, first))
-        gap[own] -= h[theirs]
+        gap[readings.inside, readings.pair] -= h[first, readings.pair]
     return np.where(readings.turning & (np.abs(gap) > np.pi), wrapped(gap), gap)
 
 
@@ -218,20 +222,23 @@ def _eliminated(
         residuals, jacobian = readings.weight * gap, readings.weight[:, :, None] * h_p
     else:
         residuals, jacobian = (whiten @ gap[:, :, None])[:, :, 0], whiten @ h_p
-    if readings.groups:
-        order, columns = readings.order, readings.columns
-        # without correlations only the two columns themselves change
-        if whiten is None:
-            basis = readings.weight[order][:, columns, None] * np.eye(2)
-        else:
-            basis, columns = group_basis(readings, whiten)[order], np.arange(gap.shape[1])
-        some = np.ix_(order, columns)
-        both = np.concatenate([residuals[some][:, :, None], jacobian[some]], axis=2)
+    order, places, begins = readings.order, readings.places, readings.begins
+    if not readings.groups:
+        return Linearised.of(residuals, jacobian)
+    if whiten is None:
+        # without correlations the two columns are eliminated each by itself
+        w = readings.weight[order, readings.pair]
+        for table, share in ((residuals, w), (jacobian, w[:, :, None])):
+            values = table[order, readings.pair]
+            means = np.add.reduceat(share * values, begins) / np.add.reduceat(share**2, begins)
+            table[order, readings.pair] = values - share * means[places]
+    else:
+        basis = group_basis(readings, whiten)[order]
+        both = np.concatenate([residuals[order][:, :, None], jacobian[order]], axis=2)
         across = basis.transpose(0, 2, 1)
-        information = np.add.reduceat(across @ basis, readings.begins, axis=0)
-        sums = np.add.reduceat(across @ both, readings.begins, axis=0)
-        both -= basis @ np.linalg.solve(information, sums)[readings.places]
-        residuals[some], jacobian[some] = both[:, :, 0], both[:, :, 1:]
+        information = np.add.reduceat(across @ basis, begins)
+        both -= basis @ np.linalg.solve(information, np.add.reduceat(across @ both, begins))[places]
+        residuals[order], jacobian[order] = both[:, :, 0], both[:, :, 1:]
     return Linearised.of(residuals, jacobian)
 
 
