@@ -20,7 +20,13 @@ CODEGEN = tools.CODEGEN
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", tools.COMMITTED)
+@pytest.mark.parametrize(
+    "folder",
+    in_gate(
+        tools.COMMITTED,
+        ["ankle_float", "delta_double", "ren2008_float", "ur5e_double", "zhang2009_float"],
+    ),
+)
 def test_committed_folders_are_what_the_generator_writes(folder):
     """The same model gives the same bytes."""
     generate = tools.bench_module("folders").generate()
@@ -41,7 +47,11 @@ def test_committed_folders_are_what_the_generator_writes(folder):
     ("folder", "cc"),
     in_gate(
         product(tools.FOLDERS, ["gcc", "clang"]),
-        [(name, ("gcc", "clang")[k % 2]) for k, name in enumerate(tools.KINDS)],
+        [
+            (name, ("gcc", "clang")[k % 2])
+            for k, name in enumerate(tools.KINDS)
+            if name not in ("scara_float", "zhang2009_float_home_relative")  # built elsewhere too
+        ],
     ),
 )
 def test_folders_compile_and_pass(folder, cc, tmp_path):

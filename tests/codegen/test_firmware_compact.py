@@ -89,8 +89,9 @@ def test_platforms_answer_as_the_plain_code_does(machine, real):
     np.testing.assert_allclose(second.found[good], first.found[good], atol=50 * bound)
 
 
+@pytest.mark.long
 @pytest.mark.slow
-@pytest.mark.parametrize("real", in_gate(["float", "double"], ["double"]))
+@pytest.mark.parametrize("real", ["float", "double"])
 def test_arms_answer_as_the_plain_code_does(real):
     """An arm without a closed form, whose inverse problem is iterated."""
     tools.compiler("gcc")

@@ -112,7 +112,7 @@ def _values(made, sample):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
+@pytest.mark.parametrize("real", in_gate(["double", "float"], ["double"]))
 @pytest.mark.parametrize("key", in_gate(MAPS, ["ankle", "slider"]))
 def test_maps_lead_where_the_closure_does(compiled, key, real):
     """From the reference's values either way to configurations that Newton's method of the closure
@@ -147,7 +147,7 @@ def test_maps_lead_where_the_closure_does(compiled, key, real):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("key", in_gate(MAPS, ["ankle", "slider"]))
+@pytest.mark.parametrize("key", in_gate(MAPS, ["ankle"]))
 def test_jacobians_are_differences_of_the_map(compiled, key):
     """J is the central difference of NAME_direct; rates are J's product, and torques do the same
     work on both sides.
@@ -205,7 +205,7 @@ def _walked(problem, z, begin, end, steps):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reach", in_gate([0.5, 2.6], [2.6]))
-@pytest.mark.parametrize("direction", ["direct", "inverse"])
+@pytest.mark.parametrize("direction", in_gate(["direct", "inverse"], ["direct"]))
 @pytest.mark.parametrize("key", in_gate(["ankle", "four-bar", "gripper", "five-bar"], ["ankle"]))
 def test_ok_means_that_the_machine_can_move_there(compiled, key, direction, reach):
     """Lines between random values: an answer that is OK is the end of a fine walk with every point

@@ -116,6 +116,7 @@ def test_ok_means_that_passive_joints_exist(written, real, tmp_path):
     assert tally.on_set < tally.ok < tally.calls
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_ok_of_a_map_means_that_passive_joints_exist(tmp_path):
     """The same machine as a graph."""

@@ -91,6 +91,7 @@ def test_a_long_line_of_a_five_bar_is_not_answered_from_another_branch(tmp_path)
     assert status != 0 or np.allclose(pose[:2], [0.0338, 238.4711], atol=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_inverse_of_an_answer_is_what_was_given(tmp_path):
     """Cranks that pass their dead centre: the direct problem does not answer OK, for its pose would
@@ -206,7 +207,7 @@ FAR = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", FAR)
+@pytest.mark.parametrize("name", in_gate(FAR, ["zhang2009"]))
 def test_far_goals_that_were_answered_wrongly(name):
     """What is OK is what the fine walk of the line reaches, and no line that ends is OK."""
     tools.compiler("gcc")
@@ -274,7 +275,9 @@ GRAZES = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
-@pytest.mark.parametrize("name", in_gate_but(GRAZES, ["formulas, elbows"]))
+@pytest.mark.parametrize(
+    "name", in_gate_but(GRAZES, ["formulas, elbows", "formulas, slides on arms"])
+)
 def test_what_is_ok_beside_a_dead_centre_can_be_held(name, real, tmp_path):
     """Lines that end at folds and dead centres, goals ever nearer to them: an OK answer is read as
     a guess, and of formulas its own joint values are OK again; of Newton's method all but one in

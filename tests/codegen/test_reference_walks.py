@@ -66,7 +66,7 @@ def test_walks_end_where_couplers_part(walker, motion):
         assert slack_of(home, beyond[None], 4000)[0] < 0
 
 
-@pytest.mark.parametrize("gap", in_gate([1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2], [1e-7, 1e-5, 1e-2]))
+@pytest.mark.parametrize("gap", in_gate([1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2], [1e-7, 1e-2]))
 def test_walks_leap_no_gap(walker, gap):
     """Lines on which the couplers part for a moment only, by less than any step of a walk: the
     middle of a line of crank angles has the least slack, -gap.
