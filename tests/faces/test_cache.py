@@ -86,6 +86,7 @@ def test_a_start_is_checked_against_the_closure(shipped, wrong):
     assert start_files._start_in(_rewritten(content, WRONG[wrong]), system) is None
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_wrong_start_of_the_right_name_is_made_anew(folder):
     """A file whose digest is right and whose content is not: the modes are those of an empty cache,

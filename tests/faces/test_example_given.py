@@ -7,7 +7,7 @@ import pytest
 import symkin
 from helpers.command_line import run_json
 from helpers.inside import parse
-from helpers.samples import three_rps
+from helpers.samples import five_bar, three_rps
 from symkin import MechanismError
 
 
@@ -27,12 +27,13 @@ def test_the_example_is_used_where_nothing_is_given(capsys):
 
 
 def test_limbs_may_have_such_an_example():
-    """Height and tilt of a 3-RPS, which are no direct and no inverse problem."""
-    mechanism = parse(with_example(three_rps(), "{ z = 300.0, azimuth = 0.2, tilt = 0.1 }"))
+    """The place of a five-bar's tip, which is no direct and no inverse problem."""
+    mechanism = parse(with_example(five_bar(), "{ x = 50.0, y = 110.0 }"))
     found = symkin.modes(mechanism)
-    assert found.given == {"z": 300.0, "azimuth": 0.2, "tilt": 0.1}
+    assert len(found) == 4
+    assert found.given == {"x": 50.0, "y": 110.0}
     for mode in found:
-        assert mode.position[2] == pytest.approx(300.0, abs=1e-6)
+        assert mode.position[:2] == pytest.approx([50.0, 110.0], abs=1e-6)
 
 
 def test_it_is_read_as_it_is_written():

@@ -23,7 +23,7 @@ from markdown_it import MarkdownIt
 
 import symkin
 from helpers.firmware_tools import STRICT, built, compiler, passed
-from helpers.gate import in_gate
+from helpers.gate import each_once, in_gate
 from helpers.inside import (
     Options,
     c_comment,
@@ -467,8 +467,7 @@ PLACES = {
 }
 
 
-@pytest.mark.parametrize("place", PLACES)
-@pytest.mark.parametrize("character", REFUSED, ids=[f"U+{ord(c):04X}" for c in REFUSED])
+@pytest.mark.parametrize(("place", "character"), each_once(PLACES, REFUSED))
 def test_control_and_bidirectional_characters_are_refused(place, character):
     """In one line that names the key path and the character by its number, and does not hold it."""
     make, path = PLACES[place]
