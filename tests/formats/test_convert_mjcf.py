@@ -62,7 +62,12 @@ MINITAUR = [path for path in ROBOTS if path.stem == "minitaur"]
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "path", in_gate_but(ROBOTS, [*LARGEST, *MINITAUR]), ids=lambda path: path.stem
+    "path",
+    in_gate_but(
+        ROBOTS,
+        [*LARGEST, *MINITAUR, *(p for p in ROBOTS if p.stem in ("digit_like_2legs", "talos"))],
+    ),
+    ids=lambda path: path.stem,
 )
 def test_mujoco_moves_as_real_robots(path: Path, tmp_path: Path) -> None:
     """With the freedoms that the closures of the robot's own file leave there, and at generic

@@ -13,11 +13,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import symkin
-from helpers.gate import in_gate_but
+from helpers.gate import in_gate, in_gate_but
 from helpers.inside import as_graph, matrix_from_quaternion, quaternion_from_axis_angle
 from helpers.random_graphs import random_graph
 from helpers.robot_files import LARGEST, ROBOTS
 from helpers.same_mechanism import assert_same
+from helpers.shipped import TWELVE
 from helpers.written_moves import Moved, configurations
 
 COUPLED = ("differential", "planetary_gear")
@@ -54,7 +55,7 @@ def test_random_graphs_come_back(seed: int, tmp_path_factory: pytest.TempPathFac
     assert_same(as_graph(mechanism), symkin.load(symkin.convert(mechanism, path)))
 
 
-@pytest.mark.parametrize("name", HELD)
+@pytest.mark.parametrize("name", in_gate(HELD, TWELVE))
 def test_the_joints_of_the_file_allow_the_motion(name: str, tmp_path: Path) -> None:
     """At closed configurations the child of each joint stands where its parent, its screws and its
     values in the file place it.

@@ -202,17 +202,22 @@ def test_files_of_packages_are_found_where_they_are_told(
             r"its argument 'name' is not told and has no default; give arguments \(--arguments "
             r"name=VALUE\)",
         ),
-        (f"{HEAD}<link name='${{1 / 0}}'/></robot>", "xacro: .*division"),
-        (f"{HEAD}<link name='${{nothing}}'/></robot>", "xacro: .*nothing"),
+        pytest.param(
+            f"{HEAD}<link name='${{1 / 0}}'/></robot>", "xacro: .*division", marks=pytest.mark.long
+        ),
+        pytest.param(
+            f"{HEAD}<link name='${{nothing}}'/></robot>", "xacro: .*nothing", marks=pytest.mark.long
+        ),
         (f"{HEAD}<link name='${{().__class__}}'/></robot>", "xacro: .*__class__"),
         (f"{HEAD}<xacro:include filename='none.xacro'/></robot>", "xacro: .*none.xacro"),
         (
             f"{HEAD}<xacro:include filename='m.xacro'/></robot>",
             "xacro: its macros or includes call themselves",
         ),
-        (
+        pytest.param(
             f"{HEAD}<xacro:macro name='m'><xacro:m/></xacro:macro><xacro:m/></robot>",
             "xacro: its macros or includes call themselves",
+            marks=pytest.mark.long,
         ),
         (f"{HEAD}<xacro:unknown/></robot>", "xacro: .*unknown"),
         (
