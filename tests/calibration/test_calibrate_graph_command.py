@@ -161,7 +161,12 @@ def test_readings_of_the_true_machine_are_simulated(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("column", "change", "words"),
     [
-        ("follower[deg]", np.radians, "the readings of follower look radians taken for degrees"),
+        pytest.param(
+            "follower[deg]",
+            np.radians,
+            "the readings of follower look radians taken for degrees",
+            marks=pytest.mark.long,
+        ),
         ("crank[deg]", np.negative, "the sign of crank looks reversed"),
         pytest.param(
             "follower[deg]",

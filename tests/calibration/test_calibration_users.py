@@ -123,6 +123,7 @@ def test_group_means_are_weighted_averages():
     assert readings.groups == 10
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_time_grows_with_the_number_of_groups_and_not_with_its_square():
     """Eight times the groups take less than 24 times as long."""

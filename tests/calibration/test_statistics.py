@@ -97,6 +97,7 @@ def test_means_attain_the_cramer_rao_bound():
     assert abs(chi - 1) < 4 * math.sqrt(2 / (28 * 30))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_differences_lose_what_their_covariance_says():
     """Neighbour differences are worse than the bound, by as much as the covariance of the form
