@@ -91,6 +91,7 @@ def joint_hexapod(rods: Mechanism, kind: str) -> Mechanism:
     return Mechanism(f"hexapod_{kind.lower()}", limbs, platform_position=place)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_rods_and_universal_joints_give_the_same_poses():
     """A limb U P S is a rod: the same poses, each with 2^6 choices of the universal joints."""

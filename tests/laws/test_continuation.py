@@ -179,13 +179,13 @@ def test_counts_of_the_shipped_mechanisms_and_of_dietmaier(mechanism, given, com
 @pytest.mark.parametrize(
     ("mechanism", "complex_count"),
     [
-        pytest.param(five_bar(), 2, id="five-bar"),
+        pytest.param(five_bar(), 2, id="five-bar", marks=pytest.mark.long),
         pytest.param(three_rrr("planar"), 6, id="3-RRR"),
         pytest.param(delta(), 2, id="delta", marks=pytest.mark.long),
         pytest.param(
             replace(delta(), motion="spatial"), 40, id="delta spatial", marks=pytest.mark.long
         ),
-        pytest.param(three_rps(), 16, id="3-RPS"),
+        pytest.param(three_rps(), 16, id="3-RPS", marks=pytest.mark.long),
     ],
 )
 def test_generic_counts_by_the_same_code(mechanism, complex_count, kept_starts):

@@ -129,7 +129,7 @@ def agile_eye() -> Mechanism:
     ("mechanism", "motion", "redundant"),
     [
         (agile_eye(), "spherical", 6),
-        (three_rrr(), "planar", 6),
+        pytest.param(three_rrr(), "planar", 6, marks=pytest.mark.long),
         (delta(), "translation", 0),
         (symkin.load("zhao2000"), "schoenflies", 4),
         (four_bar(), "planar", 3),

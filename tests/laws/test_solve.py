@@ -155,7 +155,7 @@ def test_forward_kinematics_is_the_product_of_exponentials(rng):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", in_gate([3, 4, 5, 7, 8], [3, 5, 7]))
+@pytest.mark.parametrize("count", in_gate([3, 4, 5, 7, 8], [3, 7]))
 @settings(max_examples=5)
 @given(rng=seeds)
 def test_arms_of_any_count_are_solved_near_a_start(count, rng):
@@ -418,7 +418,7 @@ def test_a_failure_has_its_status_and_a_remedy(status):
     assert str(error.value) == "; ".join([result.message, *result.notes])
 
 
-@pytest.mark.parametrize("step", [-50.0, 0.3, 1e3, 1e6])
+@pytest.mark.parametrize("step", in_gate([-50.0, 0.3, 1e3, 1e6], [-50.0]))
 def test_the_driver_believes_no_solver(step):
     """An answer that does not close the loops is never called a solution: it is verified on all
     rows.

@@ -58,11 +58,16 @@ def close_turns(one, other):
     ("name", "given"),
     [
         ("jansen_leg", {"crank": np.linspace(0, 330, 4)}),
-        ("ankle", {"ankle.1": np.linspace(-40, 40, 5), "ankle.2": np.linspace(-40, 40, 4)}),
+        pytest.param(
+            "ankle",
+            {"ankle.1": np.linspace(-40, 40, 5), "ankle.2": np.linspace(-40, 40, 4)},
+            marks=pytest.mark.long,
+        ),
         ("ankle", {"upper_motor": [0.0, 9.0], "ankle.2": 4.0}),
-        (
+        pytest.param(
             "excavator_bucket",
             {"boom": [5.0, 10.0], "stick_cylinder": 60.0, "bucket": [-20.0, 20.0]},
+            marks=pytest.mark.long,
         ),
         pytest.param("pantograph_leg", {"x": [90.0, 100.0], "y": 240.0}, marks=pytest.mark.long),
         ("four_bar", {"follower": np.linspace(-90, 90, 13)}),
@@ -148,6 +153,7 @@ def test_all_actuated_joints_by_name_are_the_direct_problem(tmp_path):
         )
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_limbs_are_swept_by_coordinates_of_their_pose(tmp_path):
     """A 3-RPS by height, azimuth and tilt: every mode has the pose that is told, and the legs'
@@ -196,6 +202,7 @@ def test_points_that_close_to_the_digits_of_a_file_only(tmp_path):
     assert alone[0].residual > 1e-6
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_poses_of_a_graph_are_swept(tmp_path):
     """A spherical wrist by rotation vectors: eight working modes at each, with that orientation."""
@@ -405,13 +412,20 @@ def test_a_table_of_what_each_point_has(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("name", "given", "of", "axes"),
     [
-        ("jansen_leg", {"crank": np.linspace(0, 360, 121)}, ["foot"], ("x [mm]", "y [mm]")),
+        pytest.param(
+            "jansen_leg",
+            {"crank": np.linspace(0, 360, 121)},
+            ["foot"],
+            ("x [mm]", "y [mm]"),
+            marks=pytest.mark.long,
+        ),
         ("ankle", {"ankle.1": np.linspace(-9, 9, 5), "ankle.2": 2.0}, ["toe", "heel"], None),
-        (
+        pytest.param(
             "ankle",
             {"ankle.1": np.linspace(-9, 9, 5), "ankle.2": np.linspace(0, 9, 3)},
             ["upper_motor"],
             ("ankle.1 [deg]", "upper_motor [deg]"),
+            marks=pytest.mark.long,
         ),
         (
             "four_bar",
