@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 import symkin
@@ -28,7 +30,7 @@ def test_the_example_is_used_where_nothing_is_given(capsys):
 
 def test_limbs_may_have_such_an_example():
     """The place of a five-bar's tip, which is no direct and no inverse problem."""
-    mechanism = parse(with_example(five_bar(), "{ x = 50.0, y = 110.0 }"))
+    mechanism = parse(with_example(replace(five_bar(), motion="planar"), "{ x = 50.0, y = 110.0 }"))
     found = symkin.modes(mechanism)
     assert len(found) == 4
     assert found.given == {"x": 50.0, "y": 110.0}
