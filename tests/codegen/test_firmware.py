@@ -109,7 +109,7 @@ def test_machines_of_the_bench_compile_and_pass(file, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("geometry", ["fixed", "struct"])
+@pytest.mark.parametrize("geometry", in_gate(["fixed", "struct"], ["fixed"]))
 @pytest.mark.parametrize("real", in_gate(["float", "double"], ["float"]))
 def test_home_relative_form(real, geometry, tmp_path):
     options = Options(real, home_relative=True, geometry=geometry, home=(0, 0, 420, 1, 0, 0, 0))

@@ -67,7 +67,7 @@ def test_lines_from_all_over_the_workspace(name, real):
     assert found.good > 0.96 * found.regular
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize("name", in_gate(MACHINES, ["3-TRT + SPS", "delta"]))
 def test_formulas_are_found(name):
     """And nothing of Newton's method is left in the direct problem."""
     program = build_program(MACHINES[name](), Options("float"))

@@ -131,7 +131,7 @@ def _four_bar(name):
     return Mechanism("bars", link_joints=joints, length_unit="m", angle_unit="rad")
 
 
-@pytest.mark.parametrize("kind", ["arm", "map"])
+@pytest.mark.parametrize("kind", in_gate(["arm", "map"], ["map"]))
 def test_a_name_stays_in_its_comment(kind):
     """What a name says is never code: without comments and strings no file of the folder holds
     it.

@@ -181,6 +181,7 @@ def legs_of_upu(places: np.ndarray) -> np.ndarray:
     return np.linalg.norm(places[:, None] - 120 * out, axis=2)
 
 
+@pytest.mark.long
 def test_couples_that_no_divisor_watches_are_watched_themselves():
     """The couples of a 3-UPU lose rank where its spheres do not: their volume is a guard, here
     compared with that by geometry.

@@ -32,6 +32,7 @@ from helpers.inside import Options, write_folder
             joint_types.schoenflies,
             joint_types.planar_rods,
             joint_types.universal,
+            joint_types.ball,
         ],
     ),
     ids=[made.__name__ for made in joint_types.MADE],

@@ -139,7 +139,7 @@ def test_a_loop_passes_a_straight_wrist(real, beside, code):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("real", in_gate(TYPES, ["float"]))
-@pytest.mark.parametrize("name", in_gate(ARMS, ["ur5e", "scara"]))
+@pytest.mark.parametrize("name", in_gate(ARMS, ["scara"]))
 def test_a_loop_follows_its_poses(name, real, code):
     """Poses of a smooth path of joint values: each step is OK, and the tool stays with them."""
     arm = code(name, real)

@@ -130,8 +130,9 @@ def _short_coupler():
     return Mechanism("short", [left, right], platform_position=(slider, 0.0, 0.0), motion="planar")
 
 
+@pytest.mark.long
 @pytest.mark.slow
-@pytest.mark.parametrize("degrees", in_gate([3.9, 4.0, 4.1, 4.2, 4.3, 6.0], [3.9]))
+@pytest.mark.parametrize("degrees", [3.9, 4.0, 4.1, 4.2, 4.3, 6.0])
 def test_no_answer_lies_beyond_a_dead_centre_however_near(degrees, tmp_path):
     """A crank that passes the line of its coupler: the pose of an OK answer gives the crank's own
     angle back.
