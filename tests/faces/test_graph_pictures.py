@@ -127,6 +127,9 @@ def first_modes(name: str) -> symkin.Modes:
             "sarrus",
             "spherical_wrist",
             "triad",
+            "delta_parallelograms",
+            "klann_leg",
+            "stephenson_six_bar",
         ],
     ),
 )
