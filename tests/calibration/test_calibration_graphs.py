@@ -103,7 +103,9 @@ def test_a_four_bar_reads_what_circles_say():
     np.testing.assert_allclose(h[:, 5:], 0.0, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", RICH)
+@pytest.mark.parametrize(
+    "name", in_gate(RICH, ["ankle", "four_bar", "parallel_gripper", "zhao2000"])
+)
 def test_readings_of_the_model_are_those_simulated(name):
     """The model's expressions over joints and unknowns agree with the poses of links at the same
     configurations.
@@ -157,14 +159,17 @@ def test_slopes_are_differences(name):
 
 @pytest.mark.parametrize(
     "name",
-    [
-        "ankle",
-        "double_wishbone",
-        "excavator_bucket",
-        "parallel_gripper",
-        "hexapod_stack",
-        "jansen_leg",
-    ],
+    in_gate(
+        [
+            "ankle",
+            "double_wishbone",
+            "excavator_bucket",
+            "parallel_gripper",
+            "hexapod_stack",
+            "jansen_leg",
+        ],
+        ["ankle", "hexapod_stack", "parallel_gripper"],
+    ),
 )
 def test_a_written_number_is_read_back(name):
     """Every number stands in the file where the closure reads it, rods' lengths and named points

@@ -64,6 +64,7 @@ def test_gross_errors_are_found_and_no_others(logged, share, size, stated):
         assert "e-4" not in o.reason.split("probability")[1]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_no_removal_loses_the_fit():
     """Six drawings of one machine, all off by millimetres: the same geometry, believable, and none

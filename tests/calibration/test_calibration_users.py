@@ -140,6 +140,7 @@ def test_time_grows_with_the_number_of_groups_and_not_with_its_square():
 # --- gross errors ---------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_gross_error_makes_no_others():
     """A rod off by 5 mm, 2500 times its noise, bends the fit: this posture is left out, and in six

@@ -86,6 +86,7 @@ def trials(count, form, seed=100):
     return np.mean(ratios), np.mean(predicted), np.mean(chi)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_means_attain_the_cramer_rao_bound():
     """Over 30 seeds the error's chi-square per parameter is 1 to within four of its deviations,
