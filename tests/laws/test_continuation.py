@@ -206,6 +206,7 @@ def test_generic_counts_by_the_same_code(mechanism, complex_count, kept_starts):
         assert any("2 operation modes of 8, 8" in note for note in found.notes)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_random_platforms_lose_nothing(cache):
     """Random 6-6 geometries: 40 complex roots, an even number of real ones, the pose that made the

@@ -171,6 +171,7 @@ def test_starts_are_counted_once() -> None:
     assert all(1 <= curve.hits <= 30 for curve in loci.curves)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_limbs_of_one_joint_lose_their_only_rank() -> None:
     """Type 1 of a delta's limb: its rods in one plane with arm and axis, rod . (axis x arm) = 0,

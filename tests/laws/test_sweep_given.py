@@ -237,6 +237,7 @@ def test_a_sweep_goes_on_and_does_not_depend_on_chunks_done_before(tmp_path):
         sweep(ankle, directory=tmp_path / "b", given=given | {"ankle.2": 4.0}, chunk=2, workers=0)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_processes_compute_the_same_arrays(tmp_path):
     """Two workers and this process write the same files, of a structure that is solved by

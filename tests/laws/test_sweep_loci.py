@@ -150,6 +150,7 @@ def test_loci_over_poses_of_a_graph_are_refused_before_the_sweep(tmp_path, capsy
     assert not (tmp_path / "s").exists()
 
 
+@pytest.mark.long
 def test_points_of_the_loci_are_named(tmp_path):
     """A five-bar with equal rods turns as one where both cranks' ends meet (two points of the plane
     of its cranks).
