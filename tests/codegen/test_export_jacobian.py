@@ -161,9 +161,9 @@ def test_numpy_takes_arrays():
     ("name", "kind"),
     [
         ("zhang2009", "direct"),
-        ("zhao2000", "passive"),
+        pytest.param("zhao2000", "passive", marks=pytest.mark.long),
         ("gluon_6l3", "inverse"),
-        ("cylindrical", "passive"),
+        pytest.param("cylindrical", "passive", marks=pytest.mark.long),
     ],
 )
 def test_latex_compiles(name, kind, tmp_path):
@@ -207,6 +207,7 @@ for name, kind in (("zhao2000", "direct"), ("zhang2009", "inverse")):
 """
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_bytes_do_not_depend_on_the_process():
     """Two processes with different hash seeds write the same bytes."""

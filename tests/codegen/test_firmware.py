@@ -77,9 +77,10 @@ SAMPLES = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.slow
-@pytest.mark.parametrize("real", in_gate(["float", "double"], ["double"]))
-@pytest.mark.parametrize("sample", in_gate(list(SAMPLES), ["four_bar"]))
+@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("sample", list(SAMPLES))
 def test_other_mechanisms_compile_and_pass(sample, real, tmp_path):
     """Overconstrained, planar, translational and serial mechanisms alike."""
     mechanism = SAMPLES[sample]()

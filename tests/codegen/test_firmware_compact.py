@@ -114,7 +114,8 @@ def test_arms_answer_as_the_plain_code_does(real):
     )
 
 
-@pytest.mark.parametrize("name", in_gate(["zhang2009", "ren2008"], ["zhang2009"]))
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["zhang2009", "ren2008"])
 def test_the_folder_passes_its_own_test_and_is_smaller(name, tmp_path):
     """Vectors of the Python solvers, Jacobians, rates and refusals; machine code of the host's
     compiler.

@@ -219,7 +219,8 @@ class _Info(ctypes.Structure):
 
 
 @pytest.mark.slow
-def test_the_residual_of_an_arm_is_the_tools(library):
+@pytest.mark.parametrize("count", in_gate([500, 2000], [500]))
+def test_the_residual_of_an_arm_is_the_tools(library, count):
     """ur5e in float, poses near folds among them: what `info` says is how far direct kinematics in
     double misses the pose, and no answer, of one branch or of all, is off by more than is allowed.
     """
@@ -230,7 +231,7 @@ def test_the_residual_of_an_arm_is_the_tools(library):
     size, rng, seen, worst = arm.mechanism.characteristic_length, np.random.default_rng(3), 0, 0.0
     allowed = 72 * 2.0**-24 * size
     floats = lambda values: _array(ctypes.c_float, values)  # noqa: E731 - as short as a call
-    for q in rng.uniform(-3, 3, (2000, 6)):
+    for q in rng.uniform(-3, 3, (count, 6)):
         pose, out, info, every = floats([0.0] * 7), floats([0.0] * 6), _Info(), floats([0.0] * 48)
         if (
             code.ur5e_direct(floats(q), pose) != 0
@@ -244,7 +245,7 @@ def test_the_residual_of_an_arm_is_the_tools(library):
         errors = [_pose_error(arm.forward_at(joints), np.array(pose[:]), size) for joints in found]
         assert abs(errors[0] - info.residual) < 8 * 2.0**-24 * size
         seen, worst = seen + 1, max(worst, *errors)
-    assert seen > 1500
+    assert seen > 0.75 * count
     assert worst < allowed
 
 

@@ -158,6 +158,7 @@ def _example(folder, *edit: tuple[str, str]):
     return tools.built("gcc", folder, ["flat.c", "example_main.c"], "example", "-O1")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_code_about_the_example_pose_passes_and_the_example_moves(tmp_path):
     write_folder(flat(Example(pose=ABOVE)), tmp_path, Options())

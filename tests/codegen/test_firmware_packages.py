@@ -46,6 +46,7 @@ def packaged(tmp_path_factory):
     return folder
 
 
+@pytest.mark.long
 def test_cmake_find_package(tmp_path):
     """What is installed is found from elsewhere, by name and version, with its header and without
     its example.
