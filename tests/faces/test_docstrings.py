@@ -21,7 +21,16 @@ MOST_NAMES = 50
 LONGEST_SENTENCE = 130
 """Characters of the first sentence of a public name, which lists show alone."""
 NAMES = [name for name in symkin.__all__ if name != "__version__"]
-DEAR = ["Loci", "ModeGraph", "mode_graph", "plan_measurements", "sweep", "track", "write_firmware"]
+DEAR = [
+    "Loci",
+    "ModeGraph",
+    "mode_graph",
+    "plan_measurements",
+    "singular_loci",
+    "sweep",
+    "track",
+    "write_firmware",
+]
 """Those whose examples compute for seconds."""
 SOURCE = ast.parse(Path(symkin.__file__).read_text(encoding="utf-8"))
 
