@@ -69,7 +69,15 @@ MINITAUR = [path for path in ROBOTS if path.stem == "minitaur"]
     "path",
     in_gate_but(
         ROBOTS,
-        [*LARGEST, *MINITAUR, *(p for p in ROBOTS if p.stem in ("digit_like_2legs", "talos"))],
+        [
+            *LARGEST,
+            *MINITAUR,
+            *(
+                p
+                for p in ROBOTS
+                if p.stem in ("digit_like_2legs", "reachy_mini", "six_bar", "talos")
+            ),
+        ],
     ),
     ids=lambda path: path.stem,
 )

@@ -29,7 +29,8 @@ def four_bar(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("kind", "rows", "rank"), [("S", 3, 2), ("R", 5, 2), ("R:z", 5, 2), ("C", 4, 2)]
+    ("kind", "rows", "rank"),
+    [("S", 3, 2), ("R", 5, 2), pytest.param("R:z", 5, 2, marks=pytest.mark.long), ("C", 4, 2)],
 )
 def test_a_closure_of_a_told_kind_has_its_rows(
     kind: str, rows: int, rank: int, four_bar: Path
