@@ -77,7 +77,7 @@ def test_a_plan_about_a_level_tool(tmp_path: Path, capsys: pytest.CaptureFixture
         "--readings",
         "pose",
         "--postures",
-        "20",
+        "10",
     )
     assert status == 0, err
     assert "rank 30 of 30 parameters" in out

@@ -286,6 +286,7 @@ def test_wrong_labels_of_groups_are_named(tmp_path, grouped, change, words):
     assert not fitted(tmp_path / "data.csv", RODS, grouped).suspicions
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_sequence_named_wrongly_is_told(tmp_path, poses):
     """Angles of one sequence under the header of another: the sequence that fits is named."""
