@@ -146,6 +146,7 @@ def test_a_cover_stands_for_all_combinations():
     assert cover(system, np.hstack([start.z[:, [0, other]], mixed])).shape[1] == 2
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_real_candidates_are_products_of_real_branches():
     """At a pose whose limbs have 2, 2 and 2 real branches there are eight candidates, all

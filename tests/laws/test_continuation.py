@@ -11,6 +11,7 @@ import pytest
 
 import symkin
 from helpers import inside
+from helpers.gate import in_gate
 from helpers.inside import (
     BOUND,
     algebraic_point,
@@ -314,17 +315,16 @@ def test_a_double_root_is_one_and_flagged():
 
 
 @pytest.mark.slow
-def test_starts_are_kept_and_damage_is_survived(cache):
+@pytest.mark.parametrize("damage", in_gate(["empty", "no zip", "cut"], ["cut"]))
+def test_starts_are_kept_and_damage_is_survived(cache, damage):
     """A start is written once, read again, and computed anew where its file is damaged; the answer
     is the same.
     """
     mechanism = five_bar()
     first = symkin.modes(mechanism)
     (file,) = cache.glob("*.npz")
-    for content in (b"", b"no zip", file.read_bytes()[:100]):
-        file.write_bytes(content)
-        again = symkin.modes(mechanism)
-        assert len(again) == len(first)
+    file.write_bytes({"empty": b"", "no zip": b"no zip", "cut": file.read_bytes()[:100]}[damage])
+    assert len(symkin.modes(mechanism)) == len(first)
     assert list(cache.glob("*.part")) == []
 
 

@@ -178,7 +178,10 @@ def test_a_bifurcation_of_a_redundant_loop_is_found() -> None:
     assert "increased" in found.stop.kinds
 
 
-@pytest.mark.parametrize(("step", "count"), [((100.0, 30.0, -300.0), 1), ((0.0, 0.0, -300.0), 3)])
+@pytest.mark.parametrize(
+    ("step", "count"),
+    [pytest.param((100.0, 30.0, -300.0), 1, marks=pytest.mark.long), ((0.0, 0.0, -300.0), 3)],
+)
 def test_a_path_of_poses_stops_where_motors_are_at_dead_points(
     step: tuple[float, ...], count: int
 ) -> None:

@@ -104,7 +104,9 @@ def test_a_graph_has_the_inverse_solutions_of_its_limbs(name):
     same(symkin.modes(limbs, pose=where), symkin.modes(twin, pose=where))
 
 
-@pytest.mark.parametrize("name", sorted(MACHINES))
+@pytest.mark.parametrize(
+    "name", in_gate(sorted(MACHINES), ["delta", "five-bar", "four-bar", "hexapod", "zhao2000"])
+)
 def test_a_graph_has_the_mobility_of_its_limbs(name):
     limbs = MACHINES[name]()
     assert symkin.mobility(limbs).mobility == symkin.mobility(graph_twin(limbs)).mobility

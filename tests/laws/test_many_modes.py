@@ -57,7 +57,7 @@ def check_same(together, alone):
 @pytest.mark.parametrize(
     ("mechanism", "spread"),
     [
-        (symkin.load("zhang2009"), 0.5),
+        pytest.param(symkin.load("zhang2009"), 0.5, marks=pytest.mark.long),
         (five_bar(), 0.3),
         (three_rrr("planar"), 0.2),
         pytest.param(three_rps(), 0.5, marks=pytest.mark.long),

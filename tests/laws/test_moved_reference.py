@@ -99,7 +99,10 @@ def test_shipped_mechanisms_keep_their_mobility(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("name", "given"),
-    [("four_bar", {"crank": 70.0}), ("ankle", {"upper_motor": 5.0, "lower_motor": -4.0})],
+    [
+        ("four_bar", {"crank": 70.0}),
+        pytest.param("ankle", {"upper_motor": 5.0, "lower_motor": -4.0}, marks=pytest.mark.long),
+    ],
 )
 def test_modes_are_the_same(name: str, given: dict[str, float]) -> None:
     """Values of revolute joints mean the same in both descriptions."""

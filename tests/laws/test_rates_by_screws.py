@@ -249,7 +249,7 @@ LEVEL = [
 ]
 
 
-@pytest.mark.parametrize(("name", "of", "by"), LEVEL)
+@pytest.mark.parametrize(("name", "of", "by"), in_gate(LEVEL, LEVEL[::2]))
 def test_a_platform_that_never_tilts_has_no_rate_of_tilt(
     capsys: pytest.CaptureFixture[str], name: str, of: str, by: str
 ) -> None:

@@ -89,6 +89,7 @@ def test_given_loci_are_drawn_in_either_order_of_their_plane():
     assert len(set(found.values())) == 1
 
 
+@pytest.mark.long
 def test_loci_of_another_plane_are_refused():
     platform = symkin.load("zhao2000")
     here = symkin.solve(platform, joints=HERE).solution
