@@ -208,6 +208,7 @@ def with_outlier(seed):
     return replace(data, joints=tilted(truth, data.joints, poses, posture, shift)), posture, data
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_outliers_are_found_and_clean_sets_left_alone():
     """One reading off by 0.01 deg is found in at least 19 of 20 sets; of the clean sets at most one

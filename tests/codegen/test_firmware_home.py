@@ -142,7 +142,7 @@ def test_cases_are_distinct_and_within_limits(limits):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", in_gate(["ren2008", "zhao2000", "gluon_6l3"], ["zhao2000"]))
+@pytest.mark.parametrize("name", in_gate(["ren2008", "zhao2000", "gluon_6l3"], ["ren2008"]))
 def test_shipped_cases_are_distinct(name):
     """With limits, without, and of an arm."""
     kind = build_program(load(name), Options("float")).kind

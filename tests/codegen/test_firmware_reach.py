@@ -116,15 +116,15 @@ def test_ok_means_that_passive_joints_exist(written, real, poses, tmp_path):
     assert tally.on_set < tally.ok < tally.calls
 
 
-@pytest.mark.long
 @pytest.mark.slow
-def test_ok_of_a_map_means_that_passive_joints_exist(tmp_path):
+@pytest.mark.parametrize("poses", in_gate([8, 24], [8]))
+def test_ok_of_a_map_means_that_passive_joints_exist(poses, tmp_path):
     """The same machine as a graph."""
     made = as_graph(tmp_path / "m.toml")
     machine = tools.bench_module("closes").Machine(
         made, ("left_p", "right_p"), ("centre.angle", "centre.slide")
     )
-    tally = asked(machine, "double", tmp_path / "c")
+    tally = asked(machine, "double", tmp_path / "c", poses)
     assert tally.open == 0, tally.examples
     assert tally.moved == 0, tally.examples
     assert 0 < tally.ok < tally.calls

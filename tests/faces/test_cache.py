@@ -38,9 +38,8 @@ def _positions(title="five-bar"):
     """Of a five-bar's modes; another title makes it another mechanism, whose start a process reads
     anew.
     """
-    return sorted(
-        tuple(np.round(mode.position, 6)) for mode in symkin.modes(replace(five_bar(), title=title))
-    )
+    mechanism = replace(five_bar(), motion="planar", title=title)
+    return sorted(tuple(np.round(mode.position, 6)) for mode in symkin.modes(mechanism))
 
 
 def _rewritten(content, change):
@@ -86,7 +85,6 @@ def test_a_start_is_checked_against_the_closure(shipped, wrong):
     assert start_files._start_in(_rewritten(content, WRONG[wrong]), system) is None
 
 
-@pytest.mark.long
 @pytest.mark.slow
 def test_a_wrong_start_of_the_right_name_is_made_anew(folder):
     """A file whose digest is right and whose content is not: the modes are those of an empty cache,

@@ -75,7 +75,8 @@ def test_help_fits_a_terminal_and_has_examples(
 @pytest.mark.parametrize(
     "name",
     in_gate_but(
-        EXAMPLES, ["calibrate", "singularities", "sweep", "firmware", "track", "modes", "show"]
+        EXAMPLES,
+        ["calibrate", "singularities", "sweep", "firmware", "track", "modes", "show", "view"],
     ),
 )
 def test_examples_run(

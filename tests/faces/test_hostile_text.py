@@ -266,7 +266,6 @@ def test_firmware_of_hostile_files_compiles_and_passes(mechanism, geometry, tmp_
     subprocess.run(command, input=source, text=True, cwd=tmp_path, check=True)
 
 
-@pytest.mark.long
 @pytest.mark.slow
 def test_the_readme_of_firmware_is_text():
     """Title and source stand in it as they are: no HTML, image or link of theirs."""

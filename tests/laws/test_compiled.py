@@ -104,7 +104,8 @@ def farthest(system, a, b):
 @pytest.mark.parametrize(
     ("name", "kind"),
     in_gate_but(
-        [*MACHINES, ("five_bar", "direct")], [("zhao2000_links", "direct"), ("zhang2009", "direct")]
+        [*MACHINES, ("five_bar", "direct")],
+        [("zhao2000_links", "direct"), ("zhao2000", "direct")],
     ),
 )
 def test_both_engines_reach_the_same_roots(name, kind, end):

@@ -7,6 +7,7 @@ from __future__ import annotations
 import csv
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ import symkin
 from helpers.folders import same_files
 from helpers.inside import main, make_space_by_name, read_given
 from helpers.needed import Later, needs
-from helpers.samples import three_rps
+from helpers.samples import five_bar, three_rps
 from oracle.plain_check import MECHANISMS
 from oracle.plain_graph import configurations, read
 from symkin import InputError, sweep
@@ -151,6 +152,20 @@ def test_all_actuated_joints_by_name_are_the_direct_problem(tmp_path):
         assert np.array_equal(
             by_name[v].values, inputs[v].values, equal_nan=v not in ("count", "completeness")
         )
+
+
+def test_limbs_are_swept_by_the_place_of_their_platform(tmp_path):
+    """A five-bar by that of its tip: every mode has it, and the crank's end is a coupler off."""
+    given = {"x": [40.0, 50.0], "y": [100.0, 110.0]}
+    mechanism = replace(five_bar(), motion="planar")
+    data = sweep(mechanism, directory=tmp_path / "s", given=given, workers=0).open().load()
+    assert (data["count"].values == 4).all()
+    place = data["position"].values[..., :2]
+    assert np.allclose(place[..., 0], data["x"].values[:, None, None])
+    assert np.allclose(place[..., 1], data["y"].values[:, None])
+    angles = np.radians(data["joints"].sel(joint="q1").values)
+    ends = 60.0 * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    assert np.allclose(np.linalg.norm(place - ends, axis=-1), 80.0)
 
 
 @pytest.mark.long
