@@ -15,9 +15,10 @@ import pytest
 
 import symkin
 from helpers.folders import same_files
+from helpers.graph_twin import graph_twin
 from helpers.inside import main, make_space_by_name, read_given
 from helpers.needed import Later, needs
-from helpers.samples import five_bar, three_rps
+from helpers.samples import five_bar, three_rps, three_rrr
 from oracle.plain_check import MECHANISMS
 from oracle.plain_graph import configurations, read
 from symkin import InputError, sweep
@@ -215,6 +216,18 @@ def test_points_that_close_to_the_digits_of_a_file_only(tmp_path):
     )
     assert float(data["residual"][1, 0]) == pytest.approx(alone[0].residual, rel=1e-6)
     assert alone[0].residual > 1e-6
+
+
+def test_poses_of_a_planar_graph_are_swept(tmp_path):
+    """A plate on three chains of two links: each is bent either way, and the plate where it is
+    asked to be.
+    """
+    grid = {"x": [-5.0, 5.0], "y": [0.0, 4.0]}
+    graph = graph_twin(three_rrr("planar"))
+    data = sweep(graph, grid, tmp_path / "s", poses=True, workers=0).open().load()
+    assert (data["count"].values == 8).all()
+    wanted = np.stack(np.meshgrid(*grid.values(), indexing="ij"), axis=-1)
+    assert np.allclose(data["position"].values[..., :2], wanted[:, :, None])
 
 
 @pytest.mark.long
