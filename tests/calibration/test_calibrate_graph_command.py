@@ -104,6 +104,7 @@ def test_plan_simulate_fit(capsys, tmp_path):
     }
 
 
+@pytest.mark.long
 def test_a_geometry_that_does_not_move_is_said_to(capsys, tmp_path):
     """A Bennett loop with one link's twist off is a structure: no posture is found, and the
     redundant rows are named.
@@ -161,7 +162,12 @@ def test_readings_of_the_true_machine_are_simulated(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("column", "change", "words"),
     [
-        ("follower[deg]", np.radians, "the readings of follower look radians taken for degrees"),
+        pytest.param(
+            "follower[deg]",
+            np.radians,
+            "the readings of follower look radians taken for degrees",
+            marks=pytest.mark.long,
+        ),
         ("crank[deg]", np.negative, "the sign of crank looks reversed"),
         pytest.param(
             "follower[deg]",

@@ -48,7 +48,9 @@ def contents(folder):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", [SIMULATE, PLAN], ids=["simulate", "plan"])
+@pytest.mark.parametrize(
+    "command", [SIMULATE, pytest.param(PLAN, marks=pytest.mark.long)], ids=["simulate", "plan"]
+)
 def test_a_file_of_the_users_is_kept(capsys, folder, command):
     """It is named before anything is computed, and kept; --force replaces it."""
     (folder / "made.csv").write_text("mine")

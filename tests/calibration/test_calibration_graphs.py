@@ -103,7 +103,9 @@ def test_a_four_bar_reads_what_circles_say():
     np.testing.assert_allclose(h[:, 5:], 0.0, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", RICH)
+@pytest.mark.parametrize(
+    "name", in_gate(RICH, ["ankle", "four_bar", "parallel_gripper", "zhao2000"])
+)
 def test_readings_of_the_model_are_those_simulated(name):
     """The model's expressions over joints and unknowns agree with the poses of links at the same
     configurations.
@@ -123,7 +125,11 @@ def test_readings_of_the_model_are_those_simulated(name):
 
 
 @pytest.mark.parametrize(
-    "name", in_gate_but(RICH, ["stephenson_six_bar", "double_wishbone", "excavator_bucket"])
+    "name",
+    in_gate_but(
+        RICH,
+        ["stephenson_six_bar", "double_wishbone", "excavator_bucket", "ankle", "parallel_gripper"],
+    ),
 )
 def test_slopes_are_differences(name):
     """dh/dp with the configurations following is the difference of readings between mechanisms with
@@ -153,14 +159,17 @@ def test_slopes_are_differences(name):
 
 @pytest.mark.parametrize(
     "name",
-    [
-        "ankle",
-        "double_wishbone",
-        "excavator_bucket",
-        "parallel_gripper",
-        "hexapod_stack",
-        "jansen_leg",
-    ],
+    in_gate(
+        [
+            "ankle",
+            "double_wishbone",
+            "excavator_bucket",
+            "parallel_gripper",
+            "hexapod_stack",
+            "jansen_leg",
+        ],
+        ["ankle", "hexapod_stack", "parallel_gripper"],
+    ),
 )
 def test_a_written_number_is_read_back(name):
     """Every number stands in the file where the closure reads it, rods' lengths and named points
@@ -179,7 +188,11 @@ def test_a_written_number_is_read_back(name):
 
 
 @pytest.mark.parametrize(
-    "name", ["ankle", "double_wishbone", "parallel_gripper", "stephenson_six_bar", "hexapod_stack"]
+    "name",
+    in_gate(
+        ["ankle", "double_wishbone", "parallel_gripper", "stephenson_six_bar", "hexapod_stack"],
+        ["ankle", "hexapod_stack"],
+    ),
 )
 def test_another_reference_reads_the_same(name):
     """Along each change of the reference configuration no reading moves."""
@@ -206,7 +219,11 @@ def test_another_reference_reads_the_same(name):
 
 
 @pytest.mark.parametrize(
-    "name", [*(name for name in RICH if name != "zhao2000"), "klann_leg", "planetary_gear"]
+    "name",
+    in_gate(
+        [*(name for name in RICH if name != "zhao2000"), "klann_leg", "planetary_gear"],
+        ["ankle", "four_bar", "parallel_gripper", "planetary_gear"],
+    ),
 )
 def test_what_is_identified_by_default_is_minimal(name):
     """With everything read that may be, all default parameters have an effect of their own."""

@@ -30,6 +30,7 @@ def measured(count, seed, *, known=True):
     )
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_predictions_scatter_as_they_say():
     """Fits to 24 postures predict 12 others: chi-square over its degrees of freedom is 1 to within

@@ -100,7 +100,10 @@ def test_another_machines_nominal_is_refused_unless_told_otherwise(capsys, tmp_p
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("spread", "far"), [(1.0, False), (6.0, False), (60.0, True)])
+@pytest.mark.parametrize(
+    ("spread", "far"),
+    [(1.0, False), pytest.param(6.0, False, marks=pytest.mark.long), (60.0, True)],
+)
 def test_the_machine_as_built_is_no_other_one(tmp_path, spread, far):
     """Joint centres off by up to 1 mm, 6 mm (1 % of the size) and 60 mm: believable, believable,
     another machine.

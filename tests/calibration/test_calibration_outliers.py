@@ -44,7 +44,9 @@ def misfit(mechanism):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("stated", [True, False], ids=["noise stated", "noise unknown"])
-@pytest.mark.parametrize(("share", "size"), [(0.02, 1e-4), (0.3, 5e-3), (0.4, 1e-4)])
+@pytest.mark.parametrize(
+    ("share", "size"), [(0.02, 1e-4), (0.3, 5e-3), pytest.param(0.4, 1e-4, marks=pytest.mark.long)]
+)
 def test_gross_errors_are_found_and_no_others(logged, share, size, stated):
     """2 to 40 % of the positions off by normal errors: these are left out, hardly another, and the
     rest fits as without them; the lines give shift and statistic as they are.
@@ -73,6 +75,7 @@ def test_gross_errors_are_found_and_no_others(logged, share, size, stated):
         assert "e-4" not in o.reason.split("probability")[1]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_no_removal_loses_the_fit():
     """Six drawings of one machine, all off by millimetres: the same geometry, believable, and none

@@ -212,6 +212,7 @@ def test_parallel_axes_are_named(tmp_path):
     assert "dh.2.d and dh.3.d" in named[0]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_base_set_can_be_copied(capsys, tmp_path):
     """--parameters with the base set of the report: the same rank and chi-square, nothing

@@ -13,6 +13,7 @@ import pytest
 import symkin
 from helpers import hexapods
 from helpers.command_line import run
+from helpers.gate import in_gate
 from helpers.inside import (
     build_calibration,
     fit_file,
@@ -183,7 +184,7 @@ def planar_three_rrr() -> Mechanism:
     return Mechanism("rrr3", limbs, motion="planar", angle_unit="deg")
 
 
-@pytest.mark.parametrize("seed", [0, 6, 7])
+@pytest.mark.parametrize("seed", in_gate([0, 6, 7], [7]))
 def test_passive_joints_far_from_the_reference_do_not_bend_the_first_guess(
     seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

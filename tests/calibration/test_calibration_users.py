@@ -128,6 +128,7 @@ def test_group_means_are_weighted_averages():
     assert readings.groups == 10
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_time_grows_with_the_number_of_groups_and_not_with_its_square():
     """Eight times the groups take less than 24 times as long."""
@@ -144,6 +145,7 @@ def test_time_grows_with_the_number_of_groups_and_not_with_its_square():
 # --- gross errors ---------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_gross_error_makes_no_others():
     """A rod off by 5 mm, 2500 times its noise, bends the fit: this posture is left out, and in six

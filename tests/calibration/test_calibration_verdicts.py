@@ -15,6 +15,7 @@ import pytest
 
 import symkin
 from helpers.csv_cells import rewritten
+from helpers.gate import in_gate
 from helpers.inside import (
     Noise,
     NotFittedError,
@@ -286,6 +287,7 @@ def test_wrong_labels_of_groups_are_named(tmp_path, grouped, change, words):
     assert not fitted(tmp_path / "data.csv", RODS, grouped).suspicions
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_sequence_named_wrongly_is_told(tmp_path, poses):
     """Angles of one sequence under the header of another: the sequence that fits is named."""
@@ -329,7 +331,7 @@ def test_euler_angles_in_radians_are_told(tmp_path, poses, hidden):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("sigma", [2e-6, 0.02])
+@pytest.mark.parametrize("sigma", in_gate([2e-6, 0.02], [0.02]))
 def test_the_legends_stand_beside_the_points_and_few_ticks_on_the_axis(tmp_path, poses, sigma):
     """Whether residuals are like the noise or 10^4 times larger, legends cover no panel, tick
     labels do not overlap, and the normal distribution is drawn within the panel.

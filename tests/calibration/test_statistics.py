@@ -87,6 +87,7 @@ def trials(count, form, seed=100):
     return np.mean(ratios), np.mean(predicted), np.mean(chi)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_means_attain_the_cramer_rao_bound():
     """Over 30 seeds the error's chi-square per parameter is 1 to within four of its deviations,
@@ -98,6 +99,7 @@ def test_means_attain_the_cramer_rao_bound():
     assert abs(chi - 1) < 4 * math.sqrt(2 / (28 * 30))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_differences_lose_what_their_covariance_says():
     """Neighbour differences are worse than the bound, by as much as the covariance of the form
@@ -209,6 +211,7 @@ def with_outlier(seed):
     return replace(data, joints=tilted(truth, data.joints, poses, posture, shift)), posture, data
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_outliers_are_found_and_clean_sets_left_alone():
     """One reading off by 0.01 deg is found in at least 19 of 20 sets; of the clean sets at most one

@@ -4,6 +4,8 @@ bytes and refusals.
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import os
 import shutil
@@ -83,7 +85,7 @@ def run_casadi(tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "kind"), in_gate(CASES, CASES[1::3]))
+@pytest.mark.parametrize(("name", "kind"), in_gate(CASES, CASES[1::6]))
 def test_formats_agree_to_twelve_digits(name, kind, tmp_path, run_casadi):
     """NumPy, SymPy, C, CasADi and LaTeX files give the expression's matrix to 1e-12 of the largest
     entry.
@@ -161,9 +163,9 @@ def test_numpy_takes_arrays():
     ("name", "kind"),
     [
         ("zhang2009", "direct"),
-        ("zhao2000", "passive"),
+        pytest.param("zhao2000", "passive", marks=pytest.mark.long),
         ("gluon_6l3", "inverse"),
-        ("cylindrical", "passive"),
+        pytest.param("cylindrical", "passive", marks=pytest.mark.long),
     ],
 )
 def test_latex_compiles(name, kind, tmp_path):
@@ -209,18 +211,20 @@ for name, kind in (("zhao2000", "direct"), ("zhang2009", "inverse")):
 
 @pytest.mark.slow
 def test_bytes_do_not_depend_on_the_process():
-    """Two processes with different hash seeds write the same bytes."""
-    runs = [
-        subprocess.run(
-            [sys.executable, "-c", _HASHES],
-            check=True,
-            capture_output=True,
-            env=os.environ | {"PYTHONHASHSEED": seed},
-        ).stdout
-        for seed in "12"
-    ]
-    assert runs[0] == runs[1]
-    assert runs[0].count(b"\n") == 2 * len(FORMATS)
+    """Another process, with a hash seed of its own, writes the same bytes."""
+    here = io.StringIO()
+    with contextlib.redirect_stdout(here):
+        exec(_HASHES, {})
+    seed = "2" if os.environ.get("PYTHONHASHSEED") == "1" else "1"
+    there = subprocess.run(
+        [sys.executable, "-c", _HASHES],
+        check=True,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONHASHSEED": seed},
+    ).stdout
+    assert here.getvalue() == there
+    assert there.count("\n") == 2 * len(FORMATS)
 
 
 def test_names_that_a_language_reserves_are_changed():

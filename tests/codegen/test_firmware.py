@@ -20,7 +20,13 @@ CODEGEN = tools.CODEGEN
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", tools.COMMITTED)
+@pytest.mark.parametrize(
+    "folder",
+    in_gate(
+        tools.COMMITTED,
+        ["ankle_float", "delta_double", "ren2008_float", "ur5e_double", "zhang2009_float"],
+    ),
+)
 def test_committed_folders_are_what_the_generator_writes(folder):
     """The same model gives the same bytes."""
     generate = tools.bench_module("folders").generate()
@@ -41,7 +47,11 @@ def test_committed_folders_are_what_the_generator_writes(folder):
     ("folder", "cc"),
     in_gate(
         product(tools.FOLDERS, ["gcc", "clang"]),
-        [(name, ("gcc", "clang")[k % 2]) for k, name in enumerate(tools.KINDS)],
+        [
+            (name, ("gcc", "clang")[k % 2])
+            for k, name in enumerate(tools.KINDS)
+            if name not in ("scara_float", "zhang2009_float_home_relative")  # built elsewhere too
+        ],
     ),
 )
 def test_folders_compile_and_pass(folder, cc, tmp_path):
@@ -67,9 +77,10 @@ SAMPLES = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.slow
-@pytest.mark.parametrize("real", in_gate(["float", "double"], ["double"]))
-@pytest.mark.parametrize("sample", in_gate(list(SAMPLES), ["four_bar"]))
+@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("sample", list(SAMPLES))
 def test_other_mechanisms_compile_and_pass(sample, real, tmp_path):
     """Overconstrained, planar, translational and serial mechanisms alike."""
     mechanism = SAMPLES[sample]()
@@ -99,7 +110,7 @@ def test_machines_of_the_bench_compile_and_pass(file, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("geometry", ["fixed", "struct"])
+@pytest.mark.parametrize("geometry", in_gate(["fixed", "struct"], ["fixed"]))
 @pytest.mark.parametrize("real", in_gate(["float", "double"], ["float"]))
 def test_home_relative_form(real, geometry, tmp_path):
     options = Options(real, home_relative=True, geometry=geometry, home=(0, 0, 420, 1, 0, 0, 0))

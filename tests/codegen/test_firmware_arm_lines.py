@@ -139,10 +139,9 @@ def test_the_scara_keeps_its_limits_along_lines(real, tmp_path):
     assert found["answered"] >= 0.95 * found["regular"] > 0.3 * found["lines"]
 
 
+@pytest.mark.long
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", in_gate(["parallel_inner", "wrist_parallel_two_three", "stanford"], ["stanford"])
-)
+@pytest.mark.parametrize("name", ["parallel_inner", "wrist_parallel_two_three", "stanford"])
 def test_arms_keep_their_limits_along_lines(name, tmp_path):
     """The same of arms of six joints, limits more than a whole turn wide and slides among them;
     lines that are free of limits are as often OK as those of the arm without limits.

@@ -36,8 +36,9 @@ def test_the_size_is_that_of_the_machine():
     assert 1.0 < _calibrated().characteristic_length < 1.5
 
 
+@pytest.mark.long
 @pytest.mark.slow
-@pytest.mark.parametrize("real", in_gate(["float", "double"], ["float"]))
+@pytest.mark.parametrize("real", ["float", "double"])
 def test_code_of_a_calibrated_arm_passes_its_test(real, tmp_path):
     write_folder(_calibrated(), tmp_path, Options(real))
     tools.passed(tools.built("gcc", tmp_path, ["calibrated.c", "calibrated_test.c"], "test", "-O1"))

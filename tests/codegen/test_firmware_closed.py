@@ -114,7 +114,7 @@ def cases(arm: symkin.Mechanism, count: int) -> tuple[list[symkin.Pose], list[li
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", in_gate(ARMS, ["wrist_first", "planar_with_slide"]))
+@pytest.mark.parametrize("name", in_gate(ARMS, ["planar_with_slide"]))
 def test_all_branches_are_the_modes_of_python(name, tmp_path):
     """As many, and the same joint values; the nearest to the guess is the arm's own; in double and
     at well conditioned poses.
@@ -141,6 +141,7 @@ def test_all_branches_are_the_modes_of_python(name, tmp_path):
     assert compared > POSES // 2
 
 
+@pytest.mark.long
 def test_the_nearest_branch_is_that_of_the_guess(tmp_path):
     """A guess a hundredth beside the arm's joints names their branch, in float too."""
     arm = ARMS["gluon_6l3"]
@@ -158,6 +159,7 @@ def test_the_nearest_branch_is_that_of_the_guess(tmp_path):
     assert all(len(branches) % 2 == 0 for branches, _, _ in found)
 
 
+@pytest.mark.long
 def test_poses_out_of_reach_have_no_branch_under_sanitizers(tmp_path):
     """Far poses, a wrist in line, and quaternions of other lengths: no branch, a status, nothing
     undefined.
@@ -240,20 +242,21 @@ def test_a_calibrated_arm_keeps_its_branches(tmp_path):
 
 
 def test_what_a_folder_says_of_its_closed_form():
-    """Steps in README and manifest, names in the header; an arm without one, and a geometry given
-    at run time, say so.
-    """
+    """Steps in README and manifest, names in the header."""
     files = folder_files(symkin.load("gluon_6l3"), Options("float"))
     steps = json.loads(files["manifest.json"])["closed_form"]
     assert steps["choices"] == ["shoulder", "wrist", "elbow"]
     assert all(line in files["README.md"] for line in steps["steps"])
     assert "#define GLUON_6L3_ELBOW (1U)" in files["gluon_6l3.h"]
-    rng = np.random.default_rng(0)
-    general = serial("general", [free(rng) for _ in range(6)], rng)
-    for arm, options in (
-        (general, Options()),
-        (symkin.load("gluon_6l3"), Options(geometry="struct")),
-    ):
-        files = folder_files(arm, options)
-        assert "None was found" in files["README.md"]
-        assert "inverse_all" not in files[f"{arm.name}.h"]
+
+
+@pytest.mark.parametrize("kind", ["struct", pytest.param("general", marks=pytest.mark.long)])
+def test_a_folder_without_a_closed_form_says_so(kind):
+    """A geometry given at run time, and an arm of general shape."""
+    arm, options = symkin.load("gluon_6l3"), Options(geometry="struct")
+    if kind == "general":
+        rng = np.random.default_rng(0)
+        arm, options = serial("general", [free(rng) for _ in range(6)], rng), Options()
+    files = folder_files(arm, options)
+    assert "None was found" in files["README.md"]
+    assert "inverse_all" not in files[f"{arm.name}.h"]

@@ -89,8 +89,9 @@ def test_platforms_answer_as_the_plain_code_does(machine, real):
     np.testing.assert_allclose(second.found[good], first.found[good], atol=50 * bound)
 
 
+@pytest.mark.long
 @pytest.mark.slow
-@pytest.mark.parametrize("real", in_gate(["float", "double"], ["double"]))
+@pytest.mark.parametrize("real", ["float", "double"])
 def test_arms_answer_as_the_plain_code_does(real):
     """An arm without a closed form, whose inverse problem is iterated."""
     tools.compiler("gcc")
@@ -113,7 +114,8 @@ def test_arms_answer_as_the_plain_code_does(real):
     )
 
 
-@pytest.mark.parametrize("name", in_gate(["zhang2009", "ren2008"], ["zhang2009"]))
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["zhang2009", "ren2008"])
 def test_the_folder_passes_its_own_test_and_is_smaller(name, tmp_path):
     """Vectors of the Python solvers, Jacobians, rates and refusals; machine code of the host's
     compiler.

@@ -131,7 +131,7 @@ def _four_bar(name):
     return Mechanism("bars", link_joints=joints, length_unit="m", angle_unit="rad")
 
 
-@pytest.mark.parametrize("kind", ["arm", "map"])
+@pytest.mark.parametrize("kind", in_gate(["arm", "map"], ["map"]))
 def test_a_name_stays_in_its_comment(kind):
     """What a name says is never code: without comments and strings no file of the folder holds
     it.
@@ -219,7 +219,8 @@ class _Info(ctypes.Structure):
 
 
 @pytest.mark.slow
-def test_the_residual_of_an_arm_is_the_tools(library):
+@pytest.mark.parametrize("count", in_gate([500, 2000], [500]))
+def test_the_residual_of_an_arm_is_the_tools(library, count):
     """ur5e in float, poses near folds among them: what `info` says is how far direct kinematics in
     double misses the pose, and no answer, of one branch or of all, is off by more than is allowed.
     """
@@ -230,7 +231,7 @@ def test_the_residual_of_an_arm_is_the_tools(library):
     size, rng, seen, worst = arm.mechanism.characteristic_length, np.random.default_rng(3), 0, 0.0
     allowed = 72 * 2.0**-24 * size
     floats = lambda values: _array(ctypes.c_float, values)  # noqa: E731 - as short as a call
-    for q in rng.uniform(-3, 3, (2000, 6)):
+    for q in rng.uniform(-3, 3, (count, 6)):
         pose, out, info, every = floats([0.0] * 7), floats([0.0] * 6), _Info(), floats([0.0] * 48)
         if (
             code.ur5e_direct(floats(q), pose) != 0
@@ -244,7 +245,7 @@ def test_the_residual_of_an_arm_is_the_tools(library):
         errors = [_pose_error(arm.forward_at(joints), np.array(pose[:]), size) for joints in found]
         assert abs(errors[0] - info.residual) < 8 * 2.0**-24 * size
         seen, worst = seen + 1, max(worst, *errors)
-    assert seen > 1500
+    assert seen > 0.75 * count
     assert worst < allowed
 
 
@@ -257,7 +258,7 @@ def _pose_error(pose, target, size):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["ur5e", "ren2008"])
+@pytest.mark.parametrize("name", in_gate(["ur5e", "ren2008"], ["ren2008"]))
 def test_speeds_may_be_written_over_what_is_read(name, library):
     """Rates and twist in one array are those of two arrays."""
     code, six = library(name, Options("double")), [0.3, -0.2, 0.1, 0.2, 0.5, -0.4]
@@ -294,33 +295,36 @@ def test_a_map_that_is_linear_both_ways_has_code():
     assert 0.0 < float(limit) <= gears.characteristic_length
 
 
-def test_bends_hold_everywhere():
+@pytest.mark.parametrize(
+    ("name", "given", "find"),
+    [
+        ("four_bar", "crank", "follower"),
+        pytest.param("ankle", "upper_motor,lower_motor", "ankle.1,ankle.2", marks=pytest.mark.long),
+    ],
+)
+def test_bends_hold_everywhere(name, given, find):
     """The bound of a condition's second derivative is above that of any line through 4,000 random
     values.
     """
-    for name, given, find in (
-        ("four_bar", "crank", "follower"),
-        ("ankle", "upper_motor,lower_motor", "ankle.1,ankle.2"),
-    ):
-        made = build_program(
-            symkin.load(name),
-            Options("double", given=tuple(given.split(",")), find=tuple(find.split(","))),
-        ).kind
-        for way in (made.direct, made.inverse):
-            if not way.is_closed:
-                continue
-            direction = ClosedDirection(made, way, {})
-            values, rng = ca.SX.sym("v", len(way.known)), np.random.default_rng(9)
-            for one, bend, usual in zip(
-                direction.conditions, direction.bends, direction.usual, strict=True
-            ):
-                expression = direction._put_in(one.value, values) / usual
-                hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
-                points = rng.uniform(-np.pi, np.pi, (4000, len(way.known)))
-                found = np.asarray(hessian(points.T)).reshape(len(way.known), 4000, -1)
-                found = found.swapaxes(0, 1) * np.outer(direction.units, direction.units)
-                norms = np.linalg.norm(found, 2, axis=(1, 2))
-                assert np.max(norms) <= 8 * bend * (1 + 1e-6)
+    made = build_program(
+        symkin.load(name),
+        Options("double", given=tuple(given.split(",")), find=tuple(find.split(","))),
+    ).kind
+    for way in (made.direct, made.inverse):
+        if not way.is_closed:
+            continue
+        direction = ClosedDirection(made, way, {})
+        values, rng = ca.SX.sym("v", len(way.known)), np.random.default_rng(9)
+        for one, bend, usual in zip(
+            direction.conditions, direction.bends, direction.usual, strict=True
+        ):
+            expression = direction._put_in(one.value, values) / usual
+            hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
+            points = rng.uniform(-np.pi, np.pi, (4000, len(way.known)))
+            found = np.asarray(hessian(points.T)).reshape(len(way.known), 4000, -1)
+            found = found.swapaxes(0, 1) * np.outer(direction.units, direction.units)
+            norms = np.linalg.norm(found, 2, axis=(1, 2))
+            assert np.max(norms) <= 8 * bend * (1 + 1e-6)
 
 
 @pytest.mark.parametrize("name", ["float", "double"])

@@ -142,7 +142,7 @@ def test_cases_are_distinct_and_within_limits(limits):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", in_gate(["ren2008", "zhao2000", "gluon_6l3"], ["zhao2000"]))
+@pytest.mark.parametrize("name", in_gate(["ren2008", "zhao2000", "gluon_6l3"], ["ren2008"]))
 def test_shipped_cases_are_distinct(name):
     """With limits, without, and of an arm."""
     kind = build_program(load(name), Options("float")).kind
@@ -158,6 +158,7 @@ def _example(folder, *edit: tuple[str, str]):
     return tools.built("gcc", folder, ["flat.c", "example_main.c"], "example", "-O1")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_code_about_the_example_pose_passes_and_the_example_moves(tmp_path):
     write_folder(flat(Example(pose=ABOVE)), tmp_path, Options())

@@ -60,6 +60,7 @@ def level_poses(count: int, seed: int = 3) -> np.ndarray:
     return np.column_stack([position, np.cos(half), zeros, zeros, np.sin(half)])
 
 
+@pytest.mark.long
 def test_the_code_is_of_the_implied_motion_and_the_model_that_of_the_file(links, asked):
     program = asked.program
     assert (links.motion, program.kind.mechanism.motion) == ("spatial", "schoenflies")
@@ -69,6 +70,7 @@ def test_the_code_is_of_the_implied_motion_and_the_model_that_of_the_file(links,
     assert "_direct_newton(" not in program.source
 
 
+@pytest.mark.long
 def test_direct_of_inverse_is_the_pose_and_closes_every_row(links, asked):
     """Also the rows that the implied motion makes redundant, those of the platform's tilt."""
     poses = level_poses(40)
@@ -91,6 +93,7 @@ def test_direct_of_inverse_is_the_pose_and_closes_every_row(links, asked):
         )
 
 
+@pytest.mark.long
 def test_a_tilted_guess_is_refused(asked):
     tilted = np.array([[0.0, 0.0, 100.0, np.cos(0.05), np.sin(0.05), 0.0, 0.0]])
     _, joints = asked.back(level_poses(1))
@@ -99,6 +102,7 @@ def test_a_tilted_guess_is_refused(asked):
     )
 
 
+@pytest.mark.long
 def test_lines_on_which_a_limb_is_stretched_are_refused(declared, asked):
     """Where a limb's ends are further apart than its links: by the planes and the rod alone, which
     know nothing of reach, in many points of the line; also where both ends of the line are within
@@ -143,6 +147,7 @@ def test_lines_on_which_a_limb_is_stretched_are_refused(declared, asked):
     assert declared.mechanism.motion == twin.motion
 
 
+@pytest.mark.long
 def test_lines_on_which_the_couples_lose_rank_are_refused(asked):
     """Half way all three limbs stand in parallel planes, so that their couples are one."""
     home = HOME
@@ -176,6 +181,7 @@ def legs_of_upu(places: np.ndarray) -> np.ndarray:
     return np.linalg.norm(places[:, None] - 120 * out, axis=2)
 
 
+@pytest.mark.long
 def test_couples_that_no_divisor_watches_are_watched_themselves():
     """The couples of a 3-UPU lose rank where its spheres do not: their volume is a guard, here
     compared with that by geometry.
@@ -220,6 +226,7 @@ def test_lines_of_a_3_upu_on_which_couples_lose_rank_are_refused(real):
     assert np.mean(ok[~beyond]) > 0.3
 
 
+@pytest.mark.long
 def test_volumes_are_compared_with_divisors(declared):
     """The couples of the three limbs are watched; without the divisors they are not."""
     found = declared.direct_formulas
@@ -233,6 +240,7 @@ def test_a_struct_of_geometry_keeps_the_described_motion(links):
     assert made.mechanism.motion == "spatial"
 
 
+@pytest.mark.long
 def test_formulas_limb_by_limb_hold_in_every_direction_of_a_limb(declared):
     """No plane of a limb is special, as one along an axis would be if rows were divided by a
     cosine.

@@ -31,6 +31,8 @@ from helpers.inside import Options, write_folder
             joint_types.translation,
             joint_types.schoenflies,
             joint_types.planar_rods,
+            joint_types.universal,
+            joint_types.ball,
         ],
     ),
     ids=[made.__name__ for made in joint_types.MADE],

@@ -112,7 +112,7 @@ def _values(made, sample):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
+@pytest.mark.parametrize("real", in_gate(["double", "float"], ["double"]))
 @pytest.mark.parametrize("key", in_gate(MAPS, ["ankle", "slider"]))
 def test_maps_lead_where_the_closure_does(compiled, key, real):
     """From the reference's values either way to configurations that Newton's method of the closure
@@ -147,7 +147,7 @@ def test_maps_lead_where_the_closure_does(compiled, key, real):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("key", in_gate(MAPS, ["ankle", "slider"]))
+@pytest.mark.parametrize("key", in_gate(MAPS, ["ankle"]))
 def test_jacobians_are_differences_of_the_map(compiled, key):
     """J is the central difference of NAME_direct; rates are J's product, and torques do the same
     work on both sides.
@@ -205,7 +205,7 @@ def _walked(problem, z, begin, end, steps):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reach", in_gate([0.5, 2.6], [2.6]))
-@pytest.mark.parametrize("direction", ["direct", "inverse"])
+@pytest.mark.parametrize("direction", in_gate(["direct", "inverse"], ["direct"]))
 @pytest.mark.parametrize("key", in_gate(["ankle", "four-bar", "gripper", "five-bar"], ["ankle"]))
 def test_ok_means_that_the_machine_can_move_there(compiled, key, direction, reach):
     """Lines between random values: an answer that is OK is the end of a fine walk with every point
@@ -245,8 +245,9 @@ def test_ok_means_that_the_machine_can_move_there(compiled, key, direction, reac
     assert counts["ok"] > 5
 
 
+@pytest.mark.long
 @pytest.mark.slow
-@pytest.mark.parametrize("cc", in_gate(["gcc", "clang"], ["gcc"]))
+@pytest.mark.parametrize("cc", ["gcc", "clang"])
 def test_anything_may_be_given(compiled, cc, tmp_path):
     """Random bits as numbers, under ASan and UBSan: what leaves with OK is finite."""
     del compiled
@@ -440,7 +441,11 @@ axis = [0.0, 0.0, 1.0]
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "coupling", ['joint = "y"\nof = { x = -1.5 }\n', 'joint = "x"\nof = { y = "-2/3" }\n']
+    "coupling",
+    [
+        'joint = "y"\nof = { x = -1.5 }\n',
+        pytest.param('joint = "x"\nof = { y = "-2/3" }\n', marks=pytest.mark.long),
+    ],
 )
 def test_wheels_follow_their_drivers_over_whole_turns(tmp_path, coupling):
     """y = -3/2 x from guess to guess over four turns, both ways: values count with their whole

@@ -4,6 +4,7 @@ groups, hard stretches of a line, any size, standing still.
 
 import ctypes
 from functools import cache
+from itertools import product
 from pathlib import Path
 
 import casadi as ca
@@ -113,7 +114,7 @@ def test_code_of_random_maps_passes_its_own_test(library, name, real):
 
 @pytest.mark.skipif(not can_run(), reason="no C compiler")
 @pytest.mark.parametrize(
-    ("name", "given", "find"), in_gate((*INNER, BESIDE_A_FOLD), (*INNER[1:], BESIDE_A_FOLD))
+    ("name", "given", "find"), in_gate((*INNER, BESIDE_A_FOLD), (INNER[1], BESIDE_A_FOLD))
 )
 def test_maps_of_inner_joints_pass_their_own_test(name, given, find):
     """The reference is regular both ways: its surroundings are reached and left in float too,
@@ -141,7 +142,7 @@ def test_conditions_of_inner_joints_bend_alike_at_any_size(inner, factor):
     ("name", "reach"),
     in_gate(
         [("nested_dyads", 1.0), ("nested_slides", 1.0), ("pantograph_leg", 0.05)],
-        [("nested_slides", 1.0), ("pantograph_leg", 0.05)],
+        [("pantograph_leg", 0.05)],
     ),
 )
 def test_conditions_stay_above_their_bound_along_lines(name, reach):
@@ -193,7 +194,8 @@ def test_bends_of_nested_conditions_let_lines_pass():
 
 
 @pytest.mark.parametrize(
-    ("name", "factor"), each_once(["nested_dyads", "nested_slides"], [1e-8, 1e6])
+    ("name", "factor"),
+    in_gate(product(["nested_dyads", "nested_slides"], [1e-8, 1e6]), [("nested_dyads", 1e-8)]),
 )
 def test_conditions_are_those_of_any_size(name, factor):
     """The same conditions with the same bends, over their usual sizes, of a machine in any unit."""
@@ -225,7 +227,7 @@ def test_who_is_where_a_line_led_may_stand_still(library, way):
     assert taken > 20
 
 
-@pytest.mark.parametrize("factor", [1e-8, 1e-3, 1e6])
+@pytest.mark.parametrize("factor", in_gate([1e-8, 1e-3, 1e6], [1e-8]))
 def test_guards_of_divisors_are_those_of_any_size(factor):
     """Cylinders stand between lengths and angles, whose discriminants have other units than what is
     divided by.

@@ -84,7 +84,7 @@ NAMED = {mechanism.name: mechanism for mechanism in ROBOTS}
     ("name", "real"),
     in_gate(
         product(NAMED, ["double", "float"]),
-        [("beyond", "double"), ("humanoid_leg", "float"), ("seven", "float")],
+        [("humanoid_leg", "float"), ("seven", "float")],
     ),
 )
 def test_the_generated_test_passes(name: str, real: str, tmp_path: Path) -> None:

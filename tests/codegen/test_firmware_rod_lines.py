@@ -134,7 +134,11 @@ def _lines(count):
 
 @pytest.mark.parametrize(
     "options",
-    [Options("double"), Options("float"), Options("double", geometry="struct")],
+    [
+        pytest.param(Options("double"), marks=pytest.mark.long),
+        Options("float"),
+        Options("double", geometry="struct"),
+    ],
     ids=["double", "float", "struct"],
 )
 def test_a_line_is_ok_where_a_dense_walk_stays_within_the_limits(options, tmp_path):

@@ -114,7 +114,7 @@ def _turned(pose: np.ndarray, angle: float) -> np.ndarray:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("real", in_gate(TYPES, ["double"]))
-@pytest.mark.parametrize("beside", [0.0, 1e-3, 1e-2, 0.05])
+@pytest.mark.parametrize("beside", in_gate([0.0, 1e-3, 1e-2, 0.05], [0.0, 1e-2]))
 def test_a_loop_passes_a_straight_wrist(real, beside, code):
     """A thousand poses through, or a little beside, the wrist's singularity: every step is OK and
     short, what it says of its error is so, and beyond the singularity the error has gone.
@@ -139,7 +139,7 @@ def test_a_loop_passes_a_straight_wrist(real, beside, code):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("real", in_gate(TYPES, ["float"]))
-@pytest.mark.parametrize("name", in_gate(ARMS, ["ur5e", "scara"]))
+@pytest.mark.parametrize("name", in_gate(ARMS, ["scara"]))
 def test_a_loop_follows_its_poses(name, real, code):
     """Poses of a smooth path of joint values: each step is OK, and the tool stays with them."""
     arm = code(name, real)
@@ -266,6 +266,7 @@ def test_refused_input_leaves_the_joints(code):
     assert arm.rates(q, np.full(6, 1e300))[0] == OUT_OF_RANGE
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_step_out_of_a_limit_is_refused(tmp_path):
     """A joint at its limit that would have to leave it: OUT_OF_RANGE, its number, joints

@@ -91,6 +91,7 @@ def test_a_long_line_of_a_five_bar_is_not_answered_from_another_branch(tmp_path)
     assert status != 0 or np.allclose(pose[:2], [0.0338, 238.4711], atol=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_inverse_of_an_answer_is_what_was_given(tmp_path):
     """Cranks that pass their dead centre: the direct problem does not answer OK, for its pose would
@@ -129,8 +130,9 @@ def _short_coupler():
     return Mechanism("short", [left, right], platform_position=(slider, 0.0, 0.0), motion="planar")
 
 
+@pytest.mark.long
 @pytest.mark.slow
-@pytest.mark.parametrize("degrees", in_gate([3.9, 4.0, 4.1, 4.2, 4.3, 6.0], [3.9]))
+@pytest.mark.parametrize("degrees", [3.9, 4.0, 4.1, 4.2, 4.3, 6.0])
 def test_no_answer_lies_beyond_a_dead_centre_however_near(degrees, tmp_path):
     """A crank that passes the line of its coupler: the pose of an OK answer gives the crank's own
     angle back.
@@ -144,10 +146,11 @@ def test_no_answer_lies_beyond_a_dead_centre_however_near(degrees, tmp_path):
         assert abs(back[0] - given) < 1e-4
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("low", "high"),
-    in_gate([(0.0, 2 * math.pi), (-7.0, 7.0), (-math.pi, math.pi)], [(-7.0, 7.0)]),
+    [(0.0, 2 * math.pi), (-7.0, 7.0), (-math.pi, math.pi)],
 )
 def test_limited_cranks_that_turn_over_half_a_turn(low, high, tmp_path):
     """A crank-rocker whose crank has limits: every angle within them is reached in steps of ten
@@ -206,7 +209,7 @@ FAR = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", FAR)
+@pytest.mark.parametrize("name", in_gate(FAR, ["zhang2009"]))
 def test_far_goals_that_were_answered_wrongly(name):
     """What is OK is what the fine walk of the line reaches, and no line that ends is OK."""
     tools.compiler("gcc")
@@ -274,7 +277,9 @@ GRAZES = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
-@pytest.mark.parametrize("name", in_gate_but(GRAZES, ["formulas, elbows"]))
+@pytest.mark.parametrize(
+    "name", in_gate_but(GRAZES, ["formulas, elbows", "formulas, slides on arms"])
+)
 def test_what_is_ok_beside_a_dead_centre_can_be_held(name, real, tmp_path):
     """Lines that end at folds and dead centres, goals ever nearer to them: an OK answer is read as
     a guess, and of formulas its own joint values are OK again; of Newton's method all but one in

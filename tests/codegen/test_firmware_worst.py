@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from helpers import firmware_tools as tools
+from helpers.gate import in_gate
 from helpers.inside import WorstCase, bounds
 
 CODEGEN = tools.CODEGEN
@@ -144,10 +145,10 @@ def _counted(folder: str, place: Path, inputs: int) -> dict[str, dict[str, int]]
     [
         "ankle_float",
         *(
-            pytest.param(f, marks=pytest.mark.slow)
-            for f in ("delta_double", "ren2008_float", "scara_float")
+            pytest.param(f, marks=pytest.mark.long)
+            for f in ("delta_double", "ren2008_float", "zhao2000_links_float")
         ),
-        pytest.param("zhao2000_links_float", marks=pytest.mark.long),
+        pytest.param("scara_float", marks=pytest.mark.slow),
     ],
 )
 def test_no_call_does_more_than_its_bound(folder, tmp_path):
@@ -233,7 +234,7 @@ def test_figures_are_measured_of_this_code(folder):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", ["scara_float", "delta_double"])
+@pytest.mark.parametrize("folder", in_gate(["scara_float", "delta_double"], ["delta_double"]))
 def test_measured_again_nothing_is_exceeded(folder):
     """On M4F and M7, other inputs than the ones that the figures are of."""
     tools.compiler("arm-none-eabi-gcc"), tools.compiler("qemu-system-arm")

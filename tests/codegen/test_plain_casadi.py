@@ -117,6 +117,7 @@ def test_readme_has_the_five_systems():
     assert all(row[2] != "OK" and row[3] == "0" for row in inputs)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_counts_are_those_of_the_readme():
     """Counting anew on the host gives the committed counts, but for the compiler's version."""

@@ -38,9 +38,8 @@ def _positions(title="five-bar"):
     """Of a five-bar's modes; another title makes it another mechanism, whose start a process reads
     anew.
     """
-    return sorted(
-        tuple(np.round(mode.position, 6)) for mode in symkin.modes(replace(five_bar(), title=title))
-    )
+    mechanism = replace(five_bar(), motion="planar", title=title)
+    return sorted(tuple(np.round(mode.position, 6)) for mode in symkin.modes(mechanism))
 
 
 def _rewritten(content, change):

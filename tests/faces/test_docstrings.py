@@ -15,11 +15,23 @@ from typing import Any
 import pytest
 
 import symkin
+from helpers.gate import in_gate_but
 
 MOST_NAMES = 50
 LONGEST_SENTENCE = 130
 """Characters of the first sentence of a public name, which lists show alone."""
 NAMES = [name for name in symkin.__all__ if name != "__version__"]
+DEAR = [
+    "Loci",
+    "ModeGraph",
+    "mode_graph",
+    "plan_measurements",
+    "singular_loci",
+    "sweep",
+    "track",
+    "write_firmware",
+]
+"""Those whose examples compute for seconds."""
 SOURCE = ast.parse(Path(symkin.__file__).read_text(encoding="utf-8"))
 
 
@@ -64,7 +76,7 @@ def test_a_public_name_is_documented(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", in_gate_but(NAMES, DEAR))
 def test_the_example_of_a_public_name_runs(name: str) -> None:
     """Each example alone, as a reader would type it."""
     value = _documented(name)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 import symkin
 from helpers.command_line import run_json
 from helpers.inside import parse
-from helpers.samples import three_rps
+from helpers.samples import five_bar, three_rps
 from symkin import MechanismError
 
 
@@ -15,24 +17,26 @@ def with_example(mechanism: symkin.Mechanism, values: str) -> str:
     return mechanism.to_toml() + f"\n[example]\ngiven = {values}\n"
 
 
-def test_the_example_is_used_where_nothing_is_given(capsys):
+def test_the_example_is_used_where_nothing_is_given():
     """A suspension whose one motor leaves it a freedom: rack and height of the wheel are its
     example.
     """
-    found = symkin.modes(symkin.load("five_link_suspension"))
-    assert found.given == {"rack": 5.0, "z": 330.0}
-    status, told = run_json(capsys, "modes", "five_link_suspension")
-    assert (status, told["given"]) == (0, {"rack": 5.0, "z": 330.0})
-    assert symkin.solve(symkin.load("five_link_suspension")).status == "ok"
+    found = symkin.solve(symkin.load("five_link_suspension")).solution
+    assert found.joints["rack"] == pytest.approx(5.0)
+    assert found.position[2] == pytest.approx(330.0)
 
 
-def test_limbs_may_have_such_an_example():
-    """Height and tilt of a 3-RPS, which are no direct and no inverse problem."""
-    mechanism = parse(with_example(three_rps(), "{ z = 300.0, azimuth = 0.2, tilt = 0.1 }"))
+def test_limbs_may_have_such_an_example(capsys, tmp_path):
+    """The place of a five-bar's tip, which is no direct and no inverse problem."""
+    mechanism = parse(with_example(replace(five_bar(), motion="planar"), "{ x = 50.0, y = 110.0 }"))
     found = symkin.modes(mechanism)
-    assert found.given == {"z": 300.0, "azimuth": 0.2, "tilt": 0.1}
+    assert len(found) == 4
+    assert found.given == {"x": 50.0, "y": 110.0}
     for mode in found:
-        assert mode.position[2] == pytest.approx(300.0, abs=1e-6)
+        assert mode.position[:2] == pytest.approx([50.0, 110.0], abs=1e-6)
+    (tmp_path / "five_bar.toml").write_text(mechanism.to_toml())
+    status, told = run_json(capsys, "modes", tmp_path / "five_bar.toml")
+    assert (status, told["given"]) == (0, {"x": 50.0, "y": 110.0})
 
 
 def test_it_is_read_as_it_is_written():

@@ -117,7 +117,20 @@ def first_modes(name: str) -> symkin.Modes:
     "name",
     in_gate_but(
         sorted(set(GALLERY) - {"excavator_bucket", "slider_crank", "pantograph_leg"}),
-        ["bricard", "goldberg", "double_wishbone", "four_leg_group", "watt_six_bar"],
+        [
+            "bricard",
+            "goldberg",
+            "double_wishbone",
+            "four_leg_group",
+            "watt_six_bar",
+            "pantograph_five_bar",
+            "sarrus",
+            "spherical_wrist",
+            "triad",
+            "delta_parallelograms",
+            "klann_leg",
+            "stephenson_six_bar",
+        ],
     ),
 )
 def test_links_keep_their_shapes_in_every_mode(name):
@@ -172,7 +185,12 @@ def sketch(name: str):
     return sketch_of_graph(parse(ALL_TYPES) if name == "all types" else symkin.load(name))
 
 
-@pytest.mark.parametrize("name", [*sorted(GALLERY), "all types"])
+@pytest.mark.parametrize(
+    "name",
+    in_gate(
+        [*sorted(GALLERY), "all types"], ["ankle", "excavator_bucket", "hexapod_stack", "all types"]
+    ),
+)
 def test_every_joint_rod_and_point_is_drawn_and_named(name):
     mechanism = parse(ALL_TYPES) if name == "all types" else symkin.load(name)
     figure = sketch(name)
@@ -274,7 +292,7 @@ def robot(name: str):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", in_gate(CROWDED, CROWDED[:2]))
+@pytest.mark.parametrize("name", in_gate(CROWDED, CROWDED[1:2]))
 def test_a_robot_is_legible(name):
     """Its closures are ringed and no other joint; names lie apart, those that find no room are
     counted.
@@ -316,9 +334,9 @@ def test_a_planar_linkage_that_a_ball_closes_is_seen_along_its_axes():
 
 @pytest.mark.slow
 def test_names_of_loops_alone_or_none(tmp_path, capsys):
-    mechanism = robot(CROWDED[0])
+    mechanism, where = robot(CROWDED[1]), ROBOTS / CROWDED[1]
     closing = reference_graph_lines(mechanism).closing
-    assert len(closing) == 6
+    assert set(closing) == {closure.name for closure in read_robot(where).closures}
     texts = {
         names: {
             t.get_text()
@@ -328,7 +346,6 @@ def test_names_of_loops_alone_or_none(tmp_path, capsys):
         for names in ("loops", "none")
     }
     assert texts == {"loops": set(closing), "none": set()}
-    where = ROBOTS / CROWDED[0]
     assert run(capsys, "show", where, "--plot", tmp_path / "a.png", "--names", "loops")[0] == 0
     for wrong, sentence in (
         (

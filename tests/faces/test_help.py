@@ -72,7 +72,13 @@ def test_help_fits_a_terminal_and_has_examples(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", in_gate_but(EXAMPLES, ["calibrate", "singularities", "sweep"]))
+@pytest.mark.parametrize(
+    "name",
+    in_gate_but(
+        EXAMPLES,
+        ["calibrate", "singularities", "sweep", "firmware", "track", "modes", "show", "view"],
+    ),
+)
 def test_examples_run(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str
 ) -> None:

@@ -23,7 +23,7 @@ from markdown_it import MarkdownIt
 
 import symkin
 from helpers.firmware_tools import STRICT, built, compiler, passed
-from helpers.gate import in_gate
+from helpers.gate import each_once, in_gate
 from helpers.inside import (
     Options,
     c_comment,
@@ -283,8 +283,7 @@ def test_the_readme_of_firmware_is_text():
 def test_reserved_words_as_names_build(name, tmp_path):
     """Words of C, C++ and CMake make no name of their own in C, and another target in CMake."""
     mechanism = replace(arm(), name=name)
-    write_folder(mechanism, tmp_path, Options())
-    passed(built("gcc", tmp_path, [f"{name}_test.c", f"{name}.c"], "run"))
+    write_folder(mechanism, tmp_path, Options())  # which builds the code and runs its test
     targets = re.findall(
         r"(?:add_library|add_executable)\((\w+)", (tmp_path / "CMakeLists.txt").read_text()
     )
@@ -467,8 +466,7 @@ PLACES = {
 }
 
 
-@pytest.mark.parametrize("place", PLACES)
-@pytest.mark.parametrize("character", REFUSED, ids=[f"U+{ord(c):04X}" for c in REFUSED])
+@pytest.mark.parametrize(("place", "character"), each_once(PLACES, REFUSED))
 def test_control_and_bidirectional_characters_are_refused(place, character):
     """In one line that names the key path and the character by its number, and does not hold it."""
     make, path = PLACES[place]

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.gate import each_once
 from helpers.inside import (
     Noise,
     NotFittedError,
@@ -218,11 +219,9 @@ def test_a_result_comes_back_from_a_process_pool(name: str, pool: ProcessPoolExe
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(
-    "way",
-    [copy.copy, copy.deepcopy, lambda v: pickle.loads(pickle.dumps(v))],
-    ids=["copy", "deep", "pickle"],
+    ("name", "way"),
+    each_once(NAMES, [copy.copy, copy.deepcopy, lambda v: pickle.loads(pickle.dumps(v))]),
 )
 def test_a_result_is_copied(name: str, way: Any) -> None:
     value = results()[name]

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 import symkin
 from helpers.command_line import run, run_json
+from helpers.gate import in_gate
 from helpers.inside import TERMINAL_WIDTH, folded
-from helpers.shipped import UNDRIVEN
+from helpers.shipped import TWELVE, UNDRIVEN
 
 NAMES = [name for name in symkin.shipped_names() if name not in UNDRIVEN]
 _CELLS = st.text("0123456789.-", min_size=1, max_size=30)
@@ -36,7 +37,7 @@ def test_folded_tables_hold_every_cell(rows: list[list[str]]) -> None:
         assert [cell for part in cells for cell in part[1:]] == row[1:]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", in_gate(NAMES, TWELVE))
 def test_solutions_fit_a_terminal(name: str) -> None:
     """The table of a solution, short and whole; every coordinate of the whole one has its unit."""
     found = symkin.solve(symkin.load(name))

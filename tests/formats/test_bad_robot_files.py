@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from helpers.command_line import run
+from helpers.gate import each_once
 from symkin import ReadOptions
 
 SUFFIXES = ("urdf", "sdf", "xml")
@@ -219,8 +220,7 @@ def refused(path: Path, capsys: pytest.CaptureFixture[str], command: str, *optio
     return err
 
 
-@pytest.mark.parametrize("suffix", SUFFIXES)
-@pytest.mark.parametrize("what", EVERYWHERE)
+@pytest.mark.parametrize(("what", "suffix"), each_once(EVERYWHERE, SUFFIXES))
 def test_what_can_be_wrong_in_every_format(
     what: str, suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -743,12 +743,23 @@ def mutate(data, draw):
 
 
 @pytest.mark.slow
-@settings(max_examples=200)
 @given(st.data())
 def test_spoilt_data_is_refused_in_one_line_or_taken(data):
     """Whatever is replaced, removed or renamed in a right file: SymkinError in one line, or a
     mechanism that comes back.
     """
+    refused_or_taken(data)
+
+
+@pytest.mark.long
+@settings(max_examples=200)
+@given(st.data())
+def test_more_spoilt_data_is_refused_in_one_line_or_taken(data):
+    """The same of more files."""
+    refused_or_taken(data)
+
+
+def refused_or_taken(data):
     spoilt = tomllib.loads(data.draw(st.sampled_from(SOURCES)))
     for _ in range(data.draw(st.integers(1, 3))):
         mutate(spoilt, data.draw)

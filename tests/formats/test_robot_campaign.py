@@ -47,6 +47,7 @@ def folder_of(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_each_file_has_a_line_and_the_last_one_counts_them(tmp_path: Path) -> None:
     folder, out = folder_of(tmp_path), tmp_path / "found.json"

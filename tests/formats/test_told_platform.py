@@ -139,7 +139,12 @@ def test_a_mechanism_file_says_it_itself(capsys: pytest.CaptureFixture[str]) -> 
 
 
 @pytest.mark.parametrize(
-    "name", ["mjcf/g1_parallel_ankle.xml", "sdf/pr2_gripper.sdf", "urdf_plus/six_bar.urdf"]
+    "name",
+    [
+        "mjcf/g1_parallel_ankle.xml",
+        "sdf/pr2_gripper.sdf",
+        pytest.param("urdf_plus/six_bar.urdf", marks=pytest.mark.long),
+    ],
 )
 def test_links_of_closed_loops_are_where_close_has_them(name: str) -> None:
     """In all three formats: the platform's pose at the reference is the link's."""

@@ -91,6 +91,7 @@ def joint_hexapod(rods: Mechanism, kind: str) -> Mechanism:
     return Mechanism(f"hexapod_{kind.lower()}", limbs, platform_position=place)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_rods_and_universal_joints_give_the_same_poses():
     """A limb U P S is a rod: the same poses, each with 2^6 choices of the universal joints."""
@@ -145,6 +146,7 @@ def test_a_cover_stands_for_all_combinations():
     assert cover(system, np.hstack([start.z[:, [0, other]], mixed])).shape[1] == 2
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_real_candidates_are_products_of_real_branches():
     """At a pose whose limbs have 2, 2 and 2 real branches there are eight candidates, all

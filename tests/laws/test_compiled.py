@@ -103,7 +103,10 @@ def farthest(system, a, b):
 @pytest.mark.parametrize("end", ["real", "complex"])
 @pytest.mark.parametrize(
     ("name", "kind"),
-    in_gate_but([*MACHINES, ("five_bar", "direct")], [("zhao2000_links", "direct")]),
+    in_gate_but(
+        [*MACHINES, ("five_bar", "direct")],
+        [("zhao2000_links", "direct"), ("zhao2000", "direct")],
+    ),
 )
 def test_both_engines_reach_the_same_roots(name, kind, end):
     """All paths of an instance arrive in either engine, path by path at the same root."""

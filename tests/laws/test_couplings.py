@@ -91,7 +91,7 @@ def without_turns(degrees):
     return (np.asarray(degrees) + 180.0) % 360.0 - 180.0
 
 
-@pytest.mark.parametrize(("p", "q"), in_gate_but(RATIOS, [(2, 1)]))
+@pytest.mark.parametrize(("p", "q"), in_gate_but(RATIOS, [(2, 1), (1, 2)]))
 def test_a_ratio_has_the_same_modes_however_it_is_written(p, q):
     """As many configurations as a scan of one angle finds, each with angles within a turn, told by
     paths and not by samples.

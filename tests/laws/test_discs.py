@@ -11,6 +11,7 @@ from flint import acb, arb
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from helpers.gate import in_gate
 from helpers.inside import (
     COMPLEX,
     REAL,
@@ -145,7 +146,7 @@ def test_discs_hold_the_exact_values(engine, rng, real, radius):
 
 @pytest.mark.slow
 @engines
-@pytest.mark.parametrize("radius", [0.0, 1e-310, 1e-16, 1.0])
+@pytest.mark.parametrize("radius", in_gate([0.0, 1e-310, 1e-16, 1.0], [1e-310, 1.0]))
 @pytest.mark.parametrize("real", [True, False])
 def test_extreme_numbers_are_held_or_unbounded(engine, radius, real):
     """Zeros, subnormal, huge and missing numbers, each with each: no operation states a bound that

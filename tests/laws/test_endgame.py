@@ -287,7 +287,7 @@ def random_platform(seed: int) -> tuple[Mechanism, np.random.Generator]:
     return hexapod(100 * rng.normal(size=(6, 3)), 60 * rng.normal(size=(6, 3)), 150.0), rng
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", in_gate([1, 2, 3], [1]))
 def test_two_modes_of_a_platform_merge_at_a_singular_pose(seed):
     """Where the six lines are dependent two of the 40 roots are one, and it is that pose: 38
     regular, one double.
@@ -323,7 +323,7 @@ def test_mirror_modes_merge_in_mirror_pairs(seed):
     assert (ends.z.shape[1], ends.singular.multiplicity.tolist()) == (24, [2, 2])
 
 
-@pytest.mark.parametrize("exponent", [3, 5, 7, 9, 11])
+@pytest.mark.parametrize("exponent", in_gate([3, 5, 7, 9, 11], [5, 11]))
 def test_near_a_singular_pose_nothing_is_lost(exponent):
     """Lengths changed by a share 10^-n: 40 paths end at finite roots, merged ones flagged, none
     unresolved.
@@ -390,7 +390,10 @@ def test_nearby_instances_have_as_many_roots_near_each_end_as_paths_end_there(na
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", in_gate(CASES, list(CASES)[::2]))
+@pytest.mark.parametrize(
+    "name",
+    in_gate(CASES, ["flat hexapod", "limbs in line"]),
+)
 def test_ends_satisfy_the_rows(name):
     """Regular roots to 1e-12 of the size, singular ones to 1e-13."""
     mechanism, given = CASES[name]()

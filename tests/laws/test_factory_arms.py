@@ -87,6 +87,7 @@ def test_an_arm_moves_the_same_by_far_points_and_by_near_ones():
         assert here.residual < 1e-9 * near.characteristic_length
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_modes_of_a_factory_arm_are_complete_and_certified():
     """They hold the joint values that gave the pose, each is certified, and no path is left."""

@@ -34,6 +34,7 @@ def zhang() -> Mechanism:
     return symkin.load("zhang2009")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_random_smooth_paths_keep_their_mode(zhang):
     """Along random smooth curves of leg lengths the tracked end is the one of independent small

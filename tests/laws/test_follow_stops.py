@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.gate import in_gate
 from helpers.laws import closes, frame, same_angle
 from helpers.samples import (
     COUPLER,
@@ -197,7 +198,7 @@ def test_bifurcations_on_short_paths_are_named(half, samples):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("samples", [None, 2, 101, 1001])
+@pytest.mark.parametrize("samples", in_gate([None, 2, 101, 1001], [None, 2, 101]))
 def test_joints_that_meet_are_placed_in_intervals_of_any_length(samples):
     """A five-bar whose cranks bring the couplers' lower ends together, where the platform turns
     freely about them: cranks 100, bases 150 apart, cranks at -a and a from upright meet at sin a =

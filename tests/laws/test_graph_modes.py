@@ -22,8 +22,10 @@ from symkin import Modes
 
 GALLERY = json.loads((Path(__file__).parents[1] / "data" / "gallery.json").read_text())
 CASES = [(name, k) for name, entry in GALLERY.items() for k in range(len(entry["cases"]))]
-FEW = [(name, 0) for name in TWELVE if name in GALLERY]
-FEW += [("stephenson_six_bar", 2), ("klann_leg", 1), ("triad", 0), ("five_link_suspension", 0)]
+FEW = [
+    (name, 0) for name in TWELVE if name in GALLERY and name not in ("sarrus", "spherical_wrist")
+]
+FEW += [("stephenson_six_bar", 2), ("five_link_suspension", 0)]
 """Cases that the gate runs: of each kind of linkage, by joints that are actuated and by others."""
 SIX_DIGITS = """
 format = 1
@@ -136,7 +138,7 @@ def test_any_coordinate_given_back_has_the_mode_among_its_modes(name: str) -> No
             assert min(gaps) < 1e-5
 
 
-@pytest.mark.parametrize("name", GALLERY)
+@pytest.mark.parametrize("name", in_gate(GALLERY, TWELVE))
 def test_solve_reaches_a_mode_near_its_start(name: str) -> None:
     """The configuration of the first case closes and has the given values; started there, it is
     found again in few steps.

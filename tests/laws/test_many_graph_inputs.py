@@ -27,10 +27,12 @@ def known_of(name, given):
     ("name", "ranges"),
     [
         ("four_bar", {"crank": (0.0, 360.0)}),
-        ("four_bar", {"follower": (-180.0, 180.0)}),
-        ("watt_six_bar", {"output": (-60.0, 60.0)}),
+        pytest.param("four_bar", {"follower": (-180.0, 180.0)}, marks=pytest.mark.long),
+        pytest.param("watt_six_bar", {"output": (-60.0, 60.0)}, marks=pytest.mark.long),
         ("ankle", {"ankle.1": (-15.0, 15.0), "ankle.2": (-15.0, 15.0)}),
-        ("pantograph_leg", {"x": (60.0, 120.0), "y": (200.0, 280.0)}),
+        pytest.param(
+            "pantograph_leg", {"x": (60.0, 120.0), "y": (200.0, 280.0)}, marks=pytest.mark.long
+        ),
         ("differential", {"shaft": (-90.0, 90.0), "left": (-90.0, 90.0)}),
     ],
 )

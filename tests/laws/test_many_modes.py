@@ -57,7 +57,7 @@ def check_same(together, alone):
 @pytest.mark.parametrize(
     ("mechanism", "spread"),
     [
-        (symkin.load("zhang2009"), 0.5),
+        pytest.param(symkin.load("zhang2009"), 0.5, marks=pytest.mark.long),
         (five_bar(), 0.3),
         (three_rrr("planar"), 0.2),
         pytest.param(three_rps(), 0.5, marks=pytest.mark.long),
@@ -80,7 +80,9 @@ def test_many_joints_are_each_alone(mechanism, spread):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "mechanism", [symkin.load("yao2020"), three_rrr("planar")], ids=lambda m: m.name
+    "mechanism",
+    [symkin.load("yao2020"), pytest.param(three_rrr("planar"), marks=pytest.mark.long)],
+    ids=lambda m: m.name,
 )
 def test_many_poses_are_each_alone(mechanism):
     """Inverse problems of one block and of several, poses as rows and as objects."""

@@ -128,8 +128,8 @@ def agile_eye() -> Mechanism:
 @pytest.mark.parametrize(
     ("mechanism", "motion", "redundant"),
     [
-        (agile_eye(), "spherical", 6),
-        (three_rrr(), "planar", 6),
+        pytest.param(agile_eye(), "spherical", 6, marks=pytest.mark.long),
+        pytest.param(three_rrr(), "planar", 6, marks=pytest.mark.long),
         (delta(), "translation", 0),
         (symkin.load("zhao2000"), "schoenflies", 4),
         (four_bar(), "planar", 3),
@@ -188,7 +188,7 @@ def test_redundant_constraints_wherever_the_base_frame_is(name: str, away: float
     assert single[0] == single[1]
 
 
-@pytest.mark.parametrize("seed", range(15))
+@pytest.mark.parametrize("seed", in_gate(range(15), range(8)))
 def test_redundant_constraints_of_random_graphs_are_those_of_free_bodies(seed: int) -> None:
     """By loops as well as by the rows of the closure, couplings included, wherever loops are
     cut.
@@ -207,7 +207,7 @@ def test_redundant_constraints_of_random_graphs_are_those_of_free_bodies(seed: i
         (three_rrr(), ("planar", 0)),
         (four_bar(), ("planar", 0)),
         (bennett(), None),
-        (symkin.load("zhao2000_links"), None),
+        pytest.param(symkin.load("zhao2000_links"), None, marks=pytest.mark.long),
         (symkin.load("zhang2009"), None),
     ],
     ids=lambda value: getattr(value, "name", ""),

@@ -97,6 +97,7 @@ def test_the_graph_is_drawn_and_printed(graph: ModeGraph, tmp_path) -> None:
     assert graph.to_dict()["groups"] == [[0], [1]]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_modes_of_a_planar_3_rpr_connect_round_a_cusp() -> None:
     """Six modes at one input, three of each sign of the determinant; two of one sign are joined by

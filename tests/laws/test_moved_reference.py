@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.gate import in_gate
 from helpers.inside import (
     Closure,
     build_closure,
@@ -18,6 +19,7 @@ from helpers.inside import (
     with_reference_at,
 )
 from helpers.random_graphs import random_graph
+from helpers.shipped import TWELVE
 
 
 def check(closure: Closure, seed: int) -> None:
@@ -71,7 +73,7 @@ def test_random_graphs(seed: int) -> None:
     check(build_closure(random_graph(seed)), seed)
 
 
-@pytest.mark.parametrize("name", symkin.shipped_names())
+@pytest.mark.parametrize("name", in_gate(symkin.shipped_names(), TWELVE))
 def test_shipped_mechanisms_keep_their_mobility(name: str) -> None:
     """Limbs too: the new reference is closed, and has the pose of the platform and the values of
     the configuration.
@@ -97,7 +99,10 @@ def test_shipped_mechanisms_keep_their_mobility(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("name", "given"),
-    [("four_bar", {"crank": 70.0}), ("ankle", {"upper_motor": 5.0, "lower_motor": -4.0})],
+    [
+        ("four_bar", {"crank": 70.0}),
+        pytest.param("ankle", {"upper_motor": 5.0, "lower_motor": -4.0}, marks=pytest.mark.long),
+    ],
 )
 def test_modes_are_the_same(name: str, given: dict[str, float]) -> None:
     """Values of revolute joints mean the same in both descriptions."""

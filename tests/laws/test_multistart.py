@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import symkin
+from helpers.gate import in_gate
 from helpers.inside import (
     Roots,
     build_closure,
@@ -647,7 +648,7 @@ def test_a_singular_wrist_turns_freely_beside_isolated_modes():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shape", range(4))
+@pytest.mark.parametrize("shape", in_gate(range(4), [0]))
 @pytest.mark.parametrize("length", [100.0, 150.0])
 def test_a_hexapod_of_equal_parallel_legs_moves_freely(shape, length):
     """Base and platform equal, all legs of one length: the platform translates on a sphere. The set
@@ -662,7 +663,15 @@ def test_a_hexapod_of_equal_parallel_legs_moves_freely(shape, length):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("given_", [{"joints": [150.0] * 6}, {"seed": 1}, {"seed": 2}, {"seed": 5}])
+@pytest.mark.parametrize(
+    "given_",
+    [
+        {"joints": [150.0] * 6},
+        {"seed": 1},
+        pytest.param({"seed": 2}, marks=pytest.mark.long),
+        pytest.param({"seed": 5}, marks=pytest.mark.long),
+    ],
+)
 def test_degenerate_roots_end_in_a_result(given_):
     """On such a sphere the Jacobian loses three ranks: every count of starts and seed ends in a
     result, not an error.
@@ -783,7 +792,7 @@ def test_screws_are_sampled_over_many_turns() -> None:
     near = symkin.solve(gripper, given=given).solution
     assert near is not None
     assert abs(near.joints["r_gripper_l_screw_screw_joint"]) > 4 * np.pi
-    found = symkin.modes(gripper, given=given)
+    found = symkin.modes(gripper, given=given, starts=300)
     assert any(
         np.allclose(list(mode.joints.values()), list(near.joints.values()), atol=1e-6)
         for mode in found

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from scipy.spatial.transform import Rotation
 
+from helpers.gate import each_once
 from helpers.laws import axis_turn, frame, is_group, same_pose
 from helpers.samples import point, seeds, unit
 from symkin import InputError, Pose
@@ -102,8 +103,10 @@ def test_a_stack_of_poses_is_element_by_element(rng):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("unit", ["rad", "deg"])
-@pytest.mark.parametrize("sequence", ["xyz", "zyx", "zxz", "XYZ", "ZYX", "ZYZ", "YXZ"])
+@pytest.mark.parametrize(
+    ("sequence", "unit"),
+    each_once(["xyz", "zyx", "zxz", "XYZ", "ZYX", "ZYZ", "YXZ"], ["rad", "deg"]),
+)
 @given(rng=seeds)
 def test_euler_angles_are_those_of_scipy(sequence, unit, rng):
     """R is SciPy's: small letters about fixed axes, capitals about moving ones, in either unit."""

@@ -135,7 +135,9 @@ def test_a_planar_machine_of_four_legs_is_sampled_with_the_reason():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("which", ["all", "one point", "position"])
+@pytest.mark.parametrize(
+    "which", ["all", pytest.param("one point", marks=pytest.mark.long), "position"]
+)
 def test_coordinates_of_1e150_make_no_warnings(which):
     """Warnings are errors here: whatever the verbs answer or refuse, they say it themselves."""
     base, platform = _points(6, 4)

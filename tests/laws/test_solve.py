@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 
 import symkin
-from helpers.gate import in_gate
+from helpers.gate import each_once, in_gate
 from helpers.inside import multiply, quaternion_from_rotation_vector
 from helpers.laws import chain, closes, frame, same_angle, same_pose
 from helpers.samples import (
@@ -26,6 +26,7 @@ from helpers.samples import (
     three_rrr,
     unit,
 )
+from helpers.shipped import TWELVE
 from symkin import (
     InputError,
     Joint,
@@ -155,7 +156,7 @@ def test_forward_kinematics_is_the_product_of_exponentials(rng):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", in_gate([3, 4, 5, 7, 8], [3, 5, 7]))
+@pytest.mark.parametrize("count", in_gate([3, 4, 5, 7, 8], [3, 7]))
 @settings(max_examples=5)
 @given(rng=seeds)
 def test_arms_of_any_count_are_solved_near_a_start(count, rng):
@@ -418,7 +419,7 @@ def test_a_failure_has_its_status_and_a_remedy(status):
     assert str(error.value) == "; ".join([result.message, *result.notes])
 
 
-@pytest.mark.parametrize("step", [-50.0, 0.3, 1e3, 1e6])
+@pytest.mark.parametrize("step", in_gate([-50.0, 0.3, 1e3, 1e6], [-50.0]))
 def test_the_driver_believes_no_solver(step):
     """An answer that does not close the loops is never called a solution: it is verified on all
     rows.
@@ -432,8 +433,7 @@ def test_the_driver_believes_no_solver(step):
             assert result.solution.residual < 1e-9 * mechanism.characteristic_length
 
 
-@pytest.mark.parametrize("huge", [1e20, 1e100, 1e150])
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize(("solver", "huge"), each_once(SOLVERS, [1e20, 1e100, 1e150]))
 def test_huge_values_end_in_a_status(solver, huge):
     """Starts, joints and poses beyond any reach: no warning, no solution that does not close, and
     JSON without Infinity.
@@ -651,7 +651,7 @@ def test_a_pose_that_no_limb_allows_is_infeasible():
 # --- JSON -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", symkin.shipped_names())
+@pytest.mark.parametrize("name", in_gate(symkin.shipped_names(), TWELVE))
 def test_json_has_the_contract_keys(name):
     """Contract 3: these keys at least; numbers finite or null; dumps without NaN and loads back
     equal.

@@ -135,7 +135,7 @@ def test_a_dyad_is_never_searched_twice(monkeypatch):
 
 
 @pytest.mark.usefixtures("_empty_cache")
-@pytest.mark.parametrize("seed", in_gate(range(4), [0, 1]))
+@pytest.mark.parametrize("seed", in_gate(range(4), [0]))
 def test_shared_roots_give_the_modes_that_own_ones_give(seed, monkeypatch):
     """Modes of random four-bars, from the structure's roots and from the mechanism's own."""
     mechanism = drawn(10 + seed)

@@ -113,7 +113,7 @@ def test_a_welded_link_is_one_with_its_partner():
 # --- groups ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("name", "k"), CASES)
+@pytest.mark.parametrize(("name", "k"), in_gate(CASES, [case for case in CASES if case[1] == 0]))
 def test_groups_are_solved_in_order_and_determined(name, k):
     """Each reads what is given and what is found before; at a closed configuration its rows have
     the rank of its unknowns.
@@ -333,7 +333,10 @@ def test_a_strut_whose_point_is_told_may_turn(tmp_path):
     assert symkin.mobility(told).mobility == symkin.mobility(plain).mobility + 1
 
 
-@pytest.mark.parametrize(("name", "k"), in_gate(CASES, FEW))
+@pytest.mark.parametrize(
+    ("name", "k"),
+    in_gate(CASES, [case for case in FEW if case[0] not in ("sarrus", "spherical_wrist")]),
+)
 def test_something_is_proved_of_every_mode_of_the_gallery(name, k):
     """A certificate; where rows are redundant, an exact point of independent rows, and a bound of
     the others that is rounding.

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.gate import in_gate
 from helpers.inside import COMPLETENESS, build_problem, make_finder, modes_at_need, multiply, parse
 from helpers.samples import Z, delta, five_bar, hexapod, random_mechanism, three_rps
 from symkin import Joint, Limb, Mechanism, Pose
@@ -81,7 +82,7 @@ def test_direct_problem_as_modes(name, spread):
     [
         pytest.param("zhang2009", 30.0, 0.3, marks=pytest.mark.long),
         ("zhao2000", 20.0, 0.0),
-        ("gluon_6l3", 200.0, 1.5),
+        pytest.param("gluon_6l3", 200.0, 1.5, marks=pytest.mark.long),
     ],
 )
 def test_inverse_problem_as_modes(name, length, turn):
@@ -96,7 +97,9 @@ def test_planar_mechanism_as_modes():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("limbs", [["SPS"] * 6, ["rUS", "rUS", "rUS", "pUS", "SPS", "SPS"]])
+@pytest.mark.parametrize(
+    "limbs", in_gate([["SPS"] * 6, ["rUS", "rUS", "rUS", "pUS", "SPS", "SPS"]], [["SPS"] * 6])
+)
 def test_random_platforms_as_modes(limbs):
     """Random spatial platforms on limbs of mixed types."""
     mechanism = random_mechanism(np.random.default_rng(5), limbs)

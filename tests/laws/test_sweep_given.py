@@ -7,6 +7,7 @@ from __future__ import annotations
 import csv
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +15,10 @@ import pytest
 
 import symkin
 from helpers.folders import same_files
+from helpers.graph_twin import graph_twin
 from helpers.inside import main, make_space_by_name, read_given
 from helpers.needed import Later, needs
-from helpers.samples import three_rps
+from helpers.samples import five_bar, three_rps, three_rrr
 from oracle.plain_check import MECHANISMS
 from oracle.plain_graph import configurations, read
 from symkin import InputError, sweep
@@ -58,11 +60,16 @@ def close_turns(one, other):
     ("name", "given"),
     [
         ("jansen_leg", {"crank": np.linspace(0, 330, 4)}),
-        ("ankle", {"ankle.1": np.linspace(-40, 40, 5), "ankle.2": np.linspace(-40, 40, 4)}),
+        pytest.param(
+            "ankle",
+            {"ankle.1": np.linspace(-40, 40, 5), "ankle.2": np.linspace(-40, 40, 4)},
+            marks=pytest.mark.long,
+        ),
         ("ankle", {"upper_motor": [0.0, 9.0], "ankle.2": 4.0}),
-        (
+        pytest.param(
             "excavator_bucket",
             {"boom": [5.0, 10.0], "stick_cylinder": 60.0, "bucket": [-20.0, 20.0]},
+            marks=pytest.mark.long,
         ),
         pytest.param("pantograph_leg", {"x": [90.0, 100.0], "y": 240.0}, marks=pytest.mark.long),
         ("four_bar", {"follower": np.linspace(-90, 90, 13)}),
@@ -148,6 +155,21 @@ def test_all_actuated_joints_by_name_are_the_direct_problem(tmp_path):
         )
 
 
+def test_limbs_are_swept_by_the_place_of_their_platform(tmp_path):
+    """A five-bar by that of its tip: every mode has it, and the crank's end is a coupler off."""
+    given = {"x": [40.0, 50.0], "y": [100.0, 110.0]}
+    mechanism = replace(five_bar(), motion="planar")
+    data = sweep(mechanism, directory=tmp_path / "s", given=given, workers=0).open().load()
+    assert (data["count"].values == 4).all()
+    place = data["position"].values[..., :2]
+    assert np.allclose(place[..., 0], data["x"].values[:, None, None])
+    assert np.allclose(place[..., 1], data["y"].values[:, None])
+    angles = np.radians(data["joints"].sel(joint="q1").values)
+    ends = 60.0 * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    assert np.allclose(np.linalg.norm(place - ends, axis=-1), 80.0)
+
+
+@pytest.mark.long
 @pytest.mark.slow
 def test_limbs_are_swept_by_coordinates_of_their_pose(tmp_path):
     """A 3-RPS by height, azimuth and tilt: every mode has the pose that is told, and the legs'
@@ -196,6 +218,19 @@ def test_points_that_close_to_the_digits_of_a_file_only(tmp_path):
     assert alone[0].residual > 1e-6
 
 
+def test_poses_of_a_planar_graph_are_swept(tmp_path):
+    """A plate on three chains of two links: each is bent either way, and the plate where it is
+    asked to be.
+    """
+    grid = {"x": [-5.0, 5.0], "y": [0.0, 4.0]}
+    graph = graph_twin(three_rrr("planar"))
+    data = sweep(graph, grid, tmp_path / "s", poses=True, workers=0).open().load()
+    assert (data["count"].values == 8).all()
+    wanted = np.stack(np.meshgrid(*grid.values(), indexing="ij"), axis=-1)
+    assert np.allclose(data["position"].values[..., :2], wanted[:, :, None])
+
+
+@pytest.mark.long
 @pytest.mark.slow
 def test_poses_of_a_graph_are_swept(tmp_path):
     """A spherical wrist by rotation vectors: eight working modes at each, with that orientation."""
@@ -230,6 +265,7 @@ def test_a_sweep_goes_on_and_does_not_depend_on_chunks_done_before(tmp_path):
         sweep(ankle, directory=tmp_path / "b", given=given | {"ankle.2": 4.0}, chunk=2, workers=0)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_processes_compute_the_same_arrays(tmp_path):
     """Two workers and this process write the same files, of a structure that is solved by
@@ -405,13 +441,20 @@ def test_a_table_of_what_each_point_has(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("name", "given", "of", "axes"),
     [
-        ("jansen_leg", {"crank": np.linspace(0, 360, 121)}, ["foot"], ("x [mm]", "y [mm]")),
+        pytest.param(
+            "jansen_leg",
+            {"crank": np.linspace(0, 360, 121)},
+            ["foot"],
+            ("x [mm]", "y [mm]"),
+            marks=pytest.mark.long,
+        ),
         ("ankle", {"ankle.1": np.linspace(-9, 9, 5), "ankle.2": 2.0}, ["toe", "heel"], None),
-        (
+        pytest.param(
             "ankle",
             {"ankle.1": np.linspace(-9, 9, 5), "ankle.2": np.linspace(0, 9, 3)},
             ["upper_motor"],
             ("ankle.1 [deg]", "upper_motor [deg]"),
+            marks=pytest.mark.long,
         ),
         (
             "four_bar",

@@ -106,7 +106,9 @@ def test_a_base_off_the_motion_is_refused():
         (three_rps(), {"z": [250, 350], "x": [-10, 10]}, "3 freedoms of 6, so that z and x cannot"),
         (three_rps(), {"rx": [-0.2, 0.2], "ry": [-0.2, 0.2]}, "rx and ry"),
         (four_bar()[0], {"x": [-20, 20]}, "1 freedom of 6, so that x"),
-        (three_rrr(), {"x": [-20, 20], "z": [-20, 20]}, "x and z"),
+        pytest.param(
+            three_rrr(), {"x": [-20, 20], "z": [-20, 20]}, "x and z", marks=pytest.mark.long
+        ),
         (scara(), {"x": [0, 100], "rx": [-1, 1]}, "the tool of scara has 4"),
         (cardan(), {"rx": [-1, 1], "ry": [-1, 1]}, "rx and ry"),
     ],

@@ -99,7 +99,9 @@ def test_opening_gives_no_warning(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("after", "engine"), [(1, ""), (4, "numpy")])
+@pytest.mark.parametrize(
+    ("after", "engine"), [(1, ""), pytest.param(4, "numpy", marks=pytest.mark.long)]
+)
 def test_interrupted_sweeps_go_on_bit_for_bit(tmp_path, monkeypatch, after, engine):
     """A sweep that stopped goes on with the chunks that are left, and its files equal an
     uninterrupted one's, with either engine.

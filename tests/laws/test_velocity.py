@@ -48,7 +48,7 @@ def test_equations_are_the_closures_differential(name):
         np.testing.assert_allclose(whole, expected, atol=1e-13 * np.max(np.abs(expected)))
 
 
-@pytest.mark.parametrize("name", in_gate(cases.NAMES, cases.FEW))
+@pytest.mark.parametrize("name", in_gate(cases.NAMES, cases.FEW[::2]))
 def test_jacobians_solve_the_equations(name):
     """A J + P Jp + B = 0 (actuation not redundant), columns scaled; J J^-1 is the identity on
     feasible twists and zero on their complement; J^-1 J is the identity where the twist decides the
@@ -81,7 +81,7 @@ def test_jacobians_solve_the_equations(name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", in_gate([n for n in cases.NAMES if n != "redundant actuation"], cases.FEW)
+    "name", in_gate([n for n in cases.NAMES if n != "redundant actuation"], cases.FEW[::2])
 )
 def test_jacobians_equal_differences_of_solved_configurations(name):
     """Column k of J and Jp: twist and passive rates while actuated joint k moves, by central
