@@ -104,7 +104,6 @@ def test_plan_simulate_fit(capsys, tmp_path):
     }
 
 
-@pytest.mark.long
 def test_a_geometry_that_does_not_move_is_said_to(capsys, tmp_path):
     """A Bennett loop with one link's twist off is a structure: no posture is found, and the
     redundant rows are named.

@@ -20,13 +20,7 @@ CODEGEN = tools.CODEGEN
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "folder",
-    in_gate(
-        tools.COMMITTED,
-        ["ankle_float", "delta_double", "ren2008_float", "ur5e_double", "zhang2009_float"],
-    ),
-)
+@pytest.mark.parametrize("folder", tools.COMMITTED)
 def test_committed_folders_are_what_the_generator_writes(folder):
     """The same model gives the same bytes."""
     generate = tools.bench_module("folders").generate()

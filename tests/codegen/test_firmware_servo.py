@@ -266,7 +266,6 @@ def test_refused_input_leaves_the_joints(code):
     assert arm.rates(q, np.full(6, 1e300))[0] == OUT_OF_RANGE
 
 
-@pytest.mark.long
 @pytest.mark.slow
 def test_a_step_out_of_a_limit_is_refused(tmp_path):
     """A joint at its limit that would have to leave it: OUT_OF_RANGE, its number, joints

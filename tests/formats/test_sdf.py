@@ -539,7 +539,6 @@ def test_several_models_are_refused(tmp_path: Path) -> None:
         read_sdf(path)
 
 
-@pytest.mark.long
 def test_show_and_close_give_one_account_of_a_singular_file_that_closes_to_its_digits() -> None:
     """Minitaur's own configuration is singular, and beside it the legs close only to the file's
     digits: both say 12 and 8.
