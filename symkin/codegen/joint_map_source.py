@@ -512,10 +512,7 @@ class JointMapSource:
                 f"{kind} there[{n}];",
                 f"(void){name}_state_of_{values}(home, y, there);",
             ]
-        stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * self.made.size
         unused = [] if any(c.kind == "angle" for c in wanted) else ["(void)guess;"]
-        held = float(np.sqrt(self.real.epsilon)) * self.made.size
-        reading = _READING * tolerance_of(self.real, self.made.size)
         which = "direct" if direction.name == "direct" else "inverse"
         return self._passive_text(direction) + fill(
             "map_direction.c",
@@ -554,18 +551,30 @@ class JointMapSource:
                 else "",
                 "change": indent(change, 2),
                 "stand_at": indent(stand_at),
-                "stands2": literal(stands**2),
-                "held2": literal(held**2),
-                "reading": literal(reading),
-                "same2": literal(reading**2),
-                "from": "y" if self.made.passive else out,
-                "nfrom": self._common["ny"] if self.made.passive else n,
-                "guess_from": "y" if self.made.passive else "guess",
-                "answer_from": "y" if self.made.passive else "answer",
+                **self._held(out),
                 "track2": literal((self.made.size / _TRACKED) ** 2),
                 **self._step(direction),
             },
         )
+
+    def _held(self, out: str) -> dict[str, object]:
+        """Values of the checks that a guess, or an answer, stands where the known values are; `out`
+        is what the wanted ones are called.
+        """
+        size, literal, passive = self.made.size, self.real.literal, bool(self.made.passive)
+        stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * size
+        reading = _READING * tolerance_of(self.real, size)
+        return {
+            "stands2": literal(stands**2),
+            "held2": literal(self.real.epsilon * size**2),
+            "reading": literal(reading),
+            "same2": literal(reading**2),
+            # without passive joints the two sides' values are the whole configuration
+            "from": "y" if passive else out,
+            "nfrom": self._common["ny"] if passive else len(self.made.given),
+            "guess_from": "y" if passive else "guess",
+            "answer_from": "y" if passive else "answer",
+        }
 
     def _away_text(self, direction: Direction) -> str:
         """The function of how far wanted values are from others."""
