@@ -1757,8 +1757,7 @@ static ANKLE_SHARED bool ankle_direct_closes(ankle_direct_work *w, const ankle_r
     return *residual <= config->tolerance + 0.0039979774f;
 }
 
-/* Whether an answer can be held: read as a guess it has the given values, or, where it is read
- * elsewhere, leads to itself. */
+/* Whether an answer can be held: read as a guess it has the given values, or leads to itself. */
 static ANKLE_SHARED bool ankle_direct_holds(ankle_direct_work *w, const ankle_real joints[2],
     const ankle_real answer[2], const ankle_config *config)
 {
@@ -1770,9 +1769,8 @@ static ANKLE_SHARED bool ankle_direct_holds(ankle_direct_work *w, const ankle_re
         return false;
     }
     return ankle_direct_closes(w, joints, answer, config, &residual)
-        || ((ankle_joints_away2(at, joints) > 0.004091859f)
-            && (ankle_direct_line(w, joints, y, at, answer, again, config, NULL) == ANKLE_OK)
-            && (ankle_found_away2(again, answer) <= 1.5983824e-05f));
+        || ((ankle_direct_line(w, joints, y, at, answer, again, config, NULL) == ANKLE_OK)
+            && (ankle_found_away2(again, answer) <= 6.243681e-08f));
 }
 
 /* The direct problem: ankle.1, ankle.2 from upper_motor, lower_motor. */
@@ -1928,8 +1926,7 @@ static ANKLE_SHARED bool ankle_inverse_closes(ankle_inverse_work *w, const ankle
     return *residual <= config->tolerance + 0.0039979774f;
 }
 
-/* Whether an answer can be held: read as a guess it has the given values, or, where it is read
- * elsewhere, leads to itself. */
+/* Whether an answer can be held: read as a guess it has the given values, or leads to itself. */
 static ANKLE_SHARED bool ankle_inverse_holds(ankle_inverse_work *w, const ankle_real found[2],
     const ankle_real answer[2], const ankle_config *config)
 {
@@ -1941,9 +1938,8 @@ static ANKLE_SHARED bool ankle_inverse_holds(ankle_inverse_work *w, const ankle_
         return false;
     }
     return ankle_inverse_closes(w, found, answer, config, &residual)
-        || ((ankle_found_away2(at, found) > 0.004091859f)
-            && (ankle_inverse_line(w, found, y, at, answer, again, config, NULL) == ANKLE_OK)
-            && (ankle_joints_away2(again, answer) <= 1.5983824e-05f));
+        || ((ankle_inverse_line(w, found, y, at, answer, again, config, NULL) == ANKLE_OK)
+            && (ankle_joints_away2(again, answer) <= 6.243681e-08f));
 }
 
 /* The inverse problem: upper_motor, lower_motor from ankle.1, ankle.2. */

@@ -19,22 +19,13 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 400 iterations, 112414 add, 163416 mul, 6107 div, 3662 sqrt
+ *   direct: 400 iterations, 112400 add, 163408 mul, 6107 div, 3662 sqrt
  *   track: 170 add, 226 mul, 11 div, 4 sqrt
- *   inverse: 500 iterations, 81509 add, 111785 mul, 4310 div, 3064 sqrt
+ *   inverse: 500 iterations, 81495 add, 111777 mul, 4310 div, 3064 sqrt
  *   track_inverse: 279 add, 348 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 223 mul, 4 div, 1 sqrt
  *   rates: 160 add, 227 mul, 4 div, 1 sqrt
  *   torques: 160 add, 227 mul, 4 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18314 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   direct: 75980 instructions, 648 stack, 8288 code
- *   track: 1080 instructions, 184 stack, 3464 code
- *   inverse: 91565 instructions, 672 stack, 11316 code
- *   track_inverse: 1010 instructions, 192 stack, 4804 code
- *   jacobian: 765 instructions, 216 stack, 2864 code
- *   rates: 870 instructions, 264 stack, 3048 code
- *   torques: 870 instructions, 264 stack, 3048 code
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */

@@ -44,11 +44,11 @@ Sampled, not proved."""
 
 _HELD = r"""**An answer can be held.** The other side's values of a guess may be other ones than
 those the machine had, and beside a fold an error $t$ of the given values is one of $\sqrt t$ of the
-answer. So an answer that is farther from the guess than the root of rounding (rad, sizes) is given
-back as the guess, with the same given values, before it is called `OK`: it must lead to itself, to
-the root of rounding. Where the guess's line is refused, or does not lead to an answer that can be
-held, and the given values lead from the reference configuration to the guess, the answer is where
-they lead: standing still."""
+answer. So each answer is read as a guess before it is called `OK`: its configuration must have the
+given values, to 256 tolerances in the rows, or lead to them and end at itself, to 16. A guess that
+has the given values so, and whose line is refused or leads elsewhere, is the answer. Where the
+guess's line is refused otherwise, and the given values lead from the reference configuration to the
+guess, the answer is where they lead: standing still."""
 
 
 def map_chapter(made: JointMap) -> str:

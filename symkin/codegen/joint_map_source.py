@@ -45,6 +45,8 @@ _READING = 256.0
 """Tolerances that rows leave at most where a guess is read with other known values than it was
 found by, which differ by the tolerance times the condition.
 """
+_SAME = 16.0
+"""Tolerances by which an answer whose guess is read elsewhere may differ from where that leads."""
 _NOT_DECIDED = 1e-4
 """Share of a condition's usual size below which one step decides nothing."""
 
@@ -568,7 +570,7 @@ class JointMapSource:
             "stands2": literal(stands**2),
             "held2": literal(self.real.epsilon * size**2),
             "reading": literal(reading),
-            "same2": literal(reading**2),
+            "same2": literal((_SAME * tolerance_of(self.real, size)) ** 2),
             # without passive joints the two sides' values are the whole configuration
             "from": "y" if passive else out,
             "nfrom": self._common["ny"] if passive else len(self.made.given),

@@ -33,7 +33,7 @@ static @{SHARED} bool @{f}_closes(@{k}_work *w, const @{real} @{values}[@{nto}],
     return *residual <= config->tolerance + @{reading};
 }
 
-/* Whether an answer can be held: read as a guess it has the given values, or, where it is read elsewhere, leads to itself. */
+/* Whether an answer can be held: read as a guess it has the given values, or leads to itself. */
 static @{SHARED} bool @{f}_holds(@{k}_work *w, const @{real} @{values}[@{nto}], const @{real} answer[@{nout}], const @{p}_config *config)
 {
     @{real} y[@{ny}];
@@ -44,8 +44,7 @@ static @{SHARED} bool @{f}_holds(@{k}_work *w, const @{real} @{values}[@{nto}], 
         return false;
     }
     return @{f}_closes(w, @{values}, @{answer_from}, config, &residual)
-        || ((@{p}_@{values}_away2(at, @{values}) > @{held2})
-            && (@{f}_line(w, @{values}, y, at, answer, again, config, NULL) == @{P}_OK)
+        || ((@{f}_line(w, @{values}, y, at, answer, again, config, NULL) == @{P}_OK)
             && (@{p}_@{out}_away2(again, answer) <= @{same2}));
 }
 
