@@ -26,6 +26,15 @@
  *   jacobian: 152 add, 223 mul, 4 div, 1 sqrt
  *   rates: 160 add, 227 mul, 4 div, 1 sqrt
  *   torques: 160 add, 227 mul, 4 div, 1 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 17238 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 75980 instructions, 648 stack, 8176 code
+ *   track: 1080 instructions, 184 stack, 3464 code
+ *   inverse: 90470 instructions, 672 stack, 11204 code
+ *   track_inverse: 1010 instructions, 192 stack, 4804 code
+ *   jacobian: 765 instructions, 216 stack, 2864 code
+ *   rates: 870 instructions, 264 stack, 3048 code
+ *   torques: 870 instructions, 264 stack, 3048 code
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */
