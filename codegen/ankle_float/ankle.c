@@ -675,6 +675,7 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
      * very long */
     unsigned int far = 0U;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool stayed = false; /* whether the whole line has been taken for rounding */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
     w->spread = 0.0f;
@@ -810,12 +811,14 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 taken = 0U;
                 fresh = true;
             }
-        } else if ((taken > 0U) && (aim - done >= 1.0f) && (before <= 1.5983824e-05f * w->spread)) {
-            /* the whole line is rounding, which small pivots have made long: the state stays where
-             * it was */
+        } else if (!stayed && (taken > 0U) && (aim - done >= 1.0f)
+            && (before <= 1.5983824e-05f * w->spread)) {
+            /* the whole line may be rounding, which small pivots have made long: the state stays
+             * where it was, if its rows vanish there */
             for (int i = 0; i < 4; ++i) {
                 w->x[i] = w->x0[i];
             }
+            stayed = true;
             room = 0.0009994943f;
             verify = true;
             fresh = true;
@@ -1674,27 +1677,100 @@ static ANKLE_SHARED ankle_status ankle_state_of_joints(const ankle_real values[2
     return status;
 }
 
-/* Whether the joints lead from the reference configuration to the guess, which then has nowhere to
- * go, though the found alone lead elsewhere: sets the numbers y of a configuration on this way, and
- * where its known values are. */
-static ANKLE_COLD bool ankle_direct_stands(const ankle_real joints[2], const ankle_real guess[2],
-    ankle_real y[8], ankle_real at[2])
+/* Square of how far values of the found are from others, angles times the size and by whole
+ * turns. */
+static ANKLE_ALONE ankle_real ankle_found_away2(const ankle_real other[2],
+    const ankle_real guess[2])
 {
-    ankle_real other[2];
     ankle_real away2 = 0.0f;
-    if (ankle_state_of_joints(joints, y, other) != ANKLE_OK) {
-        return false;
-    }
     const ankle_real way0 = 262.01144f * (ankle_turned(other[0], guess[0], -1000.0f,
         1000.0f) - guess[0]);
     away2 += way0 * way0;
     const ankle_real way1 = 262.01144f * (ankle_turned(other[1], guess[1], -1000.0f,
         1000.0f) - guess[1]);
     away2 += way1 * way1;
+    return away2;
+}
+
+/* Square of how far values of the joints are from others, angles times the size and by whole
+ * turns. */
+static ANKLE_ALONE ankle_real ankle_joints_away2(const ankle_real other[2],
+    const ankle_real guess[2])
+{
+    ankle_real away2 = 0.0f;
+    const ankle_real way0 = 262.01144f * (ankle_turned(other[0], guess[0], -1000.0f,
+        1000.0f) - guess[0]);
+    away2 += way0 * way0;
+    const ankle_real way1 = 262.01144f * (ankle_turned(other[1], guess[1], -1000.0f,
+        1000.0f) - guess[1]);
+    away2 += way1 * way1;
+    return away2;
+}
+
+/* Whether the joints lead from the reference configuration to the guess, which then has nowhere to
+ * go, though the found alone lead elsewhere: sets the numbers y of a configuration on this way,
+ * where its known values are, and the found to which they lead. */
+static ANKLE_COLD bool ankle_direct_stands(const ankle_real joints[2], const ankle_real guess[2],
+    ankle_real y[8], ankle_real at[2],
+    ankle_real other[2])
+{
+    if (ankle_state_of_joints(joints, y, other) != ANKLE_OK) {
+        return false;
+    }
     for (int i = 0; i < 2; ++i) {
         at[i] = joints[i];
     }
-    return away2 <= 0.0010229647f;
+    return ankle_found_away2(other, guess) <= 0.0010229647f;
+}
+
+/* The found at the end of the line from a configuration, with the numbers y and the known values
+ * `at`, to the given ones. */
+static ANKLE_SHARED ankle_status ankle_direct_line(ankle_direct_work *w,
+    const ankle_real joints[2], const ankle_real y[8], const ankle_real at[2],
+    const ankle_real guess[2], ankle_real result[2], const ankle_config *config, ankle_info *info)
+{
+    ankle_status status;
+    w->at[0] = ankle_turned(at[0], joints[0], -1000.0f, 1000.0f);
+    w->at[1] = ankle_turned(at[1], joints[1], -1000.0f, 1000.0f);
+    w->x[0] = y[4];
+    w->x[1] = y[5];
+    w->x[2] = y[6];
+    w->x[3] = y[7];
+    ankle_direct_coefficients(&y[0], w->k0);
+    status = ankle_direct_newton(w, joints, config, info);
+    if (status == ANKLE_OK) {
+        result[0] = ankle_turned(ankle_angle(w->x[1], w->x[0]), guess[0], -1000.0f, 1000.0f);
+        result[1] = ankle_turned(ankle_angle(w->x[3], w->x[2]), guess[1], -1000.0f, 1000.0f);
+    }
+    return status;
+}
+
+/* Whether a configuration has the given values but for rounding, and with which residual: sets the
+ * state to it. */
+static ANKLE_SHARED bool ankle_direct_closes(ankle_direct_work *w, const ankle_real joints[2],
+    const ankle_real found[2],
+    const ankle_config *config, ankle_real *residual)
+{
+    ankle_direct_place(w, joints, found);
+    ankle_direct_rows(w);
+    *residual = ankle_direct_residual(w);
+    return *residual <= config->tolerance + 0.0039979774f;
+}
+
+/* Whether an answer can be held: read as a guess it has the given values, or leads to itself. */
+static ANKLE_SHARED bool ankle_direct_holds(ankle_direct_work *w, const ankle_real joints[2],
+    const ankle_real answer[2], const ankle_config *config)
+{
+    ankle_real y[8];
+    ankle_real at[2];
+    ankle_real again[2];
+    ankle_real residual;
+    if (ankle_state_of_found(answer, y, at) != ANKLE_OK) {
+        return false;
+    }
+    return ankle_direct_closes(w, joints, answer, config, &residual)
+        || ((ankle_direct_line(w, joints, y, at, answer, again, config, NULL) == ANKLE_OK)
+            && (ankle_found_away2(again, answer) <= 6.243681e-08f));
 }
 
 /* The direct problem: ankle.1, ankle.2 from upper_motor, lower_motor. */
@@ -1707,46 +1783,47 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
     ankle_direct_work w;
     ankle_real y[8];
     ankle_real at[2];
+    ankle_real result[2];
+    ankle_real other[2];
     ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
     status = ankle_bound_found(status, guess);
     if (config != NULL) {
         status = ankle_check_config(config, status);
     }
-    bool asked = (status == ANKLE_OK);
+    const bool asked = (status == ANKLE_OK);
     if (asked) {
         status = ankle_state_of_found(guess, y, at);
     }
     if (status != ANKLE_OK) {
         ankle_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
         ankle_blame(info, joints);
-    }
-    const bool told = (status == ANKLE_OK);
-    bool goes = told;
-    for (int way = 0; way < 2; ++way) {
-        if (goes) {
-            /* the line begins where the known values are at the guess */
-            w.at[0] = ankle_turned(at[0], joints[0], -1000.0f, 1000.0f);
-            w.at[1] = ankle_turned(at[1], joints[1], -1000.0f, 1000.0f);
-            w.x[0] = y[4];
-            w.x[1] = y[5];
-            w.x[2] = y[6];
-            w.x[3] = y[7];
-            ankle_direct_coefficients(&y[0], w.k0);
-            status = ankle_direct_newton(&w, joints, used, info);
-        }
-        goes = asked && (status != ANKLE_OK) && ankle_direct_stands(joints, guess, y, at);
-        asked = false;
-    }
-    if (status == ANKLE_OK) {
-        ankle_real result[2];
-        result[0] = ankle_turned(ankle_angle(w.x[1], w.x[0]), guess[0], -1000.0f, 1000.0f);
-        result[1] = ankle_turned(ankle_angle(w.x[3], w.x[2]), guess[1], -1000.0f, 1000.0f);
-        status = ankle_limit_found(status, result);
-        /* what these values alone do not tell could not be left again: there one may but stay */
-        if ((status == ANKLE_OK) && told && (ankle_state_of_found(result, y, at) != ANKLE_OK)
-            && !ankle_direct_stands(joints, guess, y, at)) {
+    } else {
+        ankle_real residual;
+        const bool still = ankle_direct_closes(&w, joints, guess, used, &residual);
+        status = ankle_direct_line(&w, joints, y, at, guess, result, used, info);
+        /* of a guess that has the values the answer is near */
+        if ((status == ANKLE_OK) && !(ankle_direct_holds(&w, joints, result, used)
+            && (!still || (ankle_found_away2(result, guess) <= 0.004091859f)))) {
             status = ANKLE_WRONG_BRANCH;
         }
+        if (still && (status == ANKLE_WRONG_BRANCH)) {
+            /* the guess itself is an answer */
+            status = ANKLE_OK;
+            ankle_direct_place(&w, joints, guess);
+            for (int i = 0; i < 2; ++i) {
+                result[i] = guess[i];
+            }
+            ankle_write_info(info, 0U, residual, 0.0f, 0.0f);
+        }
+    }
+    if (asked && (status != ANKLE_OK) && ankle_direct_stands(joints, guess, y, at, other)) {
+        status = ankle_direct_line(&w, joints, y, at, guess, result, used, info);
+        if ((status == ANKLE_OK) && (ankle_found_away2(other, result) > 0.0010229647f)) {
+            status = ANKLE_WRONG_BRANCH;
+        }
+    }
+    if (status == ANKLE_OK) {
+        status = ankle_limit_found(status, result);
         if (status == ANKLE_OK) {
             found[0] = result[0];
             found[1] = result[1];
@@ -1795,27 +1872,74 @@ ankle_status ankle_track(const ankle_real joints[2], ankle_real found[2], ankle_
 
 /* Whether the found lead from the reference configuration to the guess, which then has nowhere to
  * go, though the joints alone lead elsewhere: sets the numbers y of a configuration on this way,
- * and where its known values are. */
+ * where its known values are, and the joints to which they lead. */
 static ANKLE_COLD bool ankle_inverse_stands(const ankle_real found[2], const ankle_real guess[2],
-    ankle_real y[8], ankle_real at[2])
+    ankle_real y[8], ankle_real at[2],
+    ankle_real other[2])
 {
-    ankle_real other[2];
-    ankle_real away2 = 0.0f;
     if (ankle_state_of_found(found, y, other) != ANKLE_OK) {
         return false;
     }
-    const ankle_real way0 = 262.01144f * (ankle_turned(other[0], guess[0], -1000.0f,
-        1000.0f) - guess[0]);
-    away2 += way0 * way0;
-    const ankle_real way1 = 262.01144f * (ankle_turned(other[1], guess[1], -1000.0f,
-        1000.0f) - guess[1]);
-    away2 += way1 * way1;
     static const ankle_real home[2] = { 0.0f, 0.0f };
     for (int i = 0; i < 2; ++i) {
         at[i] = home[i];
     }
-    (void)ankle_state_of_found(home, y, other);
-    return away2 <= 0.0010229647f;
+    ankle_real there[2];
+    (void)ankle_state_of_found(home, y, there);
+    return ankle_joints_away2(other, guess) <= 0.0010229647f;
+}
+
+/* The joints at the end of the line from a configuration, with the numbers y and the known values
+ * `at`, to the given ones. */
+static ANKLE_SHARED ankle_status ankle_inverse_line(ankle_inverse_work *w,
+    const ankle_real found[2], const ankle_real y[8], const ankle_real at[2],
+    const ankle_real guess[2], ankle_real result[2], const ankle_config *config, ankle_info *info)
+{
+    ankle_status status;
+    w->at[0] = ankle_turned(at[0], found[0], -1000.0f, 1000.0f);
+    w->at[1] = ankle_turned(at[1], found[1], -1000.0f, 1000.0f);
+    w->x[0] = y[0];
+    w->x[1] = y[1];
+    w->x[2] = y[2];
+    w->x[3] = y[3];
+    w->k[0] = y[4];
+    w->k[1] = y[5];
+    w->k[2] = y[6];
+    w->k[3] = y[7];
+    status = ankle_inverse_follow(w, found, config, info);
+    if (status == ANKLE_OK) {
+        result[0] = ankle_turned(ankle_angle(w->x[1], w->x[0]), guess[0], -1000.0f, 1000.0f);
+        result[1] = ankle_turned(ankle_angle(w->x[3], w->x[2]), guess[1], -1000.0f, 1000.0f);
+    }
+    return status;
+}
+
+/* Whether a configuration has the given values but for rounding, and with which residual: sets the
+ * state to it. */
+static ANKLE_SHARED bool ankle_inverse_closes(ankle_inverse_work *w, const ankle_real found[2],
+    const ankle_real joints[2],
+    const ankle_config *config, ankle_real *residual)
+{
+    ankle_inverse_place(w, found, joints);
+    ankle_inverse_rows(w);
+    *residual = ankle_inverse_residual(w);
+    return *residual <= config->tolerance + 0.0039979774f;
+}
+
+/* Whether an answer can be held: read as a guess it has the given values, or leads to itself. */
+static ANKLE_SHARED bool ankle_inverse_holds(ankle_inverse_work *w, const ankle_real found[2],
+    const ankle_real answer[2], const ankle_config *config)
+{
+    ankle_real y[8];
+    ankle_real at[2];
+    ankle_real again[2];
+    ankle_real residual;
+    if (ankle_state_of_joints(answer, y, at) != ANKLE_OK) {
+        return false;
+    }
+    return ankle_inverse_closes(w, found, answer, config, &residual)
+        || ((ankle_inverse_line(w, found, y, at, answer, again, config, NULL) == ANKLE_OK)
+            && (ankle_joints_away2(again, answer) <= 6.243681e-08f));
 }
 
 /* The inverse problem: upper_motor, lower_motor from ankle.1, ankle.2. */
@@ -1828,48 +1952,46 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
     ankle_inverse_work w;
     ankle_real y[8];
     ankle_real at[2];
+    ankle_real result[2];
+    ankle_real other[2];
     ankle_status status = ankle_limit_found(ANKLE_OK, found);
     status = ankle_bound_joints(status, guess);
     if (config != NULL) {
         status = ankle_check_config(config, status);
     }
-    bool asked = (status == ANKLE_OK);
+    const bool asked = (status == ANKLE_OK);
     if (asked) {
         status = ankle_state_of_joints(guess, y, at);
     }
     if (status != ANKLE_OK) {
         ankle_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
-    }
-    const bool told = (status == ANKLE_OK);
-    bool goes = told;
-    for (int way = 0; way < 2; ++way) {
-        if (goes) {
-            /* the line begins where the known values are at the guess */
-            w.at[0] = ankle_turned(at[0], found[0], -1000.0f, 1000.0f);
-            w.at[1] = ankle_turned(at[1], found[1], -1000.0f, 1000.0f);
-            w.x[0] = y[0];
-            w.x[1] = y[1];
-            w.x[2] = y[2];
-            w.x[3] = y[3];
-            w.k[0] = y[4];
-            w.k[1] = y[5];
-            w.k[2] = y[6];
-            w.k[3] = y[7];
-            status = ankle_inverse_follow(&w, found, used, info);
-        }
-        goes = asked && (status != ANKLE_OK) && ankle_inverse_stands(found, guess, y, at);
-        asked = false;
-    }
-    if (status == ANKLE_OK) {
-        ankle_real result[2];
-        result[0] = ankle_turned(ankle_angle(w.x[1], w.x[0]), guess[0], -1000.0f, 1000.0f);
-        result[1] = ankle_turned(ankle_angle(w.x[3], w.x[2]), guess[1], -1000.0f, 1000.0f);
-        status = ankle_limit_joints(status, result);
-        /* what these values alone do not tell could not be left again: there one may but stay */
-        if ((status == ANKLE_OK) && told && (ankle_state_of_joints(result, y, at) != ANKLE_OK)
-            && !ankle_inverse_stands(found, guess, y, at)) {
+    } else {
+        ankle_real residual;
+        const bool still = ankle_inverse_closes(&w, found, guess, used, &residual);
+        status = ankle_inverse_line(&w, found, y, at, guess, result, used, info);
+        /* of a guess that has the values the answer is near */
+        if ((status == ANKLE_OK) && !(ankle_inverse_holds(&w, found, result, used)
+            && (!still || (ankle_joints_away2(result, guess) <= 0.004091859f)))) {
             status = ANKLE_WRONG_BRANCH;
         }
+        if (still && (status == ANKLE_WRONG_BRANCH)) {
+            /* the guess itself is an answer */
+            status = ANKLE_OK;
+            ankle_inverse_place(&w, found, guess);
+            for (int i = 0; i < 2; ++i) {
+                result[i] = guess[i];
+            }
+            ankle_write_info(info, 0U, residual, 0.0f, 0.0f);
+        }
+    }
+    if (asked && (status != ANKLE_OK) && ankle_inverse_stands(found, guess, y, at, other)) {
+        status = ankle_inverse_line(&w, found, y, at, guess, result, used, info);
+        if ((status == ANKLE_OK) && (ankle_joints_away2(other, result) > 0.0010229647f)) {
+            status = ANKLE_WRONG_BRANCH;
+        }
+    }
+    if (status == ANKLE_OK) {
+        status = ankle_limit_joints(status, result);
         if (status == ANKLE_OK) {
             joints[0] = result[0];
             joints[1] = result[1];

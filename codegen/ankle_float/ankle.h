@@ -19,18 +19,18 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 500 iterations, 140384 add, 204250 mul, 7636 div, 4576 sqrt
+ *   direct: 400 iterations, 112400 add, 163408 mul, 6107 div, 3662 sqrt
  *   track: 170 add, 226 mul, 11 div, 4 sqrt
- *   inverse: 400 iterations, 73302 add, 102094 mul, 3925 div, 2670 sqrt
+ *   inverse: 500 iterations, 81495 add, 111777 mul, 4310 div, 3064 sqrt
  *   track_inverse: 279 add, 348 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 223 mul, 4 div, 1 sqrt
  *   rates: 160 add, 227 mul, 4 div, 1 sqrt
  *   torques: 160 add, 227 mul, 4 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 17922 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 17238 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 76000 instructions, 624 stack, 7768 code
- *   track: 1070 instructions, 184 stack, 3464 code
- *   inverse: 90200 instructions, 616 stack, 10748 code
+ *   direct: 75980 instructions, 648 stack, 8176 code
+ *   track: 1080 instructions, 184 stack, 3464 code
+ *   inverse: 90470 instructions, 672 stack, 11204 code
  *   track_inverse: 1010 instructions, 192 stack, 4804 code
  *   jacobian: 765 instructions, 216 stack, 2864 code
  *   rates: 870 instructions, 264 stack, 3048 code

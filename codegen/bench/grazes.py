@@ -3,8 +3,8 @@ can be held and left again.
 
 Lines go from home until a goal is refused: at a fold, a dead centre, a meeting of branches. Between
 the last goal that was OK and the refused one others are asked for, each from the last OK. An OK
-whose own answer is refused as a guess has moved; it is lost where the goals before it are refused
-as well: a controller that holds it comes no further.
+whose own answer is refused as a guess, or leads elsewhere, has moved; it is lost where the goals
+before it are refused as well: a controller that holds it comes no further.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from directions import OUT_OF_RANGE, Direction
+from symkin.codegen.c_emitter import Real
 
 _STEP = 0.03
 """Length of a step from home (rad, or of the size)."""
@@ -22,6 +23,10 @@ _GOALS = 40
 """Goals on each line between the last OK and what is refused."""
 _FINE = {"float": 3.0, "double": 6.0}
 """Every second goal lies at most ten to this power nearer to what is refused."""
+_STAYS = 10.0
+"""Roots of rounding (rad, or of the size) by which an answer that is asked for from itself may
+differ: beside a fold an error t of given values is one of sqrt(t).
+"""
 _WAYS_OUT = (1.0, 0.5, 0.1, 0.01)
 """Parts of the way back to the last goal."""
 
@@ -48,24 +53,26 @@ def grazed(direction: Direction, lines: int, rng: np.random.Generator) -> Grazes
     if any(c.width != 1 for c in coordinates):
         return found
     known, guesses, beyond = _refused(direction, lines, rng)
+    near = _STAYS * np.sqrt(Real(direction.real).epsilon)  # type: ignore[arg-type]
     for k in range(_GOALS if len(known) else 0):
         part = 10.0 ** -rng.uniform(0.0, _FINE[direction.real], (len(known), 1)) if k % 2 else 0.5
         goal = direction.rounded(beyond + part * (known - beyond))
         status, answers = direction.answers(goal, guesses)
         ok = (status == 0)[:, None]
         held = np.where(ok, answers, guesses)
-        again, _ = direction.answers(goal, held)
-        moved = ok[:, 0] & (again != 0)
+        again, there = direction.answers(goal, held)
+        there = np.where((again == 0)[:, None], there, held)
+        moved = ok[:, 0] & ((again != 0) | (direction.off(there, held) > near))
         lost = moved.copy()
         for way in _WAYS_OUT if moved.any() else ():
             lost &= direction.answers(direction.rounded(goal + way * (known - goal)), held)[0] != 0
         found.asked, found.ok = found.asked + len(known), found.ok + int(ok.sum())
         found.moved, found.lost = found.moved + int(moved.sum()), found.lost + int(lost.sum())
         found.unread += int((moved & (again == OUT_OF_RANGE)).sum())
-        for i in np.flatnonzero(lost | (moved & (again == OUT_OF_RANGE)))[:1]:
+        for i in np.flatnonzero(moved)[:1]:
             found.examples.append(
                 f"from {guesses[i].tolist()} to {goal[i].tolist()}: OK, {answers[i].tolist()}, "
-                f"again: status {again[i]}"
+                f"again: status {again[i]}, {there[i].tolist()}{', lost' if lost[i] else ''}"
             )
         known, guesses, beyond = np.where(ok, goal, known), held, np.where(ok, beyond, goal)
     return found

@@ -739,6 +739,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
      * very long */
     unsigned int far = 0U;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool stayed = false; /* whether the whole line has been taken for rounding */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
     w->spread = 0.0f;
@@ -839,10 +840,12 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 taken = 0U;
                 fresh = true;
             }
-        } else if ((taken > 0U) && (aim - done >= 1.0f) && (before <= 6.651185e-10f * w->spread)) {
-            /* the whole line is rounding, which small pivots have made long: the state stays where
-             * it was */
+        } else if (!stayed && (taken > 0U) && (aim - done >= 1.0f)
+            && (before <= 6.651185e-10f * w->spread)) {
+            /* the whole line may be rounding, which small pivots have made long: the state stays
+             * where it was, if its rows vanish there */
             ren2008_direct_retarget(w, to, 1.0f, 0.0f);
+            stayed = true;
             room = 6.447473e-06f;
             verify = true;
             fresh = true;

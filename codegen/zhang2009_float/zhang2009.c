@@ -757,6 +757,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
      * very long */
     unsigned int far = 0U;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool stayed = false; /* whether the whole line has been taken for rounding */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
     w->spread = 0.0f;
@@ -857,10 +858,12 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
                 taken = 0U;
                 fresh = true;
             }
-        } else if ((taken > 0U) && (aim - done >= 1.0f) && (before <= 6.571327e-05f * w->spread)) {
-            /* the whole line is rounding, which small pivots have made long: the state stays where
-             * it was */
+        } else if (!stayed && (taken > 0U) && (aim - done >= 1.0f)
+            && (before <= 6.571327e-05f * w->spread)) {
+            /* the whole line may be rounding, which small pivots have made long: the state stays
+             * where it was, if its rows vanish there */
             zhang2009_direct_retarget(w, to, 1.0f, 0.0f);
+            stayed = true;
             room = 0.002026593f;
             verify = true;
             fresh = true;

@@ -42,6 +42,14 @@ through the reference were followed when the code was written, no determinant on
 tenth of the reference's, and the step ends within $10^{-4}$ (rad, sizes) of where they lead.
 Sampled, not proved."""
 
+_HELD = r"""**An answer can be held.** The other side's values of a guess may be other ones than
+those the machine had, and beside a fold an error $t$ of the given values is one of $\sqrt t$ of the
+answer. So each answer is read as a guess before it is called `OK`: its configuration must have the
+given values, to 256 tolerances in the rows, or lead to them and end at itself, to 16. A guess that
+has the given values so, and whose line is refused or leads elsewhere, is the answer. Where the
+guess's line is refused otherwise, and the given values lead from the reference configuration to the
+guess, the answer is where they lead: standing still."""
+
 
 def map_chapter(made: JointMap) -> str:
     """The equations of a map, block by block."""
@@ -89,7 +97,7 @@ def _part(part: Part) -> str:
 def map_branch(made: JointMap, newton: str) -> str:
     """Which answer is OK; `newton` is what is said of Newton's method."""
     closed = [d.is_closed for d in (made.direct, made.inverse)]
-    parts = [_GUESS, *([_LINE] if any(closed) else [])]
+    parts = [_GUESS, _HELD, *([_LINE] if any(closed) else [])]
     if all(closed):
         head = (
             "## Which answer is OK\n\n"

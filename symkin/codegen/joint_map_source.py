@@ -20,7 +20,7 @@ from symkin.codegen.joint_map_rates import MapRates, step_columns
 from symkin.codegen.joint_map_values import MapValues, places_among
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature
-from symkin.codegen.newton_source import NewtonCode
+from symkin.codegen.newton_source import NewtonCode, tolerance_of
 from symkin.codegen.passive_limits import limit_lines
 from symkin.codegen.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
@@ -41,6 +41,12 @@ _GUESSED = 1e-5
 """Error of a guess's own configuration, in sizes: the line begins there."""
 _GUESS_ROUNDINGS = 2048.0
 """Roundings that such a configuration is off at most where it is regular."""
+_READING = 256.0
+"""Tolerances that rows leave at most where a guess is read with other known values than it was
+found by, which differ by the tolerance times the condition.
+"""
+_SAME = 16.0
+"""Tolerances by which an answer whose guess is read elsewhere may differ from where that leads."""
 _NOT_DECIDED = 1e-4
 """Share of a condition's usual size below which one step decides nothing."""
 
@@ -203,6 +209,7 @@ class JointMapSource:
             for d in (made.direct, made.inverse)
         ]
         parts += [self._state_text(made.inverse), self._state_text(made.direct)]
+        parts += [self._away_text(d) for d in (made.direct, made.inverse)]
         parts += [self._direction_text(made.direct), self._direction_text(made.inverse)]
         parts += [fill("map_give.c", self._common), MapRates(made, self._common).text]
         body = "".join(parts)
@@ -464,31 +471,28 @@ class JointMapSource:
         wanted = self._wanted(direction)
         known, n, literal = direction.known, len(direction.known), self.real.literal
         begin = [
-            f"w.at[{i}] = {self._nearest(c, f'at[{i}]', f'{values}[{i}]')};"
+            f"w->at[{i}] = {self._nearest(c, f'at[{i}]', f'{values}[{i}]')};"
             for i, c in enumerate(known)
         ]
-        copies = self.numbers.copies("w.x", direction.unknown)
+        copies = self.numbers.copies("w->x", direction.unknown)
         closed = self._closed.get(direction.name)
         if closed is None:
             follow = [
                 *copies,
-                *self._known_of_y(direction, "w.k0"),
-                f"status = {k}_newton(&w, {values}, used, info);",
+                *self._known_of_y(direction, "w->k0"),
+                f"status = {k}_newton(w, {values}, config, info);",
             ]
         else:
             follow = [
                 *copies,
-                *self.numbers.copies("w.k", known),
-                f"status = {k}_follow(&w, {values}, used, info);",
+                *self.numbers.copies("w->k", known),
+                f"status = {k}_follow(w, {values}, config, info);",
             ]
         places = places_among(direction.unknown, wanted)
-        numbers = [f"w.x[{i}]" for i in places]
 
-        def results(near: str) -> str:
-            texts = self.numbers.values_of(wanted, numbers, near)
-            return indent(
-                [f"{kind} result[{n}];", *(f"result[{i}] = {t};" for i, t in enumerate(texts))], 2
-            )
+        def results(state: str, near: str) -> list[str]:
+            texts = self.numbers.values_of(wanted, [f"{state}[{i}]" for i in places], near)
+            return [f"result[{i}] = {t};" for i, t in enumerate(texts)]
 
         weights = [1.0 * self.made.size if c.is_angular else 1.0 for c in wanted]
         change = [
@@ -496,13 +500,6 @@ class JointMapSource:
             f"{out}[{i}]);"
             for i, w in enumerate(weights)
         ]
-        away = []
-        for i, (w, c) in enumerate(zip(weights, wanted, strict=True)):
-            away += [
-                f"const {kind} way{i} = {literal(w)} * "
-                f"({self._nearest(c, f'other[{i}]', f'guess[{i}]')} - guess[{i}]);",
-                f"away2 += way{i} * way{i};",
-            ]
         stand_at = [
             f"for (int i = 0; i < {n}; ++i) {{",
             f"    at[i] = {values if closed is None else 'home'}[i];",
@@ -514,9 +511,10 @@ class JointMapSource:
             stand_at = [
                 f"static const {kind} home[{n}] = {{ {home} }};",
                 *stand_at,
-                f"(void){name}_state_of_{values}(home, y, other);",
+                f"{kind} there[{n}];",
+                f"(void){name}_state_of_{values}(home, y, there);",
             ]
-        stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * self.made.size
+        unused = [] if any(c.kind == "angle" for c in wanted) else ["(void)guess;"]
         which = "direct" if direction.name == "direct" else "inverse"
         return self._passive_text(direction) + fill(
             "map_direction.c",
@@ -535,10 +533,10 @@ class JointMapSource:
                 "out": out,
                 "nto": n,
                 "nout": n,
-                "begin": indent(begin, 3),
-                "follow": indent(follow, 3),
-                "results": results("guess"),
-                "track_results": results(out),
+                "begin": indent(begin),
+                "follow": indent(follow),
+                "line_results": indent([*unused, *results("w->x", "guess")], 2),
+                "track_results": indent([f"{kind} result[{n}];", *results("w.x", out)], 2),
                 "store": indent([f"{out}[{i}] = result[{i}];" for i in range(n)], 3),
                 "blame_values": f"        {name}_blame(info, joints);"
                 if values == "joints"
@@ -554,12 +552,47 @@ class JointMapSource:
                 if out == "joints"
                 else "",
                 "change": indent(change, 2),
-                "away": indent(away),
                 "stand_at": indent(stand_at),
-                "stands2": literal(stands**2),
+                **self._held(out),
                 "track2": literal((self.made.size / _TRACKED) ** 2),
                 **self._step(direction),
             },
+        )
+
+    def _held(self, out: str) -> dict[str, object]:
+        """Values of the checks that a guess, or an answer, stands where the known values are; `out`
+        is what the wanted ones are called.
+        """
+        size, literal, passive = self.made.size, self.real.literal, bool(self.made.passive)
+        stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * size
+        reading = _READING * tolerance_of(self.real, size)
+        return {
+            "stands2": literal(stands**2),
+            "held2": literal(self.real.epsilon * size**2),
+            "reading": literal(reading),
+            "same2": literal((_SAME * tolerance_of(self.real, size)) ** 2),
+            # without passive joints the two sides' values are the whole configuration
+            "from": "y" if passive else out,
+            "nfrom": self._common["ny"] if passive else len(self.made.given),
+            "guess_from": "y" if passive else "guess",
+            "answer_from": "y" if passive else "answer",
+        }
+
+    def _away_text(self, direction: Direction) -> str:
+        """The function of how far wanted values are from others."""
+        wanted, kind = self._wanted(direction), self.real.type
+        lines = []
+        for i, c in enumerate(wanted):
+            weight = self.real.literal(self.made.size if c.is_angular else 1.0)
+            lines += [
+                f"const {kind} way{i} = {weight} * "
+                f"({self._nearest(c, f'other[{i}]', f'guess[{i}]')} - guess[{i}]);",
+                f"away2 += way{i} * way{i};",
+            ]
+        return fill(
+            "map_away.c",
+            self._common
+            | {"out": self._words(direction)[1], "nout": len(wanted), "away": indent(lines)},
         )
 
     def _nearest(self, c: Coordinate, value: str, near: str) -> str:

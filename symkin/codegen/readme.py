@@ -140,8 +140,8 @@ the tolerance the rows are evaluated once more and must vanish to the tolerance 
 the size; where they do not, one more step with new factors is taken, and 64 are allowed, which the
 rows of an ill-conditioned answer may leave. Steps that 64 roundings of the rows can make are
 rounding and not judged by the one before, unless the rounding could reach a singularity; a whole
-line whose steps 256 roundings can make is none: the state stays where it was, if its rows close in
-the same way."""
+line that is refused though 256 roundings can make its first step is none where the rows close to 64
+of them at its beginning: there the state stays; else parts of it are tried."""
 _SIGN = r", or the sign of $\det J$ (free with the pivots) has changed where one ends"
 _DEAD_CENTRE = r"""
 

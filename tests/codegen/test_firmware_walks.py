@@ -295,6 +295,52 @@ def test_what_is_ok_beside_a_dead_centre_can_be_held(name, real, tmp_path):
     assert found.moved <= share * found.ok, found.examples
 
 
+HELD = {
+    # its two chains fold flat, where branches meet
+    ("sarrus", "float"): ("foot_x", "head_y"),
+    ("pantograph_five_bar", "float"): ("arm1,arm2", "wrist1,plate_pivot"),
+    ("ankle", "double"): ("upper_motor,lower_motor", "ankle.1,ankle.2"),
+}
+"""Maps between joints whose answers beside folds were OK and refused as their own guess: given and
+found coordinates by mechanism and type.
+"""
+
+
+def _map_directions(name, real, folder):
+    """Both directions of a map of `HELD`."""
+    closes, directions = tools.bench_module("closes"), tools.bench_module("directions")
+    given, find = (tuple(names.split(",")) for names in HELD[name, real])
+    return directions.directions(closes.Machine(symkin.load(name), given, find), real, folder)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "real"), in_gate(HELD, [("sarrus", "float"), ("pantograph_five_bar", "float")])
+)
+def test_an_answer_of_a_map_can_be_held(name, real, tmp_path):
+    """Lines that end at folds, goals ever nearer to them: an OK answer, given back as the guess
+    with the same values, is OK and stays.
+    """
+    tools.compiler("gcc")
+    grazes = tools.bench_module("grazes")
+    for direction in _map_directions(name, real, tmp_path):
+        found = grazes.grazed(direction, 60, np.random.default_rng(3))
+        assert found.ok > 300
+        assert found.moved == 0, found.examples
+
+
+@pytest.mark.slow
+def test_a_short_line_that_is_refused_is_not_tried_for_ever(tmp_path):
+    """Steps beside where branches meet are as long as rounding makes them: a line that is neither
+    regular nor rounding is refused as such, not after all iterations.
+    """
+    tools.compiler("gcc")
+    direct, _ = _map_directions("sarrus", "float", tmp_path)
+    goals = direct.rounded(np.linspace(0.6397, 0.6437, 100)[:, None])
+    status, _ = direct.answers(goals, np.full_like(goals, -2.367640733718872))
+    assert not np.any(status == 1)  # MAX_ITERATIONS
+
+
 @pytest.mark.slow
 def test_a_slide_beside_zero_is_not_answered_on_the_other_side(tmp_path):
     """A line whose end has a slide of length zero but for rounding: OK only where the pose gives

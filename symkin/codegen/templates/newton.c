@@ -35,6 +35,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     bool kept = false; /* whether the factors are those of the part that is done */
     unsigned int far = 0U; /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2: very long */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
+    bool stayed = false; /* whether the whole line has been taken for rounding */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = @{zero};
 @{no_side}
@@ -135,9 +136,10 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 taken = 0U;
                 fresh = true;
             }
-        } else if ((taken > 0U) && (aim - done >= @{one}) && (before <= @{row_noise2} * w->spread)) {
-            /* the whole line is rounding, which small pivots have made long: the state stays where it was */
+        } else if (!stayed && (taken > 0U) && (aim - done >= @{one}) && (before <= @{row_noise2} * w->spread)) {
+            /* the whole line may be rounding, which small pivots have made long: the state stays where it was, if its rows vanish there */
 @{stay}
+            stayed = true;
             room = @{rounding};
             verify = true;
             fresh = true;
