@@ -70,8 +70,7 @@ def _only_by_groups(problem: Problem, progress: Progress | None) -> bool:
     """Whether a block has no start system, and its parts, which are solved one after another, may
     have one each.
     """
-    is_finer = len(structure_groups(problem)) > len(problem.blocks)
-    return is_finer and lacks_starts(problem, progress)
+    return lacks_starts(problem, progress) and len(structure_groups(problem)) > len(problem.blocks)
 
 
 def free_unknowns(problem: Problem) -> str | None:
