@@ -159,7 +159,7 @@ def _bound(real: Real, size: float, condition: float, tolerance: float) -> float
 
 def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
     mechanism, real = kind.mechanism, kind.real
-    direct = build_problem(mechanism, "direct")
+    direct, back = (build_problem(mechanism, which) for which in ("direct", "inverse"))
     closure, size = direct.closure, direct.closure.characteristic_length
     home = kind.home_values
     lengths, seven = _joint_scales(mechanism.actuated, size), _pose_scales(size)
@@ -177,7 +177,12 @@ def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
         target = _tidy(kind.stated(pose), seven)
         values = direct.join_values(z, given + kind.zero)
         inverse = _tidy(kind.inverse_at(rounded_to(real, target), values), lengths)
-        bound = _bound(real, size, direct.system.condition(z, given + kind.zero), tolerance)
+        # of joints found for a pose, too
+        condition = max(
+            problem.system.condition(values[problem.unknown_places], values[problem.known_places])
+            for problem in (direct, back)
+        )
+        bound = _bound(real, size, condition, tolerance)
         rows.append((given, guess, target, inverse, bound))
         if number < JACOBIANS:
             jacobians.append(_tidy(rates(closure, values), size).ravel())

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import symkin
 from helpers import moved_points as machines
 from helpers.gate import in_gate, in_gate_but
 from helpers.inside import (
@@ -14,12 +15,13 @@ from helpers.inside import (
     Options,
     Real,
     _null_space,
+    build_vectors,
     configurations,
     followed,
     pose_of,
 )
 from helpers.many_answers import answers_of
-from helpers.samples import delta, three_rps, three_rrr
+from helpers.samples import delta, readme_five_bar, three_rps, three_rrr
 
 MACHINES = {
     "3-RRR": lambda: three_rrr("planar"),
@@ -194,3 +196,28 @@ def test_coefficients_are_the_same_on_any_processor():
     for _ in range(20):
         turned = np.linalg.qr(rng.normal(size=(3, 3)))[0] @ matrix
         assert _null_space(turned, 5).tobytes() == plain.tobytes()
+
+
+def test_bounds_of_vectors_allow_for_the_worse_of_both_problems():
+    """Rounding of a pose is magnified by the inverse problem's condition, which near a stretched
+    leg is worse than the direct one's: the generated test allows for it.
+    """
+    made = readme_five_bar("planar")
+    kind = LimbPlatform(made, Options("float"), Real("float"))
+    vectors, size = build_vectors(kind), made.characteristic_length
+    worse = 0
+    for joints, pose, bound in zip(vectors.joints, vectors.poses, vectors.bounds, strict=True):
+        there = symkin.modes(made, pose=pose)
+        near = min(
+            there,
+            key=lambda mode: np.abs(
+                [mode.values[c.name] for c in made.actuated] - (kind.zero + joints)
+            ).max(),
+        )
+        direct = min(
+            symkin.modes(made, joints=[made.angle_out(v) for v in kind.zero + joints]),
+            key=lambda mode: np.linalg.norm(mode.position - pose[:3]),
+        )
+        assert bound >= Real("float").epsilon * size * 4 * max(near.condition, direct.condition)
+        worse += near.condition > 2 * direct.condition
+    assert worse
