@@ -73,34 +73,30 @@ def proofs_of_group(
     theorem.
     """
     ground = np.tile([0.0, 0.0, np.inf, 0.0], (len(roots.owner), 1))
-    certified = np.zeros(len(roots.owner), dtype=bool)
-    complete, theorem = np.zeros(len(known), dtype=bool), None
+    certified, complete = np.zeros(len(roots.owner), dtype=bool), np.zeros(len(known), dtype=bool)
     near = np.isfinite(away).all(axis=1)
+    if not near.any():
+        return PartProofs(certified, ground), complete, None
     (block,) = group.blocks
+    prover = prover_of(group, system_of(group, block), block)
+    knowns, number = prover.knowns(known[near], away[near]), np.cumsum(near) - 1
+    chosen = np.flatnonzero(near[roots.owner])
+    owner = number[roots.owner[chosen]]
+    proofs = prover.proofs(None, roots.points[chosen], owner, knowns)
+    certified[chosen], complete[near] = proofs.certified, proofs.complete
+    grounds = prover.grounds(roots.points[chosen], owner, knowns, proofs)
+    for place, proof in zip(chosen.tolist(), grounds, strict=True):
+        if proof is not None:
+            ground[place] = proof.independent, proof.rows, proof.radius, proof.remaining
     paths = group_paths(group) if len(roots.ends_of) else None
-    tracked = np.zeros(len(known), dtype=bool)
-    if paths is not None and paths.prover.bound is not None:
-        tracked[roots.ends_of] = True
-    for rows, by_paths in ((near & tracked, True), (near & ~tracked, False)):
-        if not rows.any():
-            continue
-        own = prover_of(group, system_of(group, block), block)
-        prover = paths.prover if by_paths and paths is not None else own
-        chosen = np.flatnonzero(rows[roots.owner])
-        knowns, number = prover.knowns(known[rows], away[rows]), np.cumsum(rows) - 1
-        ends = None
-        if by_paths:
-            here = np.flatnonzero(rows[roots.ends_of])
-            ends = prover.ends(roots.ends[:, here], knowns, number[roots.ends_of[here]])
-        owner = number[roots.owner[chosen]]
-        proofs = prover.proofs(ends, roots.points[chosen], owner, knowns)
-        certified[chosen], complete[rows] = proofs.certified, proofs.complete
-        theorem = prover.theorem or theorem
-        grounds = prover.grounds(roots.points[chosen], owner, knowns, proofs)
-        for place, proof in zip(chosen.tolist(), grounds, strict=True):
-            if proof is not None:
-                ground[place] = proof.independent, proof.rows, proof.radius, proof.remaining
-    return PartProofs(certified, ground), complete, theorem
+    if paths is None or paths.prover.bound is None:
+        return PartProofs(certified, ground), complete, prover.theorem
+    here = np.flatnonzero(near[roots.ends_of])
+    ends = paths.prover.ends(roots.ends[:, here], knowns, number[roots.ends_of[here]])
+    listed = np.bincount(owner, minlength=knowns.count)
+    whole = np.bincount(owner[proofs.certified], minlength=knowns.count) == listed
+    complete[near] |= whole & paths.prover.completes(ends, listed)
+    return PartProofs(certified, ground), complete, paths.prover.theorem
 
 
 def with_grounds(

@@ -100,7 +100,18 @@ class Prover:
             expected = None
         index, radius = found.find(z, owner, expected)
         listed = np.bincount(owner, minlength=knowns.count)
-        return Proofs(index >= 0, radius, self._complete(found, listed), self.theorem)
+        return Proofs(index >= 0, radius, self.completes(found, listed), self.theorem)
+
+    def completes(self, found: CertificateBatch, listed: np.ndarray) -> np.ndarray:
+        """Instances (n,) whose certified roots are all that there are, the real ones as many as
+        those `listed` (n,).
+        """
+        from symkin.certificate.bounds import proves
+
+        if self.bound is None:
+            return np.zeros(len(listed), dtype=bool)
+        real = np.bincount(found.instance[found.real == "real"], minlength=len(listed))
+        return np.asarray(proves(found, self.bound) & (real == listed))
 
     def why_not(self, points: np.ndarray, knowns: Knowns) -> str | None:
         """Why real roots `points` (m, width) of one instance have no certificate."""
@@ -141,17 +152,6 @@ class Prover:
         }
         return algebraic_points(self.problem, self.whole, values)
 
-    def _complete(self, found: CertificateBatch, listed: np.ndarray) -> np.ndarray:
-        """Instances (n,) whose certified roots are all that there are, the real ones as many as
-        those `listed` (n,).
-        """
-        from symkin.certificate.bounds import proves
-
-        if self.bound is None:
-            return np.zeros(len(listed), dtype=bool)
-        real = np.bincount(found.instance[found.real == "real"], minlength=len(listed))
-        return np.asarray(proves(found, self.bound) & (real == listed))
-
 
 @lru_cache(maxsize=128)
 def prover_of(
@@ -162,6 +162,10 @@ def prover_of(
     """
     from symkin.certificate.bounds import bound_of
 
-    whole, bound = whole_system(problem, block), bound_of(problem, algebraic, structure)
+    whole = whole_system(problem, block)
+    if structure is not None and not structure.system.projective:
+        # the unknowns of a structure of joints are those of the block
+        algebraic, structure = whole, None
+    bound = bound_of(problem, algebraic, structure)
     proves_ends = bound is not None or (whole is algebraic and not algebraic.limbs)
     return Prover(problem, block, whole, bound, proves_ends)
