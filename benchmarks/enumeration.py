@@ -158,14 +158,13 @@ def measure(chosen: Sequence[Case], inputs: int, seed: int) -> list[Measured]:
     cache.
     """
     from symkin.assembly import block_paths, continuation
-    from symkin.assembly.block_proofs import BlockProver
-    from symkin.certificate import certificate
+    from symkin.assembly.prover import Prover
 
     paths, proofs, rng = Clock(), Clock(), np.random.default_rng(seed)
     paths.wrap(block_paths, "plain_instances")
     paths.wrap(continuation, "instance")
-    for module, name in ((BlockProver, "ends"), (BlockProver, "roots"), (certificate, "certify")):
-        proofs.wrap(module, name)
+    for name in ("ends", "proofs"):
+        proofs.wrap(Prover, name)
     done = [Measured(case) for case in chosen]
     given = {m.case.name: [m.case.draw(rng) for _ in range(inputs + 1)] for m in done}
     kernel = ReferenceKernel()
