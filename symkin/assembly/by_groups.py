@@ -250,7 +250,8 @@ def modes_by_groups(
     account, parts = _Account.empty(n, len(groups)), []
     certify = certify and can_be_proved(groups)
     for numbers in independent_parts(groups):
-        tree = _Tree(begin, np.arange(n), np.full(n, np.inf), PartProofs.of_nothing(n))
+        exact, proofs = np.zeros(begin.shape), PartProofs.of_nothing(n)
+        tree = _Tree(begin, exact, np.arange(n), np.full(n, np.inf), proofs)
         for number in numbers:
             chosen = choose[number] if number < len(choose) else None
             tree = _extended(
@@ -307,17 +308,16 @@ def _too_many(problem: Problem, groups: Sequence[Problem], number: int) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Tree:
-    """Partial configurations `values` (m, variables) of the inputs `owner` (m,), rising, the `hits`
-    (m,) of the rarest choice of each, and what is proved of them; of a part that is done only its
-    own `columns` of the variables. `away` (m, variables) is how far the values are from exact ones
-    (length unit), None where all are exact or nothing is to be proved.
+    """Partial configurations `values` (m, variables), which are within `away` of exact ones (length
+    unit), of the inputs `owner` (m,), rising, the `hits` (m,) of the rarest choice of each, and
+    what is proved of them; of a part that is done only its own `columns` of the variables.
     """
 
     values: np.ndarray
+    away: np.ndarray
     owner: np.ndarray
     hits: np.ndarray
     proofs: PartProofs
-    away: np.ndarray | None = None
     columns: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
 
 
@@ -352,11 +352,10 @@ def _extended(group: Problem, number: int, tree: _Tree, account: _Account, ask: 
             )
             lost = _lost(roots, tree.owner, which, len(account.seen))
     roots = roots.in_order()
-    away = np.zeros(tree.values.shape) if tree.away is None else tree.away
     proofs = PartProofs.of_nothing(len(roots.owner))
     if ask.certify:
         far = np.zeros(known.shape)
-        np.maximum.at(far, which, away[:, group.known_places])
+        np.maximum.at(far, which, tree.away[:, group.known_places])
         proofs, complete, theorem = proofs_of_group(group, roots, known, far)
         roots = roots.proved(complete, theorem)
     account.add(number, roots, tree.owner, which)
@@ -374,10 +373,10 @@ def _extended(group: Problem, number: int, tree: _Tree, account: _Account, ask: 
     )
     values = tree.values[parent]
     values[:, group.unknown_places] = roots.points[place]
-    proofs, away = proofs.of(place), away[parent]
+    proofs, away = proofs.of(place), tree.away[parent]
     away[:, group.unknown_places] = proofs.radius[:, None]
     hits = np.minimum(tree.hits[parent], roots.hits[place])
-    return _Tree(values, tree.owner[parent], hits, tree.proofs.of(parent).beside(proofs), away)
+    return _Tree(values, away, tree.owner[parent], hits, tree.proofs.of(parent).beside(proofs))
 
 
 def _lost(roots: GroupRoots, owner: np.ndarray, which: np.ndarray, n: int) -> np.ndarray:
