@@ -16,6 +16,8 @@ from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from typing import Any, Generic, ParamSpec, TypeVar, overload
 
+from symkin.locks import Lock
+
 Arguments = ParamSpec("Arguments")
 Value = TypeVar("Value")
 _MISSING: Any = object()
@@ -28,14 +30,14 @@ def lru_cache(maxsize: int) -> Callable[[Callable[Arguments, Value]], Callable[A
 
     def decorate(function: Callable[Arguments, Value]) -> Callable[Arguments, Value]:
         entries = functools.lru_cache(maxsize)(lambda *_, **__: _Entry())
-        guard = threading.RLock()
+        guard = Lock()
 
         @functools.wraps(function)
         def cached(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Value:
             with guard:
                 entry = entries(*args, **kwargs)  # type: ignore[arg-type]  # unhashable arguments raise TypeError
             if entry.value is _MISSING:
-                with _taken(entry.lock):
+                with computing(id(entry)):
                     if entry.value is _MISSING:
                         value = function(*args, **kwargs)
                         entry.keep(value)
@@ -101,7 +103,7 @@ def _is_waiting() -> bool:
 
 
 @contextmanager
-def _taken(lock: threading.RLock) -> Iterator[None]:
+def _taken(lock: Lock) -> Iterator[None]:
     """Hold a lock; a thread that does not wait goes on without it where another holds it."""
     taken = lock.acquire(blocking=_is_waiting())
     try:
@@ -114,30 +116,28 @@ def _taken(lock: threading.RLock) -> Iterator[None]:
 class _Entry:
     """Place of one value in a cache."""
 
-    __slots__ = ("_first", "lock", "value")
+    __slots__ = ("value",)
 
     def __init__(self) -> None:
-        self.lock = threading.RLock()
-        self._first = threading.Lock()
         self.value: Any = _MISSING
 
     def keep(self, value: object) -> None:
         """Keep the first value that comes."""
-        with self._first:
+        with _turns_guard:
             if self.value is _MISSING:
                 self.value = value
 
 
 class _Turn:
-    """The lock of a property that is being computed, and how many threads use it."""
+    """The lock of a value that is being computed, and how many threads use it."""
 
     def __init__(self) -> None:
-        self.lock = threading.RLock()
+        self.lock = Lock()
         self.users = 0
 
 
 _turns: dict[Hashable, _Turn] = {}
-_turns_guard = threading.Lock()
+_turns_guard = Lock()
 
 
 @contextmanager

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import threading
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,10 +10,12 @@ from typing import ParamSpec, TypeVar
 
 import numpy as np
 
+from symkin.locks import Lock
+
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
-_filters = threading.RLock()
+_filters = Lock()
 """Held while the filters are changed, which belong to the process: two threads would restore each
 other's.
 """

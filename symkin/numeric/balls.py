@@ -11,7 +11,6 @@ Comput. 66 (2017) 1281.
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Sequence
 from contextlib import ContextDecorator
 from dataclasses import dataclass
@@ -22,6 +21,7 @@ from flint import acb, acb_mat, arb, arb_mat, ctx
 
 from symkin.closure.expression_graph import instructions, rebuilt
 from symkin.computed_once import cached_property, set_waiting
+from symkin.locks import Lock
 
 Number = Any
 """A ball: arb or acb."""
@@ -77,7 +77,7 @@ RINGS = (REAL, COMPLEX)
 """In the order in which they are tried at a point that looks real."""
 
 
-_context = threading.RLock()
+_context = Lock()
 """Held by the thread that works with balls: their precision belongs to the process."""
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from symkin.computed_once import not_waiting
+from symkin.locks import Lock
 
 COLOURS = {
     "text": "#1f2933",
@@ -23,7 +23,7 @@ COLOURS = {
     "pane": "#fafbfc",
     "axis": "#9aa5b1",
 }
-_matplotlib = threading.RLock()
+_matplotlib = Lock()
 _FONTS = (
     "DejaVu Sans",
     "Noto Sans CJK SC",

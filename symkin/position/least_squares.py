@@ -4,17 +4,17 @@ bounds.
 
 from __future__ import annotations
 
-import threading
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
 from symkin.computed_once import lru_cache
+from symkin.locks import Lock
 from symkin.position.problem import Problem
 
 Path = list[np.ndarray]
-IPOPT = threading.Lock()
+IPOPT = Lock()
 """Held by the thread that runs IPOPT: its linear solver MUMPS has variables that all runs of a
 process share.
 """

@@ -7,7 +7,6 @@ from __future__ import annotations
 import hashlib
 import json
 import pickle
-import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -19,6 +18,7 @@ from symkin.assembly.modes_at_points import ModeFinder, make_finder
 from symkin.assembly.search import MOST_STARTS
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
+from symkin.locks import Lock
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Problem
 from symkin.sweeps.quantities import Variable, arrays_of, variables
@@ -170,7 +170,7 @@ def _short(value: Any) -> str:
 
 # --- workers --------------------------------------------------------------------------------------
 
-_one_at_a_time = threading.Lock()
+_one_at_a_time = Lock()
 """Threads of one process share what is prepared, and compute in turn."""
 
 

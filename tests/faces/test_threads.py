@@ -171,6 +171,56 @@ def test_a_thread_that_holds_a_lock_does_not_wait_for_one_that_wants_it():
     assert value() is held
 
 
+FORKING = """
+import os, sys, threading, time, warnings
+from helpers.inside import cached_property, drawing, lru_cache
+
+warnings.simplefilter("ignore", DeprecationWarning)  # a fork beside threads
+
+@lru_cache(maxsize=4)
+def value():
+    begun.set()
+    time.sleep(0.0 if os.getpid() != parent else 60.0)
+    return 1
+
+class Holder:
+    @cached_property
+    def value(self):
+        return value()
+
+def draw():
+    with drawing():
+        begun.set()
+        time.sleep(60.0)
+
+parent, holder = os.getpid(), Holder()
+for target, in_child in ((lambda: holder.value, lambda: holder.value), (draw, lambda: drawing().__enter__())):
+    begun = threading.Event()
+    threading.Thread(target=target, daemon=True).start()
+    assert begun.wait(30)
+    child = os.fork()
+    if child == 0:
+        in_child()
+        os._exit(7)
+    for _ in range(300):
+        pid, status = os.waitpid(child, os.WNOHANG)
+        if pid:
+            break
+        time.sleep(0.1)
+    else:
+        os.kill(child, 9)
+        sys.exit("the child waits for a thread that it does not have")
+    assert os.waitstatus_to_exitcode(status) == 7
+os._exit(0)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+def test_a_forked_child_waits_for_no_thread_of_its_parent(tmp_path):
+    """A thread of the parent computes a value, or draws; the child does both by itself."""
+    _run(tmp_path / "forked", code=FORKING)
+
+
 def test_no_cache_of_functools_is_used():
     """They may compute a value twice, and give two threads two sets of symbols;
     `symkin.computed_once` has what stands for them.
