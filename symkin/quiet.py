@@ -30,13 +30,13 @@ def warnings_ignored(message: str = "") -> Iterator[None]:
 
 
 def without_float_warnings(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """Call a function with NumPy's warnings of overflow and of what is not finite off: it judges
-    its numbers itself. (NumPy's own errstate is no decorator for threads before version 2.)
+    """Call a function with NumPy's warnings and errors off: it judges its numbers itself. (NumPy's
+    own errstate is no decorator for threads before version 2.)
     """
 
     @functools.wraps(function)
     def quiet(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        with np.errstate(all="ignore"):
             return function(*args, **kwargs)
 
     return quiet

@@ -39,6 +39,7 @@ from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES, Roots, product_of_counts, sum_of_counts
 from symkin.position.solution_list import SolutionList, checked_solutions
+from symkin.text import shown
 
 FEW = -1
 """In place of the group at which choices are too many: there is none."""
@@ -281,6 +282,8 @@ def independent_parts(groups: Sequence[Problem]) -> list[list[int]]:
 
 
 def _check_choices(problem: Problem, choose: Sequence[int]) -> None:
+    if not isinstance(choose, Sequence):
+        raise InputError(f"choose = {shown(choose)} is no list of whole numbers, one a block")
     groups = structure_groups(problem)
     if len(choose) > len(groups):
         raise InputError(

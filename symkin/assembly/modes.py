@@ -37,6 +37,7 @@ from symkin.position.problem import Problem, build_problem
 from symkin.position.solution_list import SolutionList
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
+from symkin.verb import verb
 
 Solver = str | Newton | LeastSquares | None
 
@@ -83,7 +84,7 @@ def modes(
     progress: Progress | None = None,
     **random: Unpack[RandomStarts],
 ) -> Any: ...
-@without_float_warnings
+@verb
 def modes(
     mechanism: Mechanism,
     *,

@@ -14,6 +14,7 @@ from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem
 from symkin.text import not_among
+from symkin.verb import read_as
 
 MOST_STARTS = 1_000_000
 DEFAULT_SEED = 0
@@ -48,6 +49,7 @@ class Search:
         solver: str | Newton | LeastSquares | None = None,
     ) -> Search:
         """A checked search; a solver without a method means multistart. Raises InputError."""
+        starts, seed = read_as("int | None", "starts", starts), read_as("int | None", "seed", seed)
         chosen = method or ("continuation" if solver is None else "multistart")
         if chosen not in METHODS:
             raise InputError(f"method = {not_among(chosen, METHODS)}")

@@ -39,11 +39,13 @@ from symkin.files.written_files import (
 )
 from symkin.model.arm import with_limbs
 from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.verb import verb
 
 _KEY = "model_sha256"
 """What the manifest of a folder of firmware has, and others have not."""
 
 
+@verb
 def write_firmware(
     mechanism: Mechanism,
     directory: Path | str,

@@ -30,6 +30,7 @@ from symkin.position.given import Joints, given_from
 from symkin.position.given_by_name import Values, given_by_name, plain_kind
 from symkin.result import Result, Summary
 from symkin.text import meant
+from symkin.verb import verb
 
 _MOST_POINTS = 10_000
 """Grid points at most."""
@@ -153,6 +154,7 @@ class ModeGraph(Result):
         return Summary([text + missing])
 
 
+@verb
 def mode_graph(
     mechanism: Mechanism,
     axes: Sequence[Axis | tuple[str, float, float]],

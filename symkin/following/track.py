@@ -28,6 +28,7 @@ from symkin.position.solve import solve
 from symkin.position.start_notes import start_notes
 from symkin.position.transfer import variables_elsewhere
 from symkin.spatial.pose import Pose
+from symkin.verb import verb
 
 _OFF_START = 1e-6
 """A start mode's given values may differ from the path's first sample by this (of the size, or
@@ -37,6 +38,7 @@ rad).
 Start = Solution | Joints | Values | Pose | None
 
 
+@verb
 def track(
     mechanism: Mechanism,
     *,
@@ -94,8 +96,7 @@ def track(
         limits=limits,
     )
     trajectory = replace(trajectory, notes=(*notes, *trajectory.notes))
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        found = _track(trajectory, start, limits, name_modes, progress)
+    found = _track(trajectory, start, limits, name_modes, progress)
     return replace(found, elapsed_s=time.perf_counter() - begin)
 
 

@@ -16,8 +16,10 @@ from symkin.model.file import read as read_file
 from symkin.model.file import shipped, shipped_names
 from symkin.model.mechanism import Mechanism
 from symkin.text import meant, shown
+from symkin.verb import verb
 
 
+@verb
 def load(name_or_path: str | Path, read: ReadOptions = AS_IT_IS) -> Mechanism:
     """Load a shipped mechanism by name, or a mechanism by path: .toml, or a robot in MJCF (.xml),
     URDF (.urdf, .xacro) or SDF (.sdf).

@@ -35,8 +35,10 @@ from symkin.position.moved_reference import with_reference_at
 from symkin.position.readings import left_out, readings_at
 from symkin.spatial.rotation import conjugate
 from symkin.text import first_of
+from symkin.verb import read_as, verb
 
 
+@verb
 def close(
     name_or_path: str | Path | Mechanism, read: ReadOptions = AS_IT_IS, *, seed: int = 0
 ) -> ClosedConfiguration:
@@ -57,8 +59,9 @@ def close(
     """
     if isinstance(name_or_path, Mechanism):
         return _of_mechanism(name_or_path, seed)
-    if is_robot(Path(name_or_path)):
-        return close_robot(read_robot(Path(name_or_path), read), seed=seed)
+    path = Path(read_as("str | Path", "name_or_path", name_or_path))
+    if is_robot(path):
+        return close_robot(read_robot(path, read), seed=seed)
     return _of_mechanism(load(name_or_path, read), seed)
 
 

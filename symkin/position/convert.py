@@ -15,6 +15,7 @@ from symkin.formats.written_tree import LOOPS, Loops
 from symkin.model.mechanism import Mechanism
 from symkin.position.close import close
 from symkin.text import not_among
+from symkin.verb import read_as, verb
 
 _CLOSED = 1e-12
 """Of the size: rods and couplings that miss their lengths and values by less are closed at the
@@ -22,9 +23,10 @@ reference.
 """
 
 
+@verb
 def convert(
     mechanism: str | Path | Mechanism,
-    path: str | Path,
+    path: Path | str,
     read: ReadOptions = AS_IT_IS,
     *,
     loops: Loops = "loop",
@@ -46,6 +48,8 @@ def convert(
     ...     "<connect" in output.read_text()
     True
     """
+    if not isinstance(mechanism, Mechanism):
+        mechanism = read_as("str | Path", "mechanism", mechanism)
     output, source = Path(path), "" if isinstance(mechanism, Mechanism) else mechanism
     check_output(output, tuple(_WRITERS), "convert", source)
     _check_loops(output, loops)

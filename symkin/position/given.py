@@ -5,7 +5,7 @@ quaternions.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -22,6 +22,7 @@ from symkin.position.problem import Kind
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_quaternion
 from symkin.text import counted, first_of, meant, shown
+from symkin.verb import real
 
 _ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this (of the size, or rad) is projected onto it."""
@@ -162,15 +163,17 @@ def _rows_without_fault(mechanism: Mechanism, joints: Any) -> np.ndarray | None:
     """
     coordinates = mechanism.actuated
     try:
-        rows = np.array(joints, dtype=float)
-    except (TypeError, ValueError):
+        rows = np.array(joints)
+    except ValueError:
         return None
     if (
-        rows.ndim != 2
+        rows.dtype.kind not in "fiu"
+        or rows.ndim != 2
         or rows.shape[1] != len(coordinates)
         or not (np.abs(rows) <= LARGEST_GIVEN).all()
     ):
         return None
+    rows = rows.astype(float)
     turn = mechanism.angle_out(2 * math.pi)
     least = np.array([-np.inf if c.least is None else c.least for c in coordinates])
     most = np.array([turn if c.kind == "angle" else np.inf for c in coordinates])
@@ -452,22 +455,22 @@ def _pose_numbers(mechanism: Mechanism, values: np.ndarray) -> list[float]:
 
 
 def _numbers(values: Sequence[float], what: str) -> list[float]:
-    try:
-        listed = list(values)
-    except TypeError:
-        raise InputError(f"{what} = {values!r} is no list of numbers") from None
+    if isinstance(values, (Set, str, bytes, bytearray)) or not isinstance(values, Iterable):
+        raise InputError(f"{what} = {shown(values)} is no list of numbers")
     numbers = []
-    for k, value in enumerate(listed, start=1):
+    for k, value in enumerate(values, start=1):
         try:
-            number = float(value)
+            number = real(value)
+        except OverflowError:
+            number = LARGEST_GIVEN * 2
         except (TypeError, ValueError):
-            raise InputError(f"{what}: value {k} = {value!r} is not a number") from None
+            raise InputError(f"{what}: value {k} = {shown(value)} is not a number") from None
         if not math.isfinite(number):
-            raise InputError(f"{what}: value {k} = {value!r} is not finite")
+            raise InputError(f"{what}: value {k} = {shown(value)} is not finite")
         if abs(number) > LARGEST_GIVEN:
             raise InputError(
-                f"{what}: value {k} = {number:g} is too large to compute with; allowed: magnitudes "
-                f"up to {LARGEST_GIVEN:g}"
+                f"{what}: value {k} = {shown(value)} is too large to compute with; allowed: "
+                f"magnitudes up to {LARGEST_GIVEN:g}"
             )
         numbers.append(number)
     return numbers

@@ -18,6 +18,7 @@ from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import LARGEST_GIVEN, Given, given_from, given_many
 from symkin.position.problem import Kind, Problem, build_problem
 from symkin.text import meant, shown
+from symkin.verb import real
 
 Values = Mapping[str, float | Sequence[float]]
 Columns = Mapping[str, float | Sequence[float] | Sequence[Sequence[float]] | np.ndarray]
@@ -137,12 +138,14 @@ def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = 
 
 def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:
     try:
-        number = float(value)
+        number = real(value)
+    except OverflowError:
+        number = math.inf
     except (TypeError, ValueError):
-        raise InputError(f"given: {c.name} = {value!r} is not a number") from None
+        raise InputError(f"given: {c.name} = {shown(value)} is not a number") from None
     if not math.isfinite(number) or abs(number) > LARGEST_GIVEN:
         raise InputError(
-            f"given: {c.name} = {value!r}; a finite number is needed, of magnitude up to "
+            f"given: {c.name} = {shown(value)}; a finite number is needed, of magnitude up to "
             f"{LARGEST_GIVEN:g}"
         )
     if c.least is not None and number < c.least:

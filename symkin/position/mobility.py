@@ -8,7 +8,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
 from symkin.computed_once import lru_cache
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.rank import generic as generic_one
 from symkin.numeric.system import System
@@ -30,8 +30,10 @@ from symkin.position.limb_screws import limb_screws, per_freedom, platform_screw
 from symkin.position.loops import loops_at, redundant_constraints
 from symkin.position.mobility_result import Misfit, Mobility
 from symkin.position.own_component import Component
+from symkin.verb import verb
 
 
+@verb
 def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     """Count the freedoms of a mechanism: rank of the closure at generic configurations of the
     assembly that its file describes.
@@ -41,14 +43,15 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     configurations to which steps lead from the reference, along motions; other assemblies of the
     same links are told apart. Constraint wrenches of the limbs and the platform's twists,
     reciprocal to them, are those at the reference where its rank is the generic one, else at a
-    configuration beside it. `seed` is that of the steps' directions. Raises MechanismError for what
-    is no Mechanism. Screws: Hunt, Kinematic Geometry of Mechanisms, 1978.
+    configuration beside it. `seed` is that of the steps' directions. Raises InputError for what is
+    no Mechanism. Screws: Hunt, Kinematic Geometry of Mechanisms, 1978.
 
     >>> import symkin
     >>> found = symkin.mobility(symkin.load("zhao2000"))
     >>> found.mobility, found.redundant, found.gruebler
     (4, 4, 1)
     """
+    require_mechanism(mechanism)
     closure = build_closure(mechanism)
     system, nothing, size = whole_system(closure), np.zeros(0), closure.characteristic_length
     reference, own = closure.reference, own_component(closure, seed)

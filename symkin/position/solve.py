@@ -36,6 +36,7 @@ from symkin.position.start_notes import start_notes
 from symkin.position.starts import random_starts, start_values
 from symkin.spatial.pose import Pose
 from symkin.text import not_among
+from symkin.verb import verb
 
 Solver = Newton | LeastSquares | ClosedForm
 SOLVERS: dict[str, Solver] = {
@@ -47,6 +48,7 @@ SOLVERS: dict[str, Solver] = {
 RESTARTS = 20
 
 
+@verb
 def solve(
     mechanism: Mechanism,
     *,
@@ -87,7 +89,7 @@ def solve(
     """
     require_mechanism(mechanism)
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
-    if chosen is None:
+    if not isinstance(chosen, Solver):
         raise InputError(f"solver = {not_among(solver, SOLVERS)}")
     plain = plain_case(mechanism, joints, pose, given)
     if plain is None:

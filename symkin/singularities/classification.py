@@ -53,9 +53,10 @@ from symkin.singularities.singular_groups import SingularGroup, singular_groups
 from symkin.singularities.singularity_result import Singularity
 from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
+from symkin.verb import verb
 
 
-@without_float_warnings
+@verb
 def singularity(
     mechanism: Mechanism | Solution,
     *,

@@ -18,12 +18,12 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.position.pose_conditions import condition_sentence
 from symkin.position.solution import Solution
-from symkin.quiet import without_float_warnings
 from symkin.singularities.loci import LOST_OVER_PLANE, MISSING, NONE_MET, Loci
 from symkin.singularities.locus import Locus, make_locus, merged
 from symkin.singularities.locus_search import seeds_of, traced_curves
 from symkin.singularities.locus_system import LocusKind, LocusSystem, Plane, locus_systems, plane_of
 from symkin.singularities.motion_ranks import generic_ranks
+from symkin.verb import verb
 
 DEFAULT_STARTS = 200
 MOST_STARTS = 100_000
@@ -31,7 +31,7 @@ _FEW_HITS = 2
 """Where some curve was met by no more starts than this, another may have been met by none."""
 
 
-@without_float_warnings
+@verb
 def singular_loci(
     solution: Solution,
     plane: Sequence[str],

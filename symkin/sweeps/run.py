@@ -25,6 +25,7 @@ from symkin.sweeps.space import Values, make_space, make_space_by_name
 from symkin.sweeps.store import Store, locked, open_store, read_attributes, require_zarr
 from symkin.sweeps.table import write_csv
 from symkin.text import not_among
+from symkin.verb import verb
 
 OVER = ("inputs", "poses")
 """What a sweep's points are: values of the actuated joints, or poses."""
@@ -107,6 +108,7 @@ class Swept(Result):
         }
 
 
+@verb
 def sweep(
     mechanism: Mechanism,
     grid: Mapping[str, Values] | None = None,

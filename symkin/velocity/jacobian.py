@@ -25,6 +25,7 @@ from symkin.velocity.equations import VelocityEquations, variables_of, velocity_
 from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import KINDS, JacobianKind, Variable, labels, variables_read
 from symkin.velocity.rates import RateJacobian, rate_jacobian
+from symkin.verb import verb
 
 Values = Solution | Mapping[str, Any] | np.ndarray
 """A configuration: a Solution, its `values`, or the vector of the closure's variables."""
@@ -256,6 +257,7 @@ def jacobian(
 ) -> Jacobian: ...
 @overload
 def jacobian(mechanism: Mechanism, *, of: Sequence[str], by: Sequence[str]) -> RateJacobian: ...
+@verb
 def jacobian(
     mechanism: Mechanism,
     kind: str = "direct",

@@ -194,7 +194,8 @@ def draw():
         time.sleep(60.0)
 
 parent, holder = os.getpid(), Holder()
-for target, in_child in ((lambda: holder.value, lambda: holder.value), (draw, lambda: drawing().__enter__())):
+compute = lambda: holder.value
+for target, in_child in ((compute, compute), (draw, lambda: drawing().__enter__())):
     begun = threading.Event()
     threading.Thread(target=target, daemon=True).start()
     assert begun.wait(30)

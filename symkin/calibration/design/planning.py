@@ -52,6 +52,7 @@ from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.transfer import many_elsewhere
 from symkin.result import Result, Summary
 from symkin.text import not_among
+from symkin.verb import verb
 
 _CANDIDATES_PER_WEDGE, _MAX_CANDIDATES = 150, 3000
 """Candidates for each wedge, and in all."""
@@ -217,6 +218,7 @@ class _Options:
             )
 
 
+@verb
 def plan_measurements(
     workspace: Workspace | Mechanism,
     configurations: int,
