@@ -18,16 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from symkin._version import __version__
 from symkin.errors import InputError, MechanismError, SymkinError
-from symkin.formats.load import load
-from symkin.formats.read_options import ReadOptions
-from symkin.model.dh import DHRow, DHTable
-from symkin.model.file import shipped_names
-from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
-from symkin.model.joint import Joint
-from symkin.model.limb import Limb, Rod, RodLimb
-from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
 from symkin.result import Result, draw_with, view_with
-from symkin.spatial.pose import Pose
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,6 +33,14 @@ if TYPE_CHECKING:
     from symkin.following.mode_graph import ModeGraph, mode_graph
     from symkin.following.track import track
     from symkin.following.track_result import Track
+    from symkin.formats.load import load
+    from symkin.formats.read_options import ReadOptions
+    from symkin.model.dh import DHRow, DHTable
+    from symkin.model.file import shipped_names
+    from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
+    from symkin.model.joint import Joint
+    from symkin.model.limb import Limb, Rod, RodLimb
+    from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
     from symkin.page.result_views import view
     from symkin.position.close import close
     from symkin.position.close_result import ClosedConfiguration
@@ -57,6 +56,7 @@ if TYPE_CHECKING:
     from symkin.singularities.loci import Loci
     from symkin.singularities.singular_loci import singular_loci
     from symkin.singularities.singularity_result import Singularity
+    from symkin.spatial.pose import Pose
     from symkin.sweeps.run import sweep
     from symkin.velocity.jacobian import Jacobian, jacobian
 
@@ -116,15 +116,29 @@ __all__ = [
 _LATER = {
     "Calibration": "symkin.calibration.judge.result",
     "ClosedConfiguration": "symkin.position.close_result",
+    "Coupling": "symkin.model.graph",
+    "DHRow": "symkin.model.dh",
+    "DHTable": "symkin.model.dh",
+    "Example": "symkin.model.mechanism",
     "Jacobian": "symkin.velocity.jacobian",
+    "Joint": "symkin.model.joint",
     "LeastSquares": "symkin.position.least_squares",
+    "Limb": "symkin.model.limb",
+    "LinkJoint": "symkin.model.graph",
+    "LinkPoint": "symkin.model.graph",
+    "LinkRod": "symkin.model.graph",
     "Loci": "symkin.singularities.loci",
     "Measurements": "symkin.calibration.data.measurements",
+    "Mechanism": "symkin.model.mechanism",
     "Mobility": "symkin.position.mobility_result",
     "ModeGraph": "symkin.following.mode_graph",
     "Modes": "symkin.assembly.modes_result",
     "Newton": "symkin.position.newton",
+    "Pose": "symkin.spatial.pose",
+    "ReadOptions": "symkin.formats.read_options",
     "Reading": "symkin.calibration.data.measurements",
+    "Rod": "symkin.model.limb",
+    "RodLimb": "symkin.model.limb",
     "Singularity": "symkin.singularities.singularity_result",
     "Solution": "symkin.position.solution",
     "SolveError": "symkin.position.solve_result",
@@ -134,10 +148,13 @@ _LATER = {
     "close": "symkin.position.close",
     "convert": "symkin.position.convert",
     "jacobian": "symkin.velocity.jacobian",
+    "load": "symkin.formats.load",
     "mobility": "symkin.position.mobility",
     "mode_graph": "symkin.following.mode_graph",
     "modes": "symkin.assembly.modes",
     "plan_measurements": "symkin.calibration.design.planning",
+    "serial_arm_from_dh": "symkin.model.mechanism",
+    "shipped_names": "symkin.model.file",
     "singular_loci": "symkin.singularities.singular_loci",
     "singularity": "symkin.singularities.classification",
     "solve": "symkin.position.solve",
@@ -146,7 +163,8 @@ _LATER = {
     "view": "symkin.page.result_views",
     "write_firmware": "symkin.codegen.folder",
 }
-"""Modules that are imported at the first use of a name, since no run needs them all. `Newton` and
+"""Modules that are imported at the first use of a name, since no run needs them all, and a command
+hears Ctrl-C before the first of them. `Newton` and
 `LeastSquares` are values of `solver=` with settings of one's own; their names ("newton", "ipopt")
 suffice, so that they are not listed.
 """

@@ -5,7 +5,11 @@ bad input, 3 no real solution or not converged, 130 interrupted by Ctrl-C.
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated
 
 import typer
@@ -201,10 +205,34 @@ def main(arguments: list[str] | None = None) -> None:
     os.environ["MPLBACKEND"] = (
         "agg"  # pictures go to files only, and a wrong name would stop the import of matplotlib
     )
-    sys.exit(_status(arguments))
+    with _interrupts() as pressed:
+        status = _status(arguments, pressed)
+    sys.exit(status)
 
 
-def _status(arguments: list[str] | None) -> int:
+@contextmanager
+def _interrupts() -> Iterator[list[int]]:
+    """Raise KeyboardInterrupt at Ctrl-C, where it is not ignored, and list that it came: code of
+    other packages makes errors of its own of it.
+    """
+    pressed: list[int] = []
+    former = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(former):
+        yield pressed
+        return
+
+    def note(number: int, _: object) -> None:
+        pressed.append(number)
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield pressed
+    finally:
+        signal.signal(signal.SIGINT, former)
+
+
+def _status(arguments: list[str] | None, pressed: list[int]) -> int:
     """Run a command, to its exit status."""
     try:
         status = app(args=arguments, prog_name="symkin", standalone_mode=False)
@@ -229,9 +257,14 @@ def _status(arguments: list[str] | None) -> int:
     except BrokenPipeError:
         return _reader_gone()
     except OSError as error:
+        if error.filename is not None:
+            return _complain(f"{error.filename}: {error.strerror}")
         silence(sys.stdout)
         return _complain(f"the output cannot be written ({error.strerror})")
     except Exception as error:
+        if pressed:
+            say("interrupted")
+            return INTERRUPTED
         if not hasattr(error, "exit_code"):
             raise
         text = error.format_message() if hasattr(error, "format_message") else ""

@@ -34,7 +34,8 @@ def _bar(what: str) -> Iterator[Show]:
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    moves = _started(threading.Thread(target=int))
+    with Progress(console=Console(stderr=True), transient=True, auto_refresh=moves) as bar:
         task = bar.add_task(what)
         with _logged(lambda text: bar.update(task, description=text)):
             yield lambda done, total: bar.update(task, completed=done, total=total)
@@ -44,13 +45,23 @@ def _bar(what: str) -> Iterator[Show]:
 def _lines(what: str) -> Iterator[Show]:
     state, ended = _State(what), threading.Event()
     thread = threading.Thread(target=state.write_lines, args=(ended,), daemon=True)
-    thread.start()
+    begun = _started(thread)
     try:
         with _logged(state.say):
             yield state.count
     finally:
         ended.set()
-        thread.join()
+        if begun:
+            thread.join()
+
+
+def _started(thread: threading.Thread) -> bool:
+    """Start a thread; False where the system allows no more: the work goes on without it."""
+    try:
+        thread.start()
+    except RuntimeError:
+        return False
+    return True
 
 
 class _State:

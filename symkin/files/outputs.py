@@ -4,10 +4,11 @@ devices and pipes as they are.
 
 from __future__ import annotations
 
+import io
 import os
+import secrets
 import stat
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -82,20 +83,38 @@ def _replace(target: Path, data: bytes, there: os.stat_result | None) -> None:
     takes no new ones.
     """
     if there is not None and not os.access(target.parent, os.W_OK):
-        target.write_bytes(data)
+        _overwrite(target, data)
         return
-    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}"[:100] + ".")
+    temporary = target.parent / f"{f'.{target.name}'[:100]}.{secrets.token_hex(8)}"
     try:
-        with os.fdopen(handle, "wb") as file:
+        with temporary.open("xb") as file:
             file.write(data)
-        os.chmod(temporary, 0o666 & ~_umask() if there is None else stat.S_IMODE(there.st_mode))
+        if there is not None:
+            os.chmod(temporary, stat.S_IMODE(there.st_mode))
         os.replace(temporary, target)
     except OSError:
-        Path(temporary).unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
         raise
 
 
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+def _overwrite(target: Path, data: bytes) -> None:
+    """Write over what a file holds, first what goes beyond its end: where a full disk does not take
+    that, the file stays as it was.
+    """
+    with target.open("r+b", buffering=0) as file:
+        length = file.seek(0, os.SEEK_END)
+        try:
+            _write_all(file, data[length:])
+            os.fsync(file.fileno())
+        except OSError:
+            file.truncate(length)
+            raise
+        file.seek(0)
+        _write_all(file, data[:length])
+        file.truncate(len(data))
+
+
+def _write_all(file: io.RawIOBase, data: bytes) -> None:
+    left = memoryview(data)
+    while left:
+        left = left[file.write(left) :]

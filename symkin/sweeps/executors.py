@@ -23,7 +23,7 @@ from concurrent.futures import (
     ProcessPoolExecutor,
     wait,
 )
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -77,12 +77,13 @@ class Here(Executor):
 @dataclass(eq=False)
 class Crew:
     """An executor, how many chunks it has under way, and how it is made again when it breaks (None:
-    not at all).
+    not at all); `beginning` is around what may start its processes.
     """
 
     executor: Executor
     under_way: int
     make: Callable[[], Executor] | None = None
+    beginning: Callable[[], AbstractContextManager[None]] = nullcontext
     losses: Counter[int] = field(default_factory=Counter)
     _lost: list[int] = field(default_factory=list)
     _pending: dict[Future[Any], int] = field(default_factory=dict)
@@ -109,7 +110,7 @@ class Crew:
             if index is None:
                 break
             try:
-                with interrupts_kept_from_children():
+                with interrupts_kept_from_children(), self.beginning():
                     future = self.executor.submit(function, job, index)
             except BrokenExecutor as error:
                 self._lost.append(index)
@@ -173,7 +174,7 @@ def local_crew(workers: int | None) -> Iterator[Crew]:
         yield Crew(Here(), 1)
         return
     before = set(multiprocessing.active_children())
-    crew = Crew(_pool(count), _UNDER_WAY * count, lambda: _pool(count))
+    crew = Crew(_pool(count), _UNDER_WAY * count, lambda: _pool(count), _processes_needed)
     try:
         yield crew
     except BaseException:
@@ -189,9 +190,25 @@ def local_crew(workers: int | None) -> Iterator[Crew]:
 
 
 def _pool(workers: int) -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(
-        workers, mp_context=multiprocessing.get_context("spawn"), initializer=_begin_worker
-    )
+    with _processes_needed():
+        return ProcessPoolExecutor(
+            workers, mp_context=multiprocessing.get_context("spawn"), initializer=_begin_worker
+        )
+
+
+@contextmanager
+def _processes_needed() -> Iterator[None]:
+    """Raise InputError where the system gives no semaphores, threads or processes."""
+    try:
+        yield
+    except BrokenExecutor:
+        raise
+    except (OSError, ImportError, NotImplementedError, RuntimeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(
+            f"worker processes cannot be started ({reason}); workers = 0 (--workers 0) computes in "
+            f"this process"
+        ) from None
 
 
 def _begin_worker() -> None:

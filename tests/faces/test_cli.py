@@ -4,6 +4,7 @@ line.
 
 import json
 import math
+import signal
 import subprocess
 import sys
 from itertools import cycle, product
@@ -271,6 +272,39 @@ def test_ctrl_c_is_one_line(
 
     monkeypatch.setattr({"load": inside.load_file, "app": inside.cli_app}[name], name, interrupted)
     assert run(capsys, "solve", "zhao2000") == (130, "", "symkin: interrupted\n")
+
+
+def test_ctrl_c_that_another_package_makes_an_error_of_is_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Code in C may turn the interrupt into an error of its own."""
+
+    def foreign(*_: object, **__: object) -> None:
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt:
+            raise RuntimeError("error in a callback") from None
+
+    monkeypatch.setattr(inside.load_file, "load", foreign)
+    assert run(capsys, "solve", "zhao2000") == (130, "", "symkin: interrupted\n")
+
+
+def test_ctrl_c_while_modules_are_loaded_is_one_line() -> None:
+    """Pressed when the first module of the command line is looked for."""
+    code = """
+import signal, sys
+from symkin.__main__ import main
+class Finder:
+    def find_spec(self, name, *_):
+        if name == "symkin.cli.app":
+            signal.raise_signal(signal.SIGINT)
+sys.meta_path.insert(0, Finder())
+main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "symkin: interrupted\n")
 
 
 def test_version(capsys: pytest.CaptureFixture[str]) -> None:

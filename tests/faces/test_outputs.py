@@ -174,3 +174,54 @@ def test_firmware_goes_through_links(tmp_path):
     assert (tmp_path / "folder").is_symlink()
     assert (tmp_path / "real" / "manifest.json").is_symlink()
     assert b"model_sha256" in (tmp_path / "kept.json").read_bytes()
+
+
+FULL = """
+import os, resource, signal, sys
+from pathlib import Path
+from helpers.inside import write_output
+from symkin import InputError
+folder = Path(sys.argv[1])
+os.chmod(folder, 0o555)
+if os.getuid() == 0:
+    os.setuid(65534)
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))  # a disk with room for no more
+try:
+    write_output(folder / "kept", "new" * 4096)
+except InputError as error:
+    print(error)
+write_output(folder / "short", "new")
+"""
+
+
+def test_a_full_disk_loses_no_file_of_a_folder_that_takes_no_new_ones(tmp_path):
+    """The folder cannot be written, the file can: it is written over, whole or not at all."""
+    folder = tmp_path / "fixed"
+    folder.mkdir()
+    for name in ("kept", "short"):
+        (folder / name).write_text("old" * 1000)
+        (folder / name).chmod(0o666)
+    for parent in (tmp_path, *tmp_path.parents[:3]):
+        parent.chmod(parent.stat().st_mode | 0o055)
+    done = subprocess.run(
+        [sys.executable, "-c", FULL, folder],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])},
+    )
+    folder.chmod(0o755)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "kept: the file cannot be written (File too large)" in done.stdout
+    assert (folder / "kept").read_text() == "old" * 1000
+    assert (folder / "short").read_text() == "new"
+
+
+def test_new_files_have_the_permissions_that_the_user_gives_new_files(tmp_path):
+    before = os.umask(0o027)
+    try:
+        write_output(tmp_path / "new", "text")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "new").stat().st_mode) == 0o640

@@ -261,3 +261,24 @@ def test_a_killed_dask_scheduler_is_one_sentence(whole, tmp_path, processes, mon
     assert "Traceback" not in capfd.readouterr().err
     sweep(PLATFORM, GRID, tmp_path / "s", workers=0, chunk=CHUNK)
     assert same_files(whole, tmp_path / "s")
+
+
+@pytest.mark.parametrize(
+    ("name", "error"),
+    [
+        ("ProcessPoolExecutor", ImportError("no semaphores here")),
+        ("ProcessPoolExecutor", OSError(38, "Function not implemented")),
+        ("submit", BlockingIOError(11, "Resource temporarily unavailable")),
+        ("submit", RuntimeError("can't start new thread")),
+    ],
+)
+def test_a_system_without_processes_is_told_and_what_helps(monkeypatch, tmp_path, name, error):
+    """Semaphores, threads or processes that the system does not give."""
+
+    def refuse(*_, **__):
+        raise error
+
+    where = inside.executors if name != "submit" else inside.executors.ProcessPoolExecutor
+    monkeypatch.setattr(where, name, refuse)
+    with pytest.raises(InputError, match=r"worker processes cannot be started .* \(--workers 0\)"):
+        sweep(symkin.load("four_bar"), {"crank": [60.0, 70.0]}, tmp_path / "map", workers=2)
