@@ -9,6 +9,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
+from symkin.cli.streams import say
+
 _FIRST, _EVERY = 5.0, 15.0
 """Seconds before the first line off a terminal, and between two lines that say the same."""
 Show = Callable[[int, int], None]
@@ -115,4 +117,8 @@ class _Handler(logging.Handler):
         self.say = say
 
     def emit(self, record: logging.LogRecord) -> None:
-        self.say(record.getMessage())
+        text = record.getMessage()
+        if record.levelno >= logging.WARNING:
+            say(f"note: {text}")
+        else:
+            self.say(text)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import ctypes
 import hashlib
 import itertools
+import logging
 import os
 import shlex
 import shutil
@@ -30,8 +31,13 @@ from symkin.numeric.cache_folder import discard, folder_fault, keep, read_kept
 FLAGS = ("-O2", "-std=gnu11", "-fPIC", "-shared", "-fno-math-errno", "-fno-trapping-math", "-w")
 """No -ffast-math: a path that fails is seen by its NaN."""
 NATIVE = "-march=native"
-_LONGEST = 120.0
-"""Seconds after which a compiler is given up."""
+_LONGEST_S, _ANSWERS_S = 120.0, 10.0
+"""Seconds after which a compiler is given up: one that compiles, and one that is asked for its
+macros.
+"""
+_silent: set[str] = set()
+"""Compilers that were given up in this process; they are not run again."""
+LOG = logging.getLogger(__name__)
 _MOST_SLASHES = 3000
 """Slashes in a path at most: a path may have 4096 characters."""
 
@@ -112,7 +118,7 @@ def find_compilers(named: str, path: str) -> Iterator[Compiler]:
 @lru_cache(maxsize=8)
 def _asked(command: tuple[str, ...], flags: tuple[str, ...]) -> Compiler:
     """Asks the compiler for its macros."""
-    macros = _run([*command, *flags, "-dM", "-E", "-x", "c", os.devnull])
+    macros = _run([*command, *flags, "-dM", "-E", "-x", "c", os.devnull], _ANSWERS_S)
     if "__GNUC__" not in macros:
         raise CompilerError(f"{' '.join(command)} is neither GCC nor Clang")
     return Compiler(command, flags, macros)
@@ -135,11 +141,18 @@ def compiler_command(named: str, path: str) -> tuple[str, ...]:
     return (found,)
 
 
-def _run(command: Sequence[str]) -> str:
+def _run(command: Sequence[str], longest_s: float = _LONGEST_S) -> str:
+    if command[0] in _silent:
+        raise CompilerError(f"{command[0]} has not answered before")
     try:
         done = subprocess.run(
-            command, capture_output=True, timeout=_LONGEST, check=False, stdin=subprocess.DEVNULL
+            command, capture_output=True, timeout=longest_s, check=False, stdin=subprocess.DEVNULL
         )
+    except subprocess.TimeoutExpired:
+        _silent.add(command[0])
+        silence = f"the C compiler {command[0]} has not answered for {longest_s:g} s"
+        LOG.warning("%s; what it speeds up is computed without it", silence)
+        raise CompilerError(silence) from None
     except (OSError, ValueError, subprocess.SubprocessError) as error:
         raise CompilerError(f"{command[0]} cannot be run: {error}") from None
     if done.returncode:

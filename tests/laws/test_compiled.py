@@ -283,6 +283,19 @@ def test_a_compiler_that_fails_on_the_source_gives_its_message(monkeypatch, tmp_
     assert "status 4: disk is full" in reason
 
 
+def test_a_compiler_that_hangs_is_waited_for_once(monkeypatch, tmp_path, caplog):
+    """A short wait, a sentence, and no second try, whatever is to be compiled."""
+    monkeypatch.setattr(inside.c_library, "_ANSWERS_S", 0.2)
+    calls = tmp_path / "calls"
+    monkeypatch.setenv("CC", script(tmp_path, f'echo >> "{calls}"; exec sleep 60'))
+    for system in (square(), machine("zhang2009", "direct")[0]):
+        found, reason = compiled.load(system)
+        assert found is None
+        assert "has not answered" in reason
+    assert calls.read_text() == "\n"
+    assert [record.levelname for record in caplog.records] == ["WARNING"]
+
+
 def test_without_a_compiler_there_is_a_reason(monkeypatch):
     """An empty PATH."""
     monkeypatch.delenv("CC", raising=False)
