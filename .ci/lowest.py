@@ -9,11 +9,14 @@ import re
 import sys
 import tomllib
 
+EXTRAS = ("mjcf", "urdf", "sweep", "meshes")
+
 
 def bounds() -> list[str]:
-    """`name==version` for each direct dependency."""
+    """`name==version` for each direct dependency, and those of the extras that users take."""
     project = tomllib.loads(pathlib.Path("pyproject.toml").read_text())["project"]
-    found = [re.match(r"([\w-]+)>=([\w.]+)", text) for text in project["dependencies"]]
+    extras = [text for name in EXTRAS for text in project["optional-dependencies"][name]]
+    found = [re.match(r"([\w-]+)>=([\w.]+)", text) for text in project["dependencies"] + extras]
     assert all(found), "each dependency has a lower bound"
     return [f"{match[1]}=={match[2]}" for match in found]
 
@@ -31,6 +34,7 @@ def run(arguments: list[str], expected: int = 0) -> None:
         except SystemExit as stop:
             status = stop.code
     text = complained.getvalue()
+    assert "Warning" not in text, f"{arguments}: {text}"
     assert (status or 0) == expected, f"{arguments}: status {status}: {text}"
     assert (
         said.getvalue() if not expected else text.startswith("symkin: ") and text.count("\n") == 1
@@ -63,6 +67,12 @@ def try_commands() -> None:
             "numpy",
         ]
     )
+    for suffix in ("xml", "urdf"):
+        run(["convert", "ankle", "-o", f"ankle.{suffix}"])
+        run(["show", f"ankle.{suffix}"])
+    pathlib.Path("ankle.urdf").rename("ankle.xacro")
+    run(["show", "ankle.xacro"])
+    run(["sweep", "four_bar", "--grid", "crank=50:60:3", "--workers", "0", "-o", "map"])
     for words in ([], ["-h"], ["modes", "--help"], ["calibrate"], ["calibrate", "fit", "-h"]):
         run(words)
     for mistake in (

@@ -21,6 +21,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.model.mesh import LinkMesh
 from symkin.model.names import identifier
 from symkin.spatial.pose import Pose
+from symkin.text import printable
 
 
 def mechanism_of(robot: Robot) -> Mechanism:
@@ -77,7 +78,7 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
         couplings=robot.couplings,
         length_unit="m",
         angle_unit="rad",
-        source=robot.source,
+        source=printable(robot.source),
         link_meshes=list(_link_meshes(robot, closed)),
     )
     return whole_again(found, robot.parts.moved(closed.displacements))

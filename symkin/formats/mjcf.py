@@ -26,6 +26,7 @@ from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot, refuse_too_many
 from symkin.formats.xml_text import Element, read_xml
 from symkin.spatial.pose import Pose
+from symkin.text import printable
 
 _WORKER = Path(__file__).with_name("mujoco_worker.py")
 _INSTALL = (
@@ -83,6 +84,8 @@ def _told(path: Path) -> dict[str, Any]:
     """What MuJoCo's compiler makes of a file."""
     if find_spec("mujoco") is None:
         raise InputError(_INSTALL)
+    if printable(str(path)) != str(path):
+        raise InputError(f"{path}: MuJoCo's compiler reads no file whose path is not plain text")
     try:
         told: dict[str, Any] = answer_of(_WORKER, {"path": str(path)})
     except ChildError as error:

@@ -41,6 +41,11 @@ def shipped_names() -> list[str]:
     >>> "zhao2000" in symkin.shipped_names()
     True
     """
+    if not _SHIPPED.is_dir():
+        raise MechanismError(
+            f"{_SHIPPED} is no folder: symkin reads its own files from disk, and runs from no zip "
+            f"file"
+        )
     return sorted(path.stem for path in _SHIPPED.glob("*.toml"))
 
 

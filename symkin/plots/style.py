@@ -8,6 +8,7 @@ from typing import Any
 
 from symkin.computed_once import not_waiting
 from symkin.locks import Lock
+from symkin.quiet import warnings_ignored
 
 COLOURS = {
     "text": "#1f2933",
@@ -60,10 +61,13 @@ def style() -> Any:
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """Make and save figures under `style`, one thread at a time: matplotlib's settings, fonts and
-    parsers belong to the process.
+    """Make and save figures under `style` and matplotlib's own defaults, whatever the user's file
+    says, one thread at a time: settings, fonts and parsers belong to the process.
     """
-    from matplotlib import rc_context
+    from matplotlib import rc_context, rcdefaults, rcParams
 
-    with _matplotlib, not_waiting(), rc_context(style()):
+    with _matplotlib, not_waiting(), rc_context():
+        with warnings_ignored():  # old versions read fonts by what its parser calls deprecated
+            rcdefaults()
+        rcParams.update(style())
         yield

@@ -225,3 +225,29 @@ def test_new_files_have_the_permissions_that_the_user_gives_new_files(tmp_path):
     finally:
         os.umask(before)
     assert stat.S_IMODE((tmp_path / "new").stat().st_mode) == 0o640
+
+
+def test_settings_of_the_users_matplotlib_change_no_picture(tmp_path):
+    """Sizes, resolutions and layouts of a matplotlibrc."""
+    (tmp_path / "matplotlibrc").write_text(
+        "figure.autolayout: True\nfigure.dpi: 3\nsavefig.dpi: 3\naxes.xmargin: 9\n"
+    )
+    pictures = []
+    for folder in (tmp_path, tmp_path / "plain"):
+        folder.mkdir(exist_ok=True)
+        done = command("modes", "scara", "--plot", "modes.png", cwd=folder)
+        assert done.returncode == 0, done.stderr
+        pictures.append((folder / "modes.png").read_bytes())
+    assert pictures[0] == pictures[1]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes")
+def test_files_whose_names_are_no_text_are_read(tmp_path):
+    """Names in another encoding: what is written of them is written with escapes."""
+    source = Path(os.fsdecode(os.fsencode(tmp_path) + b"/f\xff.toml"))
+    symkin.convert("four_bar", source)
+    robot = source.with_suffix(".urdf")
+    symkin.convert(source, robot)
+    assert symkin.load(robot).source.endswith("f\\udcff.urdf")
+    with pytest.raises(symkin.InputError, match="MuJoCo's compiler reads no file whose path"):
+        symkin.load(symkin.convert(source, source.with_suffix(".xml")))
