@@ -14,7 +14,7 @@ from symkin.assembly.mode_groups import differing_universal_joints, groups_of
 from symkin.computed_once import cached_property
 from symkin.position.problem import Problem
 from symkin.position.roots import Roots
-from symkin.position.solution import Solution, finite, heading
+from symkin.position.solution import Solution, finite, heading, read_together
 from symkin.position.table import given_text, solution_table
 from symkin.result import Result, Summary
 from symkin.text import counted, first_of
@@ -161,6 +161,7 @@ class Modes(Result):
     def to_dict(self) -> dict[str, Any]:
         """The JSON object of `symkin modes --json`."""
         hits = [mode.hits for mode in self.modes]
+        read_together(self.modes)
         return {
             **heading(self.problem, self.given),
             "modes": [mode.to_dict() for mode in self.modes],

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
-from symkin.closure.link_poses import LinkPoses, link_poses
+from symkin.closure.link_poses import link_poses
 from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
@@ -55,6 +55,16 @@ class PartialProof:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class _Read:
+    """`values` of joints that a closure leaves out, in radians and the length unit, and named
+    `points`, at one configuration.
+    """
+
+    values: dict[str, Any]
+    points: dict[str, list[float]]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution(Result):
     """One configuration that closes all loops: F(q, x, X, p) = 0 to within `residual`.
@@ -91,41 +101,30 @@ class Solution(Result):
         """The coordinates of all joints in the mechanism's units: passive and cut ones too, in file
         order for a graph, else those of the closure first.
         """
-        order = dict.fromkeys([*self._printed_names, *(c.name for c in self.mechanism.coordinates)])
-        return {name: self._in_units(name, self.all_values[name]) for name in order}
+        order = [*self._printed_names, *(c.name for c in self.mechanism.coordinates)]
+        return self._in_units(order, self.all_values)
 
     @cached_property
     def all_values(self) -> dict[str, Any]:
         """`values` with those of joints that the closure leaves out beside them, in radians and the
         length unit.
         """
-        closure = self._closure
-        if not left_out(closure):
-            return self.values
-        read = {name: v[0] for name, v in readings(closure, self._links).items()}
-        return self.values | {
-            name: tuple(v.tolist()) if len(v) > 1 else float(v[0]) for name, v in read.items()
-        }
+        return self.values | self._read.values
 
     @cached_property
     def held_joints(self) -> dict[str, Any]:
         """The joint coordinates that the closure holds, in the mechanism's units."""
-        return {name: self._in_units(name, self.values[name]) for name in self._held_names}
+        return self._in_units(self._held_names, self.values)
 
     @cached_property
     def points(self) -> dict[str, list[float]]:
         """Where the named points of links are, in the base frame."""
-        if not self.mechanism.link_points:
-            return {}
-        return {
-            name: point[0].tolist()
-            for name, point in points_at(self.mechanism, self._links).items()
-        }
+        return self._read.points
 
     @cached_property
     def link_poses(self) -> dict[str, Pose]:
         """The displacement of each link from the reference, in the base frame."""
-        return self._links.at(0)
+        return link_poses(self._closure, self.variables[None]).at(0)
 
     @property
     def has_platform(self) -> bool:
@@ -146,15 +145,20 @@ class Solution(Result):
         return build_closure(self.mechanism, self.partition)
 
     @cached_property
-    def _links(self) -> LinkPoses:
-        return link_poses(self._closure, self.variables[None])
+    def _read(self) -> _Read:
+        return next(_readings([self]))
 
-    def _in_units(self, name: str, value: Any) -> Any:
-        """A coordinate's value as users read it."""
-        c = next(c for c in self.mechanism.coordinates if c.name == name)
-        if c.kind == "quaternion":
-            return [float(v) for v in value]
-        return self.mechanism.angle_out(value) if c.is_angular else value
+    def _in_units(self, names: Iterable[str], values: Mapping[str, Any]) -> dict[str, Any]:
+        """Coordinates' values as users read them."""
+        kinds = {c.name: c for c in self.mechanism.coordinates}
+        return {
+            name: [float(v) for v in values[name]]
+            if kinds[name].kind == "quaternion"
+            else self.mechanism.angle_out(values[name])
+            if kinds[name].is_angular
+            else values[name]
+            for name in names
+        }
 
     @property
     def actuated_values(self) -> list[float]:
@@ -262,7 +266,7 @@ class Solution(Result):
     def printed_joints(self) -> dict[str, Any]:
         """The joint coordinates that tables show, in the mechanism's units."""
         values = self.values if set(self._printed_names) <= set(self.values) else self.all_values
-        return {name: self._in_units(name, values[name]) for name in self._printed_names}
+        return self._in_units(self._printed_names, values)
 
     def __str__(self) -> str:
         parts = [f"{k} = {v:.6g}" for k, v in self.printed_joints.items() if isinstance(v, float)]
@@ -319,3 +323,28 @@ def heading(problem: Problem, given: Mapping[str, Any]) -> dict[str, Any]:
         "length_unit": mechanism.length_unit,
         "angle_unit": mechanism.angle_unit,
     }
+
+
+def read_together(solutions: Sequence[Solution]) -> None:
+    """Find what joints that the closure leaves out read and where named points are, for many
+    solutions of one problem at once: each keeps its own.
+    """
+    unread = [one for one in solutions if "_read" not in vars(one)]
+    for one, read in zip(unread, _readings(unread), strict=True):
+        vars(one)["_read"] = read
+
+
+def _readings(solutions: Sequence[Solution]) -> Iterator[_Read]:
+    """What is read at each of some solutions of one closure."""
+    if not solutions:
+        return
+    mechanism, closure = solutions[0].mechanism, solutions[0]._closure
+    if not left_out(closure) and not mechanism.link_points:
+        yield from (_Read({}, {}) for _ in solutions)
+        return
+    poses = link_poses(closure, np.array([one.variables for one in solutions]))
+    read = {name: v.tolist() for name, v in readings(closure, poses).items()}
+    points = {name: p.tolist() for name, p in points_at(mechanism, poses).items()}
+    for i in range(len(solutions)):
+        values = {name: tuple(v[i]) if len(v[i]) > 1 else v[i][0] for name, v in read.items()}
+        yield _Read(values, {name: p[i] for name, p in points.items()})

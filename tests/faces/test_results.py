@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import inside
 from helpers.command_line import run, run_json
 from helpers.inside import LONGEST_REPR, Result, Summary
 from helpers.known_roots import DIETMAIER, dietmaier
@@ -376,3 +377,24 @@ def test_commands_take_joints_by_name(capsys) -> None:
         assert status == 2
         assert said in err
         assert err.count("\n") == 1
+
+
+def test_what_modes_read_is_found_for_all_of_them_at_once(monkeypatch):
+    """Joints that the closure leaves out, and named points: the same as of each mode alone, from
+    one evaluation.
+    """
+    machine = symkin.load("klann_leg")
+    together, alone = symkin.modes(machine), symkin.modes(machine)
+    one_by_one = [mode.to_dict() for mode in alone]
+    calls = []
+    placed = inside.solution.link_poses
+    monkeypatch.setattr(
+        inside.solution, "link_poses", lambda *a: calls.append(len(a[1])) or placed(*a)
+    )
+    told = together.to_dict()["modes"]
+    assert calls == [len(together)]
+    assert len(together) > 1
+    for a, b in zip(told, one_by_one, strict=True):
+        assert a["joints"] == pytest.approx(b["joints"], abs=1e-9)
+        for name, point in b["points"].items():
+            assert a["points"][name] == pytest.approx(point, abs=1e-9)

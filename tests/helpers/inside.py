@@ -564,6 +564,7 @@ MODULES = {
     "mesh_files": "symkin.page.mesh_files",
     "calibration_plot": "symkin.plots.calibration_plot",
     "groups": "symkin.position.groups",
+    "solution": "symkin.position.solution",
     "motion_ranks": "symkin.singularities.motion_ranks",
     "rotation": "symkin.spatial.rotation",
     "screw": "symkin.spatial.screw",
