@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -44,6 +45,9 @@ UNITS: dict[str, tuple[str, float]] = {
     "ms": ("time", 1e-3),
 }
 """Units that a header may name, what they measure, and how many of the SI unit they are."""
+
+_ROWS_AT_ONCE = 4096
+"""Rows of a table that are held as text."""
 
 
 @dataclass(frozen=True)
@@ -280,13 +284,20 @@ def write_table(path: str | Path, headers: Sequence[str], rows: Iterable[Sequenc
     """Write a CSV file; numbers with all their digits. A file that exists is replaced only when all
     is written.
     """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(headers)
-    writer.writerows(
-        [repr(float(cell)) if isinstance(cell, float) else cell for cell in row] for row in rows
-    )
-    write_output(path, text.getvalue())
+    write_output(path, _blocks(headers, iter(rows)))
+
+
+def _blocks(headers: Sequence[str], rows: Iterator[Sequence[object]]) -> Iterator[str]:
+    """The text of a table, many rows at a time."""
+    block: list[Sequence[object]] = [headers]
+    while block:
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows(
+            [repr(float(cell)) if isinstance(cell, float) else cell for cell in row]
+            for row in block
+        )
+        yield text.getvalue()
+        block = list(itertools.islice(rows, _ROWS_AT_ONCE))
 
 
 def _value(cell: str) -> float | str:

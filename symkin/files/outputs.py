@@ -9,18 +9,22 @@ import os
 import secrets
 import stat
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from symkin.errors import InputError
 
 
-def write_output(path: str | Path, content: str | bytes) -> None:
-    """Write a file, text as UTF-8. A regular file is replaced once all is written, and keeps its
-    permissions; a symbolic link stays one, and what it leads to is written; a device, a pipe or
-    this process's own output is written into. Raises InputError.
+def write_output(path: str | Path, content: str | bytes | Iterable[str]) -> None:
+    """Write a file, text as UTF-8, pieces as they come. A regular file is replaced once all is
+    written, and keeps its permissions; a symbolic link stays one, and what it leads to is written;
+    a device, a pipe or this process's own output is written into. Raises InputError.
     """
-    data = content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content
+    whole = [content] if isinstance(content, str | bytes) else content
+    data = (
+        piece.encode("utf-8", "backslashreplace") if isinstance(piece, str) else piece
+        for piece in whole
+    )
     try:
         there = _status(path)
         if there is None or (stat.S_ISREG(there.st_mode) and not _is_own_output(there)):
@@ -68,31 +72,31 @@ def _is_own_output(there: os.stat_result) -> bool:
         return False
 
 
-def _write_into(path: str | Path, data: bytes, there: os.stat_result) -> None:
+def _write_into(path: str | Path, data: Iterable[bytes], there: os.stat_result) -> None:
     """Write into what is there: nothing is made, cut off or replaced."""
     if sys.stdout is not None:
         sys.stdout.flush()
     with os.fdopen(
         os.dup(1) if _is_own_output(there) else os.open(path, os.O_WRONLY), "wb"
     ) as file:
-        file.write(data)
+        file.writelines(data)
 
 
-def _replace(target: Path, data: bytes, there: os.stat_result | None) -> None:
+def _replace(target: Path, data: Iterable[bytes], there: os.stat_result | None) -> None:
     """Write under a temporary name beside the file, then in its place; into a file whose folder
     takes no new ones.
     """
     if there is not None and not os.access(target.parent, os.W_OK):
-        _overwrite(target, data)
+        _overwrite(target, b"".join(data))
         return
     temporary = target.parent / f"{f'.{target.name}'[:100]}.{secrets.token_hex(8)}"
     try:
         with temporary.open("xb") as file:
-            file.write(data)
+            file.writelines(data)
         if there is not None:
             os.chmod(temporary, stat.S_IMODE(there.st_mode))
         os.replace(temporary, target)
-    except OSError:
+    except BaseException:
         temporary.unlink(missing_ok=True)
         raise
 

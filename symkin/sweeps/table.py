@@ -18,6 +18,7 @@ from symkin.sweeps.layout import labels
 
 MOST_ROWS = 1_000_000
 """Rows of a table: more are for the arrays and not for a spreadsheet."""
+_ROWS_AT_ONCE = 4096
 _FIRST = ("points", "position", "quaternion", "joints", "residual", "condition")
 """Arrays whose columns come first."""
 _LEFT_OUT = ("completeness", "unresolved", "continuum")
@@ -41,9 +42,16 @@ def write_csv(data: Any, swept: Sequence[str], path: Path | str) -> int:
     write_table(
         path,
         [column.header for column in columns],
-        zip(*(_cells(column.numbers) for column in columns), strict=True),
+        _rows([column.numbers for column in columns]),
     )
     return len(columns[0].numbers)
+
+
+def _rows(columns: Sequence[np.ndarray]) -> Iterator[tuple[float | int | str, ...]]:
+    """The cells of each row, from as many at once as are held as Python's numbers."""
+    for begin in range(0, len(columns[0]), _ROWS_AT_ONCE):
+        block = slice(begin, begin + _ROWS_AT_ONCE)
+        yield from zip(*(_cells(numbers[block]) for numbers in columns), strict=True)
 
 
 def _cells(numbers: np.ndarray) -> list[float | int | str]:
