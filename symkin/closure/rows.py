@@ -26,6 +26,7 @@ from symkin.closure.cuts import cut_index, middle_turn, replaceable_universal_jo
 from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.closure.pose_forms import PlatformPose, StudyPose, UnitPose
 from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
+from symkin.errors import MechanismError
 from symkin.model.bar import Bar
 from symkin.model.graph import Coupling
 from symkin.model.joint import BASE, POSE_CONDITIONS, Coordinate, Joint
@@ -33,6 +34,9 @@ from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotate
+
+MOST_IN_LOOP = 250
+"""Joints of a loop at most: derivatives of its rows have the square of that many operations."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,6 +237,11 @@ class RowBuilder(BodyBuilder):
     def _close(self, branch: Branch) -> None:
         """Write what a branch between two placed bodies holds, cut at its joint of most freedom."""
         elements = branch.elements
+        if len(elements) > MOST_IN_LOOP:
+            raise MechanismError(
+                f"{self.mechanism.name}: a loop through {elements[0].name} and {elements[-1].name} "
+                f"has {len(elements)} joints; allowed: {MOST_IN_LOOP}"
+            )
         balls = [k for k, element in enumerate(elements) if element.balls]
         if balls and isinstance(elements[balls[0]].part, Bar):
             self._rod(branch, balls[0])

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
+from symkin.errors import MechanismError
+from symkin.formats.xml_text import DEEPEST
+
 Element = ElementTree.Element
 
 
@@ -28,7 +31,17 @@ def inside(parent: Element, tag: str, text: object = None, /, **attributes: obje
 
 
 def document(root: Element, comment: str) -> str:
-    """The text of a file, a comment at its head."""
+    """The text of a file, a comment at its head. Raises MechanismError for one whose elements stand
+    too deep within each other to be read.
+    """
+    level, depth = [root], 0
+    while level:
+        level, depth = [child for one in level for child in one], depth + 1
+    if depth > DEEPEST:
+        raise MechanismError(
+            f"in this format links stand within each other, {depth} deep here; allowed: {DEEPEST}; "
+            f"write a mechanism file (.toml), URDF or SDF"
+        )
     ElementTree.indent(root, "  ")
     words = " ".join(comment.replace("--", "- -").split())
     return (

@@ -42,12 +42,12 @@ def write_csv(data: Any, swept: Sequence[str], path: Path | str) -> int:
     write_table(
         path,
         [column.header for column in columns],
-        _rows([column.numbers for column in columns]),
+        rows_of([column.numbers for column in columns]),
     )
     return len(columns[0].numbers)
 
 
-def _rows(columns: Sequence[np.ndarray]) -> Iterator[tuple[float | int | str, ...]]:
+def rows_of(columns: Sequence[np.ndarray]) -> Iterator[tuple[float | int | str, ...]]:
     """The cells of each row, from as many at once as are held as Python's numbers."""
     for begin in range(0, len(columns[0]), _ROWS_AT_ONCE):
         block = slice(begin, begin + _ROWS_AT_ONCE)

@@ -4,6 +4,7 @@ has them, its loops closed there and its freedoms.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -97,3 +98,17 @@ def test_mujoco_moves_as_random_graphs(seed: int, tmp_path: Path) -> None:
     """Where a random graph moves at all: at the reference, and at closed configurations."""
     mechanism = random_graph(seed)
     MujocoAccount(mechanism, in_file(tmp_path, mechanism)).check()
+
+
+def test_a_chain_too_deep_for_nested_bodies_is_refused(tmp_path):
+    """Bodies of MJCF stand within each other, and no reader takes any depth."""
+    links = ["base", *(f"link{k}" for k in range(300))]
+    joints = [
+        symkin.LinkJoint(symkin.Joint(f"q{k}", "R", (k, 0, 0), (0, 0, 1), actuated=True), pair)
+        for k, pair in enumerate(pairwise(links))
+    ]
+    chain, output = symkin.Mechanism("chain", link_joints=joints), tmp_path / "chain.xml"
+    with pytest.raises(symkin.MechanismError, match=r"30\d deep here; allowed: 200"):
+        symkin.convert(chain, output)
+    assert not output.exists()
+    assert len(symkin.load(symkin.convert(chain, tmp_path / "chain.toml")).link_joints) == 300

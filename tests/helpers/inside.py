@@ -96,6 +96,7 @@ NAMES = {
     "written_number": "symkin.model.written_number",
     # tables and files that are written
     "read_table": "symkin.files.csv_table",
+    "table_rows": "symkin.sweeps.table:rows_of",
     "write_table": "symkin.files.csv_table",
     "SEQUENCES": "symkin.files.euler_columns",
     "write_output": "symkin.files.outputs",

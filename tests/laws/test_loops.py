@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+import symkin
 from helpers.gate import in_gate
 from helpers.inside import (
     AlgebraicSystem,
@@ -139,3 +140,21 @@ def test_conditions_are_ratios_of_singular_values(shape):
     np.testing.assert_allclose(found[:-2], wanted, rtol=1e-2)
     np.testing.assert_allclose(found[:5], wanted[:5], rtol=1e-10)
     assert np.isinf(found[-2:]).all()
+
+
+def test_a_loop_of_too_many_joints_is_refused_at_once():
+    """Each verb says which loop, and how many joints it may have."""
+    count = 1000
+    angles = 2 * np.pi * np.arange(count) / count
+    links = ["base", *(f"link{k}" for k in range(1, count))]
+    joints = [
+        symkin.LinkJoint(
+            symkin.Joint(f"q{k}", "R", (np.cos(a), np.sin(a), 0.0), (0, 0, 1), actuated=k > 2),
+            (links[k], links[(k + 1) % count]),
+        )
+        for k, a in enumerate(angles)
+    ]
+    ring = symkin.Mechanism("ring", link_joints=joints)
+    for verb in (symkin.modes, symkin.mobility, symkin.solve):
+        with pytest.raises(symkin.MechanismError, match="has 1000 joints; allowed: 250"):
+            verb(ring)
