@@ -24,6 +24,7 @@ from symkin.homotopy.engine import aligned, engine_of
 from symkin.homotopy.many_instances import APART, are_regular, nearest, plain_instances
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.structure import Structure
+from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, many_real_values
 from symkin.numeric.system import System
@@ -36,7 +37,7 @@ _REAL, _NOT_REAL = 1e-10, 1e-4
 @dataclass(frozen=True, eq=False)
 class BlockPaths:
     """A block with its algebraic system and the start of its paths: its own, or those of its
-    structure (`shared`).
+    structure (`shared`), or those of combinations of its rows (`combined`).
     """
 
     problem: Problem
@@ -44,6 +45,7 @@ class BlockPaths:
     algebraic: AlgebraicSystem
     start: Fibre
     shared: Structure | None = None
+    combined: bool = False
     method: ClassVar[str] = "continuation"
 
     @property
@@ -93,7 +95,7 @@ class BlockPaths:
             )
             plain[instance[left[irregular]]] = False
         counts, origin, columns, owner = self._real_ones(
-            z, instance, plain, None if proved is None else proved.real == "not real"
+            z, k, instance, plain, None if proved is None else proved.real == "not real"
         )
         counts = counts << len(replaced_universal_joints(self.problem))
         found, origin = checked_roots(
@@ -117,7 +119,12 @@ class BlockPaths:
     # --- candidates -------------------------------------------------------------------------------
 
     def _real_ones(
-        self, z: np.ndarray, instance: np.ndarray, plain: np.ndarray, not_real: np.ndarray | None
+        self,
+        z: np.ndarray,
+        k: np.ndarray,
+        instance: np.ndarray,
+        plain: np.ndarray,
+        not_real: np.ndarray | None,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Counts (n,) of complex solutions; of the real ones, with those that limbs' branches add,
         the places in z (-1 for these), the columns and the instances. Instances with more
@@ -125,6 +132,9 @@ class BlockPaths:
         """
         counts = np.bincount(instance, minlength=len(plain))
         real = imaginary_part(self.algebraic, z, range(self.algebraic.width)) < _REAL
+        if self.combined:
+            whole = meets_all_rows(self.problem, self.block, self.algebraic, z, k[:, instance])
+            counts, real = np.bincount(instance[whole], minlength=len(plain)), real & whole
         if not_real is not None:
             real &= ~not_real
         several = self._several_branches(z, instance)

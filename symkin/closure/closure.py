@@ -49,6 +49,7 @@ class Closure:
     row_sources: tuple[Row, ...]
     row_numbers: tuple[int, ...]
     errors: ca.SX
+    error_sources: tuple[Row, ...]
     pose: Pose
     forward: Pose | None
     idle: tuple[str, ...]
@@ -222,6 +223,7 @@ def _assemble(builder: RowBuilder) -> Closure:
         row_sources=tuple(builder.sources[k] for k in kept),
         row_numbers=kept,
         errors=_without_unused(builder, names),
+        error_sources=tuple(builder.error_sources),
         pose=builder.pose,
         forward=builder.forward,
         idle=tuple(text for text in builder.idle if text),

@@ -80,6 +80,7 @@ class RowBuilder(BodyBuilder):
         self.rows: list[ca.SX] = []
         self.sources: list[Row] = []
         self.errors: list[ca.SX] = []
+        self.error_sources: list[Row] = []
         self.idle: list[str] = []
         self.distances: list[ca.SX] = []
         self.eliminated: list[tuple[Coordinate, ca.SX]] = []
@@ -189,6 +190,7 @@ class RowBuilder(BodyBuilder):
         self.rows.extend(rows)
         self.sources.extend(Row(limb, relation) for _ in rows)
         self.errors.extend(errors)
+        self.error_sources.extend(Row(limb, relation) for _ in errors)
 
     def _distance(
         self,

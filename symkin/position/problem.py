@@ -16,6 +16,7 @@ import numpy as np
 from symkin.closure.closure import Closure, build_closure, numbered_rows, random_values
 from symkin.closure.partition import ALL_JOINTS, POSE_COORDINATES, Partition
 from symkin.computed_once import cached_property, lru_cache
+from symkin.elimination.implied_rows import PointRow
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
@@ -29,7 +30,8 @@ KNOWN: dict[Kind, str] = {"direct": "actuated", "inverse": "pose"}
 @dataclass(frozen=True, eq=False)
 class Problem:
     """A position problem of one mechanism; values of the known coordinates are bound at each solve.
-    `row_places` are the rows of the closure that its system holds, None for all of them.
+    `row_places` are the rows of the closure that its system holds, None for all of them; `implied`
+    are rows behind these that follow from the closure's.
     """
 
     closure: Closure
@@ -37,6 +39,7 @@ class Problem:
     system: System
     known_coordinates: tuple[Coordinate, ...]
     row_places: tuple[int, ...] | None = None
+    implied: tuple[PointRow, ...] = ()
 
     @property
     def mechanism(self) -> Mechanism:
@@ -44,7 +47,7 @@ class Problem:
 
     @property
     def places_of_rows(self) -> tuple[int, ...]:
-        """The place in the closure of each row of the system."""
+        """The place in the closure of each row of the system, but for implied ones."""
         return (
             tuple(range(int(self.system.rows.shape[0])))
             if self.row_places is None

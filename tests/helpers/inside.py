@@ -461,7 +461,7 @@ NAMES = {
     "Options": "symkin.codegen.options",
     "can_run": "symkin.codegen.own_test",
     "run_own_test": "symkin.codegen.own_test",
-    "_null_space": "symkin.codegen.pose_rows",
+    "_null_space": "symkin.elimination.implied_rows",
     "build_program": "symkin.codegen.program",
     "configurations": "symkin.codegen.samples",
     "followed": "symkin.codegen.samples",
