@@ -7,7 +7,7 @@ groups without a start, are searched one by one.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -20,7 +20,7 @@ from symkin.assembly.continuation import by_continuation, least_error
 from symkin.assembly.modes_result import Completeness
 from symkin.assembly.search import Search
 from symkin.computed_once import lru_cache
-from symkin.homotopy.start_store import TIED, start_of
+from symkin.homotopy.start_store import start_of
 from symkin.homotopy.structure import start_of_structure, structure_of
 from symkin.homotopy.systems import squared, system_of, unsuitable
 from symkin.numeric.levenberg import Progress
@@ -29,7 +29,7 @@ from symkin.numeric.root_checks import are_roots
 from symkin.position.canonical import canonical
 from symkin.position.gear_train import GearTrain, gear_train
 from symkin.position.given import Given
-from symkin.position.groups import implied_parts, is_linear
+from symkin.position.groups import implied_parts, is_linear, is_tied
 from symkin.position.multistart import batched
 from symkin.position.multistart import one_by_one as by_solver
 from symkin.position.problem import Problem
@@ -276,19 +276,18 @@ def group_paths(group: Problem) -> BlockPaths | None:
         shared = start_of_structure(group, structure)
         if shared is not None:
             return BlockPaths(group, block, structure.system, shared, structure)
+    if is_tied(group) and not system.projective:
+        return None
     start, _ = start_of(group, system, block)
     return None if start is None else BlockPaths(group, block, system, start)
 
 
 @lru_cache(maxsize=256)
 def _combined_paths(group: Problem) -> BlockPaths | None:
-    if unsuitable(group) is not None:
+    if unsuitable(group) is not None or not is_tied(group):
         return None
     (block,) = group.blocks
-    whole = system_of(group, block)
-    if start_of(group, whole, block)[1] != TIED:
-        return None
-    system = squared(whole)
+    system = squared(system_of(group, block))
     start, _ = start_of(group, system, block)
     return None if start is None else BlockPaths(group, block, system, start, combined=True)
 
@@ -302,9 +301,15 @@ def most_roots(group: Problem) -> int | None:
         return len(train.places)
     parts = solved_parts(group)
     if parts:
-        return product_of_counts(NOT_KNOWN if (m := most_roots(p)) is None else m for p in parts)
+        return most_of_parts(parts)
     paths = group_solver(group)
     return None if paths is None else paths.most_roots
+
+
+def most_of_parts(parts: Sequence[Problem]) -> int | None:
+    """The most isolated solutions of parts that are solved one after another."""
+    counts = (most_roots(part) for part in parts)
+    return product_of_counts(NOT_KNOWN if count is None else count for count in counts)
 
 
 def solvers_of(group: Problem) -> list[BlockPaths | ClosedBlock]:
@@ -320,25 +325,44 @@ def solvers_of(group: Problem) -> list[BlockPaths | ClosedBlock]:
     return [] if solver is None else [solver]
 
 
-def parts_of_limbs(problem: Problem) -> tuple[Problem, ...]:
-    """The parts of a direct problem of limbs that makes one block (see `solved_parts`)."""
-    one = problem.kind == "direct" and len(problem.blocks) == 1
-    return solved_parts(problem) if one else ()
-
-
 @lru_cache(maxsize=256)
 def solved_parts(group: Problem) -> tuple[Problem, ...]:
     """The parts of a group that has no formulas of its own, where implied rows take it apart and
-    each part has formulas or paths. Where those that implied rows leave, passive joints, have one
-    solution each, the group's own paths are as many as its parts', and are taken if there are any.
+    each part has formulas or paths.
     """
     if solved_at_once(group) or closed_block(group, 0) is not None:
         return ()
     parts = implied_parts(group)
+    return parts if _are_taken(parts, lambda: group_paths(group) is not None) else ()
+
+
+@lru_cache(maxsize=128)
+def parted_group(problem: Problem) -> Problem | None:
+    """The group that a direct problem of limbs is as a whole, where implied rows take it apart as
+    in `solved_parts`.
+    """
+    if problem.kind != "direct" or len(problem.blocks) != 1 or closed_block(problem, 0) is not None:
+        return None
+    group = replace(problem, kind="given", row_places=problem.places_of_rows)
+
+    def has_paths() -> bool:
+        (block,) = problem.blocks
+        return (
+            unsuitable(problem) is None
+            and start_of(problem, system_of(problem, block), block)[0] is not None
+        )
+
+    return group if _are_taken(implied_parts(group), has_paths) else None
+
+
+def _are_taken(parts: Sequence[Problem], has_paths: Callable[[], bool]) -> bool:
+    """Whether a group is left to its parts. Where passive joints, which implied rows leave, have
+    one solution each, the group's own paths are as many, and are taken if there are any.
+    """
     single = all(part.implied or most_roots(part) == 1 for part in parts)
-    if single and group_paths(group) is not None:
-        return ()
-    return parts if all(most_roots(part) is not None for part in parts) else ()
+    if not parts or (single and has_paths()):
+        return False
+    return all(most_roots(part) is not None for part in parts)
 
 
 def solved_at_once(group: Problem) -> bool:
@@ -382,9 +406,10 @@ def roots_of_parts(
     progress: Progress | None = None,
 ) -> GroupRoots:
     """The solutions of a group from those of its parts, each for every choice of those before it,
-    held against all rows of the group.
+    held against all rows of the group. Passive joints whose rows known values must agree with are
+    left to formulas in any case.
     """
-    n = len(known)
+    n, search = len(known), replace(search, formulas=True)
     begin = np.zeros((n, int(group.closure.variables.shape[0])))
     begin[:, group.known_places] = known
     tree = _Tree(begin, np.arange(n), np.full(n, np.inf))

@@ -9,11 +9,13 @@ from typing import ClassVar
 
 import numpy as np
 
+from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.checked_roots import BlockRoots, with_proofs
+from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import (
     STATEMENTS,
     engines_together,
-    most_roots,
+    most_of_parts,
     roots_of_parts,
     solvers_of,
 )
@@ -29,7 +31,7 @@ from symkin.position.problem import Problem
 
 @dataclass(frozen=True, eq=False)
 class PartedBlock:
-    """The only block of a problem, solved by its `parts` (see `group_roots.solved_parts`)."""
+    """The group that a direct problem is, solved by its `parts` (`group_roots.parted_group`)."""
 
     problem: Problem
     parts: tuple[Problem, ...]
@@ -42,13 +44,16 @@ class PartedBlock:
     @property
     def engine(self) -> str:
         """What tracks the paths or has the formulas."""
-        solvers = (solver for part in self.parts for solver in solvers_of(part))
-        return engines_together(solver.engine for solver in solvers) or "none"
+        return engines_together(solver.engine for solver in self._solvers) or "none"
+
+    @cached_property
+    def _solvers(self) -> list[BlockPaths | ClosedBlock]:
+        return [solver for part in self.parts for solver in solvers_of(part)]
 
     @cached_property
     def most_roots(self) -> int:
         """Complex roots of a generic instance."""
-        count = most_roots(self.problem)
+        count = most_of_parts(self.parts)
         assert count is not None  # noqa: S101 - parts are taken where each tells its count
         return count
 
@@ -63,12 +68,11 @@ class PartedBlock:
     @property
     def digest(self) -> bytes:
         """What the roots begin from."""
-        return b"".join(solver.digest for part in self.parts for solver in solvers_of(part))
+        return b"".join(solver.digest for solver in self._solvers)
 
     def roots(self, known: np.ndarray, *, certify: bool) -> BlockRoots:
         """Roots at instances known (n, values)."""
-        search = Search.of("continuation")
-        found = roots_of_parts(self.problem, self.parts, known, search)
+        found = roots_of_parts(self.problem, self.parts, known, Search.of(None))
         here = known[found.owner]
         extremes = extreme_singular_values(self.block.linearise(found.points, here)[1])
         plain = (found.statement <= STATEMENTS.index("probability one")) & ~found.continuum

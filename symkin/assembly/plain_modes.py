@@ -14,7 +14,7 @@ import numpy as np
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.checked_roots import BlockRoots
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
-from symkin.assembly.group_roots import parts_of_limbs
+from symkin.assembly.group_roots import parted_group
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import theorem_notes
 from symkin.assembly.mode_table import (
@@ -34,6 +34,7 @@ from symkin.numeric.levenberg import Progress
 from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.canonical import canonical, poses_of
+from symkin.position.groups import implied_parts
 from symkin.position.problem import Problem
 from symkin.position.readings import within_limits
 from symkin.position.roots import MOST_MODES
@@ -296,8 +297,9 @@ def _solver(
     closed = closed_block(problem, number) if formulas else None
     if closed is not None and closed.is_of_arm:
         return closed
-    if parts := parts_of_limbs(problem):
-        return PartedBlock(problem, parts)
+    group = parted_group(problem)
+    if group is not None:
+        return PartedBlock(group, implied_parts(group))
     paths = _paths(problem, number, progress, str(cache_folder()))
     return closed if closed is not None and accounts_for_all(closed, paths) else paths
 

@@ -40,6 +40,8 @@ _OF_VECTORS = ("point", "axis", "orientation", "frame")
 """Relations whose closure errors are gaps between points and between directions."""
 _DRAWS = 3
 """Random values at which coefficients are compared."""
+_MOST_TERMS = 48
+"""Terms of a row at most: its square has as many products as pairs of them."""
 _CANCELLED = 1e-13
 """Share of the largest coefficient below which one is what rounding leaves of others that
 cancel.

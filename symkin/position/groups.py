@@ -29,7 +29,7 @@ from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
-from symkin.position.problem import Problem
+from symkin.position.problem import Problem, free_system
 
 _POINTS = 3
 """Random points at which derivatives are looked at: one that vanishes at all of them is zero."""
@@ -51,7 +51,12 @@ def implied_parts(group: Problem) -> tuple[Problem, ...]:
     it apart: a platform's pose, say, then the passive joints of each limb. None of them where they
     do not.
     """
-    if group.implied or group.closure.partition.geometry or len(group.blocks) != 1:
+    if (
+        group.implied
+        or group.closure.partition.geometry
+        or len(group.blocks) != 1
+        or is_tied(group)
+    ):
         return ()
     candidates = _with_implied(group, _implied_rows(group))
     if not candidates.implied:
@@ -60,6 +65,21 @@ def implied_parts(group: Problem) -> tuple[Problem, ...]:
     kept = [row for k, row in enumerate(candidates.implied, start=count) if k in chosen]
     parts = _decomposed(_with_implied(group, kept)) if kept else ()
     return parts if len(parts) > 1 else ()
+
+
+@lru_cache(maxsize=256)
+def is_tied(group: Problem) -> bool:
+    """Whether a group's known values must satisfy conditions: its rows say more of them than they
+    leave unknown.
+    """
+    system = group.system
+    if int(system.rows.shape[0]) <= system.freedom:
+        return False
+    free, values = free_system(group, system), np.array(closed_configurations(group.closure, 0))
+    places = np.concatenate([group.unknown_places, group.known_places])
+    jacobians = free.linearise(values[:, places], np.zeros(0))[1]
+    whole = max(jacobians, key=lambda jacobian: Rank.of(jacobian).value)
+    return Rank.of(whole).value > Rank.of(whole[:, : system.freedom]).value
 
 
 def _decomposed(problem: Problem) -> tuple[Problem, ...]:
@@ -94,7 +114,8 @@ def _implied_rows(group: Problem) -> list[PointRow]:
     found = []
     for branch in dict.fromkeys(closure.row_sources[place].limb for place in places):
         gone = [name for name in joints if owners.get(name, {branch}) == {branch}]
-        for row in implied_rows(closure, branch, gone):
+        left = {c.name for c in group.system.unknowns} - set(gone)
+        for row in implied_rows(closure, branch, gone) if left else []:
             names = _coordinates_in(row.row, closure)
             if names <= own and not names & fixed:
                 found.append(row)

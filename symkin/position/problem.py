@@ -266,3 +266,17 @@ def _partition(
 
 def _stack(closure: Closure, coordinates: tuple[Coordinate, ...]) -> ca.SX:
     return ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in coordinates))
+
+
+def free_system(problem: Problem, block: System) -> System:
+    """The rows of a block with its known coordinates unknown as well."""
+    coordinates = (*block.unknowns, *problem.known_coordinates)
+    variables = ca.vertcat(block.unknown, block.known)
+    return System(
+        coordinates,
+        variables,
+        ca.SX(0, 1),
+        block.rows,
+        block.errors,
+        problem.closure.characteristic_length,
+    )
