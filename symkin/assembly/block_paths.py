@@ -25,7 +25,6 @@ from symkin.homotopy.many_instances import APART, are_regular, nearest, plain_in
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.structure import Structure
 from symkin.homotopy.systems import meets_all_rows
-from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, many_real_values
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
@@ -56,9 +55,7 @@ class BlockPaths:
     @property
     def most_roots(self) -> int:
         """Complex roots of a generic instance."""
-        return complex_count(self.algebraic, self.start.z) << len(
-            replaced_universal_joints(self.problem)
-        )
+        return complex_count(self.algebraic, self.start.z)
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
@@ -97,9 +94,8 @@ class BlockPaths:
         counts, origin, columns, owner = self._real_ones(
             z, k, instance, plain, None if proved is None else proved.real == "not real"
         )
-        counts = counts << len(replaced_universal_joints(self.problem))
         found, origin = checked_roots(
-            self.block, self._points(columns, owner, origin, k, known), known, plain, counts
+            self.block, self._points(columns, owner, origin, k), known, plain, counts
         )
         found = replace(found, ends=z, ends_of=instance)
         return found if knowns is None else with_proofs(found, self.prover, proved, knowns, origin)
@@ -176,31 +172,14 @@ class BlockPaths:
         return found if several.any() else None
 
     def _points(
-        self, z: np.ndarray, owner: np.ndarray, origin: np.ndarray, k: np.ndarray, known: np.ndarray
+        self, z: np.ndarray, owner: np.ndarray, origin: np.ndarray, k: np.ndarray
     ) -> Candidates:
-        """Points of the block for real roots z (width, any) at the instances `owner`; with
-        universal joints that distances have replaced, all their choices.
-        """
+        """Points of the block for real roots z (width, any) at the instances `owner`."""
         values = many_real_values(self.problem, self.algebraic, z, k[:, owner])
-        if self.shared is not None and not self.algebraic.projective:
-            values = {
-                c.name: value for c, value in zip(self.block.unknowns, values.values(), strict=True)
-            }
         names = [c.name for c in self.block.unknowns]
-        if not replaced_universal_joints(self.problem):
-            return Candidates(
-                np.concatenate([values[name] for name in names], axis=1), owner, origin
-            )
-        points, repeats = [np.zeros((0, self.block.width))], []
-        for i, instance in enumerate(owner):
-            choices = with_universal_angles(
-                self.problem, known[instance], {name: value[i] for name, value in values.items()}
-            )
-            points += [np.concatenate([choice[name] for name in names])[None] for choice in choices]
-            repeats.append(len(choices))
-        return Candidates(
-            np.concatenate(points), np.repeat(owner, repeats), np.full(sum(repeats), -1)
-        )
+        if self.shared is not None and not self.algebraic.projective:
+            values = dict(zip(names, values.values(), strict=True))
+        return Candidates(np.concatenate([values[name] for name in names], axis=1), owner, origin)
 
 
 def orbit_notes(system: AlgebraicSystem, start: Fibre) -> tuple[str, ...]:

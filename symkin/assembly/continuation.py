@@ -28,7 +28,6 @@ from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
 from symkin.homotopy.start_store import AGREEING, TIED, start_of
 from symkin.homotopy.systems import meets_all_rows, squared, system_of, unsuitable
-from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, real_values
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.system import System
@@ -121,10 +120,7 @@ def _block_roots(
     unreal = np.zeros(count, dtype=bool) if proved is None else proved.real == "not real"
     possible = np.concatenate([ends.z[:, ~unreal], ends.singular.z], axis=1)
     real = [real_values(problem, algebraic, z, k) for z in real_candidates(algebraic, possible).T]
-    named = [
-        values for root in real for values in with_universal_angles(problem, given.values, root)
-    ]
-    found = _polished(block, given.values, named)
+    found = _polished(block, given.values, real)
     points, continuum, smallest = found.points, found.continuum, found.smallest_residual
     doubtful = bool(ends.unresolved) or not ends.singular.isolated.all()
     if doubtful or not len(points):
@@ -151,7 +147,7 @@ def _block_roots(
         sampled=False,
         unresolved=len(ends.unresolved),
         # roots that nearly meet may be one for paths and two for the rows
-        complex_count=max(poses * 2 ** len(replaced_universal_joints(problem)), len(points)),
+        complex_count=max(poses, len(points)),
         complex_sets=not ends.singular.isolated.all(),
         engine=engine_of(algebraic)[1],
         proofs=_proofs(problem, prover, proved, points, knowns),

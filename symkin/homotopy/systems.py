@@ -19,7 +19,6 @@ from symkin.homotopy.six_distances import (
     is_universal,
     universal_system,
 )
-from symkin.homotopy.universal_joints import replaced_universal_joints
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System, components
 from symkin.position.groups import without_later
@@ -40,25 +39,15 @@ def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
         return (_of_given(problem),)
     if is_universal(problem):
         return (universal_system(),)
-    return _build(problem, replace_universal=True)
+    return _build(problem)
 
 
-@lru_cache(maxsize=64)
-def whole_system(problem: Problem, block: System) -> AlgebraicSystem:
-    """The algebraic system of a block with universal joints among its unknowns."""
-    if not replaced_universal_joints(problem):
-        return system_of(problem, block)
-    (system,) = _build(problem, replace_universal=False)
-    return system
-
-
-def _build(problem: Problem, *, replace_universal: bool) -> tuple[AlgebraicSystem, ...]:
+def _build(problem: Problem) -> tuple[AlgebraicSystem, ...]:
     pose_unknown = problem.kind == "direct"
     algebraic = build_algebraic_closure(
         problem.mechanism,
         "study" if pose_unknown else "homogeneous",
         eliminate=problem.kind == "inverse",
-        replace_universal=replace_universal,
     )
     size = problem.closure.characteristic_length
     known_role = KNOWN[problem.kind]

@@ -243,7 +243,6 @@ NAMES = {
     "TrackSettings": "symkin.homotopy.tracker",
     "Tracked": "symkin.homotopy.tracker",
     "track_paths": "symkin.homotopy.tracker:track",
-    "two_angles": "symkin.homotopy.universal_joints",
     "BOUND": "symkin.homotopy.universal_start",
     "universal_start": "symkin.homotopy.universal_start",
     "algebraic_point": "symkin.homotopy.values",
