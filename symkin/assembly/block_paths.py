@@ -24,7 +24,7 @@ from symkin.homotopy.engine import aligned, engine_of
 from symkin.homotopy.many_instances import APART, are_regular, nearest, plain_instances
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.structure import Structure
-from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
+from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.values import known_values, many_real_values
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
@@ -36,7 +36,7 @@ _REAL, _NOT_REAL = 1e-10, 1e-4
 @dataclass(frozen=True, eq=False)
 class BlockPaths:
     """A block with its algebraic system and the start of its paths: its own, or those of its
-    structure (`shared`).
+    structure (`shared`), or those of combinations of its rows (`combined`).
     """
 
     problem: Problem
@@ -44,6 +44,7 @@ class BlockPaths:
     algebraic: AlgebraicSystem
     start: Fibre
     shared: Structure | None = None
+    combined: bool = False
     method: ClassVar[str] = "continuation"
 
     @property
@@ -54,9 +55,7 @@ class BlockPaths:
     @property
     def most_roots(self) -> int:
         """Complex roots of a generic instance."""
-        return complex_count(self.algebraic, self.start.z) << len(
-            replaced_universal_joints(self.problem)
-        )
+        return complex_count(self.algebraic, self.start.z)
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
@@ -93,11 +92,10 @@ class BlockPaths:
             )
             plain[instance[left[irregular]]] = False
         counts, origin, columns, owner = self._real_ones(
-            z, instance, plain, None if proved is None else proved.real == "not real"
+            z, k, instance, plain, None if proved is None else proved.real == "not real"
         )
-        counts = counts << len(replaced_universal_joints(self.problem))
         found, origin = checked_roots(
-            self.block, self._points(columns, owner, origin, k, known), known, plain, counts
+            self.block, self._points(columns, owner, origin, k), known, plain, counts
         )
         found = replace(found, ends=z, ends_of=instance)
         return found if knowns is None else with_proofs(found, self.prover, proved, knowns, origin)
@@ -117,7 +115,12 @@ class BlockPaths:
     # --- candidates -------------------------------------------------------------------------------
 
     def _real_ones(
-        self, z: np.ndarray, instance: np.ndarray, plain: np.ndarray, not_real: np.ndarray | None
+        self,
+        z: np.ndarray,
+        k: np.ndarray,
+        instance: np.ndarray,
+        plain: np.ndarray,
+        not_real: np.ndarray | None,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Counts (n,) of complex solutions; of the real ones, with those that limbs' branches add,
         the places in z (-1 for these), the columns and the instances. Instances with more
@@ -125,6 +128,9 @@ class BlockPaths:
         """
         counts = np.bincount(instance, minlength=len(plain))
         real = imaginary_part(self.algebraic, z, range(self.algebraic.width)) < _REAL
+        if self.combined:
+            whole = meets_all_rows(self.problem, self.block, self.algebraic, z, k[:, instance])
+            counts, real = np.bincount(instance[whole], minlength=len(plain)), real & whole
         if not_real is not None:
             real &= ~not_real
         several = self._several_branches(z, instance)
@@ -166,31 +172,14 @@ class BlockPaths:
         return found if several.any() else None
 
     def _points(
-        self, z: np.ndarray, owner: np.ndarray, origin: np.ndarray, k: np.ndarray, known: np.ndarray
+        self, z: np.ndarray, owner: np.ndarray, origin: np.ndarray, k: np.ndarray
     ) -> Candidates:
-        """Points of the block for real roots z (width, any) at the instances `owner`; with
-        universal joints that distances have replaced, all their choices.
-        """
+        """Points of the block for real roots z (width, any) at the instances `owner`."""
         values = many_real_values(self.problem, self.algebraic, z, k[:, owner])
-        if self.shared is not None and not self.algebraic.projective:
-            values = {
-                c.name: value for c, value in zip(self.block.unknowns, values.values(), strict=True)
-            }
         names = [c.name for c in self.block.unknowns]
-        if not replaced_universal_joints(self.problem):
-            return Candidates(
-                np.concatenate([values[name] for name in names], axis=1), owner, origin
-            )
-        points, repeats = [np.zeros((0, self.block.width))], []
-        for i, instance in enumerate(owner):
-            choices = with_universal_angles(
-                self.problem, known[instance], {name: value[i] for name, value in values.items()}
-            )
-            points += [np.concatenate([choice[name] for name in names])[None] for choice in choices]
-            repeats.append(len(choices))
-        return Candidates(
-            np.concatenate(points), np.repeat(owner, repeats), np.full(sum(repeats), -1)
-        )
+        if self.shared is not None and not self.algebraic.projective:
+            values = dict(zip(names, values.values(), strict=True))
+        return Candidates(np.concatenate([values[name] for name in names], axis=1), owner, origin)
 
 
 def orbit_notes(system: AlgebraicSystem, start: Fibre) -> tuple[str, ...]:

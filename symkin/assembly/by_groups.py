@@ -19,7 +19,7 @@ from symkin.assembly.group_roots import (
     GroupRoots,
     engines_together,
     group_roots,
-    one_by_one,
+    with_least_errors,
 )
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import (
@@ -350,9 +350,7 @@ def _extended(group: Problem, number: int, tree: _Tree, account: _Account, ask: 
     if lost.any() and ask.least_errors:
         untold = np.unique(which[lost[tree.owner] & np.isinf(roots.smallest[which])])
         if untold.size:
-            roots = roots.with_rows(
-                untold, one_by_one(group, known[untold], ask.search, ask.progress)
-            )
+            roots = with_least_errors(group, roots, known, untold, ask.search, ask.progress)
             lost = _lost(roots, tree.owner, which, len(account.seen))
     roots = roots.in_order()
     proofs = PartProofs.of_nothing(len(roots.owner))

@@ -25,6 +25,7 @@ from symkin.homotopy.systems import system_of
 from symkin.homotopy.values import coordinate_scale
 from symkin.numeric.system import System
 from symkin.position.arm_formulas import arm_formulas
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN
@@ -190,5 +191,12 @@ def closed_block(problem: Problem, number: int) -> ClosedBlock | None:
     if problem.is_explicit or (problem.kind == "given" and is_linear(problem)):
         return None
     near = problem.reference_known
-    found = closed_form(block, samples_about(block, near, problem.known_coordinates))
-    return None if found is None else ClosedBlock(problem, block, found, near)
+    samples = samples_about(block, near, problem.known_coordinates)
+    found = closed_form(block, samples, all_rows=problem.kind == "given")
+    if found is None:
+        return None
+    if problem.kind == "given" and found.has_conditions:
+        # rows that divisors of the formulas take out may be nothing at the reference
+        generic = closed_configurations(problem.closure, 0)[0]
+        near = problem.select_values(generic, problem.known_coordinates)
+    return ClosedBlock(problem, block, found, near)

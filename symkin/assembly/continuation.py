@@ -27,8 +27,7 @@ from symkin.homotopy.instance import instance
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
 from symkin.homotopy.start_store import AGREEING, TIED, start_of
-from symkin.homotopy.systems import squared, system_of, unsuitable
-from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
+from symkin.homotopy.systems import meets_all_rows, squared, system_of, unsuitable
 from symkin.homotopy.values import known_values, real_values
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.system import System
@@ -41,10 +40,6 @@ if TYPE_CHECKING:
     from symkin.certificate.certificate import CertificateBatch
     from symkin.certificate.knowns import Knowns
 
-_ALL_ROWS = 1e-6
-"""Largest row, over the size, of a root of combined rows that is one of all: given values that were
-projected close them to 1e-9.
-"""
 _LEAST_ERROR_STARTS = 200
 """Random starts for the least closure error where no root is real."""
 
@@ -125,25 +120,24 @@ def _block_roots(
     unreal = np.zeros(count, dtype=bool) if proved is None else proved.real == "not real"
     possible = np.concatenate([ends.z[:, ~unreal], ends.singular.z], axis=1)
     real = [real_values(problem, algebraic, z, k) for z in real_candidates(algebraic, possible).T]
-    named = [
-        values for root in real for values in with_universal_angles(problem, given.values, root)
-    ]
-    found = _polished(block, given.values, named)
+    found = _polished(block, given.values, real)
     points, continuum, smallest = found.points, found.continuum, found.smallest_residual
     doubtful = bool(ends.unresolved) or not ends.singular.isolated.all()
     if doubtful or not len(points):
-        count, generator = (
-            (starts, rng) if doubtful else (_LEAST_ERROR_STARTS, np.random.default_rng(0))
+        sampled = (
+            batched(problem, block, given, starts, rng)
+            if doubtful
+            else _least_errors(problem, block, given)
         )
-        sampled = batched(problem, block, given, count, generator)
         continuum = sampled.continuum if continuum is None else continuum
         points = np.concatenate([points, sampled.points])
         smallest = min(smallest, sampled.smallest_residual)
     first, _ = unite(block, points, given.values, continuum_met=continuum is not None)
     points = points[first]
-    poses = complex_count(
-        algebraic, _of_all_rows(problem, algebraic, block, _isolated(problem, ends, given), k)
-    )
+    isolated = _isolated(problem, ends, given)
+    columns = np.repeat(k[:, None], isolated.shape[1], axis=1)
+    whole = meets_all_rows(problem, block, algebraic, isolated, columns)
+    poses = complex_count(algebraic, isolated[:, whole])
     roots = Roots(
         block,
         points,
@@ -153,13 +147,22 @@ def _block_roots(
         sampled=False,
         unresolved=len(ends.unresolved),
         # roots that nearly meet may be one for paths and two for the rows
-        complex_count=max(poses * 2 ** len(replaced_universal_joints(problem)), len(points)),
+        complex_count=max(poses, len(points)),
         complex_sets=not ends.singular.isolated.all(),
         engine=engine_of(algebraic)[1],
         proofs=_proofs(problem, prover, proved, points, knowns),
         missing=_missing(ends),
     )
     return roots, doubtful
+
+
+def _least_errors(problem: Problem, block: System, given: Given) -> Roots:
+    return batched(problem, block, given, _LEAST_ERROR_STARTS, np.random.default_rng(0))
+
+
+def least_error(problem: Problem, block: System, given: Given) -> float:
+    """The least closure error that a fixed number of fixed starts reach."""
+    return _least_errors(problem, block, given).smallest_residual
 
 
 def _isolated(problem: Problem, ends: Ends, given: Given) -> np.ndarray:
@@ -217,19 +220,6 @@ def _missing(ends: Ends) -> str | None:
         if parts
         else None
     )
-
-
-def _of_all_rows(
-    problem: Problem, algebraic: AlgebraicSystem, block: System, z: np.ndarray, k: np.ndarray
-) -> np.ndarray:
-    """Roots (width, n) that meet all rows of the block, where `algebraic` holds combinations of
-    them.
-    """
-    whole = system_of(problem, block)
-    if whole.count <= algebraic.count or whole.width != algebraic.width:
-        return z
-    f, _ = whole.linearise(z, np.repeat(k.astype(complex)[:, None], z.shape[1], axis=1))
-    return np.asarray(z[:, np.max(np.abs(f), axis=1, initial=0.0) < _ALL_ROWS])
 
 
 def _polished(

@@ -18,7 +18,7 @@ import numpy as np
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.by_groups import FEW, modes_by_groups
 from symkin.assembly.closed_roots import ClosedBlock
-from symkin.assembly.group_roots import STATEMENTS, group_solver, most_roots, solved_at_once
+from symkin.assembly.group_roots import STATEMENTS, most_roots, solvers_of
 from symkin.assembly.mode_table import (
     COMPLETENESS,
     ModeTable,
@@ -121,11 +121,8 @@ class GroupFinder:
 
     @cached_property
     def _solvers(self) -> list[BlockPaths | ClosedBlock]:
-        found = (
-            None if solved_at_once(group) else group_solver(group)
-            for group in structure_groups(self.problem)
-        )
-        return [solver for solver in found if solver is not None]
+        groups = structure_groups(self.problem)
+        return [solver for group in groups for solver in solvers_of(group)]
 
     @property
     def engine(self) -> str | None:

@@ -12,6 +12,7 @@ from math import prod
 import numpy as np
 
 from symkin.assembly.continuation import by_continuation, lacks_starts
+from symkin.assembly.group_roots import parted_group
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import ground_notes, theorem_notes
 from symkin.assembly.modes_by_name import modes_by_name
@@ -67,9 +68,11 @@ def _searched(
 
 
 def _only_by_groups(problem: Problem, progress: Progress | None) -> bool:
-    """Whether a block has no start system, and its parts, which are solved one after another, may
-    have one each.
+    """Whether implied rows take the problem apart; or a block has no start system, and its parts,
+    which are solved one after another, may have one each.
     """
+    if parted_group(problem) is not None:
+        return True
     return lacks_starts(problem, progress) and len(structure_groups(problem)) > len(problem.blocks)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.checked_roots import BlockRoots
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
+from symkin.assembly.group_roots import parted_group
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import theorem_notes
 from symkin.assembly.mode_table import (
@@ -23,6 +24,7 @@ from symkin.assembly.mode_table import (
     stored_counts,
     table_of,
 )
+from symkin.assembly.parted_block import PartedBlock
 from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.six_distances import redundant_distances
 from symkin.homotopy.start_store import start_of
@@ -32,6 +34,7 @@ from symkin.numeric.levenberg import Progress
 from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.canonical import canonical, poses_of
+from symkin.position.groups import implied_parts
 from symkin.position.problem import Problem
 from symkin.position.readings import within_limits
 from symkin.position.roots import MOST_MODES
@@ -59,7 +62,7 @@ class PlainModes:
     """
 
     problem: Problem
-    parts: tuple[BlockPaths | ClosedBlock, ...]
+    parts: tuple[BlockPaths | ClosedBlock | PartedBlock, ...]
 
     @property
     def method(self) -> str:
@@ -276,7 +279,7 @@ def plain_modes(
     """
     if problem.is_explicit or problem.system.freedom > problem.generic_rank:
         return PlainModes(problem, ())
-    parts: list[BlockPaths | ClosedBlock] = []
+    parts: list[BlockPaths | ClosedBlock | PartedBlock] = []
     for number in range(len(problem.blocks)):
         solver = _solver(problem, number, progress, formulas=formulas)
         if solver is None:
@@ -287,13 +290,16 @@ def plain_modes(
 
 def _solver(
     problem: Problem, number: int, progress: Progress | None, *, formulas: bool
-) -> BlockPaths | ClosedBlock | None:
+) -> BlockPaths | ClosedBlock | PartedBlock | None:
     """The formulas of one of a problem's blocks, if they are wanted and account for all solutions,
-    else its paths.
+    else its parts, or its paths.
     """
     closed = closed_block(problem, number) if formulas else None
     if closed is not None and closed.is_of_arm:
         return closed
+    group = parted_group(problem)
+    if group is not None:
+        return PartedBlock(group, implied_parts(group))
     paths = _paths(problem, number, progress, str(cache_folder()))
     return closed if closed is not None and accounts_for_all(closed, paths) else paths
 
@@ -314,5 +320,7 @@ def _paths(
 
 
 @lru_cache(maxsize=128)
-def _prepared(problem: Problem, parts: tuple[BlockPaths | ClosedBlock, ...]) -> PlainModes:
+def _prepared(
+    problem: Problem, parts: tuple[BlockPaths | ClosedBlock | PartedBlock, ...]
+) -> PlainModes:
     return PlainModes(problem, parts)

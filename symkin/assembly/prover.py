@@ -12,7 +12,7 @@ import numpy as np
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.structure import Structure
-from symkin.homotopy.systems import whole_system
+from symkin.homotopy.systems import system_of
 from symkin.homotopy.values import algebraic_points
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
@@ -162,7 +162,7 @@ def prover_of(
     """
     from symkin.certificate.bounds import bound_of
 
-    whole = whole_system(problem, block)
+    whole = system_of(problem, block)
     if structure is not None and not structure.system.projective:
         # the unknowns of a structure of joints are those of the block
         algebraic, structure = whole, None

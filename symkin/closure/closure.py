@@ -13,7 +13,7 @@ import numpy as np
 
 from symkin.closure.bodies import PoseForm
 from symkin.closure.partition import ALL_JOINTS, Partition
-from symkin.closure.rows import ReplacedUniversalJoint, Row, RowBuilder
+from symkin.closure.rows import Row, RowBuilder
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import MechanismError
 from symkin.model.joint import Coordinate
@@ -49,6 +49,7 @@ class Closure:
     row_sources: tuple[Row, ...]
     row_numbers: tuple[int, ...]
     errors: ca.SX
+    error_sources: tuple[Row, ...]
     pose: Pose
     forward: Pose | None
     idle: tuple[str, ...]
@@ -96,8 +97,7 @@ class AlgebraicClosure:
     quaternion. Where every row is a distance between a point of the platform and one that the
     actuated joints place, `distances` holds length, base point and platform point of each row (7
     numbers a row) as expressions of the joints. `coordinates` are those of `joints`; `eliminated`
-    gives the values of actuated joints that were cut by the others, `replaced_universal_joints` are
-    those that distances replace.
+    gives the values of actuated joints that were cut by the others.
     """
 
     closure: Closure
@@ -108,7 +108,6 @@ class AlgebraicClosure:
     distances: ca.SX | None
     coordinates: tuple[Coordinate, ...]
     eliminated: tuple[tuple[Coordinate, ca.SX], ...]
-    replaced_universal_joints: tuple[ReplacedUniversalJoint, ...]
 
 
 def build_closure(mechanism: Mechanism, partition: Partition = ALL_JOINTS) -> Closure:
@@ -174,21 +173,18 @@ def algebraic_rows(
 
 
 def build_algebraic_closure(
-    mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False, replace_universal: bool = True
+    mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False
 ) -> AlgebraicClosure:
     """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`.
     With `eliminate`, limbs without a passive joint to cut are cut at an actuated one, which must
-    then be unknown; with `replace_universal`, universal joints before spherical ones are left out
-    where the pose is unknown.
+    then be unknown.
     """
-    return _algebraic_closure(mechanism, form, eliminate, replace_universal)
+    return _algebraic_closure(mechanism, form, eliminate)
 
 
 @lru_cache(maxsize=128)
-def _algebraic_closure(
-    mechanism: Mechanism, form: PoseForm, eliminate: bool, replace_universal: bool
-) -> AlgebraicClosure:
-    builder = RowBuilder(mechanism, form, eliminate=eliminate, replace_universal=replace_universal)
+def _algebraic_closure(mechanism: Mechanism, form: PoseForm, eliminate: bool) -> AlgebraicClosure:
+    builder = RowBuilder(mechanism, form, eliminate=eliminate)
     builder.build_rows()
     return _assemble_algebraic(builder, build_closure(mechanism))
 
@@ -222,6 +218,7 @@ def _assemble(builder: RowBuilder) -> Closure:
         row_sources=tuple(builder.sources[k] for k in kept),
         row_numbers=kept,
         errors=_without_unused(builder, names),
+        error_sources=tuple(builder.error_sources),
         pose=builder.pose,
         forward=builder.forward,
         idle=tuple(text for text in builder.idle if text),
@@ -321,7 +318,6 @@ def _assemble_algebraic(builder: RowBuilder, closure: Closure) -> AlgebraicClosu
         distances=distances,
         coordinates=coordinates,
         eliminated=tuple(builder.eliminated),
-        replaced_universal_joints=tuple(builder.replaced_universal_joints),
     )
 
 

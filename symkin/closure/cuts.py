@@ -8,19 +8,6 @@ from symkin.closure.branches import Element
 from symkin.model.joint import Joint
 
 
-def replaceable_universal_joint(elements: Sequence[Element], cut: int | None) -> int | None:
-    """The only passive joint before a spherical cut, if it is universal."""
-    joints = [element.part for element in elements]
-    if cut is None or joints[cut].type != "S":  # type: ignore[union-attr]
-        return None
-    passive = [i for i, joint in enumerate(joints) if not joint.actuated and i != cut]  # type: ignore[union-attr]
-    return (
-        passive[0]
-        if len(passive) == 1 and passive[0] < cut and joints[passive[0]].type == "U"  # type: ignore[union-attr]
-        else None
-    )
-
-
 def middle_turn(elements: Sequence[Element]) -> int | None:
     """The revolute joint nearest the middle of a limb: cut there, an unknown joint leaves the rows,
     and both sides are short. None where it is the only joint: then nothing would be left to solve

@@ -22,7 +22,7 @@ import numpy as np
 from symkin.closure.bodies import BodyBuilder, PoseForm
 from symkin.closure.branches import Branch, Element
 from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, relative_sides
-from symkin.closure.cuts import cut_index, middle_turn, replaceable_universal_joint
+from symkin.closure.cuts import cut_index, middle_turn
 from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.closure.pose_forms import PlatformPose, StudyPose, UnitPose
 from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
@@ -37,23 +37,6 @@ from symkin.spatial.rotation import conjugate, multiply, rotate
 
 MOST_IN_LOOP = 250
 """Joints of a loop at most: derivatives of its rows have the square of that many operations."""
-
-
-@dataclass(frozen=True, eq=False)
-class ReplacedUniversalJoint:
-    """A passive universal joint that one distance, from its centre to that of the spherical joint
-    beyond it, replaces.
-
-    Its angles follow from Turn(axis, first) Turn(axis2, second) arm = target, which has two
-    solutions; `arm` and `target` are expressions of the known joints and the pose, in the frame
-    before the universal joint.
-    """
-
-    coordinates: tuple[Coordinate, Coordinate]
-    axis: ca.SX
-    axis2: ca.SX
-    arm: ca.SX
-    target: ca.SX
 
 
 @dataclass(frozen=True)
@@ -73,21 +56,19 @@ class RowBuilder(BodyBuilder):
         form: PoseForm | None = None,
         *,
         eliminate: bool = False,
-        replace_universal: bool = True,
         bound: bool | None = None,
         partition: Partition = ALL_JOINTS,
         body_forms: Mapping[str, PoseForm] | None = None,
     ) -> None:
         super().__init__(mechanism, form, bound=bound, partition=partition, body_forms=body_forms)
         self.eliminate = eliminate
-        self.replace_universal = replace_universal
         self.rows: list[ca.SX] = []
         self.sources: list[Row] = []
         self.errors: list[ca.SX] = []
+        self.error_sources: list[Row] = []
         self.idle: list[str] = []
         self.distances: list[ca.SX] = []
         self.eliminated: list[tuple[Coordinate, ca.SX]] = []
-        self.replaced_universal_joints: list[ReplacedUniversalJoint] = []
         self.forward: Pose | None = None
         self.arm: Side = Chain(())
 
@@ -193,6 +174,7 @@ class RowBuilder(BodyBuilder):
         self.rows.extend(rows)
         self.sources.extend(Row(limb, relation) for _ in rows)
         self.errors.extend(errors)
+        self.error_sources.extend(Row(limb, relation) for _ in errors)
 
     def _distance(
         self,
@@ -250,14 +232,6 @@ class RowBuilder(BodyBuilder):
             self._two_balls(branch, balls[0], balls[-1])
             return
         cut = cut_index(elements, self.kept)
-        hinge = (
-            replaceable_universal_joint(elements, cut)
-            if self.form == "study" and self.replace_universal
-            else None
-        )
-        if hinge is not None and cut is not None:
-            self._universal_as_distance(branch, hinge, cut)
-            return
         eliminated = cut is None and self.eliminate
         if eliminated:
             cut = middle_turn(elements)
@@ -312,34 +286,6 @@ class RowBuilder(BodyBuilder):
         ends = _Point(base, symbols[0].point), _Point(platform, symbols[1].point)
         self._distance_between(branch.name, ends, ca.sqrt(squared), squared)
         self.idle.append(f"{branch.name}: {symbols[0].joint.name}, {symbols[1].joint.name} (cut)")
-
-    def _universal_as_distance(self, branch: Branch, hinge: int, ball: int) -> None:
-        """Universal joint, known joints, spherical joint: a distance between the centres."""
-        elements = branch.elements
-        before, symbols, end = (
-            self._from_first(branch, hinge),
-            self.joints[elements[hinge].name],
-            self.joints[elements[ball].name],
-        )
-        base = before.move(symbols.point)
-        arm = Chain(self._steps(elements[hinge + 1 : ball])).move(end.point) - symbols.point
-        platform = self._from_last(branch, ball + 1)
-        # the universal joint turns the arm about its centre: only the distance between the centres
-        # does not depend on its angles
-        squared = dot(arm, arm)
-        self._distance_between(
-            branch.name,
-            (_Point(before, symbols.point), _Point(platform, end.point)),
-            ca.sqrt(squared),
-            squared,
-        )
-        reach = platform.move(end.point) / platform.weight - base
-        assert symbols.axis is not None and symbols.axis2 is not None  # noqa: S101, PT018 - a universal joint has both
-        first, second = symbols.joint.coordinates
-        target = rotate(conjugate(before.quaternion), reach)
-        self.replaced_universal_joints.append(
-            ReplacedUniversalJoint((first, second), symbols.axis, symbols.axis2, arm, target)
-        )
 
     def _none_cut(self, branch: Branch) -> None:
         """A branch that would carry its last body, which is placed already: both say the same

@@ -30,10 +30,10 @@ from symkin.codegen.passive_limits import PassiveCheck, PassiveLimit, passive_li
 from symkin.codegen.passive_reach import PassiveReach, passive_reaches
 from symkin.codegen.pose_coordinates import restricted
 from symkin.codegen.pose_core import PoseCore, pose_core
-from symkin.codegen.pose_rows import unit_of
 from symkin.codegen.samples import Configuration, configurations
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
+from symkin.elimination.implied_rows import unit_of
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism

@@ -19,9 +19,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.codegen.lifted import Generators, lifted
-from symkin.codegen.pose_rows import plain, pose_rows
 from symkin.codegen.samples import Configuration
 from symkin.elimination.closed_form import ClosedForm, closed_form
+from symkin.elimination.implied_rows import plain, pose_rows
 from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System

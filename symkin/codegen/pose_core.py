@@ -12,7 +12,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.codegen.pose_kernel import PlatformPose, PoseKernel, TiedPoint, pose_kernel
-from symkin.codegen.pose_rows import PointRow, pose_rows
+from symkin.elimination.implied_rows import PointRow, pose_rows
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
 

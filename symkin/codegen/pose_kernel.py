@@ -22,7 +22,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.closure.snapping import snap
 from symkin.codegen.newton_kernel import Kernel, Meaning, listed
-from symkin.codegen.pose_rows import PointRow, plain
+from symkin.elimination.implied_rows import PointRow, plain
 from symkin.model.joint import Coordinate
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.rotation import multiply, rotate

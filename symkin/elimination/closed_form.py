@@ -214,8 +214,11 @@ class ClosedForm:
         return int(self.system.rows.shape[0]) > self.system.freedom
 
 
-def closed_form(system: System, samples: np.ndarray) -> ClosedForm | None:
-    """The closed form of a system, None where the steps known here find none.
+def closed_form(
+    system: System, samples: np.ndarray, *, all_rows: bool = False
+) -> ClosedForm | None:
+    """The closed form of a system, None where the steps known here find none; with `all_rows` by as
+    many rows as there are (see `Workspace`).
 
     Coefficients are compared at the known values `samples` (n, known): the formulas hold where
     relations among known values that hold at all samples do (`samples_about`: none).
@@ -227,6 +230,7 @@ def closed_form(system: System, samples: np.ndarray) -> ClosedForm | None:
             work, before = _begun(system, rows, samples)
         except NotPolynomialError:
             continue
+        work.all_rows = all_rows
         found = _made(system, work, before, samples) if _run(work) else None
         return (
             found if found is not None and (found.has_conditions or found.closes(samples)) else None

@@ -6,6 +6,7 @@ x^2 + 2 h x + e = 0               x = -h +- sqrt(h^2 - e)
 A cos t + B sin t + C = 0         (cos t, sin t) = (-A C -+ B r, -B C +- A r) / N,
                                   N = A^2 + B^2,  r = sqrt(N - C^2)
 two such rows                     cos t and sin t by Cramer's rule
+more of them                      by normal equations, where all rows are to take part
 """
 
 from __future__ import annotations
@@ -76,6 +77,12 @@ def _linear_angle(work: Workspace, unknown: int, rows: list[Polynomial]) -> bool
     pair = independent_pair(work, linear, unknown)
     if pair is None:
         return False
+    if work.all_rows and len(linear) > 2:
+        work.steps.append(
+            f"{work.name(unknown)} by its cosine and sine, linear in {len(linear)} rows"
+        )
+        _least_squares(work, unknown, linear)
+        return True
     work.steps.append(f"{work.name(unknown)} by its cosine and sine, linear in two rows")
     _cramer(work, unknown, pair)
     return True
@@ -146,6 +153,17 @@ def _cramer(work: Workspace, unknown: int, pair: tuple[Polynomial, Polynomial]) 
         # (a2, b2) is (a1, b1) turned by a quarter
         work.squares.append(whole)
     work.solve(unknown, [(b1 * c2 - b2 * c1) / whole, (a2 * c1 - a1 * c2) / whole])
+
+
+def _least_squares(work: Workspace, unknown: int, rows: list[Polynomial]) -> None:
+    """Cosine and sine from rows that agree with each other: no two of them need decide."""
+    triples = [_scalars(work, row, unknown) for row in rows]
+    aa, bb, ab, ac, bc = (
+        work.define(total(t[i] * t[j] for t in triples), "m")
+        for i, j in ((0, 0), (1, 1), (0, 1), (0, 2), (1, 2))
+    )
+    whole = work.divisor(aa * bb - ab * ab, "det")
+    work.solve(unknown, [(ab * bc - bb * ac) / whole, (ab * ac - aa * bc) / whole])
 
 
 def independent_pair(

@@ -59,7 +59,8 @@ class Workspace:
     their `sizes` (see `term_sizes`); lengths are compared in units of `length`; `definitions` in
     their order; `values` are the symbols of solved generators; `divisors` are what formulas divide
     by, `implied` those that a discriminant keeps above zero, `squares` sums of squares, or less
-    one; `own` stand for a solution's generators.
+    one; `own` stand for a solution's generators. With `all_rows` rows that are more than an angle
+    needs take part in it together, so that its divisor is zero only where none of them decide.
     """
 
     ring: Ring
@@ -68,6 +69,7 @@ class Workspace:
     symbols: list[ca.SX]
     samples: np.ndarray
     length: float
+    all_rows: bool = False
     definitions: list[tuple[ca.SX, ca.SX]] = field(default_factory=list)
     values: dict[int, ca.SX] = field(default_factory=dict)
     choices: list[Choice] = field(default_factory=list)

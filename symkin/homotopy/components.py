@@ -8,7 +8,6 @@ known values free in both, and each is carried to the base of a start.
 
 from __future__ import annotations
 
-import casadi as ca
 import numpy as np
 
 from symkin.homotopy.algebraic import AlgebraicSystem
@@ -19,7 +18,7 @@ from symkin.homotopy.values import algebraic_point, known_values
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
 from symkin.position.given import Given
-from symkin.position.problem import Problem
+from symkin.position.problem import Problem, free_system
 from symkin.position.roots import merge
 from symkin.position.starts import random_starts
 
@@ -103,17 +102,3 @@ def _algebraic(
     values = {c.name: point[place] for c, place in zip(free.unknowns, free.slices, strict=True)}
     known = np.concatenate([values[c.name] for c in problem.known_coordinates])
     return algebraic_point(problem, system, values), known_values(problem, known)
-
-
-def free_system(problem: Problem, block: System) -> System:
-    """The rows of a block with its known coordinates unknown as well."""
-    coordinates = (*block.unknowns, *problem.known_coordinates)
-    variables = ca.vertcat(block.unknown, block.known)
-    return System(
-        coordinates,
-        variables,
-        ca.SX(0, 1),
-        block.rows,
-        block.errors,
-        problem.closure.characteristic_length,
-    )

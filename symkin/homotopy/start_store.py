@@ -17,7 +17,7 @@ import numpy as np
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.best_start import bases_beside, best_start
 from symkin.homotopy.branches import uncovered
-from symkin.homotopy.components import free_system, real_seeds, roots_elsewhere
+from symkin.homotopy.components import real_seeds, roots_elsewhere
 from symkin.homotopy.coplanar import distance_frames, reflection
 from symkin.homotopy.engine import aligned, newton, track, track_lines
 from symkin.homotopy.monodromy import (
@@ -46,7 +46,7 @@ from symkin.position.closed_configurations import closed_configurations
 from symkin.position.given import Given
 from symkin.position.mobility import mobility
 from symkin.position.multistart import batched
-from symkin.position.problem import Problem
+from symkin.position.problem import Problem, free_system
 from symkin.position.roots import merge
 
 LOG = logging.getLogger(__name__)

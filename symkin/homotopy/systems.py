@@ -10,6 +10,7 @@ import numpy as np
 
 from symkin.closure.bodies import PoseForm
 from symkin.closure.closure import AlgebraicClosure, algebraic_rows, build_algebraic_closure
+from symkin.closure.pose_forms import HomogeneousPose, StudyPose
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import (
@@ -18,11 +19,15 @@ from symkin.homotopy.six_distances import (
     is_universal,
     universal_system,
 )
-from symkin.homotopy.universal_joints import replaced_universal_joints
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System, components
 from symkin.position.groups import without_later
 from symkin.position.problem import KNOWN, Problem
+
+_ALL_ROWS = 1e-6
+"""Largest row, over the size, of a root of combined rows that is one of all: given values that were
+projected close them to 1e-9.
+"""
 
 
 @lru_cache(maxsize=64)
@@ -34,25 +39,15 @@ def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
         return (_of_given(problem),)
     if is_universal(problem):
         return (universal_system(),)
-    return _build(problem, replace_universal=True)
+    return _build(problem)
 
 
-@lru_cache(maxsize=64)
-def whole_system(problem: Problem, block: System) -> AlgebraicSystem:
-    """The algebraic system of a block with universal joints among its unknowns."""
-    if not replaced_universal_joints(problem):
-        return system_of(problem, block)
-    (system,) = _build(problem, replace_universal=False)
-    return system
-
-
-def _build(problem: Problem, *, replace_universal: bool) -> tuple[AlgebraicSystem, ...]:
+def _build(problem: Problem) -> tuple[AlgebraicSystem, ...]:
     pose_unknown = problem.kind == "direct"
     algebraic = build_algebraic_closure(
         problem.mechanism,
         "study" if pose_unknown else "homogeneous",
         eliminate=problem.kind == "inverse",
-        replace_universal=replace_universal,
     )
     size = problem.closure.characteristic_length
     known_role = KNOWN[problem.kind]
@@ -115,6 +110,7 @@ def _of_given(problem: Problem) -> AlgebraicSystem:
     if forms and problem.row_places is not None:
         allowed = {c.name for c in (*system.unknowns, *problem.known_coordinates)}
         rows = without_later(rows[list(problem.row_places), 0], closure, allowed)
+        rows = ca.vertcat(rows, _implied(problem, unknown, symbols))
     affine = tuple(c for c in system.unknowns if c.body not in unknown)
     stacked = {c.name: closure.variables[closure.slices[c.name]] for c in closure.coordinates}
     z_parts, z_scale = [stacked[c.name] for c in affine], _scales(affine, size)
@@ -134,6 +130,22 @@ def _of_given(problem: Problem) -> AlgebraicSystem:
     return AlgebraicSystem(
         size, affine, z, k, rows, projective, known_ray=ray, body=unknown[0] if unknown else "pose"
     )
+
+
+def _implied(problem: Problem, unknown: Sequence[str], symbols: Mapping[str, ca.SX]) -> ca.SX:
+    """The implied rows with the unknown body in the form of its symbols."""
+    closure, size, found = problem.closure, problem.closure.characteristic_length, ca.SX(0, 1)
+    for row in problem.implied:
+        value = row.row
+        for body in unknown:
+            e, dual = symbols[body][:4], symbols[body][4:]
+            pose = StudyPose(e, dual) if dual.numel() else HomogeneousPose(ca.SX(3, 1), e)
+            names = [f"{body}.{axis}" for axis in "xyz" if f"{body}.{axis}" in closure.slices]
+            place = ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[n]] for n in names))
+            turn = closure.variables[closure.slices[f"{body}.quaternion"]]
+            value = row.weighted(place, turn, pose)
+        found = ca.vertcat(found, value / (2 * size) if row.is_sphere else value)
+    return found
 
 
 def _known_parts(
@@ -191,6 +203,19 @@ def squared(system: AlgebraicSystem) -> AlgebraicSystem:
         system,
         rows=ca.mtimes(ca.DM(mixed / np.linalg.norm(mixed, axis=1, keepdims=True)), system.rows),
     )
+
+
+def meets_all_rows(
+    problem: Problem, block: System, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray
+) -> np.ndarray:
+    """Which roots z (width, n) at k (known, n) meet all rows of the block, of which `system` may
+    hold combinations.
+    """
+    whole = system_of(problem, block)
+    if whole.count <= system.count or whole.width != system.width:
+        return np.ones(z.shape[1], dtype=bool)
+    f, _ = whole.linearise(z, k.astype(complex))
+    return np.asarray(np.max(np.abs(f), axis=1, initial=0.0) < _ALL_ROWS)
 
 
 def _scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:

@@ -9,7 +9,6 @@ import numpy as np
 from symkin.homotopy.instance import instance
 from symkin.homotopy.start_store import start_of
 from symkin.homotopy.systems import system_of, unsuitable
-from symkin.homotopy.universal_joints import replaced_universal_joints
 from symkin.homotopy.values import known_values
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution
@@ -44,7 +43,7 @@ def complex_solutions(problem: Problem, solution: Solution) -> np.ndarray:
 
 def _rays(problem: Problem, solution: Solution) -> np.ndarray | None:
     """Study coordinates (8, n) of all complex poses, None where the problem is another."""
-    if unsuitable(problem) or len(problem.blocks) != 1 or replaced_universal_joints(problem):
+    if unsuitable(problem) or len(problem.blocks) != 1:
         return None
     (block,) = problem.blocks
     system = system_of(problem, block)

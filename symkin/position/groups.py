@@ -23,12 +23,13 @@ import numpy as np
 
 from symkin.closure.closure import Closure, random_values
 from symkin.computed_once import lru_cache
+from symkin.elimination.implied_rows import PointRow, implied_rows
 from symkin.model.joint import Coordinate
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
-from symkin.position.problem import Problem
+from symkin.position.problem import Problem, free_system
 
 _POINTS = 3
 """Random points at which derivatives are looked at: one that vanishes at all of them is zero."""
@@ -41,6 +42,47 @@ def structure_groups(problem: Problem) -> tuple[Problem, ...]:
     """The parts of a problem in the order of their solution, each a problem of its own: unknown are
     its coordinates, known those of the given ones and of earlier parts that its rows hold.
     """
+    return _decomposed(problem)
+
+
+@lru_cache(maxsize=256)
+def implied_parts(group: Problem) -> tuple[Problem, ...]:
+    """The parts of a group in the order of their solution, where rows that its branches imply take
+    it apart: a platform's pose, say, then the passive joints of each limb. None of them where they
+    do not.
+    """
+    if (
+        group.implied
+        or group.closure.partition.geometry
+        or len(group.blocks) != 1
+        or is_tied(group)
+    ):
+        return ()
+    candidates = _with_implied(group, _implied_rows(group))
+    if not candidates.implied:
+        return ()
+    count, chosen = len(group.places_of_rows), _independent_rows(candidates)
+    kept = [row for k, row in enumerate(candidates.implied, start=count) if k in chosen]
+    parts = _decomposed(_with_implied(group, kept)) if kept else ()
+    return parts if len(parts) > 1 else ()
+
+
+@lru_cache(maxsize=256)
+def is_tied(group: Problem) -> bool:
+    """Whether a group's known values must satisfy conditions: its rows say more of them than they
+    leave unknown.
+    """
+    system = group.system
+    if int(system.rows.shape[0]) <= system.freedom:
+        return False
+    free, values = free_system(group, system), np.array(closed_configurations(group.closure, 0))
+    places = np.concatenate([group.unknown_places, group.known_places])
+    jacobians = free.linearise(values[:, places], np.zeros(0))[1]
+    whole = max(jacobians, key=lambda jacobian: Rank.of(jacobian).value)
+    return Rank.of(whole).value > Rank.of(whole[:, : system.freedom]).value
+
+
+def _decomposed(problem: Problem) -> tuple[Problem, ...]:
     closure = problem.closure
     whole = dependence_of(problem.system.rows, closure)
     rows, errors = (
@@ -53,6 +95,44 @@ def structure_groups(problem: Problem) -> tuple[Problem, ...]:
         found.append(_part(problem, unknowns, earlier, (rows, errors)))
         earlier += unknowns
     return tuple(found)
+
+
+def _implied_rows(group: Problem) -> list[PointRow]:
+    """What each branch of a group says without the joints that no other branch holds, of one
+    floating body at most, which is unknown.
+    """
+    closure, places = group.closure, group.places_of_rows
+    held = _held(dependence_of(group.system.rows, closure), closure)
+    owners: dict[str, set[str]] = {}
+    for place, names in zip(places, held, strict=True):
+        for name in names:
+            owners.setdefault(name, set()).add(closure.row_sources[place].limb)
+    known = {c.name for c in group.known_coordinates}
+    own = known | {c.name for c in group.system.unknowns}
+    fixed = {c.name for c in closure.coordinates if c.body is not None and c.name in known}
+    joints = [c.name for c in closure.coordinates if c.body is None and c.name not in known]
+    found = []
+    for branch in dict.fromkeys(closure.row_sources[place].limb for place in places):
+        gone = [name for name in joints if owners.get(name, {branch}) == {branch}]
+        left = {c.name for c in group.system.unknowns} - set(gone)
+        for row in implied_rows(closure, branch, gone) if left else []:
+            names = _coordinates_in(row.row, closure)
+            if names <= own and not names & fixed:
+                found.append(row)
+    return found
+
+
+def _with_implied(problem: Problem, implied: Sequence[PointRow]) -> Problem:
+    """The same problem with implied rows behind its own."""
+    size, system = problem.closure.characteristic_length, problem.system
+    more = [row.row / (2 * size) if row.is_sphere else row.row for row in implied]
+    rows, errors = (ca.vertcat(part, *more) for part in (system.rows, system.errors))
+    return replace(
+        problem,
+        system=replace(system, rows=rows, errors=errors),
+        row_places=problem.places_of_rows,
+        implied=tuple(implied),
+    )
 
 
 def _part(
@@ -77,9 +157,14 @@ def _part(
         closure.characteristic_length,
         closure.mechanism.farthest,
     )
-    rows_in_closure = tuple(problem.places_of_rows[k] for k in places)
+    own = problem.places_of_rows
     return replace(
-        problem, kind="given", system=system, known_coordinates=known, row_places=rows_in_closure
+        problem,
+        kind="given",
+        system=system,
+        known_coordinates=known,
+        row_places=tuple(own[k] for k in places if k < len(own)),
+        implied=tuple(problem.implied[k - len(own)] for k in places if k >= len(own)),
     )
 
 
@@ -165,7 +250,7 @@ def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
     if not system.unknowns:
         return []
     columns = np.repeat(np.arange(len(system.unknowns)), [c.freedom for c in system.unknowns])
-    independent = _independent_rows(problem, _closed_jacobian(problem))
+    independent = _independent_rows(problem)
     if len(independent) != system.freedom:
         return [set(range(len(system.unknowns)))]
     holds = np.array(
@@ -206,9 +291,13 @@ def _closed_jacobian(problem: Problem) -> np.ndarray:
     return np.asarray(max(jacobians, key=lambda jacobian: Rank.of(jacobian).value))
 
 
-def _independent_rows(problem: Problem, jacobian: np.ndarray) -> np.ndarray:
-    """Rows that span all of them, taken branch by branch, those of few unknowns first."""
+def _independent_rows(problem: Problem) -> np.ndarray:
+    """Rows that span all of them, taken branch by branch, those of few unknowns first; each implied
+    row is a branch of its own.
+    """
+    jacobian = _closed_jacobian(problem)
     sources = [problem.closure.row_sources[place].limb for place in problem.places_of_rows]
+    sources += [f"implied {k}" for k in range(len(problem.implied))]
     groups: dict[str, list[int]] = {}
     for k, name in enumerate(sources):
         groups.setdefault(name, []).append(k)

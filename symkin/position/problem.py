@@ -16,6 +16,7 @@ import numpy as np
 from symkin.closure.closure import Closure, build_closure, numbered_rows, random_values
 from symkin.closure.partition import ALL_JOINTS, POSE_COORDINATES, Partition
 from symkin.computed_once import cached_property, lru_cache
+from symkin.elimination.implied_rows import PointRow
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
@@ -29,7 +30,8 @@ KNOWN: dict[Kind, str] = {"direct": "actuated", "inverse": "pose"}
 @dataclass(frozen=True, eq=False)
 class Problem:
     """A position problem of one mechanism; values of the known coordinates are bound at each solve.
-    `row_places` are the rows of the closure that its system holds, None for all of them.
+    `row_places` are the rows of the closure that its system holds, None for all of them; `implied`
+    are rows behind these that follow from the closure's.
     """
 
     closure: Closure
@@ -37,6 +39,7 @@ class Problem:
     system: System
     known_coordinates: tuple[Coordinate, ...]
     row_places: tuple[int, ...] | None = None
+    implied: tuple[PointRow, ...] = ()
 
     @property
     def mechanism(self) -> Mechanism:
@@ -44,7 +47,7 @@ class Problem:
 
     @property
     def places_of_rows(self) -> tuple[int, ...]:
-        """The place in the closure of each row of the system."""
+        """The place in the closure of each row of the system, but for implied ones."""
         return (
             tuple(range(int(self.system.rows.shape[0])))
             if self.row_places is None
@@ -263,3 +266,17 @@ def _partition(
 
 def _stack(closure: Closure, coordinates: tuple[Coordinate, ...]) -> ca.SX:
     return ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in coordinates))
+
+
+def free_system(problem: Problem, block: System) -> System:
+    """The rows of a block with its known coordinates unknown as well."""
+    coordinates = (*block.unknowns, *problem.known_coordinates)
+    variables = ca.vertcat(block.unknown, block.known)
+    return System(
+        coordinates,
+        variables,
+        ca.SX(0, 1),
+        block.rows,
+        block.errors,
+        problem.closure.characteristic_length,
+    )

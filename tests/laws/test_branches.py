@@ -1,13 +1,7 @@
-"""Poses first, then the branches of the limbs: universal joints as distances, covers of roots,
-their combinations.
-"""
-
-import math
+"""Poses first, then the branches of the limbs: covers of roots, their combinations."""
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import symkin
 from helpers.inside import (
@@ -16,55 +10,13 @@ from helpers.inside import (
     build_problem,
     complex_count,
     cover,
-    quaternion_from_axis_angle,
     real_candidates,
-    rotate,
     start_of,
-    two_angles,
     uncovered,
 )
 from symkin import Joint, Limb, Mechanism
 
-unit = (
-    st.tuples(*[st.floats(-1, 1)] * 3)
-    .filter(lambda v: np.linalg.norm(v) > 0.1)
-    .map(lambda v: np.array(v) / np.linalg.norm(v))
-)
-angle = st.floats(-math.pi, math.pi)
-
-
 pytestmark = pytest.mark.usefixtures("kept_starts")
-
-
-def turned(axis, value, v):
-    return rotate(quaternion_from_axis_angle(axis, value), v)
-
-
-@given(unit, unit, angle, angle, unit)
-def test_two_angles_turn_the_arm_onto_its_target(a, b, alpha, beta, v):
-    """Every pair satisfies Turn(a, alpha) Turn(b, beta) v = w (to the root of 1e-9 where the two
-    are one), and one of them is the pair that made w.
-    """
-    if np.linalg.norm(np.cross(a, b)) < 0.1:
-        return
-    w = turned(a, alpha, turned(b, beta, v))
-    pairs = two_angles(a, b, v, w)
-    assert 1 <= len(pairs) <= 2
-    for first, second in pairs:
-        np.testing.assert_allclose(turned(a, first, turned(b, second, v)), w, atol=1e-4)
-    if np.linalg.norm(np.cross(b, v)) > 0.1 and np.linalg.norm(np.cross(a, w)) > 0.1:
-        apart = [
-            abs(math.remainder(p - alpha, math.tau)) + abs(math.remainder(q - beta, math.tau))
-            for p, q in pairs
-        ]
-        assert min(apart) < 1e-3
-
-
-def test_a_target_out_of_reach_has_no_angles():
-    """An arm along the second axis only turns on itself: nothing but its own circle about the first
-    axis is met.
-    """
-    assert two_angles(np.eye(3)[2], np.eye(3)[0], np.eye(3)[0], np.eye(3)[2]) == []
 
 
 def joint_hexapod(rods: Mechanism, kind: str) -> Mechanism:

@@ -18,12 +18,14 @@ rounded by the change.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
+from symkin.closure.closure import Closure, random_values
+from symkin.closure.pose_forms import PlatformPose
 from symkin.closure.snapping import snap
 from symkin.elimination.polynomial import Monomial, Polynomial, Ring
 from symkin.elimination.rows import NotPolynomialError, polynomial_rows
@@ -34,10 +36,20 @@ from symkin.numeric.system import System
 
 _VANISHED = 1e-10
 """Share of the largest term below which a sum of terms is zero."""
+_OF_VECTORS = ("point", "axis", "orientation", "frame")
+"""Relations whose closure errors are gaps between points and between directions."""
+_DRAWS = 3
+"""Random values at which coefficients are compared."""
+_MOST_TERMS = 48
+"""Terms of a row at most: its square has as many products as pairs of them."""
 _CANCELLED = 1e-13
 """Share of the largest coefficient below which one is what rounding leaves of others that
 cancel.
 """
+
+
+_HALF_TURNS = np.eye(4)
+"""Quaternions of which each vector's turned ones add to nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +70,29 @@ class PointRow:
             return ca.sumsqr(self.point - self.of) - self.level
         return ca.dot(self.of, self.point) - self.level
 
+    def weighted(self, position: ca.SX, quaternion: ca.SX, pose: PlatformPose) -> ca.SX:
+        """The row times the weight of a pose in another form, where w by the `position` p and the
+        unit `quaternion` of R is A p + R a + b.
+        """
+        turns = [ca.substitute(self.point, quaternion, ca.SX(ca.DM(q))) for q in _HALF_TURNS]
+        turned = [ca.substitute(w, position, ca.SX.zeros(*position.shape)) for w in turns]
+        still = sum(turned[1:], turned[0]) / len(turned)
+        arm, moved = turned[0] - still, ca.simplify(ca.jacobian(self.point, position))
+        count = int(self.point.shape[0])
+        if self.is_sphere and not moved.is_zero():
+            # w moves with the position itself, or against it
+            sign = moved[0, 0]
+            squared = pose.squared_distance(sign * arm, sign * (self.of - still))
+            return squared - pose.weight * self.level
+        arms = [pose.direction(arm[k : k + 3]) for k in range(0, count, 3)]
+        if self.is_sphere:
+            gap = still - self.of
+            rest = ca.sumsqr(gap) + ca.sumsqr(arm) - self.level
+            return pose.weight * rest + 2 * ca.dot(gap, arms[0])
+        place = pose.point(ca.SX(3, 1)) if int(position.shape[0]) else position
+        w = ca.mtimes(moved, place) + ca.vertcat(*arms) + pose.weight * still
+        return ca.dot(self.of, w) - pose.weight * self.level
+
 
 def pose_rows(system: System, poses: np.ndarray, lost: int | None = None) -> list[PointRow] | None:
     """The rows of a limb without its passive joints, as many as the platform loses freedoms by it,
@@ -67,12 +102,95 @@ def pose_rows(system: System, poses: np.ndarray, lost: int | None = None) -> lis
     limb = _limb(system, poses) if lost is None else _limb(_of_points(system), poses)
     if limb is None:
         return None
-    lacking = len(limb.rows) - len(limb.passive) if lost is None else lost
+    lacking = len(limb.rows) - len(limb.gone) if lost is None else lost
     points = limb.planes(lacking)
     sphere = limb.sphere() if len(points) < lacking else None
     if sphere is not None:
         points.append(sphere)
     return points if len(points) == lacking else None
+
+
+def implied_rows(closure: Closure, branch: str, gone: Collection[str]) -> list[PointRow]:
+    """What a branch of a closure says without the joints `gone`, which no other branch holds: of
+    its vectors w + f = 0 the planes in which they lie together and the sphere of each.
+
+    Joints whose terms multiply those of joints that go stand in f, all others in w. Rows that
+    follow from each other, and rows that say nothing, are among them.
+    """
+    vectors = _vectors(closure, branch)
+    every = ca.vertcat(ca.SX(0, 1), *vectors)
+    depends = ca.which_depends(every, closure.variables, 1, False)
+    moved = [
+        k
+        for k, c in enumerate(closure.coordinates)
+        if c.name in gone and any(depends[closure.slices[c.name]])
+    ]
+    factors = _factors_beside(closure, every, moved) if moved else None
+    if factors is None:
+        return []
+    limbs = [_limb(*_part(closure, v, [*moved, *factors])) for v in vectors]
+    kept = [replace(limb, gone=frozenset(range(len(moved)))) for limb in limbs if limb is not None]
+    if not kept:
+        return []
+    together = replace(
+        kept[0],
+        rows=tuple(row for limb in kept for row in limb.rows),
+        point=ca.vertcat(*(limb.point for limb in kept)),
+    )
+    spheres = [limb.sphere() for limb in kept]
+    return [*together.all_planes(), *(sphere for sphere in spheres if sphere is not None)]
+
+
+def _vectors(closure: Closure, branch: str) -> list[ca.SX]:
+    """Gaps between points and between directions that a branch closes, three numbers each."""
+    errors, found = closure.bound(closure.errors), list[ca.SX]()
+    for relation in _OF_VECTORS:
+        own = [
+            k
+            for k, source in enumerate(closure.error_sources)
+            if source.limb == branch and source.relation == relation
+        ]
+        found += [errors[own[k : k + 3], 0] for k in range(0, len(own), 3)]
+    return found
+
+
+def _factors_beside(closure: Closure, vectors: ca.SX, moved: Sequence[int]) -> list[int] | None:
+    """Numbers of the joints whose terms multiply those of the joints `moved` in the vectors; None
+    where the vectors are no polynomials of joints, or something else multiplies them.
+    """
+    system, samples = _part(closure, vectors, moved)
+    ring = Ring(system.unknowns)
+    try:
+        rows = polynomial_rows(ring, system, system.rows, {})
+    except NotPolynomialError:
+        return None
+    terms = [c for row in rows for m, c in row.terms.items() if m != ring.one]
+    if not terms:
+        return None
+    slopes = ca.Function("slopes", [system.known], [ca.jacobian(ca.vertcat(*terms), system.known)])
+    sizes = np.max([np.abs(np.asarray(slopes(sample))) for sample in samples], axis=(0, 1))
+    others = [k for k in range(len(closure.coordinates)) if k not in moved]
+    owner = np.repeat(others, [closure.coordinates[k].width for k in others])
+    found = np.unique(owner[sizes > _VANISHED * np.max(sizes, initial=0.0)]).tolist()
+    joints = [closure.coordinates[k] for k in found]
+    scalar = all(c.kind in ("angle", "length") and c.body is None for c in joints)
+    return found if scalar else None
+
+
+def _part(closure: Closure, rows: ca.SX, unknown: Sequence[int]) -> tuple[System, np.ndarray]:
+    """Rows in some of a closure's coordinates, by number, all others known; and samples (n, known)
+    of these.
+    """
+    rng, size = np.random.default_rng(0), closure.characteristic_length
+    values = np.array([random_values(closure.coordinates, size, rng) for _ in range(_DRAWS)])
+    chosen = [closure.coordinates[k] for k in unknown]
+    own, others = (
+        [p for c in part for p in range(*closure.slices[c.name].indices(values.shape[1]))]
+        for part in (chosen, [c for c in closure.coordinates if c not in chosen])
+    )
+    variables = closure.variables
+    system = System(tuple(chosen), variables[own, 0], variables[others, 0], rows, rows, size)
+    return system, values[:, others]
 
 
 def _of_points(system: System) -> System:
@@ -147,41 +265,39 @@ def _limb(system: System, poses: np.ndarray) -> _Limb | None:
         _in_units(ring, Polynomial({m: c for m, c in row.terms.items() if m != ring.one}), unit, 1)
         for row in rows
     )
-    return _Limb(system, ring, others, point)
+    gone = frozenset(k for k, c in enumerate(system.unknowns) if c.role != "actuated")
+    return _Limb(system, ring, others, point, gone)
 
 
 @dataclass(frozen=True, eq=False)
 class _Limb:
-    """Rows point + rows(joints) = 0 with constant coefficients, those of `rows` in the size's
-    unit.
+    """Rows point + rows(joints) = 0 with constant coefficients, those of `rows` in the size's unit;
+    the joints with the numbers `gone` are taken out.
     """
 
     system: System
     ring: Ring
     rows: tuple[Polynomial, ...]
     point: ca.SX
+    gone: frozenset[int]
 
     @property
     def unit(self) -> float:
         return unit_of(self.system.characteristic_length)
 
-    @property
-    def passive(self) -> set[int]:
-        return {k for k, c in enumerate(self.system.unknowns) if c.role != "actuated"}
-
     def _is_free(self, monomial: Monomial) -> bool:
-        """Whether no passive joint stands in a term."""
+        """Whether no joint that goes stands in a term."""
         return not any(
-            e and self.ring.generators[place][0] in self.passive for place, e in enumerate(monomial)
+            e and self.ring.generators[place][0] in self.gone for place, e in enumerate(monomial)
         )
 
     @property
     def _factors(self) -> list[list[Monomial]]:
-        """Terms that factors of rows may have: the number alone, then those of the actuated joints
-        in the rows.
+        """Terms that factors of rows may have: the number alone, then those in the rows of the
+        joints that stay.
         """
         own = {
-            tuple(e * (self.ring.generators[p][0] not in self.passive) for p, e in enumerate(m))
+            tuple(e * (self.ring.generators[p][0] not in self.gone) for p, e in enumerate(m))
             for row in self.rows
             for m in row.terms
         }
@@ -196,7 +312,7 @@ class _Limb:
         ]
 
     def _bound(self, polynomials: Sequence[Polynomial]) -> np.ndarray:
-        """Coefficients (terms, polynomials) of the terms with passive joints, the largest of each
+        """Coefficients (terms, polynomials) of the terms with joints that go, the largest of each
         term 1.
         """
         terms = sorted({m for p in polynomials for m in p.terms if not self._is_free(m)})
@@ -218,6 +334,15 @@ class _Limb:
             if len(null) and (len(monomials) == 1 or len(null) == 1):
                 return [self._plane(factors, monomials, polynomials) for factors in null[:most]]
         return []
+
+    def all_planes(self) -> list[PointRow]:
+        """Planes in which the point lies, multiples of each other among them."""
+        found = []
+        for monomials in self._factors:
+            polynomials = self._products(monomials)
+            null = _null_space(self._bound(polynomials), len(polynomials))
+            found += [self._plane(factors, monomials, polynomials) for factors in null]
+        return found
 
     def _plane(
         self, factors: np.ndarray, monomials: Sequence[Monomial], polynomials: Sequence[Polynomial]
