@@ -13,7 +13,7 @@ from symkin.machine.lower import Lowered, lowered
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given, given_from
-from symkin.position.given_by_name import pose_names, told_by_name
+from symkin.position.given_by_name import plain_kind, pose_names, told_by_name
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution
 from symkin.position.solution_list import SolutionList, checked_solutions
@@ -35,13 +35,18 @@ def machine_of(mechanism: Mechanism, given: Given) -> Lowered | None:
 
 def given_of_machine(low: Lowered, given: Given) -> Given:
     """The same known values of the machine: joints as they are, a pose in its frame."""
-    if not _is_pose(low.written, given) or low.machine.motion == low.written.motion:
+    if _is_pose(low.written, given) and low.machine.motion != low.written.motion:
+        pose = Pose(given.values[:3], given.values[3:])
+        there = given_from(low.machine, None, pose if low.turn is None else low.turn @ pose)
+        given = replace(there, echo=given.echo)
+        return told_by_name(low.machine, given) if low.machine.is_graph else given
+    kind = plain_kind(low.machine, given.names) if given.kind == "given" else None
+    if kind is None:
         return given
-    pose = Pose(given.values[:3], given.values[3:])
-    there = given_from(low.machine, None, pose if low.turn is None else low.turn @ pose)
-    if given.kind == "given":
-        there = told_by_name(low.machine, there)
-    return replace(there, echo=given.echo)
+    if kind == "inverse":
+        return replace(given, kind=kind, names=())
+    places = [given.names.index(c.name) for c in low.machine.actuated]
+    return replace(given, kind=kind, names=(), values=given.values[places])
 
 
 def as_written(low: Lowered, problem: Problem, given: Given, found: Modes) -> Modes | None:

@@ -25,6 +25,7 @@ CASES = [
     ("3-RPR", "direct", PLANAR),
     ("Agile Eye", "inverse", ("limbs", "limbs, turned", "graph, reference", "URDF")),
     ("ankle", "direct", ("limbs", "limbs, R R for U", "graph", "limbs, 1e+06")),
+    ("UR arm", "inverse", ("DH", "limbs, point", "graph", "graph, turned", "MJCF")),
     ("6-UPS", "direct", ("limbs", "limbs, mm", "limbs, point", "graph, reordered")),
 ]
 
