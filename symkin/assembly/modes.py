@@ -9,6 +9,7 @@ from typing import Any, TypedDict, Unpack, overload
 
 import numpy as np
 
+from symkin.assembly.as_written import as_written, given_of_machine, machine_of
 from symkin.assembly.mode_proofs import ground_notes, with_grounds
 from symkin.assembly.mode_table import COMPLETENESS
 from symkin.assembly.modes_by_name import modes_by_name
@@ -155,7 +156,40 @@ def _found(
     choose: Sequence[int],
     progress: Progress | None,
 ) -> tuple[Modes, ...]:
-    """The modes of inputs of one kind."""
+    """The modes of inputs of one kind: those of the machine that the description means, where it
+    is another one.
+    """
+    may_be = givens and not choose and search.method == "continuation"
+    low = machine_of(mechanism, givens[0]) if may_be else None
+    if low is None:
+        return _of_description(mechanism, givens, search, choose, progress)
+    begin, problem = time.perf_counter(), problem_of(mechanism, givens[0])
+    if problem.kind == "given":
+        refuse_unless_determined(problem)
+    there = [given_of_machine(low, given) for given in givens]
+    of_machine = _of_description(low.machine, there, search, (), progress)
+    told = [
+        None if at.off_motion else as_written(low, problem, given, modes)
+        for given, at, modes in zip(givens, there, of_machine, strict=True)
+    ]
+    left = [i for i, modes in enumerate(told) if modes is None]
+    own = _of_description(mechanism, [givens[i] for i in left], search, (), progress)
+    found = dict(zip(left, own, strict=True))
+    share = (time.perf_counter() - begin) / len(givens)
+    return tuple(
+        replace(found[i] if modes is None else modes, elapsed_s=share)
+        for i, modes in enumerate(told)
+    )
+
+
+def _of_description(
+    mechanism: Mechanism,
+    givens: Sequence[Given],
+    search: Search,
+    choose: Sequence[int],
+    progress: Progress | None,
+) -> tuple[Modes, ...]:
+    """The modes of inputs of one kind by the rows of the description itself."""
     if givens and givens[0].kind == "given":
         return _of_coordinates(mechanism, givens, search, choose, progress)
     return _modes(mechanism, givens, search, progress)

@@ -87,14 +87,14 @@ def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layo
         return Layout(tuple(_limb_branches(mechanism)), (PLATFORM,))
     edges, platform = list(edges_of(mechanism)), mechanism.platform_link
     wanted = {platform} if pose and platform is not None else set()
-    chains = _chains(edges, wanted)
+    chains = chains_of(edges, wanted)
     # a distance does not say how the link between two balls is turned
     told = {point.link for point in mechanism.link_points} | (
         {platform} if platform is not None else set()
     )
     bridged = told & {link for chain in chains for link in _bridged(chain)}
     if bridged:
-        chains = _chains(edges, wanted | bridged)
+        chains = chains_of(edges, wanted | bridged)
     return _spanned(chains, mechanism, kept, pose)
 
 
@@ -147,8 +147,10 @@ def edges_of(mechanism: Mechanism) -> Iterator[Branch]:
         yield Branch(rod.name, (rod.links[0], rod.links[1]), (Element(rod.bar, rod.name),), ())
 
 
-def _chains(edges: Sequence[Branch], wanted: set[str]) -> list[Branch]:
-    """Branches between bodies, joined from the edges at links of two joints."""
+def chains_of(edges: Sequence[Branch], wanted: set[str]) -> list[Branch]:
+    """Branches between bodies, the base and those `wanted` among them, joined from the edges at
+    links of two joints.
+    """
     bodies = {BASE} | wanted
     while True:
         chains = _joined(edges, bodies)

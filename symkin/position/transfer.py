@@ -1,19 +1,23 @@
 """Configurations in the variables of another closure of the same mechanism, which may cut its loops
-elsewhere.
+elsewhere, or of the machine that it means.
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
 from symkin.closure.link_poses import LinkPoses, link_poses
 from symkin.closure.tilt_torsion import tilt_and_torsion
+from symkin.machine.lower import Lowered
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.position.canonical import poses_of
 from symkin.position.given import poses_coordinates
 from symkin.position.readings import readings
 from symkin.position.solution import Solution
+from symkin.spatial.pose import Pose
 
 
 def variables_elsewhere(closure: Closure, solution: Solution) -> np.ndarray:
@@ -30,23 +34,77 @@ def many_elsewhere(closure: Closure, own: Closure, values: np.ndarray) -> np.nda
     """
     if closure.partition == own.partition:
         return values
-    found = np.tile(closure.reference, (len(values), 1))
-    links = link_poses(own, values)
-    read = readings(own, links)
     position, quaternion = poses_of(own, values)
-    pose, _ = poses_coordinates(closure.mechanism, position.T, quaternion.T)
+    links = link_poses(own, values) if _needs_links(closure, own) else LinkPoses({})
+    return _filled(closure, links, _read(own, links, values), (position.T, quaternion.T))
+
+
+def many_as_written(
+    closure: Closure, own: Closure, values: np.ndarray, lowered: Lowered
+) -> np.ndarray:
+    """Full vectors of the variables of a closure of the description (m, variables) at
+    configurations (m, own variables) of its machine.
+    """
+    needed = _needs_links(closure, own, {r.name: r.of for r in lowered.readings})
+    links = link_poses(own, values) if needed else LinkPoses({})
+    read = _read(own, links, values)
+    read |= {r.name: read[r.of] + r.zero for r in lowered.readings if r.of in read}
+    pose = Pose(*(part.T for part in poses_of(own, values)))
+    if lowered.turn is not None:
+        turn = Pose(lowered.turn.position[:, None], lowered.turn.quaternion[:, None])
+        back = turn.inverse()
+        links = LinkPoses({link: back @ at @ turn for link, at in links.poses.items()})
+        pose = back @ pose
+    return _filled(closure, links, read, (pose.position, pose.quaternion))
+
+
+def _needs_links(closure: Closure, own: Closure, names: Mapping[str, str] | None = None) -> bool:
+    """Whether a closure holds coordinates that another one leaves out (`names`: what some are
+    called there), or bodies.
+    """
+    held = {c.name for c in own.coordinates}
+    return any(
+        c.role == "body"
+        or (
+            c.role not in ("pose", "given", "geometry")
+            and (names or {}).get(c.name, c.name) not in held
+        )
+        for c in closure.coordinates
+    )
+
+
+def _read(own: Closure, links: LinkPoses, values: np.ndarray) -> dict[str, np.ndarray]:
+    """Values (m, width) of the coordinates that a closure holds, and where its links are told also
+    of those that it leaves out.
+    """
+    held = {c.name: values[:, own.slices[c.name]] for c in own.coordinates}
+    return held | (readings(own, links) if links.poses else {})
+
+
+def _filled(
+    closure: Closure,
+    links: LinkPoses,
+    read: Mapping[str, np.ndarray],
+    pose: tuple[np.ndarray, np.ndarray],
+) -> np.ndarray:
+    """Full vectors of a closure's variables (m, variables) where its links, its joints and its
+    platform, of `pose` (3, m) and (4, m), are.
+    """
+    position, quaternion = pose
+    found = np.tile(closure.reference, (position.shape[1], 1))
+    numbers, _ = poses_coordinates(closure.mechanism, position, quaternion)
     place = 0
     for c in closure.coordinates:
         columns = closure.slices[c.name]
         if c.role == "pose":
-            found[:, columns] = pose[:, place : place + c.width]
+            found[:, columns] = numbers[:, place : place + c.width]
             place += c.width
         elif c.role == "body":
             found[:, columns] = _of_body(closure, links, c)
         elif c.role == "given":
-            found[:, columns.start] = _of_pose(position, quaternion, c.name)
+            found[:, columns.start] = _of_pose(position.T, quaternion.T, c.name)
         elif c.role != "geometry":
-            found[:, columns] = read[c.name] if c.name in read else values[:, own.slices[c.name]]
+            found[:, columns] = read[c.name]
     return found
 
 

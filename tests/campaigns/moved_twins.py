@@ -27,8 +27,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import symkin
 from campaigns.random_graphs import Drawing, chosen_values
-from helpers.inside import build_problem, scaled
-from helpers.moved_mechanisms import displaced, reordered, scaled_values
+from helpers.inside import build_problem, displaced, scaled
+from helpers.moved_mechanisms import reordered, scaled_values
 from symkin import shipped_names
 
 SIZES = (1e-8, 1e-5, 1e-3, 1e3, 1e6)

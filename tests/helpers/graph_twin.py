@@ -8,11 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from helpers.inside import links_along
 from symkin import LinkJoint, LinkRod, Mechanism, RodLimb
 
 
 def graph_twin(mechanism: Mechanism) -> Mechanism:
-    """Joints, rods and the platform's frame as they are, on links named by limb and number."""
+    """Joints, rods and the platform's frame as they are, on links that have the names of those
+    within limbs."""
     joints, rods = [], []
     for limb in mechanism.limbs:
         if isinstance(limb, RodLimb):
@@ -29,13 +31,12 @@ def graph_twin(mechanism: Mechanism) -> Mechanism:
                 )
             )
             continue
-        last = f"{limb.name}_{len(limb.joints)}" if limb.rods else "platform"
-        links = ["base", *(f"{limb.name}_{k}" for k in range(1, len(limb.joints))), last]
+        links = links_along(limb)
         joints += [LinkJoint(joint, links[k : k + 2]) for k, joint in enumerate(limb.joints)]
         for k, rod in enumerate(limb.rods, start=1):
             end = mechanism.reference_pose.apply(np.array(rod.platform))
             rods.append(
-                LinkRod(f"{limb.name}_rod{k}", [last, "platform"], rod.start, end, rod.length)
+                LinkRod(f"{limb.name}_rod{k}", [links[-1], "platform"], rod.start, end, rod.length)
             )
     return replace(
         mechanism,

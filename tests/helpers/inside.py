@@ -91,6 +91,7 @@ NAMES = {
     "name_fault": "symkin.model.names",
     "text_fault": "symkin.model.names",
     "oddities": "symkin.model.oddities",
+    "displaced": "symkin.model.displaced",
     "scaled": "symkin.model.scaling",
     "mechanism_to_toml": "symkin.model.writer",
     "written_number": "symkin.model.written_number",
@@ -115,6 +116,7 @@ NAMES = {
     "ROWS": "symkin.formats.closure_rows",
     "loops_beside": "symkin.formats.gepetto_yaml",
     "as_graph": "symkin.formats.graph_form",
+    "links_along": "symkin.formats.graph_form",
     "is_robot": "symkin.formats.load",
     "read_robot": "symkin.formats.load",
     "read_mjcf": "symkin.formats.mjcf",
@@ -132,6 +134,7 @@ NAMES = {
     "LARGEST_FILE": "symkin.formats.xml_text",
     "parse_xml": "symkin.formats.xml_text",
     "read_xml": "symkin.formats.xml_text",
+    "lowered": "symkin.machine.lower",
     # closure equations
     "edges_of": "symkin.closure.branches",
     "layout_of": "symkin.closure.branches",

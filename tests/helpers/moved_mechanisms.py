@@ -1,64 +1,22 @@
-"""The same machine in another length unit, at another place of its base frame, or with its parts in
-another order.
+"""The same machine in another length unit, at another place of its base frame, with its parts in
+another order, with revolutes for its universal joints, or with a named point.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
-import symkin
-from helpers.inside import build_problem, make_solution
-from symkin import Joint, Limb, LinkJoint, Mechanism, RodLimb, Solution
+from helpers.inside import build_problem, links_along, make_solution, scaled
+from symkin import Joint, LinkJoint, LinkPoint, Mechanism, RodLimb, Solution
 
 
 def reference_solution(mechanism: Mechanism) -> Solution:
     problem = build_problem(mechanism, "direct")
     return make_solution(problem, problem.closure.reference)
-
-
-def displaced(mechanism: Mechanism, by: symkin.Pose) -> Mechanism:
-    """The same machine placed elsewhere in the base frame."""
-
-    def turn(v: object) -> tuple[float, ...] | None:
-        return None if v is None else tuple(by.turn(np.array(v)))
-
-    def at(point: object) -> tuple[float, ...]:
-        return tuple(by.apply(np.array(point)))
-
-    def joint(j: Joint) -> Joint:
-        return replace(j, point=at(j.point), axis=turn(j.axis), axis2=turn(j.axis2))
-
-    def limb(item: Limb | RodLimb) -> Limb | RodLimb:
-        if isinstance(item, RodLimb):
-            return replace(item, base=at(item.base))
-        rods = [replace(r, start=at(r.start)) for r in item.rods]
-        return Limb(item.name, [joint(j) for j in item.joints], rods)
-
-    home = by @ mechanism.reference_pose
-    # without a platform there is no frame to move
-    frame = (
-        {}
-        if mechanism.platform_link is None
-        else {
-            "platform_position": tuple(home.position),
-            "platform_quaternion": tuple(home.quaternion),
-        }
-    )
-    return replace(
-        mechanism,
-        limbs=tuple(limb(item) for item in mechanism.limbs),
-        link_joints=[LinkJoint(joint(item.joint), item.links) for item in mechanism.link_joints],
-        link_rods=[
-            replace(item, start=at(item.start), end=at(item.end)) for item in mechanism.link_rods
-        ],
-        link_points=[replace(item, point=at(item.point)) for item in mechanism.link_points],
-        **frame,
-        dh=None,
-        example=None,
-    )
 
 
 def reordered(mechanism: Mechanism, seed: int) -> Mechanism:
@@ -83,3 +41,57 @@ def scaled_values(
     return {
         name: value * (factor if kinds[name] == "length" else 1.0) for name, value in values.items()
     }
+
+
+def in_length_unit(mechanism: Mechanism, unit: Literal["m", "mm"]) -> Mechanism:
+    """The same machine described in another length unit."""
+    metres = {"m": 1.0, "mm": 1e-3}
+    factor = metres[mechanism.length_unit] / metres[unit]
+    return replace(scaled(mechanism, factor), length_unit=unit)
+
+
+def with_point(mechanism: Mechanism) -> Mechanism:
+    """The same machine with a named point of its platform, which nothing depends on."""
+    assert mechanism.platform_link is not None
+    at = LinkPoint(mechanism.platform_link, "mark", mechanism.platform_position)
+    return replace(mechanism, link_points=[*mechanism.link_points, at], example=None)
+
+
+def as_revolutes(mechanism: Mechanism) -> Mechanism:
+    """The same machine with two revolutes in place of each universal joint."""
+    links: list[LinkJoint] = []
+    for item in mechanism.link_joints:
+        pair = _revolutes(item.joint)
+        middle = [f"{item.joint.name}.middle"] * (len(pair) - 1)
+        chain = [item.links[0], *middle, item.links[1]]
+        links += [LinkJoint(joint, chain[k : k + 2]) for k, joint in enumerate(pair)]
+    limbs = [
+        limb
+        if isinstance(limb, RodLimb)
+        else replace(limb, joints=[r for joint in limb.joints for r in _revolutes(joint)])
+        for limb in mechanism.limbs
+    ]
+    return replace(mechanism, limbs=limbs, link_joints=links, example=None)
+
+
+def revolute_links(mechanism: Mechanism) -> dict[str, str]:
+    """What links within limbs are called in `as_revolutes`, by their names in a mechanism."""
+    found: dict[str, str] = {}
+    for limb in mechanism.limbs:
+        if isinstance(limb, RodLimb):
+            continue
+        own, split = (
+            links_along(limb),
+            links_along(*as_revolutes(replace(mechanism, limbs=[limb])).limbs),
+        )
+        counts = [len(_revolutes(joint)) for joint in limb.joints]
+        found |= {link: split[sum(counts[:k])] for k, link in enumerate(own)}
+    return found
+
+
+def _revolutes(joint: Joint) -> list[Joint]:
+    """A joint as itself, or a universal one as two revolutes."""
+    if joint.type != "U":
+        return [joint]
+    first = Joint(f"{joint.name}_1", "R", joint.point, joint.axis, actuated=joint.actuated)
+    return [first, replace(first, name=f"{joint.name}_2", axis=joint.axis2)]

@@ -14,7 +14,7 @@ def test_modes_of_redundant_rows_say_what_is_proved_of_them():
     """No certificate, but an exact root of rows as many as their rank, and a bound of the others
     that holds of the residual.
     """
-    found = symkin.modes(symkin.load("zhao2000_links"))
+    found = symkin.modes(symkin.load("sarrus"))
     for mode in found:
         ground = mode.to_dict()["ground"]
         assert mode.certified is False

@@ -13,13 +13,14 @@ import symkin
 from helpers.gate import each_once, in_gate
 from helpers.inside import (
     build_problem,
+    displaced,
     group_paths,
     group_solver,
     is_linear,
     scaled,
     structure_groups,
 )
-from helpers.moved_mechanisms import displaced, reordered, scaled_values
+from helpers.moved_mechanisms import reordered, scaled_values
 from helpers.samples import delta
 
 TURN = symkin.Pose.from_euler([0.0, 0.0, 0.0], [0.3, 0.5, 0.7])

@@ -9,9 +9,16 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.inside import SINGULAR_VALUE, classify, generic_ranks, motion_ranks, scaled
+from helpers.inside import (
+    SINGULAR_VALUE,
+    classify,
+    displaced,
+    generic_ranks,
+    motion_ranks,
+    scaled,
+)
 from helpers.laws import assert_wrenches_do_no_work
-from helpers.moved_mechanisms import displaced, reference_solution
+from helpers.moved_mechanisms import reference_solution
 from helpers.samples import (
     delta,
     five_bar,

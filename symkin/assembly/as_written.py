@@ -1,0 +1,111 @@
+"""Modes of the machine that a description means, told as the description has its coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symkin.assembly.mode_order import order_of_modes
+from symkin.assembly.modes_result import Group, Modes
+from symkin.machine.lower import Lowered, lowered
+from symkin.model.mechanism import Mechanism
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.given import Given, given_from
+from symkin.position.given_by_name import plain_kind, pose_names, told_by_name
+from symkin.position.problem import Problem
+from symkin.position.solution import Solution
+from symkin.position.solution_list import SolutionList, checked_solutions
+from symkin.position.transfer import many_as_written
+from symkin.spatial.pose import Pose
+
+
+def machine_of(mechanism: Mechanism, given: Given) -> Lowered | None:
+    """The machine for known values of joints, or of the platform's pose as a whole; None where it
+    is the mechanism itself, and where parts of the pose are given.
+    """
+    names = set(given.names) if given.kind == "given" else set()
+    if names == set(pose_names(mechanism)):
+        return lowered(mechanism)
+    if not names <= {c.name for c in mechanism.coordinates}:
+        return None
+    return lowered(mechanism, frozenset(names), pose=not mechanism.is_graph)
+
+
+def given_of_machine(low: Lowered, given: Given) -> Given:
+    """The same known values of the machine: joints as they are, a pose in its frame."""
+    if _is_pose(low.written, given) and low.machine.motion != low.written.motion:
+        pose = Pose(given.values[:3], given.values[3:])
+        there = given_from(low.machine, None, pose if low.turn is None else low.turn @ pose)
+        given = replace(there, echo=given.echo)
+        return told_by_name(low.machine, given) if low.machine.is_graph else given
+    kind = plain_kind(low.machine, given.names) if given.kind == "given" else None
+    if kind is None:
+        return given
+    if kind == "inverse":
+        return replace(given, kind=kind, names=())
+    places = [given.names.index(c.name) for c in low.machine.actuated]
+    return replace(given, kind=kind, names=(), values=given.values[places])
+
+
+def as_written(low: Lowered, problem: Problem, given: Given, found: Modes) -> Modes | None:
+    """The modes in the coordinates of the description, held against all of its own rows; None where
+    some do not close there, and where the list may not be complete.
+    """
+    if found.completeness not in ("proved", "probability one"):
+        return None
+    listed: Sequence[Solution] = ()
+    if len(found):
+        own = np.array([mode.variables for mode in found])
+        values = many_as_written(problem.closure, found.problem.closure, own, low)
+        values[:, problem.known_places] = given.values
+        told = checked_solutions(problem, values, given.notes)
+        size = problem.closure.characteristic_length
+        if not (told.residual <= CLOSURE_TOLERANCE * size).all():
+            return None
+        listed = _in_order(problem, _with_proofs(told, found))
+    names = {reading.of: reading.name for reading in low.readings}
+    return replace(
+        found,
+        problem=problem,
+        given=given.echo,
+        modes=listed,
+        groups=tuple(_renamed(group, names) for group in found.groups),
+        notes=tuple(_told(note, names) for note in found.notes),
+    )
+
+
+def _is_pose(mechanism: Mechanism, given: Given) -> bool:
+    """Whether the platform's pose as a whole is what is given."""
+    return given.kind == "inverse" or given.names == pose_names(mechanism)
+
+
+def _with_proofs(listed: SolutionList, found: Modes) -> SolutionList:
+    """Modes with what is proved of those that they are."""
+    certified = [-1 if mode.certified is None else int(mode.certified) for mode in found]
+    radius = [np.nan if mode.radius is None else mode.radius for mode in found]
+    ground = np.full(len(listed), None, dtype=object)
+    for place, mode in enumerate(found):
+        ground[place] = mode.ground
+    return replace(
+        listed, certified=np.array(certified), radius=np.array(radius), ground=ground, _made={}
+    )
+
+
+def _in_order(problem: Problem, listed: SolutionList) -> SolutionList:
+    one_input = np.zeros(len(listed), dtype=int)
+    order = order_of_modes(problem, listed.values, listed.position, listed.quaternion, one_input)
+    return listed.chosen(order)
+
+
+def _renamed(group: Group, names: dict[str, str]) -> Group:
+    unknowns = tuple(names.get(name, name) for name in group.unknowns)
+    return replace(group, name=", ".join(unknowns), unknowns=unknowns)
+
+
+def _told(note: str, names: dict[str, str]) -> str:
+    """A note with the description's names."""
+    for name, written in names.items():
+        note = note.replace(name, written)
+    return note

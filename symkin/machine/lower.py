@@ -1,0 +1,59 @@
+"""Bring a description to the machine that it means: what geometry says is not left to how it is
+written.
+
+A platform that its joints leave a plane has that motion, z normal to it, wherever the plane stands;
+one that they leave to turn about a point has that motion; two revolute joints whose axes meet are a
+universal joint; a chain of driven joints is an arm; limbs with named points are limbs. The machine
+has the links, the actuated joints and the values of the description.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from symkin.computed_once import lru_cache
+from symkin.machine.motion import with_own_motion
+from symkin.machine.universal import Reading, with_universal_joints
+from symkin.model.arm import arm_of
+from symkin.model.joint import BASE
+from symkin.model.mechanism import Mechanism
+from symkin.spatial.pose import Pose
+
+
+@dataclass(frozen=True, eq=False)
+class Lowered:
+    """The machine of a description: its base frame turned by `turn` (None: as it is), and what
+    coordinates of the description read that it has not.
+    """
+
+    written: Mechanism
+    machine: Mechanism
+    turn: Pose | None
+    readings: tuple[Reading, ...]
+
+
+@lru_cache(maxsize=128)
+def lowered(
+    mechanism: Mechanism, kept: frozenset[str] = frozenset(), *, pose: bool = True
+) -> Lowered | None:
+    """The machine of a description whose coordinates `kept` stay, since they are given, and whose
+    platform's `pose` is a coordinate or not; None where it is the description itself.
+    """
+    bare = _without_points(mechanism)
+    arm = arm_of(bare) if pose and bare.is_graph else None
+    if arm is not None and {c.name for c in arm.coordinates} >= {c.name for c in bare.coordinates}:
+        return Lowered(mechanism, arm, None, ())
+    plain = mechanism if bare.is_graph else bare
+    placed, turn = with_own_motion(plain, declare=pose or not plain.is_graph)
+    machine, readings = with_universal_joints(placed, kept)
+    return None if machine is mechanism else Lowered(mechanism, machine, turn, readings)
+
+
+def _without_points(mechanism: Mechanism) -> Mechanism:
+    """The mechanism without named points, where these are of the base and the platform, which are
+    placed anyway.
+    """
+    placed = {BASE, mechanism.platform_link}
+    if not mechanism.link_points or not {p.link for p in mechanism.link_points} <= placed:
+        return mechanism
+    return replace(mechanism, link_points=())

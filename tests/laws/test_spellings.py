@@ -1,0 +1,105 @@
+"""A machine has the same modes, counts, statement and certificates however it is written: modes as
+places of its links. The campaign of the same name asks more machines, and what each costs.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+import symkin
+from helpers.gate import in_gate
+from helpers.inside import lowered
+from helpers.samples import Z, readme_five_bar
+from helpers.spellings import MACHINES, lacking, named, spellings
+from symkin import Joint, Limb, LinkJoint, Mechanism
+
+PLANAR = ("limbs, motion", "limbs", "limbs, turned", "graph, turned", "MJCF")
+CASES = [
+    ("five-bar", "direct", ("limbs, motion", "limbs, turned", "graph, turned", "graph, 1e-08")),
+    ("3-RPR", "inverse", ("limbs, motion", "graph, turned", "MJCF")),
+    ("Agile Eye", "direct", ("limbs, motion", "limbs", "graph, reordered")),
+    ("ankle", "inverse", ("limbs", "limbs, point", "graph, R R for U", "URDF")),
+    ("five-bar", "inverse", PLANAR),
+    ("3-RRR", "direct", PLANAR),
+    ("3-RRR", "inverse", PLANAR),
+    ("3-RPR", "direct", PLANAR),
+    ("Agile Eye", "inverse", ("limbs", "limbs, turned", "graph, reference", "URDF")),
+    ("ankle", "direct", ("limbs", "limbs, R R for U", "graph", "limbs, 1e+06")),
+    ("UR arm", "inverse", ("DH", "limbs, point", "graph", "graph, turned", "MJCF")),
+    ("6-UPS", "direct", ("limbs", "limbs, mm", "limbs, point", "graph, reordered")),
+]
+
+
+@pytest.mark.parametrize(("name", "direction", "names"), in_gate(CASES, CASES[:4]))
+def test_all_spellings_have_one_answer(tmp_path, name, direction, names) -> None:
+    machine = MACHINES[name]()
+    spelled = named(list(spellings(machine, tmp_path)), names)
+    assert len(spelled) == len(names)
+    found = [one.modes(machine, inverse=direction == "inverse") for one in spelled]
+    told = {
+        (len(f), f.complex_count, f.completeness, sum(bool(mode.certified) for mode in f))
+        for f in found
+    }
+    assert len(told) == 1
+    places = [one.configurations(machine, f) for one, f in zip(spelled, found, strict=True)]
+    assert len(found[0])
+    for other in places[1:]:
+        for pair in ((places[0], other), (other, places[0])):
+            assert not lacking(*pair, (len(found[0]), len(found[0])))
+
+
+def test_the_coordinates_of_the_file_are_told() -> None:
+    """Of a universal joint that is written as two revolutes: their names, their zeros and limits;
+    what is given keeps its own.
+    """
+    joints = [
+        Joint("drive", "R", (0, 0, 0), (1, 0, 0), actuated=True),
+        Joint("a", "R", (0, 0, 2), (0, 1, 0), zero=0.3, limits=(-0.1, 0.1)),
+        Joint("b", "R", (0, 0, 5), Z, zero=-0.2),
+        Joint("ball", "S", (1, 2, 2)),
+        Joint("out", "R", (3, 0, 0), (0, 1, 0)),
+    ]
+    links = ["base", "one", "two", "three", "four", "base"]
+    machine = Mechanism(
+        "loop",
+        link_joints=[LinkJoint(j, links[k : k + 2]) for k, j in enumerate(joints)],
+        platform_link=None,
+    )
+    assert lowered(machine) is not None
+    assert lowered(machine, frozenset({"a"})) is None
+    found = symkin.modes(machine, given={"drive": 0.02})
+    assert {name for mode in found for name in mode.joints} == {joint.name for joint in joints}
+    near = min(found, key=lambda mode: abs(mode.joints["a"] - 0.3))
+    assert near.within_limits is False
+    assert abs(near.joints["a"] - 0.3) < 0.2
+    assert abs(near.joints["b"] + 0.2) < 0.2
+    again = symkin.modes(machine, given={"a": near.joints["a"]})
+    assert min(abs(mode.joints["drive"] - 0.02) for mode in again) < 1e-9
+
+
+@pytest.mark.parametrize(
+    "joints",
+    [
+        [((0, 0, 0), Z), ((0, 0, 0), (0, 1, 0)), ((0, 3, 0), (1, 0, 0))],
+        [((0, 0, 0), Z), ((0, 0, 0), (0, 1, 0)), ((0, 0, 0), (1, 0, 0))],
+        [((0, 0, 0), Z), ((1, 0, 0), Z), ((2, 0, 1), (0, 1, 0))],
+    ],
+    ids=["a crossing beside another", "a ball", "skew and parallel"],
+)
+def test_other_revolutes_stay_as_they_are(joints) -> None:
+    """Which two of three crossing axes are one joint would be a choice."""
+    limb = Limb("leg", [Joint(f"r{k}", "R", *at) for k, at in enumerate(joints)])
+    drive = Limb(
+        "drive", [Joint("s", "S", (9, 1, 2)), Joint("p", "P", (0, 0, 1), Z, actuated=True)]
+    )
+    assert lowered(Mechanism("legs", [limb, drive], platform_position=(1.0, 2.0, 3.0))) is None
+
+
+def test_a_pose_off_the_plane_has_no_modes() -> None:
+    """A motion that geometry tells moves no pose into the plane."""
+    machine = readme_five_bar("spatial")
+    pose = symkin.solve(machine, joints=[10.0, -10.0]).solution.pose
+    near = [*pose.position, *pose.quaternion]
+    assert symkin.modes(machine, pose=near)
+    near[2] += 5.0
+    assert not symkin.modes(machine, pose=near)
