@@ -414,6 +414,7 @@ NAMES = {
     "pose_slopes": "symkin.calibration.judge.pose_accuracy",
     "predict_pose_sigma": "symkin.calibration.judge.pose_accuracy",
     "covariance_root": "symkin.calibration.judge.prediction",
+    "predict_readings": "symkin.calibration.judge.prediction",
     "DOUBTFUL_CURVATURE": "symkin.calibration.judge.statistics",
     "LinearModel": "symkin.calibration.judge.statistics",
     "chi_square_tail": "symkin.calibration.judge.statistics",

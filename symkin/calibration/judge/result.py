@@ -84,7 +84,9 @@ class Calibration(Result):
     `problem` holds what was fitted: the configurations `used` (numbers in `measurements`) without
     outliers.
 
-    `covariance` is that of `parameters`, held ones 0; `chi_square` has `degrees` of freedom and the
+    `covariance` is that of `parameters`, held ones 0, by slopes at the estimate: where directions
+    are hardly told it holds for parameters, readings and poses, not for every combination of
+    parameters (see docs/explanations/identifiability.md). `chi_square` has `degrees` of freedom and the
     tail probability `p_value` (None where standard deviations are unknown; they are then scaled by
     the fit). `unsolved` are configurations whose direct problem was not solved and `changed_mode`
     those that crossed a singularity on the way; none is dropped without being named. `given_up` are
