@@ -86,16 +86,16 @@ class Calibration(Result):
 
     `covariance` is that of `parameters`, held ones 0, by slopes at the estimate: where directions
     are hardly told it holds for parameters, readings and poses, not for every combination of
-    parameters (see docs/explanations/identifiability.md). `chi_square` has `degrees` of freedom and the
-    tail probability `p_value` (None where standard deviations are unknown; they are then scaled by
-    the fit). `unsolved` are configurations whose direct problem was not solved and `changed_mode`
-    those that crossed a singularity on the way; none is dropped without being named. `given_up` are
-    the first outliers of a fit where so many readings do not belong that none was left out,
-    `silent` configurations without any reading beside the joints, which are not used. All figures
-    are those of the file with the `corrected` geometry, written and read back (see `assessment`);
-    `departure` says how far its poses went from the file's; `refused` says why it must not be
-    written, None where nothing speaks against it. `plot()` draws the changes of the parameters,
-    `plot(what="residuals")` the residuals.
+    parameters (see docs/explanations/identifiability.md). `chi_square` has `degrees` of freedom and
+    the tail probability `p_value` (None where standard deviations are unknown; they are then scaled
+    by the fit). `unsolved` are configurations whose direct problem was not solved and
+    `changed_mode` those that crossed a singularity on the way; none is dropped without being named.
+    `given_up` are the first outliers of a fit where so many readings do not belong that none was
+    left out, `silent` configurations without any reading beside the joints, which are not used. All
+    figures are those of the file with the `corrected` geometry, written and read back (see
+    `assessment`); `departure` says how far its poses went from the file's; `refused` says why it
+    must not be written, None where nothing speaks against it. `plot()` draws the changes of the
+    parameters, `plot(what="residuals")` the residuals.
 
     >>> import numpy as np, symkin
     >>> arm = symkin.load("gluon_6l3")

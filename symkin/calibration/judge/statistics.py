@@ -27,9 +27,9 @@ from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import neighbours
 from symkin.calibration.estimate.state import (
     State,
-    closed_state,
     evaluate,
     joint_covariance,
+    state_after,
 )
 from symkin.calibration.judge.prediction import predict_readings
 from symkin.computed_once import cached_property
@@ -316,14 +316,12 @@ def _bend(
     """Return d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; not a number where
     they do not close.
     """
-    model, before = problem.model, here.linearised
-    z, p = model.system.move(here.z, here.follow(step)), here.p + model.scales * step
+    before = here.linearised
     with np.errstate(all="ignore"):
-        there = closed_state(problem, p, z, problem.form, noise)
-        bend = there.linearised.vector - before.vector - before.matrix @ step
-    size = model.closure.characteristic_length
-    closed = np.max(np.abs(there.pending), initial=0.0) < 1e-9 * size
-    return np.asarray(bend if closed else np.full_like(bend, np.nan))
+        there = state_after(problem, here, step, problem.form, noise)
+    if there is None:
+        return np.full_like(before.vector, np.nan)
+    return np.asarray(there.linearised.vector - before.vector - before.matrix @ step)
 
 
 def rms_of_better_part(squares: np.ndarray) -> float:
