@@ -366,7 +366,6 @@ def timed_fits(groups: int, seed: int, repeats: int) -> Times:
     truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)
     data = measured(truth, rng, groups, rods=False)
     problem = build_calibration(NOMINAL, data, fixed=HELD)
-    problem.model.compile()
     runs: dict[str, Callable[[], object]] = {
         "nested": lambda: fit(problem),
     }
@@ -417,7 +416,6 @@ def posed_figures(seed: int, repeats: int) -> Iterator[Figure]:
         return
     data, sigma = posed_data(seed)
     problem, peer = build_calibration(NOMINAL, data), PosedHexapod(NOMINAL, data, sigma)
-    problem.model.compile()
 
     def ours() -> float:
         p = parameters_at_poses(problem)

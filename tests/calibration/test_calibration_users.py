@@ -21,7 +21,7 @@ from helpers.inside import (
     build_calibration,
     deviations,
     estimate,
-    evaluate_readings,
+    evaluate_at,
     group_basis,
     group_numbers,
     joint_frames,
@@ -62,7 +62,7 @@ def dense_model(problem, state, model):
     """
     readings = problem.readings
     count = readings.values.size
-    e = evaluate_readings(problem, state)
+    e = evaluate_at(problem, state.p, state.z)
     flat = (model.whiten @ deviations(readings, e.readings)[:, :, None]).reshape(count)
     told = told_directions(problem, state)
     free = told.columns[:, told.ratios > 1.0]

@@ -144,8 +144,8 @@ def right_sets(name: str, args: argparse.Namespace) -> None:
             chi = fit.chi_square / max(fit.degrees, 1)
             why.append(
                 f"{k}: {fit.status} chi2/dof {chi:.3g} rank {fit.rank}/{len(fit.problem.names)} "
-                f"gap {fit.identifiability.gap:.3g} unsolved {len(fit.unsolved)} refused "
-                f"{fit.refused} held p {held.p_value}"
+                f"condition {fit.identifiability.condition:.3g} unsolved "
+                f"{len(fit.unsolved)} refused {fit.refused} held p {held.p_value}"
             )
     print(
         f"{name:12s} ended {ended:3d} believable {believed:3d} agreed {agreed:3d} of {args.sets}; "

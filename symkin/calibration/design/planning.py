@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.column_names import WEDGE, measure_of
+from symkin.calibration.data.columns import WEDGE, measure_of
 from symkin.calibration.data.files import CsvColumns
 from symkin.calibration.design.exchange_algorithm import (
     CRITERIA,

@@ -30,7 +30,6 @@ from symkin.calibration.estimate.state import (
     readings_at,
 )
 from symkin.calibration.judge.departure import measure_departure
-from symkin.calibration.judge.fit_notes import fit_notes, is_exact
 from symkin.calibration.judge.identifiability import identifiability_at
 from symkin.calibration.judge.outliers import Fit, Screening
 from symkin.calibration.judge.result import Calibration, Parameter, Residual
@@ -43,6 +42,7 @@ from symkin.calibration.judge.statistics import (
     linear_model,
     told_directions,
 )
+from symkin.calibration.judge.verdict import fit_notes, is_exact
 from symkin.errors import SymkinError
 from symkin.model.file import parse
 from symkin.model.joint import Coordinate

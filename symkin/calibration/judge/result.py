@@ -251,24 +251,13 @@ class Calibration(Result):
         """What `report.json` of `symkin calibrate fit` holds of the fit itself, with or without
         `residuals`; lengths in the mechanism's unit, angles in its angle unit.
         """
-        m = self.mechanism
+        m, labels, found = self.mechanism, self.measurements.labels, self.identifiability
         return {
             "mechanism": m.name,
             "length_unit": m.length_unit,
             "angle_unit": m.angle_unit,
             "believable": self.believable,
             "tested": self.tested,
-            **self.figures(),
-            **self.findings(),
-            "notes": list(self.notes),
-            "elapsed_s": self.elapsed_s,
-            "residuals": list(self.residual_rows()) if residuals else [],
-        }
-
-    def figures(self) -> dict[str, Any]:
-        """Status, postures and chi-square, as in `report.json`."""
-        labels = self.measurements.labels
-        return {
             "status": self.status,
             "iterations": self.iterations,
             "method": self.method,
@@ -280,12 +269,6 @@ class Calibration(Result):
             "chi_square": finite(self.chi_square),
             "degrees": self.degrees,
             "p_value": finite(self.p_value),
-        }
-
-    def findings(self) -> dict[str, Any]:
-        """Rank, what is not observable, parameters and outliers, as in `report.json`."""
-        m, found = self.mechanism, self.identifiability
-        return {
             "rank": found.rank,
             "parameters_in_all": len(found.names),
             "condition": finite(found.condition),
@@ -308,6 +291,9 @@ class Calibration(Result):
             "outliers": [
                 {"posture": o.label, "kind": o.kind, "reason": o.reason} for o in self.outliers
             ],
+            "notes": list(self.notes),
+            "elapsed_s": self.elapsed_s,
+            "residuals": list(self.residual_rows()) if residuals else [],
         }
 
     def residual_rows(self) -> Iterator[dict[str, Any]]:
