@@ -22,7 +22,6 @@ from helpers.inside import (
     deviations,
     estimate,
     evaluate_at,
-    group_basis,
     group_numbers,
     joint_frames,
     linear_model,
@@ -67,7 +66,7 @@ def dense_model(problem, state, model):
     told = told_directions(problem, state)
     free = told.columns[:, told.ratios > 1.0]
     columns = [(model.whiten @ e.slopes).reshape(count, -1) @ free]
-    basis = group_basis(readings, model.whiten)
+    basis = model.whiten[:, :, readings.columns]
     for g in range(readings.groups):
         columns.append(np.where((readings.group == g)[:, None, None], basis, 0.0).reshape(count, 2))
     stacked = np.hstack(columns)

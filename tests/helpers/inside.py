@@ -374,7 +374,6 @@ NAMES = {
     "default_parameters": "symkin.calibration.estimate.problem",
     "FORMS": "symkin.calibration.options",
     "deviations": "symkin.calibration.estimate.residuals",
-    "group_basis": "symkin.calibration.estimate.residuals",
     "linearise": "symkin.calibration.estimate.residuals",
     "EFFICIENCY": "symkin.calibration.estimate.robust",
     "loss_weights": "symkin.calibration.estimate.robust",
@@ -420,7 +419,7 @@ NAMES = {
     "covariance": "symkin.calibration.judge.statistics",
     "curvature": "symkin.calibration.judge.statistics",
     "linear_model": "symkin.calibration.judge.statistics",
-    "told_directions": "symkin.calibration.judge.statistics",
+    "told_directions": "symkin.calibration.estimate.linear",
     "Trial": "symkin.calibration.judge.trials",
     "FitReport": "symkin.calibration.report",
     # generated C

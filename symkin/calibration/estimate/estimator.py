@@ -306,10 +306,10 @@ class _Search:
         for _ in range(_MAX_UNSHRUNK_STEPS):
             linear = Linear.of(self.problem, self.state, self.widened)
             weight = prior_weight(self.problem, self.state, linear)
-            told, directions = linear.told
-            well = told > WELL_TOLD * weight
-            free, rest = directions[:, well], directions[:, ~well]
-            y = -free @ ((linear.jacobian @ free).T @ linear.residuals / told[well] ** 2)
+            told = linear.told(weight)
+            well = told.ratios > WELL_TOLD
+            free, rest = told.inner[:, well], told.inner[:, ~well]
+            y = -free @ (told.gains[well] * ((linear.jacobian @ free).T @ linear.residuals))
             solver = _Damped(linear, weight)
             y += rest @ np.linalg.lstsq(solver.matrix @ rest, solver.right, rcond=None)[0]
             step = linear.particular + linear.basis @ y

@@ -20,6 +20,7 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import is_writable, nominal_parameters, with_parameters
 from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import newton_configurations
+from symkin.calibration.estimate.linear import told_directions
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.robust import EFFICIENCY
 from symkin.calibration.estimate.state import (
@@ -40,7 +41,6 @@ from symkin.calibration.judge.statistics import (
     covariance,
     curvature,
     linear_model,
-    told_directions,
 )
 from symkin.calibration.judge.verdict import fit_notes, is_exact
 from symkin.errors import SymkinError

@@ -149,9 +149,8 @@ def _told(
     null_space = found.null_space
     if weight == 0.0:
         return found, null_space, ()
-    linear = Linear.of(problem, state, problem.widened)
-    ratios, directions = linear.told
-    ratios, directions = ratios / weight, linear.basis @ directions
+    told = Linear.of(problem, state, problem.widened).told(weight)
+    ratios, directions = told.ratios, told.columns
     untold = ratios < UNTOLD
     if np.sum(untold) > null_space.shape[1]:
         null_space = np.linalg.qr(directions[:, untold])[0]

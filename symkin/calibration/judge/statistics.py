@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear, prior_weight
+from symkin.calibration.estimate.linear import Told, told_directions
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import neighbours
 from symkin.calibration.estimate.state import (
@@ -169,41 +169,6 @@ def _stated_rows(problem: CalibrationProblem, state: State) -> tuple[np.ndarray,
     known = np.isfinite(problem.prior) & problem.is_stated
     change = (state.p - problem.model.nominal) / problem.model.scales
     return (change / problem.prior)[known], np.diag(1.0 / problem.prior)[known]
-
-
-@dataclass(frozen=True, eq=False)
-class Told:
-    """What the readings tell at a state: directions of the scaled parameters as `columns` (P, k),
-    one prior standard deviation long, `ratios` (k,) of the prior's standard deviation to that by
-    the readings, largest first, what `shares` (k,) of each the readings decide, and its `gains`
-    (k,), by which a gradient of the squared residuals moves the estimate. `weight` is the prior's.
-    """
-
-    columns: np.ndarray
-    ratios: np.ndarray
-    shares: np.ndarray
-    gains: np.ndarray
-    weight: float
-
-
-def told_directions(problem: CalibrationProblem, state: State) -> Told:
-    """Find what the readings tell, in which an overconstrained closure stays consistent; without
-    what they do not tell at all, but where tolerances are stated.
-    """
-    linear = Linear.of(problem, state, problem.widened)
-    lengths, directions = linear.told
-    weight = prior_weight(problem, state, linear)
-    some = (lengths > UNTOLD * weight) | problem.is_stated
-    lengths = lengths[some]
-    decided = (lengths > WELL_TOLD * weight) & (not problem.is_stated)
-    gains = 1.0 / (lengths**2 + np.where(decided, 0.0, weight**2))
-    return Told(
-        columns=linear.basis @ directions[:, some],
-        ratios=lengths / weight,
-        shares=lengths**2 * gains,
-        gains=gains,
-        weight=weight,
-    )
 
 
 def _basis_in_place(columns: np.ndarray) -> np.ndarray:
