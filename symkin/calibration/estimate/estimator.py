@@ -150,14 +150,14 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     still, start = np.zeros(len(model.names)), start_points(model, here.measurements, measured=True)
     with np.errstate(all="ignore"):
         first = _at_poses(here, model.nominal, start, _MAX_PASSIVE_STEPS, by_rows=False)
-        search = _Search(here, near, first, widened=problem.widened)
+        search = _Search(here, near, first, widened=problem.widened, bends=False)
         if not np.isfinite(first.cost) or is_rounding(here, first):
             return None
         if search.run(_MAX_POSE_STEPS) == "ok":
             return search.state.p
         best, begin = search.state, far(first, still)
         if begin is not None:
-            other = _Search(here, far, begin, widened=problem.widened)
+            other = _Search(here, far, begin, widened=problem.widened, bends=False)
             other.run(_MAX_POSE_STEPS)
             last = near(other.state, still)
             best = best if last is None or last.cost > best.cost else last
@@ -221,7 +221,9 @@ def _moved_at_poses(
 
 @dataclass(eq=False)
 class _Search:
-    """The iteration: where it stands, how many steps it took, how much the prior was widened."""
+    """The iteration: where it stands, how many steps it took, how much the prior was widened,
+    whether steps may bend with a valley, and whether one has gained less than it promised.
+    """
 
     problem: CalibrationProblem
     move: Callable[[State, np.ndarray], State | None]
@@ -229,6 +231,7 @@ class _Search:
     damping: float = 0.0
     steps: int = 0
     widened: float = 1.0
+    bends: bool = True
     is_curved: bool = False
 
     def run(self, limit: int) -> str:
@@ -301,7 +304,7 @@ class _Search:
         derivative along it, by a part of it, asks for half a step more.
         """
         here = self.state.linearised
-        near = self.move(self.state, _PROBED * step) if self.is_curved else None
+        near = self.move(self.state, _PROBED * step) if self.bends and self.is_curved else None
         if near is None or near.values is None:  # of many configurations only triangles are known
             return step
         rise = (near.linearised.vector - here.vector) / _PROBED - here.matrix @ step
