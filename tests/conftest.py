@@ -19,7 +19,7 @@ settings.register_profile(
     "symkin",
     derandomize=True,
     deadline=None,
-    max_examples=60,
+    max_examples=30,
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("symkin")
@@ -64,12 +64,6 @@ def cache(tmp_path, monkeypatch):
     """A cache folder of the test's own."""
     monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path))
     return tmp_path
-
-
-@pytest.fixture
-def kept_starts(shared_place, monkeypatch):
-    """A cache folder of this run: starts are computed once for all tests that share it."""
-    monkeypatch.setenv("SYMKIN_CACHE", str(shared_place / "starts"))
 
 
 @pytest.fixture

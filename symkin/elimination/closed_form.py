@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.computed_once import cached_property
+from symkin.elimination.angle_sums import angle_sums
 from symkin.elimination.eliminating import (
     combine_lengths,
     cut_by_line,
@@ -41,8 +42,6 @@ digits.
 _CLOSED = 1e-9
 """Closure error, in sizes, of a solution by formulas: rounding, with some digits lost."""
 _MOST_STEPS = 100
-_MOST_SUMMED = 4
-"""Angles of a block of which sums are looked for: each more doubles the terms that are compared."""
 
 
 class Solutions(NamedTuple):
@@ -253,7 +252,7 @@ def _begun(system: System, rows: ca.SX, samples: np.ndarray) -> tuple[Workspace,
     the fewest terms.
     """
     ring, chosen = Ring(system.unknowns), None
-    for before in _sums(system):
+    for before in angle_sums(system, rows, samples[0]):
         polynomials = polynomial_rows(ring, system, rows, before)
         work = Workspace(
             ring,
@@ -269,20 +268,6 @@ def _begun(system: System, rows: ca.SX, samples: np.ndarray) -> tuple[Workspace,
             chosen = terms, work, before
     assert chosen is not None  # noqa: S101 - the first choice has no sums
     return chosen[1], chosen[2]
-
-
-def _sums(system: System) -> list[dict[int, int]]:
-    """Ways in which angles that follow each other may be summed: none, and runs of two and more."""
-    angles = [k for k, c in enumerate(system.unknowns) if c.is_angular]
-    runs = [angles[i:j] for i in range(len(angles)) for j in range(i + 2, len(angles) + 1)]
-    return [
-        {},
-        *(
-            {after: before for before, after in pairwise(run)}
-            for run in runs
-            if len(angles) <= _MOST_SUMMED
-        ),
-    ]
 
 
 def _run(work: Workspace) -> bool:

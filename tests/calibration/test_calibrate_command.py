@@ -340,6 +340,7 @@ def test_noise_is_not_called_rounding(capsys, tmp_path, data):
     assert "without noise" not in (tmp_path / "out" / "report.md").read_text()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_single_bad_rows_are_named(capsys, tmp_path, data):
     """A posture that does not close is named by its line; the fit of the others stands."""

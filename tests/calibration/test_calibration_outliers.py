@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 
 import symkin
 from helpers import hexapod_log
+from helpers.gate import in_gate
 from helpers.inclinometer import (
     BASE_LIMBS,
     PLATFORM_LIMBS,
@@ -207,19 +209,18 @@ def left_out(case, rng):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "case",
-    [
-        "poses",
-        pytest.param("positions, noise unknown", marks=pytest.mark.long),
-        pytest.param("groups", marks=pytest.mark.long),
-    ],
+    ("case", "count"),
+    in_gate(
+        [("poses", 30), *product(["poses", "positions, noise unknown", "groups"], [60])],
+        [("poses", 30)],
+    ),
 )
-def test_probabilities_of_clean_readings_that_were_left_out_are_uniform(case):
-    """Over 60 sets, by the test of Kolmogorov and Smirnov at 1 %: sqrt(60) times the largest
-    distance between the distributions is below 1.63.
+def test_probabilities_of_clean_readings_that_were_left_out_are_uniform(case, count):
+    """Over n sets, by the test of Kolmogorov and Smirnov at 1 %: sqrt(n) times the largest distance
+    between the distributions is below 1.63.
     """
     chances = []
-    for seed in range(60):
+    for seed in range(count):
         rng = np.random.default_rng(seed)
         nominal, data, kind, fixed = left_out(case, rng)
         k = int(rng.integers(len(data)))
@@ -230,9 +231,9 @@ def test_probabilities_of_clean_readings_that_were_left_out_are_uniform(case):
         outlier = outliers.Outlier(k, kind, 0.0, 3)
         (judged,) = outliers._retest(data, found, [outlier])
         chances.append(judged.probability)
-    steps, chances = np.arange(61) / 60, np.sort(chances)
+    steps, chances = np.arange(count + 1) / count, np.sort(chances)
     apart = max(np.max(steps[1:] - chances), np.max(chances - steps[:-1]))
-    assert np.sqrt(60) * apart < 1.63
+    assert np.sqrt(count) * apart < 1.63
 
 
 def test_where_all_readings_are_put_back_none_is_tested_again():

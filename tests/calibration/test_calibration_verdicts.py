@@ -303,6 +303,7 @@ def test_a_sequence_named_wrongly_is_told(tmp_path, poses):
     assert "XZX about moving axes" in said
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("hidden", [False, True], ids=["ZYX named", "no sequence named"])
 def test_euler_angles_in_radians_are_told(tmp_path, poses, hidden):

@@ -40,7 +40,7 @@ def test_the_size_is_that_of_the_machine():
 @pytest.mark.slow
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_code_of_a_calibrated_arm_passes_its_test(real, tmp_path):
-    write_folder(_calibrated(), tmp_path, Options(real))
+    tools.write_untested(_calibrated(), tmp_path, Options(real))
     tools.passed(tools.built("gcc", tmp_path, ["calibrated.c", "calibrated_test.c"], "test", "-O1"))
 
 
@@ -75,5 +75,5 @@ def test_code_of_limbs_whose_hinge_is_all_but_perpendicular_passes_its_test(real
     """A row along the hinge would tell the slide, divided by the small angle: its digits are
     lost.
     """
-    write_folder(_with_hinges_askew(by), tmp_path, Options(real))
+    tools.write_untested(_with_hinges_askew(by), tmp_path, Options(real))
     tools.passed(tools.built("gcc", tmp_path, ["askew.c", "askew_test.c"], "test", "-O1"))

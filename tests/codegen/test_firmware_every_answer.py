@@ -146,8 +146,9 @@ def test_a_name_stays_in_its_comment(kind):
             assert "injected" not in code, file
 
 
+@pytest.mark.long
 @pytest.mark.slow
-@pytest.mark.parametrize("real", in_gate(["float", "double"], ["float"]))
+@pytest.mark.parametrize("real", ["float", "double"])
 def test_standing_still_is_ok(real, library):
     """G1 ankle, whose Newton steps end in rounding of all directions: an answer asked for again
     from itself is OK.

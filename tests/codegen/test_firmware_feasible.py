@@ -208,7 +208,7 @@ def test_limits_of_passive_joints_are_kept_by_a_map(tmp_path, joint, low, high):
     code = library(made, tmp_path / "c", given=["crank"], find=["follower"])
     reference = symkin.solve(made, given={"crank": 90.0}).solution.joints["follower"]
     statuses = set()
-    for crank in np.linspace(60.0, 125.0, 27):
+    for crank in np.linspace(60.0, 125.0, 14):
         solution = symkin.solve(made, given={"crank": float(crank)}).solution
         found = doubles([0.0])
         status = code.four_bar_direct(
@@ -233,7 +233,7 @@ def test_limits_of_passive_joints_are_kept_by_a_platform(tmp_path, joint):
     made = loaded(tmp_path, limited(FIVE_BAR, joint, -8.0, 8.0))
     code = library(made, tmp_path / "c")
     home, statuses = doubles([*made.platform_position, 1.0, 0.0, 0.0, 0.0]), set()
-    for first, second in np.random.default_rng(5).uniform(-12.0, 12.0, (30, 2)):
+    for first, second in np.random.default_rng(5).uniform(-12.0, 12.0, (14, 2)):
         solution = symkin.solve(made, joints=[first, second]).solution
         wanted = OK if solution.within_limits else OUT_OF_RANGE
         pose, joints = doubles(np.zeros(7)), doubles([0.0, 0.0])
@@ -315,7 +315,7 @@ AXES = [(1.0, 0.0), (0.0, 1.0), (0.6, 0.8), (1.0, 0.5)]
 
 @pytest.mark.parametrize(
     ("types", "axis"),
-    in_gate(product(["RRP", "RPR", "PRR"], AXES), [("RRP", AXES[0]), ("RPR", AXES[3])]),
+    in_gate(product(["RRP", "RPR", "PRR"], AXES), [("RRP", AXES[0])]),
 )
 def test_a_regular_home_is_answered_whatever_formulas_divide_by(tmp_path, axis, types):
     """No divisor that vanishes, or is small, at home makes a regular pose there singular, nor

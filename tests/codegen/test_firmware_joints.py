@@ -9,7 +9,7 @@ import pytest
 from helpers import firmware_tools as tools
 from helpers import joint_types
 from helpers.gate import in_gate, in_gate_but
-from helpers.inside import Options, write_folder
+from helpers.inside import Options
 
 
 @pytest.mark.slow
@@ -39,7 +39,7 @@ from helpers.inside import Options, write_folder
 )
 def test_joint_types_and_motions_compile_and_pass(made, real, tmp_path):
     mechanism = made()
-    write_folder(mechanism, tmp_path, Options(real))
+    tools.write_untested(mechanism, tmp_path, Options(real))
     tools.passed(
         tools.built(
             "gcc", tmp_path, [f"{mechanism.name}.c", f"{mechanism.name}_test.c"], "test", "-O1"

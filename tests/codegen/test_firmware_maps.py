@@ -97,7 +97,7 @@ def compiled(tmp_path_factory):
         name, given, find = MAPS[key]
         mechanism, folder = symkin.load(name), tmp_path_factory.mktemp("map")
         options = Options(real, given=given, find=find)
-        write_folder(mechanism, folder, options)
+        tools.write_untested(mechanism, folder, options)
         tools.passed(
             tools.built("gcc", folder, [f"{mechanism.name}_test.c", f"{mechanism.name}.c"], "test")
         )
@@ -456,7 +456,7 @@ def test_wheels_follow_their_drivers_over_whole_turns(tmp_path, coupling):
         symkin.load(tmp_path / "wheels.toml"),
         Options("double", given=("x",), find=("y",)),
     )
-    write_folder(mechanism, tmp_path / "c", options)
+    tools.write_untested(mechanism, tmp_path / "c", options)
     tools.passed(tools.built("gcc", tmp_path / "c", ["wheels_test.c", "wheels.c"], "test"))
     tools.built("gcc", tmp_path / "c", ["wheels.c"], "code.so", "-O1", "-shared", "-fPIC")
     code = _Map(tmp_path / "c", JointMap(mechanism, options, Real("double")))

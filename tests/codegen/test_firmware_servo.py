@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import ctypes
 import subprocess
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -267,19 +266,14 @@ def test_refused_input_leaves_the_joints(code):
 
 
 @pytest.mark.slow
-def test_a_step_out_of_a_limit_is_refused(tmp_path):
+def test_a_step_out_of_a_limit_is_refused(code):
     """A joint at its limit that would have to leave it: OUT_OF_RANGE, its number, joints
     untouched.
     """
-    free = symkin.load("ur5e")
-    (limb,) = free.limbs
-    joints = [
-        replace(j, limits=(-np.pi, np.radians(20))) if k == 0 else j
-        for k, j in enumerate(limb.joints)
-    ]
-    arm = Code(replace(free, limbs=(replace(limb, joints=tuple(joints)),)), "double", tmp_path)
-    q = np.array([np.radians(19.99), -1.2, 1.4, -1.0, 0.5, 0.2])
-    pose = arm.arm.forward_at(q + np.array([0.01, 0, 0, 0, 0, 0]))
+    arm = code("scara", "double")
+    _, end = symkin.load("scara").actuated[0].limits
+    q = np.array([end - 1e-4, 0.9, 0.2, -30.0])
+    pose = arm.arm.forward_at(q + np.array([0.01, 0, 0, 0]))
     values = arm.numbers(q)
     assert arm.tracked(pose, values) == OUT_OF_RANGE
     assert arm.info.joint == 0

@@ -34,10 +34,9 @@ KEPT = [
     ("five_bar", 1e-8, "float"),
     ("three_rrr", 1e6, "double"),
     ("scara", 1e-8, "float"),
-    ("delta", 1e6, "float"),
 ]
-"""What the gate runs: a machine of each kind, at sizes of which each was refused once by a scale
-that was absolute.
+"""What the gate runs: a platform by formulas, an iterated one, an arm, at sizes of which each was
+refused once by a scale that was absolute.
 """
 
 

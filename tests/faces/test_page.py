@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import inside
 from helpers.command_line import run
 from helpers.gate import in_gate
 from helpers.samples import readme_five_bar, rus_on_rods, three_rrr, two_four_bars
@@ -79,7 +80,7 @@ def open_page(tab: Tab, tmp_path: Path) -> Iterator[Callable[..., Any]]:
     tab.told.clear()
     tab.asked.clear()
 
-    def opened(html: str, width: int = 1280, height: int = 800) -> Any:
+    def opened(html: str, width: int = 960, height: int = 600) -> Any:
         place = tmp_path / "opened.html"
         place.write_text(html, encoding="utf-8")
         tab.page.set_viewport_size({"width": width, "height": height})
@@ -568,7 +569,7 @@ def test_a_sweeps_map_is_pointed_at(open_page: Callable[..., Any], tmp_path: Pat
     pytest.importorskip("zarr")
     swept = symkin.sweep(
         readme_five_bar("planar"),
-        given={"x": np.linspace(-250, 250, 20), "y": np.linspace(-260, 260, 20)},
+        given={"x": np.linspace(-250, 250, 10), "y": np.linspace(-260, 260, 10)},
         directory=tmp_path / "map",
         workers=0,
     )
@@ -870,9 +871,10 @@ def test_a_symmetric_start_loses_no_modes(open_page: Callable[..., Any]) -> None
 
 
 def test_a_path_of_poses_is_played_in_its_mode(
-    open_page: Callable[..., Any], tmp_path: Path
+    open_page: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The delta below its base and not above it, where the same motor angles also close."""
+    monkeypatch.setattr(inside.played_path, "_POSE_SAMPLES", 20)
     file = tmp_path / "poses.csv"
     file.write_text(
         "x[mm],y[mm],z[mm],qw,qx,qy,qz\n0,0,-300,1,0,0,0\n20,10,-320,1,0,0,0\n", encoding="utf-8"

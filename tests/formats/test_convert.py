@@ -63,7 +63,7 @@ def test_as_many_modes(name: str, suffix: str, tmp_path: Path) -> None:
     "name",
     in_gate(["spherical_wrist", "zhang2009", "zhao2000", "delta_parallelograms"], ["zhao2000"]),
 )
-def test_as_many_modes_of_limbs(name: str, tmp_path: Path, kept_starts: None) -> None:
+def test_as_many_modes_of_limbs(name: str, tmp_path: Path) -> None:
     """Limbs are joints and rods between links in the file, a restricted platform hangs on joints of
     its own.
     """

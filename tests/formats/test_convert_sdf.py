@@ -51,7 +51,7 @@ def test_real_robots_come_back(path: Path, tmp_path: Path) -> None:
     )
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 10_000))
 def test_random_graphs_come_back(seed: int, tmp_path_factory: pytest.TempPathFactory) -> None:
     mechanism = random_graph(seed, lines_only=True)

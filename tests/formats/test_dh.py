@@ -55,7 +55,7 @@ def forward(mechanism, values):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("convention", ["standard", "modified"])
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(rng=seeds)
 def test_forward_kinematics_is_the_product_of_the_rows(convention, rng):
     """Random rows, revolute and prismatic, random joint values."""
@@ -95,7 +95,7 @@ def test_the_same_arm_by_joints(convention, rng):
 
 
 @pytest.mark.slow
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(seeds)
 def test_standard_is_modified_shifted_by_one_link(rng):
     """Rz Tz Tx Rx of rows 1..n is Craig's Rx Tx Rz Tz of the same rows with (a, alpha) one row

@@ -752,7 +752,7 @@ def test_spoilt_data_is_refused_in_one_line_or_taken(data):
 
 
 @pytest.mark.long
-@settings(max_examples=200)
+@settings(max_examples=100)
 @given(st.data())
 def test_more_spoilt_data_is_refused_in_one_line_or_taken(data):
     """The same of more files."""
@@ -773,7 +773,7 @@ def refused_or_taken(data):
         assert parse(mechanism.to_toml()) == mechanism
 
 
-@settings(max_examples=150)
+@settings(max_examples=75)
 @given(
     st.sampled_from(SOURCES),
     st.floats(0, 1),

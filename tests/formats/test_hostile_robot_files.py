@@ -139,7 +139,7 @@ def test_a_fifo_that_xacro_includes(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 
 @pytest.mark.parametrize(
-    ("kind", "count"), [("revolute", 5000), ("fixed", 8000), ("revolute", 1001)]
+    ("kind", "count"), [("revolute", 5000), ("fixed", 3001), ("revolute", 1001)]
 )
 def test_a_chain_of_too_many_joints_is_refused_before_it_is_placed(
     kind: str, count: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -207,7 +207,7 @@ MERGED = "a0: &a0 {x: 1, y: 2}\n" + "".join(
         ),
         (f"{MERGED}closed_loop: []\ntype: []", "its aliases (*name) make more than 100000 values"),
         ("closed_loop: &a [*a]\ntype: [6d]", "its aliases (*name) make more than 100000 values"),
-        (f"closed_loop: {'[' * 5000}", "not YAML"),
+        (f"closed_loop: {'[' * 2000}", "not YAML"),
         (f"closed_loop: []\ntype: [{'a, ' * 100_000}]", "the file has more than 0.2 MB"),
     ],
     ids=["digits", "number", "name", "aliases", "merged", "itself", "deep", "long"],

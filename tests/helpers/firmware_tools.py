@@ -18,6 +18,8 @@ from typing import Any
 
 import pytest
 
+from helpers import inside
+
 HELPERS = Path(__file__).parent
 CODEGEN = HELPERS.parents[1] / "codegen"
 
@@ -68,7 +70,8 @@ def kept_files(
     """The files that `write` makes of a mechanism with options, made once for all workers of a
     run.
     """
-    key = sha256(pickle.dumps((mechanism, options))).hexdigest()
+    told = [option for option in options if option is not None]
+    key = sha256(pickle.dumps((mechanism, told))).hexdigest()
     place = Path(os.environ["SYMKIN_FOLDERS"]) / "files" / key
     if not place.exists():
         files = write(mechanism, *options)
@@ -77,6 +80,15 @@ def kept_files(
             json.dump(files, file)
         Path(file.name).replace(place)
     return dict(json.loads(place.read_text()))
+
+
+def write_untested(mechanism: object, folder: Path, options: object) -> None:
+    """Write the files of a mechanism for a test that compiles and runs the folder's own test
+    itself.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in inside.codegen_folder.folder_files(mechanism, options).items():
+        (folder / name).write_text(text)
 
 
 def tested_once(

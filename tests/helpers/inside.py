@@ -255,6 +255,7 @@ NAMES = {
     "ArmScrews": "symkin.closed.screws",
     "Screw": "symkin.closed.screws",
     # eigenvalues in place of paths
+    "angle_sums": "symkin.elimination.angle_sums",
     "ClosedForm": "symkin.elimination.closed_form",
     "closed_form": "symkin.elimination.closed_form",
     "samples_about": "symkin.elimination.closed_form",
@@ -563,6 +564,7 @@ MODULES = {
     "c_library": "symkin.numeric.c_library",
     "cache_folder": "symkin.numeric.cache_folder",
     "mesh_files": "symkin.page.mesh_files",
+    "played_path": "symkin.page.played_path",
     "calibration_plot": "symkin.plots.calibration_plot",
     "groups": "symkin.position.groups",
     "solution": "symkin.position.solution",

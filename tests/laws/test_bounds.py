@@ -29,8 +29,6 @@ from helpers.known_roots import DIETMAIER, case, complex_roots, dietmaier
 from helpers.samples import five_bar, unit
 from symkin import Joint, Limb, Mechanism
 
-pytestmark = pytest.mark.usefixtures("kept_starts")
-
 
 def is_complete(certificates, bound) -> bool:
     """Whether certified roots of one instance are all that there are."""

@@ -33,9 +33,6 @@ unit = (
 angle = st.floats(-math.pi, math.pi)
 
 
-pytestmark = pytest.mark.usefixtures("kept_starts")
-
-
 def turned(axis, value, v):
     return rotate(quaternion_from_axis_angle(axis, value), v)
 

@@ -132,7 +132,7 @@ def test_modes_are_those_of_continuation(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", in_gate(ALL, SEARCHED))
 def test_all_structures_have_the_modes_of_continuation(name: str) -> None:
-    same_as_continuation(ALL[name], 12)
+    same_as_continuation(ALL[name], 6)
 
 
 def same_as_continuation(arm: symkin.Mechanism, count: int) -> None:

@@ -16,6 +16,7 @@ from helpers.inside import (
     ClosedForm,
     Problem,
     System,
+    angle_sums,
     build_problem,
     closed_form,
     samples_about,
@@ -120,6 +121,20 @@ def test_a_limb_that_not_every_pose_lets_close() -> None:
     assert solutions.clear.all()
     for row, values in enumerate(known):
         assert np.all(found.system.residuals(solutions.values[row], values) < 1e-10 * size)
+
+
+def test_sums_of_angles_are_tried_where_axes_are_parallel() -> None:
+    """Of the two angles of a planar limb; none of a loop whose axes cross."""
+    limb, _ = parts()["3-RRR limb"]
+    loop = build_problem(symkin.load("bricard"), "given", ("joint2",))
+    for problem, block, count in (
+        (limb, limb.blocks[1], 2),
+        (loop, structure_groups(loop)[0].system, 1),
+    ):
+        assert sum(c.is_angular for c in block.unknowns) >= 2
+        ways = list(angle_sums(block, block.rows, about(problem, block)[0]))
+        assert ways[0] == {}
+        assert len({tuple(way.items()) for way in ways}) == len(ways) == count
 
 
 COUNTED = [name for name in NAMES if name != "3-RPS limb"]

@@ -189,7 +189,7 @@ def test_counts_of_the_shipped_mechanisms_and_of_dietmaier(mechanism, given, com
         pytest.param(three_rps(), 16, id="3-RPS", marks=pytest.mark.long),
     ],
 )
-def test_generic_counts_by_the_same_code(mechanism, complex_count, kept_starts):
+def test_generic_counts_by_the_same_code(mechanism, complex_count):
     """Known counts: five-bar 2, planar 3-RRR 6 (Gosselin 1992), delta 2, and 40 when its platform
     may turn; 3-RPS 16, in two operation modes of 8 (Schadlbauer, Walter, Husty 2014). Nothing lost
     against multistart.
@@ -262,7 +262,7 @@ def test_complex_roots_come_in_conjugate_pairs():
 
 
 @pytest.mark.slow
-def test_symmetric_joint_values_are_not_claimed(kept_starts):
+def test_symmetric_joint_values_are_not_claimed():
     """At the delta's symmetric reference with a free platform, roots run to infinity together: what
     is listed closes, and completeness is claimed only if no path is unresolved.
     """

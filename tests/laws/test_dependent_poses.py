@@ -47,8 +47,11 @@ def _printed(pose: symkin.Pose) -> list[float]:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "make",
-    [lambda: tied_platform(False), lambda: tied_platform(True), exechon],
-    ids=["3RPS", "3RRS", "Exechon"],
+    [
+        pytest.param(lambda: tied_platform(False), id="3RPS"),
+        pytest.param(lambda: tied_platform(True), id="3RRS", marks=pytest.mark.long),
+        pytest.param(exechon, id="Exechon"),
+    ],
 )
 def test_a_printed_pose_is_accepted_and_every_limb_is_complete(make):
     """Two branches in each of three limbs: eight modes, among them the joints that gave the

@@ -120,7 +120,7 @@ def holds(middle: complex, radius: float, value: acb) -> bool:
 
 @pytest.mark.slow
 @engines
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(seeds, st.booleans(), st.sampled_from([0.0, 1e-14, 1e-9, 1e-3]))
 def test_discs_hold_the_exact_values(engine, rng, real, radius):
     """Of a random graph, for points and known values anywhere in their discs."""
@@ -245,7 +245,7 @@ def test_no_bound_beyond_the_range_of_the_functions(engine):
     assert unbounded(1e160) == [True, True, True, True]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(seeds, st.booleans())
 def test_c_and_numpy_agree(rng, real):
     """Both engines have the same middles up to a contracted product, and radii."""

@@ -38,8 +38,6 @@ from helpers.inside import track_paths as track
 from helpers.samples import delta, five_bar, hexapod, parallel_rrr, pieper, three_rrr
 from symkin import Mechanism, Pose
 
-pytestmark = pytest.mark.usefixtures("kept_starts")
-
 
 def ends_of(system: AlgebraicSystem, start: Fibre, target: np.ndarray) -> Ends:
     """Ends of all paths, each counted once."""

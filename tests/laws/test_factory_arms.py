@@ -111,13 +111,13 @@ def test_the_start_of_a_factory_arm_is_computed_once(monkeypatch):
         symkin.solve(arm, joints=q).solution.pose
         for q in ([20.0, -70.0, 80.0, 25.0, 40.0, 30.0], [5.0, -50.0, 60.0, 15.0, 70.0, 3.0])
     ]
-    first = symkin.modes(arm, pose=poses[0])
+    first = symkin.modes(arm, pose=poses[0], method="continuation")
 
     def searched_again(*_arguments, **_named):
         raise AssertionError("the generic roots were searched again")
 
     monkeypatch.setattr(inside.start_store, "compute_start", searched_again)
-    second = symkin.modes(arm, pose=poses[1])
+    second = symkin.modes(arm, pose=poses[1], method="continuation")
     assert first.complex_count == second.complex_count == 16
 
 

@@ -96,7 +96,7 @@ def test_loci_of_limbs_by_coordinates_of_the_pose() -> None:
     with pytest.raises(InputError, match="type 1"):
         symkin.singular_loci(here, ("x", "y"), given=["x", "y"], kinds=("type 1",))
     loci = symkin.singular_loci(
-        here, ("x", "y"), given=["x", "y"], ranges=[(-50.0, 150.0), (-150.0, 150.0)], starts=20
+        here, ("x", "y"), given=["x", "y"], ranges=[(-50.0, 150.0), (-150.0, 150.0)], starts=6
     )
     assert loci.curves
     for curve in loci.curves:
@@ -141,10 +141,7 @@ def test_modes_change_at_singular_points_only() -> None:
     loci = symkin.singular_loci(here, ["crank"], ranges=[(-180.0, 180.0)])
     ends = [-180.0, *(float(point.points[0, 0]) for point in loci.curves), 180.0]
     counts = [
-        [
-            len(symkin.modes(mechanism, given={"crank": a + share * (b - a)}))
-            for share in (0.1, 0.5, 0.9)
-        ]
+        [len(symkin.modes(mechanism, given={"crank": a + share * (b - a)})) for share in (0.1, 0.9)]
         for a, b in pairwise(ends)
     ]
     assert all(len(set(count)) == 1 for count in counts)

@@ -25,7 +25,7 @@ CASES = [(name, k) for name, entry in GALLERY.items() for k in range(len(entry["
 FEW = [
     (name, 0) for name in TWELVE if name in GALLERY and name not in ("sarrus", "spherical_wrist")
 ]
-FEW += [("stephenson_six_bar", 2), ("five_link_suspension", 0)]
+FEW += [("stephenson_six_bar", 2)]
 """Cases that the gate runs: of each kind of linkage, by joints that are actuated and by others."""
 SIX_DIGITS = """
 format = 1

@@ -147,6 +147,21 @@ def test_a_graph_has_the_mobility_of_its_limbs(name):
     assert symkin.mobility(limbs).mobility == symkin.mobility(graph_twin(limbs)).mobility
 
 
+def test_a_spherical_motion_is_that_of_axes_that_meet():
+    """A wrist moves the same with its motion declared and without."""
+    declared = symkin.load("spherical_wrist")
+    assert declared.motion == "spherical"
+    motors = {"motor1": 10.0, "motor2": -5.0, "motor3": 15.0}
+    for machine in (declared, replace(declared, motion="spatial")):
+        found = symkin.solve(machine, given=motors).solution
+        wanted = symkin.solve(declared, given=motors).solution
+        np.testing.assert_allclose(found.rotation, wanted.rotation, atol=1e-9)
+        assert found.joints == pytest.approx(wanted.joints, abs=1e-7)
+        back = symkin.solve(declared, pose=found.pose, start=found.joints).solution
+        assert {n: back.joints[n] for n in motors} == pytest.approx(motors, abs=1e-6)
+    assert symkin.mobility(declared).mobility == symkin.mobility(machine).mobility == 3
+
+
 @pytest.mark.long
 def test_a_spherical_motion_may_be_declared():
     """Of a wrist whose axes meet: the same modes from motors, and from a whole pose all that each

@@ -52,7 +52,7 @@ def holds(box: Box, root: complex) -> bool:
 
 
 @pytest.mark.slow
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(
     st.floats(-5, -4),
     st.sampled_from([-1.0, 1.0]),

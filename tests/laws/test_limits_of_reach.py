@@ -43,7 +43,7 @@ def test_modes_appear_and_vanish_where_sixty_digits_say_so(name, tmp_path, monke
     assert (asked, wrong) == (2 * len(OFFSETS), 0), capsys.readouterr().out
 
 
-@pytest.mark.parametrize("beyond", in_gate([1e-3, 3e-7, 1e-8, 1e-10], [3e-7, 1e-10]))
+@pytest.mark.parametrize("beyond", in_gate([1e-3, 3e-7, 1e-8, 1e-10], [1e-10]))
 def test_a_pose_beyond_reach_has_no_mode_and_its_distance_is_told(beyond):
     """A delta's pose below its lowest: none, by each way of listing and by `solve`; the loops stay
     open by what the stretched arms lack, a closed form.
@@ -101,7 +101,7 @@ def test_a_double_mode_is_one_and_named(capsys):
     assert data["modes"][0]["certified"] is False
 
 
-@pytest.mark.parametrize("digits", in_gate([7, 8, 9, 10], [7, 10]))
+@pytest.mark.parametrize("digits", in_gate([7, 8, 9, 10], [7]))
 def test_redundant_rows_of_few_digits_keep_their_modes(digits, tmp_path):
     """One of a pair of rods longer by a few digits: rows contradict each other, no motion lessens
     that, and modes stay.

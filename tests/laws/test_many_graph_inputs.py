@@ -10,7 +10,6 @@ import pytest
 import symkin
 from helpers.inside import Search, modes_by_groups, named_given, problem_of
 
-pytestmark = pytest.mark.usefixtures("kept_starts")
 SEARCH = Search.of(None)
 PLATFORM = symkin.load("zhang2009")
 

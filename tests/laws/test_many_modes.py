@@ -8,8 +8,6 @@ import pytest
 import symkin
 from helpers.samples import delta, five_bar, three_rps, three_rrr
 
-pytestmark = pytest.mark.usefixtures("kept_starts")
-
 
 def joints_about(mechanism, count, spread, seed=0):
     """Joint values about the reference: angles by `spread`, lengths by a tenth of it."""

@@ -13,9 +13,17 @@ import pytest
 from helpers.inside import Axis, build_problem
 from helpers.laws import same_pose
 from helpers.samples import five_bar, pieper
-from symkin import InputError, Joint, Limb, Mechanism, ModeGraph, Solution, mode_graph, track
-
-pytestmark = pytest.mark.usefixtures("kept_starts")
+from symkin import (
+    InputError,
+    Joint,
+    Limb,
+    Mechanism,
+    ModeGraph,
+    Solution,
+    mode_graph,
+    solve,
+    track,
+)
 
 
 @pytest.fixture
@@ -95,6 +103,23 @@ def test_the_graph_is_drawn_and_printed(graph: ModeGraph, tmp_path) -> None:
     assert (tmp_path / "graph.png").read_bytes().startswith(b"\x89PNG")
     assert "2 sheets" in str(graph)
     assert graph.to_dict()["groups"] == [[0], [1]]
+
+
+def test_a_way_round_a_cusp_leads_to_another_mode() -> None:
+    """Of a planar 3-RPR: a closed path of its inputs, without a singularity, ends at another pose,
+    whose determinant has the same sign (Innocenti and Parenti-Castelli 1998).
+    """
+    mechanism = three_rpr()
+    corners = [(17.0, 14.0), (17.0, 32.0), (15.5, 32.0), (15.5, 14.0), (17.0, 14.0)]
+    joints = [[14.98, *corner] for corner in corners]
+    near = [-5.5, -13.9, 0.0, 1.0, 0.0, 0.0, -0.07]
+    begin = solve(mechanism, joints=joints[0], start=near).solution
+    followed = track(mechanism, joints=joints, start=begin, name_modes=False)
+    assert followed.reached
+    assert followed.certified
+    end = followed.end.solution
+    assert not same_pose(begin.pose, end.pose, mechanism.characteristic_length, 1e-2)
+    assert sign(begin) == sign(end)
 
 
 @pytest.mark.long

@@ -141,7 +141,7 @@ def test_a_linkage_of_micrometres_has_formulas() -> None:
         ("j5", "R", "k4", "k5", [1e-5, 2e-5, 0], [0, 0, 1]),
         ("j6", "R", "base", "k5", [1e-5, 0, 0], [0, 0, 1]),
     ]
-    for factor in (1e-3, 1.0, 10.0, 1e8):
+    for factor in (1e-3, 1e8):
         assert len(symkin.modes(scaled(loops(*rows), factor), given={"j3": 0.0})) == 4
 
 

@@ -177,7 +177,7 @@ def _bricard() -> tuple[Any, np.ndarray]:
     modes = [
         m
         for v in (109.7809822, 109.780983, 60.0)
-        for m in symkin.modes(mechanism, given={"joint2": v})
+        for m in symkin.modes(mechanism, given={"joint2": v}, method="multistart", starts=60)
     ]
     return made, np.array([variables_elsewhere(made.closure, mode) for mode in modes])
 

@@ -29,7 +29,6 @@ def benchmark() -> ModuleType:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("kept_starts")
 def test_no_random_path_changes_its_mode_unnoticed() -> None:
     """Each path is certified and reaches its end or stops at a singular configuration; at both ends
     the complete enumeration holds the followed mode, and small Newton steps come to the same one.
@@ -42,7 +41,6 @@ def test_no_random_path_changes_its_mode_unnoticed() -> None:
     assert all(counts[fault] == 0 for fault in tracking.FAULTS)
 
 
-@pytest.mark.usefixtures("kept_starts")
 def test_the_check_notices_a_changed_mode() -> None:
     """A track that is said to end on another mode than it does is found out."""
     tracking = benchmark()

@@ -13,7 +13,7 @@ from helpers.samples import three_rrr
 from symkin import InputError, sweep
 
 zarr = Later("zarr")
-pytestmark = [pytest.mark.usefixtures("kept_starts"), needs("zarr")]
+pytestmark = needs("zarr")
 
 
 @pytest.mark.parametrize("name", ["zhang2009", "zhao2000", "yao2020", "gluon_6l3"])

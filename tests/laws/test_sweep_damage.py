@@ -17,7 +17,7 @@ from helpers.inside import Swept, main
 from helpers.needed import needs
 from symkin import InputError, sweep
 
-pytestmark = [pytest.mark.usefixtures("kept_starts"), needs("xarray")]
+pytestmark = needs("xarray")
 PLATFORM = symkin.load("zhang2009")
 GRID = {"leg1": np.linspace(100, 160, 4), "leg2": np.linspace(320, 370, 3)}
 CHUNK = 3

@@ -11,8 +11,6 @@ from helpers.inside import COMPLETENESS, build_problem, make_finder, modes_at_ne
 from helpers.samples import Z, delta, five_bar, hexapod, random_mechanism, three_rps
 from symkin import Joint, Limb, Mechanism, Pose
 
-pytestmark = pytest.mark.usefixtures("kept_starts")
-
 
 def enumerated(mechanism, kind, points, **options):
     chosen = {"starts": 300, "seed": 0, "certify": False} | options

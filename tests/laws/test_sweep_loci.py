@@ -67,6 +67,23 @@ def test_counts_change_across_curves_only(name):
         assert crossed, (u[i], v[j])
 
 
+def test_given_loci_are_those_of_the_maps_plane():
+    """Drawn on the map's axes in either order of its coordinates; of another plane they are
+    refused.
+    """
+    here = symkin.solve(symkin.load("ankle")).solution
+    for names in (("upper_motor", "lower_motor"), ("lower_motor", "upper_motor")):
+        loci = symkin.singular_loci(here, names, ranges=[(-60.0, 60.0)] * 2, starts=3)
+        drawn = np.vstack(curves_of(figure_of_sweep(swept("ankle"), loci=loci)))
+        places = [names.index(name) for name in ("upper_motor", "lower_motor")]
+        traced = np.vstack([curve.points for curve in loci.curves])[:, places]
+        assert np.max(np.min(np.abs(drawn[:, None] - traced).sum(axis=2), axis=1)) < 1e-9
+    names = ("ankle.1", "ankle.2")
+    other = symkin.singular_loci(here, names, given=names, starts=2)
+    with pytest.raises(InputError, match=r"over ankle\.1, ankle\.2 and the map over upper_motor"):
+        swept("ankle").plot(loci=other)
+
+
 @pytest.mark.long
 def test_given_loci_are_drawn_in_either_order_of_their_plane():
     platform = symkin.load("zhao2000")

@@ -22,7 +22,7 @@ from helpers.needed import Later, needs
 from symkin import InputError, Pose, sweep
 
 xarray = Later("xarray")
-pytestmark = [pytest.mark.usefixtures("kept_starts"), needs("xarray")]
+pytestmark = needs("xarray")
 PLATFORM = symkin.load("zhang2009")
 GRID = {"leg1": np.linspace(100, 160, 8), "leg2": np.linspace(320, 370, 5)}
 ONE = {"leg1": [140.0]}

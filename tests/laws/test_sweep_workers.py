@@ -21,20 +21,18 @@ from helpers.inside import Crew, Here, local_crew
 from helpers.needed import needs
 from symkin import InputError, sweep
 
-pytestmark = [pytest.mark.usefixtures("kept_starts"), needs("zarr")]
+pytestmark = needs("zarr")
 PLATFORM = symkin.load("zhang2009")
-TEXT = "leg1=100:160:60,leg2=330:370:10"
-GRID = {"leg1": np.linspace(100, 160, 60), "leg2": np.linspace(330, 370, 10)}
+TEXT = "leg1=100:160:30,leg2=330:370:10"
+GRID = {"leg1": np.linspace(100, 160, 30), "leg2": np.linspace(330, 370, 10)}
 CHUNK = 10
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory, shared_place):
-    """The folder of an uninterrupted sweep in one process, with the starts of `kept_starts`."""
+def whole(tmp_path_factory):
+    """The folder of an uninterrupted sweep in one process."""
     folder = tmp_path_factory.mktemp("sweep") / "whole"
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("SYMKIN_CACHE", str(shared_place / "starts"))
-        sweep(PLATFORM, GRID, folder, workers=0, chunk=CHUNK)
+    sweep(PLATFORM, GRID, folder, workers=0, chunk=CHUNK)
     return folder
 
 
@@ -110,9 +108,9 @@ def test_a_killed_or_interrupted_driver_loses_nothing(whole, tmp_path, sign):
         )
     wait_for(lambda: not any(os.path.exists(f"/proc/{pid}") for pid in workers))
     done = marks(tmp_path / "cut")
-    assert 2 <= done < 60
+    assert 2 <= done < 30
     swept = sweep(PLATFORM, GRID, tmp_path / "cut", workers=0, chunk=CHUNK)
-    assert swept.computed == 60 - done
+    assert swept.computed == 30 - done
     assert same_files(whole, tmp_path / "cut")
 
 
