@@ -3,7 +3,7 @@ time against scipy; and of an arm with nearly parallel axes by tool positions: t
 chi-square against scipy's minimum.
 
     python benchmarks/calibration.py [--trials 200] [--seed 0]
-        [--part exact|noise|designs|outliers|parallel|time|size] [--rows 100000]
+        [--part exact|noise|designs|outliers|parallel|time|command|size] [--rows 100000]
 
 Each line gives the figure, its limit and whether it holds; the exit status is 1 where one does not.
 Time is processor time of the whole fit from nominal, direct problems included, building left out,
@@ -366,7 +366,6 @@ def timed_fits(groups: int, seed: int, repeats: int) -> Times:
     truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)
     data = measured(truth, rng, groups, rods=False)
     problem = build_calibration(NOMINAL, data, fixed=HELD)
-    problem.model.compile()
     runs: dict[str, Callable[[], object]] = {
         "nested": lambda: fit(problem),
     }
@@ -401,18 +400,22 @@ def report_time(lines: Lines, seed: int) -> None:
         )
 
 
+def posed_data(seed: int) -> tuple[Measurements, float]:
+    """600 whole poses with noise of a standard deviation."""
+    rng, alone, sigma = np.random.default_rng([seed, 5]), np.full(600, -1), 1e-5
+    made = random_configurations(Workspace.about(TRUE), alone, Noise(), rng)
+    noise = Noise(position=sigma, orientation=sigma)
+    return simulate_readings(TRUE, made, alone, ("pose",), noise, rng), sigma
+
+
 def posed_figures(seed: int, repeats: int) -> Iterator[Figure]:
     """A whole estimate from 600 whole poses over scipy's with an analytic Jacobian."""
     figure = "calibration: 600 poses, 42 parameters over scipy, analytic Jacobian"
     if not find_spec("scipy"):
         yield Figure(figure, None, "scipy is not installed (pip install scipy)")
         return
-    rng, alone, sigma = np.random.default_rng([seed, 5]), np.full(600, -1), 1e-5
-    made = random_configurations(Workspace.about(TRUE), alone, Noise(), rng)
-    noise = Noise(position=sigma, orientation=sigma)
-    data = simulate_readings(TRUE, made, alone, ("pose",), noise, rng)
+    data, sigma = posed_data(seed)
     problem, peer = build_calibration(NOMINAL, data), PosedHexapod(NOMINAL, data, sigma)
-    problem.model.compile()
 
     def ours() -> float:
         p = parameters_at_poses(problem)
@@ -423,6 +426,20 @@ def posed_figures(seed: int, repeats: int) -> Iterator[Figure]:
     times = in_turn({"ours": ours, "scipy": peer.fit}, repeats)
     told = f"{1e3 * np.median(times['ours']):.1f} ms"
     yield Figure(figure, median_ratio(times["ours"], times["scipy"]), told)
+
+
+def report_command(lines: Lines, seed: int) -> None:
+    """Processor time of `symkin calibrate fit` on 600 whole poses, start, pictures and report
+    included, over scipy's estimate from as many with an analytic Jacobian.
+    """
+    if find_spec("scipy"):
+        peer = PosedHexapod(NOMINAL, *posed_data(seed))
+        with tempfile.TemporaryDirectory() as folder:
+            own = [peak_of_fit(Path(folder), 600, seed)[1] for _ in range(6)][1:]
+        scipys = in_turn({"scipy": peer.fit}, 9)["scipy"]
+        ratio = float(np.median(own) / np.median(scipys))
+        lines.add("600 poses, the command [s]", f"{np.median(own):.2f}")
+        lines.add("600 poses, the command over scipy", f"{ratio:.0f}", "at most 15", ratio <= 15.0)
 
 
 def figures(*, quick: bool, seed: int) -> Iterator[Figure]:
@@ -539,7 +556,8 @@ def main() -> int:
     parser.add_argument("--trials", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
-        "--part", choices=["exact", "noise", "designs", "outliers", "parallel", "time", "size"]
+        "--part",
+        choices=["exact", "noise", "designs", "outliers", "parallel", "time", "command", "size"],
     )
     parser.add_argument("--rows", type=int, default=100_000)
     options = parser.parse_args()
@@ -552,6 +570,7 @@ def main() -> int:
         "outliers": lambda: report_outliers(lines, options.seed, options.trials),
         "parallel": lambda: report_parallel(lines, options.seed),
         "time": lambda: report_time(lines, options.seed),
+        "command": lambda: report_command(lines, options.seed),
         "size": lambda: report_size(lines, options.seed, options.rows),
     }
     for name, part in parts.items():

@@ -32,6 +32,8 @@ def refused_character(text: str) -> str | None:
     """The first character that no text may hold: control and bidirectional ones, line separators,
     surrogates and what is none.
     """
+    if text.isascii() and text.isprintable():  # nearly all are
+        return None
     return next((c for c in text if _is_refused(c)), None)
 
 

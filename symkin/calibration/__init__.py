@@ -8,10 +8,10 @@ The way of the data, by modules:
              `first_guess` find where to begin; `configuration_model`, `residuals` and
              `state` evaluate, `linear` sets readings beside the prior; `estimator`, `joint_lines`
              and `robust` minimise
-  judge      `assessment` builds the `result`: `statistics`, `identifiability`, `fit_notes`;
+  judge      `assessment` builds the `result`: `statistics`, `identifiability`;
              `outliers` finds bad readings, `mistakes`, `trials` and `euler_sequence` wrong files,
-             `holdout` and `pose_accuracy` judge by what `prediction` says; `verdict` says what all
-             of it means
+             `holdout` and `pose_accuracy` judge by what `prediction` says; `verdict` notes
+             doubts and says what all of it means
   design     `simulation` makes readings, `planning` chooses configurations worth measuring
 `calibrate` runs this for measurements, `fit_file` for a file, by the `options` of both, and
 `report` says what came of it.

@@ -178,17 +178,16 @@ class FitReport(Verdict):
             "angle_rms": m.angle_out(_rms(sigma.angle)),
             "angle_largest": m.angle_out(float(sigma.angle.max())),
         }
+        own = fit.to_dict(residuals=residuals)
+        rows = own.pop("residuals")  # stand last
         return {
-            "mechanism": m.name,
+            **own,
             "data": self.data,
             "command": self.command,
-            "length_unit": m.length_unit,
-            "angle_unit": m.angle_unit,
             "verdict": self.verdict,
             "believable": self.believable,
             "tested": self.tested,
             "usable": self.usable,
-            **fit.figures(),
             "euler_sequence": None if sequence is None else sequence.to_dict(),
             "departure": {
                 "share": finite(departure.share),
@@ -197,13 +196,11 @@ class FitReport(Verdict):
                 "open": departure.unclosed,
                 "postures": departure.configurations,
             },
-            **fit.findings(),
             "pose_sigma": pose_sigma if self.usable else None,
             "held_out": self._held_out_dict(),
             "suspicions": list(self.suspicions),
             "notes": list(self.all_notes),
-            "elapsed_s": fit.elapsed_s,
-            "residuals": list(fit.residual_rows()) if residuals else [],
+            "residuals": rows,
         }
 
     def _held_out_dict(self) -> dict[str, Any] | None:

@@ -119,7 +119,7 @@ def simulate(
     """
     import numpy as np
 
-    from symkin.calibration.data.column_names import DISTANCE
+    from symkin.calibration.data.columns import DISTANCE
     from symkin.calibration.data.files import measurements_text, read_measurements
     from symkin.calibration.design import simulation
     from symkin.formats.load import is_robot

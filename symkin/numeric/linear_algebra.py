@@ -8,6 +8,8 @@ singular.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from symkin.numeric.tolerances import GRAM_CONDITION, NO_MOTION, ROUNDED_STEP, WELL_CONDITIONED
@@ -122,3 +124,16 @@ def null_space(matrix: np.ndarray, tolerance: float, *, relative: bool = False) 
         else tolerance
     )
     return np.asarray(right[int(np.sum(singular > bound)) :])
+
+
+def independent_rows(space: np.ndarray, order: Iterable[int], least: float) -> list[int]:
+    """Choose rows of a matrix in an order, each further than `least` from what those before it
+    span; as many as there are columns at most.
+    """
+    chosen, rest = list[int](), space
+    for k in order:
+        length = float(np.linalg.norm(rest[k]))
+        if length > least and len(chosen) < space.shape[1]:
+            chosen.append(int(k))
+            rest = rest - np.outer(rest @ rest[k], rest[k]) / length**2
+    return chosen

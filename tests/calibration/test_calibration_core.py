@@ -7,7 +7,6 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 
-import casadi as ca
 import numpy as np
 import pytest
 
@@ -28,7 +27,6 @@ from helpers.inside import (
     build_model,
     default_parameters,
     joint_frames,
-    map_functions,
     nominal_parameters,
     parse,
     solve_configurations,
@@ -134,20 +132,6 @@ def test_condensed_derivatives_are_those_of_the_direct_problem(form):
             ends.append(evaluate(problem, p, there, form).linearised.vector)
         column = (ends[0] - ends[1]) / 2e-6
         assert np.max(np.abs(column - exact[:, k])) < 1e-6 * np.max(np.abs(exact))
-
-
-def test_compiled_and_interpreted_functions_agree():
-    """The compiled map gives what CasADi's own gives; inputs of one row serve all postures."""
-    x, y = ca.SX.sym("x", 2), ca.SX.sym("y", 3)
-    f = ca.Function("symkin_probe", [x, y], [ca.densify(ca.mtimes(x, y.T)), ca.sin(x)])
-    xs, ys = np.arange(10.0).reshape(5, 2), np.array([1.0, -2.0, 0.5])
-    (plain,) = map_functions([f])
-    before = plain(5, (xs, ys))
-    plain.engine.compile()
-    after = plain(5, (xs, ys))
-    for a, b in zip(before, after, strict=True):
-        np.testing.assert_allclose(a, b, rtol=1e-15)
-    np.testing.assert_allclose(before[0], xs[:, :, None] * ys, rtol=1e-15)
 
 
 # --- other mechanisms and readings ----------------------------------------------------------------

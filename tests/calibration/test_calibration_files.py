@@ -27,8 +27,8 @@ from helpers.inside import (
     random_configurations,
     read_measurements,
     simulate_readings,
-    write_measurements,
 )
+from helpers.measured_files import write_measurements
 from symkin import InputError
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")

@@ -19,8 +19,8 @@ from helpers.inside import (
     random_configurations,
     read_measurements,
     simulate_readings,
-    write_measurements,
 )
+from helpers.measured_files import write_measurements
 from helpers.samples import three_rrr
 from symkin import InputError, calibrate
 

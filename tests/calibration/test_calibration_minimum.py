@@ -12,7 +12,8 @@ import pytest
 
 import symkin
 from helpers import parallel_arm
-from helpers.inside import assessment, main, parse, told_directions, write_measurements
+from helpers.inside import assessment, main, parse, told_directions
+from helpers.measured_files import write_measurements
 from symkin import Measurements, calibrate, load
 
 

@@ -23,7 +23,8 @@ from helpers.inclinometer import (
     measured,
     random_geometry,
 )
-from helpers.inside import Fit, estimate, joint_frames, main, outliers, write_measurements
+from helpers.inside import Fit, estimate, joint_frames, main, outliers
+from helpers.measured_files import write_measurements
 from symkin import calibrate
 
 INCLINED = symkin.load("ren2008")

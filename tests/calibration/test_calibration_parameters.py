@@ -27,8 +27,8 @@ from helpers.inside import (
     random_configurations,
     read_measurements,
     simulate_readings,
-    write_measurements,
 )
+from helpers.measured_files import write_measurements
 from symkin import calibrate
 
 Z = (0.0, 0.0, 1.0)

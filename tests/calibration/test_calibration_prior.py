@@ -9,11 +9,12 @@ import pytest
 
 import symkin
 from helpers import samples
-from helpers.built_machines import built, random_postures
+from helpers.built_machines import built, explained_errors, random_postures
 from helpers.gate import in_gate
 from helpers.inside import (
     Noise,
     build_calibration,
+    chi_square_tail,
     evaluate_state,
     lines_problem,
     nearest_rows,
@@ -74,6 +75,49 @@ def test_the_estimate_is_what_readings_and_prior_ask_for(name):
     # the file holds values to rounding of its digits, so that gradients are small and not zero
     assert np.max(np.abs(by_readings[well] / told.ratios[well])) < 1e-5
     assert np.max(np.abs((by_readings + by_prior)[~well])) < 1e-4
+
+
+@pytest.mark.slow
+def test_steps_follow_bent_valleys():
+    """A delta built a per cent off its file: what its poses hardly tell lies along valleys that
+    bend; a fit that goes straight ahead in them is not at the minimum after sixty steps.
+    """
+    for seed in (6, 7):
+        nominal, data = drawn("delta", seed, off=1e-2)
+        fit = calibrate(nominal, data, outliers="ignore")
+        assert fit.status == "ok"
+        assert fit.iterations <= 30
+
+
+@pytest.mark.slow
+def test_standard_deviations_hold_where_the_readings_hardly_tell_the_geometry():
+    """A delta by positions: half of what its parameters may do is hardly told, and along it they
+    stray by a share of a per cent of the size, through curved valleys. What the fits say of the
+    readings is off the readings without errors by as much as the covariance says, and single
+    parameters scatter by no more than their standard deviations.
+    """
+    nominal, rng = replace(symkin.load("delta"), motion="spatial"), np.random.default_rng(5)
+    true, noise = built(nominal, 1e-3, rng), Noise(position=1e-4 * nominal.characteristic_length)
+    made, groups = random_postures(nominal, true, 40, rng), np.full(40, -1)
+    exact = replace(
+        simulate_readings(true, made, groups, ("position",), Noise(), rng),
+        position_sigma=noise.position,
+    )
+    errors, values, sigmas = [], [], []
+    for _ in range(8):
+        fit = calibrate(
+            nominal,
+            simulate_readings(true, made, groups, ("position",), noise, rng),
+            outliers="ignore",
+        )
+        errors.append(explained_errors(fit, exact))
+        values.append([p.value for p in fit.parameters])
+        sigmas.append([p.sigma for p in fit.parameters])
+    every = np.concatenate(errors)
+    assert len(every) > 60
+    assert 1e-3 < chi_square_tail(float(every @ every), len(every)) < 1.0 - 1e-3
+    scatter = np.std(values, axis=0, ddof=1) / np.sqrt(np.mean(np.square(sigmas), axis=0))
+    assert np.max(scatter) < 1.7
 
 
 @pytest.mark.slow

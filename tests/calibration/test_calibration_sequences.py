@@ -21,8 +21,8 @@ from helpers.inside import (
     random_configurations,
     read_measurements,
     simulate_readings,
-    write_measurements,
 )
+from helpers.measured_files import write_measurements
 from symkin import InputError
 
 NOMINAL = symkin.load("zhang2009")

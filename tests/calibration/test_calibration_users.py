@@ -21,8 +21,7 @@ from helpers.inside import (
     build_calibration,
     deviations,
     estimate,
-    evaluate_readings,
-    group_basis,
+    evaluate_at,
     group_numbers,
     joint_frames,
     linear_model,
@@ -62,12 +61,12 @@ def dense_model(problem, state, model):
     """
     readings = problem.readings
     count = readings.values.size
-    e = evaluate_readings(problem, state)
+    e = evaluate_at(problem, state.p, state.z)
     flat = (model.whiten @ deviations(readings, e.readings)[:, :, None]).reshape(count)
     told = told_directions(problem, state)
     free = told.columns[:, told.ratios > 1.0]
     columns = [(model.whiten @ e.slopes).reshape(count, -1) @ free]
-    basis = group_basis(readings, model.whiten)
+    basis = model.whiten[:, :, readings.columns]
     for g in range(readings.groups):
         columns.append(np.where((readings.group == g)[:, None, None], basis, 0.0).reshape(count, 2))
     stacked = np.hstack(columns)

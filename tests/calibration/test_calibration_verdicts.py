@@ -27,8 +27,8 @@ from helpers.inside import (
     read_measurements,
     residual_figure,
     simulate_readings,
-    write_measurements,
 )
+from helpers.measured_files import write_measurements
 from symkin import InputError
 
 NOMINAL, RODS, RODS_TRUE = (

@@ -6,9 +6,10 @@ poses (the shipped delta: positions) read with noise; right data sets and wrong 
 
 `--off` and `--noise` are shares of the size (angles: radians). Of right sets it counts those that
 end well, those that are believable, and those whose held-out readings (a fifth) agree, whitened by
-noise and covariance (p > 0.001). With `--covariance` one machine is read anew in each set, and the
-scatter of the estimates, in the directions that the readings tell, is compared with the covariance
-that is stated: the ratio of variances is 1. With `--wrong` the sets are spoilt, a fault each in
+noise and covariance (p > 0.001). With `--covariance` one machine is read anew in each set, and what
+the geometry fitted says of the readings is compared with readings without errors, along the
+directions that the readings tell, over the standard deviation that is stated there: the ratio of
+variances is 1. With `--wrong` the sets are spoilt, a fault each in
 turn: two columns exchanged, a joint's sign reversed, three times the noise, one outlier kept; none
 may be believable.
 """
@@ -28,14 +29,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import symkin
 from helpers import samples
-from helpers.built_machines import built, random_postures
+from helpers.built_machines import built, explained_errors, random_postures
 from helpers.inside import (
-    WELL_TOLD,
     Noise,
     draw_held_out,
     predict_held_out,
     simulate_readings,
-    told_directions,
 )
 from symkin import SymkinError
 
@@ -145,8 +144,8 @@ def right_sets(name: str, args: argparse.Namespace) -> None:
             chi = fit.chi_square / max(fit.degrees, 1)
             why.append(
                 f"{k}: {fit.status} chi2/dof {chi:.3g} rank {fit.rank}/{len(fit.problem.names)} "
-                f"gap {fit.identifiability.gap:.3g} unsolved {len(fit.unsolved)} refused "
-                f"{fit.refused} held p {held.p_value}"
+                f"condition {fit.identifiability.condition:.3g} unsolved "
+                f"{len(fit.unsolved)} refused {fit.refused} held p {held.p_value}"
             )
     print(
         f"{name:12s} ended {ended:3d} believable {believed:3d} agreed {agreed:3d} of {args.sets}; "
@@ -158,27 +157,27 @@ def right_sets(name: str, args: argparse.Namespace) -> None:
 
 
 def covariance(name: str, args: argparse.Namespace) -> None:
-    """Print the mean square of the estimates' scatter over what is stated, and the largest of
-    single directions.
+    """Print the mean square of what the fits' readings are off those without errors, over what is
+    stated, and the least and largest of single directions, strongest first; then the largest
+    scatter of a parameter over its standard deviation.
     """
     draw = drawn(name, args.off, args.noise, args.postures, args.seed)
-    told, found = None, []
+    exact = drawn(name, args.off, args.noise, args.postures, args.seed, more=0.0).readings
+    squares, values, sigmas = [], [], []
     for k in range(args.sets):
         again = drawn(name, args.off, args.noise, args.postures, args.seed, again=k)
         fit = symkin.calibrate(draw.nominal, again.readings, outliers="ignore")
-        if fit.status != "ok":
-            continue
-        if told is None:
-            told = told_directions(fit.problem, fit.state)
-            model = fit.problem.model
-        found.append((fit.state.p - model.nominal) / model.scales)
-    well = told.ratios > WELL_TOLD
-    along = np.linalg.lstsq(told.columns, np.array(found).T, rcond=None)[0][well]
-    squares = np.var(along, axis=1, ddof=1) * told.ratios[well] ** 2
+        if fit.status == "ok":
+            squares.append(explained_errors(fit, exact) ** 2)
+            values.append(fit.state.p)
+            sigmas.append([p.sigma or np.inf for p in fit.parameters])
+    width = min(map(len, squares))
+    mean = np.mean([s[:width] for s in squares], axis=0)
+    scatter = np.std(values, axis=0, ddof=1) / np.sqrt(np.mean(np.square(sigmas), axis=0))
     print(
-        f"{name:12s} variance over the stated one: mean {np.mean(squares):.3f}, of "
-        f"{np.sum(well)} directions {np.min(squares):.2f} to {np.max(squares):.2f}; "
-        f"{len(found)} of {args.sets} fits",
+        f"{name:12s} variance over the stated one: mean {np.mean(mean):.3f}, of {width} directions "
+        f"{np.min(mean):.2f} to {np.max(mean):.2f}; scatter of a parameter over its standard "
+        f"deviation up to {np.max(scatter):.2f}; {len(squares)} of {args.sets} fits",
         flush=True,
     )
 

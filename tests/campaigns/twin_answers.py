@@ -185,10 +185,11 @@ def identified(mechanism: Any, postures: Mapping[str, Any]) -> Answer:
         starts=poses,
     )
     found = symkin.calibrate(mechanism, data, outliers="ignore")
+    values = np.append(found.identifiability.singular_values, 0.0)
     return {
         "rank": found.rank,
         "parameters": sorted(found.identifiability.names),
-        "clear": bool(found.identifiability.gap >= 1e3),
+        "clear": bool(values[found.rank - 1] >= 1e3 * values[found.rank]),
     }
 
 

@@ -8,12 +8,15 @@ import numpy as np
 
 import symkin
 from helpers.inside import (
+    WELL_TOLD,
     ClosedConfigurations,
     Noise,
     Workspace,
     default_parameters,
     nominal_parameters,
+    predict_readings,
     random_configurations,
+    told_directions,
     with_parameters,
     workspace_home_pose,
 )
@@ -37,3 +40,20 @@ def random_postures(
     """Postures of the machine about the file's home."""
     workspace = Workspace.about(true, start=workspace_home_pose(nominal))
     return random_configurations(workspace, np.full(count, -1), Noise(), rng)
+
+
+def explained_errors(fit: symkin.Calibration, exact: symkin.Measurements) -> np.ndarray:
+    """What the fit's geometry gives for its readings less what they are without errors, along the
+    directions that the readings tell, over the standard deviation that the fit states there.
+
+    A change of the geometry along a direction moves the whitened readings by W J c, at right angles
+    to what the others do. In the readings the laws of linear fits hold where combinations of
+    parameters do not: these lie along curves that bend by more than their width.
+    """
+    told = told_directions(fit.problem, fit.state)
+    directions = told.columns[:, told.ratios > WELL_TOLD]
+    there = replace(fit.problem, measurements=exact).of(np.array(fit.used))
+    made = predict_readings(there, fit.state.p, fit.state.z, directions)
+    along = (made.whiten @ made.spread).reshape(-1, directions.shape[1])
+    errors = (made.whiten @ made.errors[:, :, None]).reshape(-1)
+    return np.asarray(along.T @ errors / np.linalg.norm(along, axis=0))

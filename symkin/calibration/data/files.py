@@ -35,19 +35,18 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.column_names import (
+from symkin.calibration.data.columns import (
     WEDGE,
+    ColumnReader,
     measure_of,
     reading_name,
     unit_of,
 )
-from symkin.calibration.data.columns import ColumnReader
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
 from symkin.calibration.data.observables import PLATFORM, Measure
 from symkin.errors import InputError
 from symkin.files.csv_table import read_table
 from symkin.files.euler_columns import SEQUENCES
-from symkin.files.outputs import write_output
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
 from symkin.text import first_of, not_among
@@ -177,13 +176,6 @@ def euler_quaternions(angles: np.ndarray, sequence: str) -> np.ndarray:
 
 
 # --- writing --------------------------------------------------------------------------------------
-
-
-def write_measurements(
-    path: str | Path, mechanism: Mechanism, measurements: Measurements, **options: Any
-) -> None:
-    """Write readings to a file; `options` are those of `measurements_text`."""
-    write_output(path, measurements_text(mechanism, measurements, **options))
 
 
 def measurements_text(

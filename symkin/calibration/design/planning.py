@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.column_names import WEDGE, measure_of
+from symkin.calibration.data.columns import WEDGE, measure_of
 from symkin.calibration.data.files import CsvColumns
 from symkin.calibration.design.exchange_algorithm import (
     CRITERIA,
@@ -23,19 +23,17 @@ from symkin.calibration.design.exchange_algorithm import (
     Criterion,
     ExchangeSearch,
 )
-from symkin.calibration.design.reading_slopes import reading_slopes
+from symkin.calibration.design.reading_slopes import reading_slopes, readings_problem
 from symkin.calibration.design.simulation import (
     Noise,
     group_numbers,
     observed_kinds,
     platform_kinds,
     random_configurations,
-    simulate_readings,
 )
 from symkin.calibration.estimate.configurations import ClosedConfigurations
 from symkin.calibration.estimate.problem import (
     PRIOR_SHARE,
-    build_calibration,
     default_parameters,
 )
 from symkin.calibration.estimate.state import evaluate, unbound
@@ -44,12 +42,10 @@ from symkin.calibration.judge.departure import less_frames
 from symkin.calibration.judge.identifiability import told_rank
 from symkin.calibration.judge.pose_accuracy import pose_slopes
 from symkin.calibration.judge.result import length_and_angle
-from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.position.transfer import many_elsewhere
 from symkin.result import Result, Summary
 from symkin.text import not_among
 from symkin.verb import verb
@@ -394,15 +390,10 @@ class _Task:
 
     def rank(self, made: ClosedConfigurations, groups: np.ndarray) -> int:
         """Count the combinations of parameters that a fit of readings there determines."""
-        quiet = np.random.default_rng(0)
-        read = simulate_readings(
-            self.mechanism, made, groups, self.options.readings, self.noise, quiet
+        problem, z = readings_problem(
+            self.mechanism, made, groups, self.options.readings, self.noise, self.names
         )
-        problem = build_calibration(self.mechanism, read, parameters=self.names)
-        closure = build_closure(self.mechanism)
-        z = many_elsewhere(problem.model.closure, closure, made.values)[:, made.joints.shape[1] :]
-        state = evaluate(problem, problem.model.nominal, np.ascontiguousarray(z), "means")
-        return told_rank(problem, state)
+        return told_rank(problem, evaluate(problem, problem.model.nominal, z, "means"))
 
     def observe(self, slopes: Candidates) -> None:
         """Keep the directions of parameter space that all candidates together determine."""

@@ -12,7 +12,7 @@ import numpy as np
 from symkin.calibration.data.measurements import NO_GROUP
 from symkin.calibration.design.simulation import READING_CHOICES, Noise, simulate_readings
 from symkin.calibration.estimate.configurations import ClosedConfigurations
-from symkin.calibration.estimate.problem import build_calibration
+from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import whitening
 from symkin.calibration.estimate.state import evaluate_at, joint_covariance_at
 from symkin.closure.closure import build_closure
@@ -32,20 +32,18 @@ class ReadingSlopes:
     group: np.ndarray
 
 
-def reading_slopes(
+def readings_problem(
     mechanism: Mechanism,
     made: ClosedConfigurations,
+    groups: np.ndarray,
     readings: Sequence[str],
     noise: Noise,
     names: Sequence[str],
-    *,
-    grouped: bool,
-) -> ReadingSlopes:
-    """Differentiate the readings that would be taken at closed configurations. Raises InputError
-    where a reading is without a standard deviation.
+) -> tuple[CalibrationProblem, np.ndarray]:
+    """State the problem of readings that would be taken at closed configurations, with the unknown
+    coordinates there. Raises InputError where a reading is without a standard deviation.
     """
     quiet = np.random.default_rng(0)
-    groups = np.zeros(len(made), dtype=int) if grouped else np.full(len(made), NO_GROUP)
     taken = simulate_readings(mechanism, made, groups, readings, noise, quiet)
     stated = {r.name: r.sigma for r in taken.readings}
     for kind, key in (("group", "groups"), *((k, k) for k in READING_CHOICES[:3])):
@@ -56,13 +54,27 @@ def reading_slopes(
             raise InputError(
                 f"the standard deviation of {name} is zero or not given; a plan needs it"
             )
-    # slopes at the configurations themselves
+    # readings at the configurations themselves
     read = None if taken.orientation is None else made.poses[:, 3:]
     taken = replace(taken, joints=made.joints, orientation=read)
     problem = build_calibration(mechanism, taken, parameters=names)
-    model, closure = problem.model, build_closure(mechanism)
-    values = many_elsewhere(model.closure, closure, made.values)
-    z, p = np.ascontiguousarray(values[:, made.joints.shape[1] :]), model.nominal
+    values = many_elsewhere(problem.model.closure, build_closure(mechanism), made.values)
+    return problem, np.ascontiguousarray(values[:, made.joints.shape[1] :])
+
+
+def reading_slopes(
+    mechanism: Mechanism,
+    made: ClosedConfigurations,
+    readings: Sequence[str],
+    noise: Noise,
+    names: Sequence[str],
+    *,
+    grouped: bool,
+) -> ReadingSlopes:
+    """Differentiate the readings that would be taken at closed configurations."""
+    groups = np.zeros(len(made), dtype=int) if grouped else np.full(len(made), NO_GROUP)
+    problem, z = readings_problem(mechanism, made, groups, readings, noise, names)
+    p = problem.model.nominal
     found = evaluate_at(problem, p, z).slopes, joint_covariance_at(problem, p, z)
     # two inclinations have no slopes where the platform's z axis lies level: such a configuration
     # is offered as one that tells nothing

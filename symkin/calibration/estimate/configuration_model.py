@@ -23,11 +23,11 @@ from symkin.calibration.data.parameters import (
     described_parameters,
     nominal_parameters,
 )
-from symkin.calibration.estimate.mapped_functions import MappedFunction, map_functions
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.mapped import Mapped
 from symkin.numeric.system import System
 from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
@@ -67,11 +67,6 @@ class Evaluation:
             both = both - self.rows_z @ (inverse @ both)
             left = both[:, :, 0], both[:, :, 1:]
         return (inverse @ rows)[:, :, 0], readings, slopes, left
-
-    @property
-    def following(self) -> np.ndarray:
-        """dz/dp (n, f, P), by which the unknown coordinates follow the parameters: -F_z^+ F_p."""
-        return -solve_systems(self.rows_z, self.rows_p)
 
     @property
     def left_over(self) -> np.ndarray:
@@ -208,40 +203,29 @@ class ConfigurationModel:
         """Whether frames between the mechanism and what is measured are unknown."""
         return any(n in MEASURING_FRAMES for n in self.names)
 
-    def compile(self) -> None:
-        """Compile the functions now, where there is a compiler; else they are compiled when that
-        pays.
-        """
-        self._mapped["whole"].engine.compile()
-
     @cached_property
-    def _outputs(self) -> dict[str, list[ca.SX]]:
+    def _mapped(self) -> dict[str, Mapped]:
         system, scales = self.system, ca.diag(ca.DM(self.scales))
-        rows_z = system.jacobian
-        readings_z = ca.mtimes(ca.jacobian(self.readings, system.unknown), system.tangent)
         both = (system.rows, self.readings)
+        by_z = [
+            system.jacobian,
+            ca.mtimes(ca.jacobian(self.readings, system.unknown), system.tangent),
+        ]
         by_p = [ca.mtimes(ca.jacobian(f, self.parameters), scales) for f in both]
         by_q = [ca.jacobian(f, self.joints) for f in both]
-        return {
-            "whole": [system.rows, rows_z, by_p[0], self.readings, readings_z, by_p[1]],
-            "rows": [system.rows, rows_z],
-            "tangent": [system.rows, rows_z, by_q[0], self.readings, readings_z, by_q[1]],
+        outputs = {
+            "whole": [both[0], by_z[0], by_p[0], both[1], by_z[1], by_p[1]],
+            "rows": [both[0], by_z[0]],
+            "tangent": [both[0], by_z[0], by_q[0], both[1], by_z[1], by_q[1]],
             "pose": [ca.vertcat(self.pose.position, self.pose.quaternion)],
         }
-
-    @cached_property
-    def _mapped(self) -> dict[str, MappedFunction]:
-        inputs = [self.system.unknown, self.joints, self.parameters, self.quaternion]
-        made = [
-            ca.Function(f"symkin_{what}", inputs, [ca.densify(f) for f in outputs], {"cse": True})
-            for what, outputs in self._outputs.items()
-        ]
-        return dict(zip(self._outputs, map_functions(made), strict=True))
+        inputs = [system.unknown, self.joints, self.parameters, self.quaternion]
+        return {what: Mapped.of(inputs, made) for what, made in outputs.items()}
 
     def _call(
         self, what: str, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray
     ) -> list[np.ndarray]:
-        results = self._mapped[what](len(z), (z, joints, p, quaternions))
+        results = self._mapped[what](z, joints, p, quaternions)
         vectors = _VECTOR_OUTPUTS[what]
         return [a[:, :, 0] if k in vectors else a for k, a in enumerate(results)]
 

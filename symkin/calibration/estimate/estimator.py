@@ -10,11 +10,12 @@ unknown coordinates cannot meet (overconstrained mechanisms) constrain p: every 
 C dp = -c.
 
 Steps are taken in prior units, d = dp / s, by the singular values of the columns brought to equal
-lengths; damping tightens the prior about where the iteration stands. A trial is refused
-where a configuration has no solution or passes a singularity. It ends by the Newton decrement, what
-one more step would gain. A geometry that went further than the prior lets expect widens it. The
-prior pulls what the readings tell by far towards nominal, too; the last steps are without it in the
-directions that they tell ten times better than the prior.
+lengths; damping tightens the prior about where the iteration stands. A trial is refused where a
+configuration has no solution or passes a singularity. Where what is hardly told lies along a bent
+valley, steps bend with it (geodesic acceleration, Transtrum and Sethna 2012). It ends by the Newton
+decrement, what one more step would gain. A geometry that went further than the prior lets expect
+widens it. The prior pulls what the readings tell by far towards nominal, too; the last steps are
+without it in the directions that they tell ten times better than the prior.
 """
 
 from __future__ import annotations
@@ -70,6 +71,10 @@ _MAX_UNSHRUNK_STEPS, _CONVERGED_STEP = 4, 1e-13
 _GOOD_GAIN, _POOR_GAIN, _POOR_INCREASE = 0.75, 0.5, 4.0
 """Share of what the linear model promised from which on there is less damping, that below which
 there is more, and its factor: steps that go too far go to and fro.
+"""
+_PROBED, _MAX_BEND = 0.1, 1.5
+"""Share of a step by which second derivatives are found, and how many times the step what they ask
+for may be.
 """
 _WIDENED, _MAX_PRIOR_CHANGE, _MAX_WIDENINGS = 3.0, 3.0, 8
 """The prior is widened by this factor while a parameter is further from nominal than so many of its
@@ -145,14 +150,14 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     still, start = np.zeros(len(model.names)), start_points(model, here.measurements, measured=True)
     with np.errstate(all="ignore"):
         first = _at_poses(here, model.nominal, start, _MAX_PASSIVE_STEPS, by_rows=False)
-        search = _Search(here, near, first, widened=problem.widened)
+        search = _Search(here, near, first, widened=problem.widened, bends=False)
         if not np.isfinite(first.cost) or is_rounding(here, first):
             return None
         if search.run(_MAX_POSE_STEPS) == "ok":
             return search.state.p
         best, begin = search.state, far(first, still)
         if begin is not None:
-            other = _Search(here, far, begin, widened=problem.widened)
+            other = _Search(here, far, begin, widened=problem.widened, bends=False)
             other.run(_MAX_POSE_STEPS)
             last = near(other.state, still)
             best = best if last is None or last.cost > best.cost else last
@@ -216,7 +221,9 @@ def _moved_at_poses(
 
 @dataclass(eq=False)
 class _Search:
-    """The iteration: where it stands, how many steps it took, how much the prior was widened."""
+    """The iteration: where it stands, how many steps it took, how much the prior was widened,
+    whether steps may bend with a valley, and whether one has gained less than it promised.
+    """
 
     problem: CalibrationProblem
     move: Callable[[State, np.ndarray], State | None]
@@ -224,6 +231,8 @@ class _Search:
     damping: float = 0.0
     steps: int = 0
     widened: float = 1.0
+    bends: bool = True
+    is_curved: bool = False
 
     def run(self, limit: int) -> str:
         """Iterate; return the status."""
@@ -267,10 +276,12 @@ class _Search:
             step, promised = solver.step(self.damping)
             trial = None
             if np.max(np.abs(step) / self._prior, initial=0.0) < furthest:
+                step = self._along_valley(solver, step)
                 trial = restored_after(self.move, self.state, step)
                 self.steps += 1
             if trial is not None and self._is_better(trial, before, weight):
                 gained = (before - self._cost(trial, weight)) / max(promised, 1e-300)
+                self.is_curved |= gained < _GOOD_GAIN
                 if gained > _GOOD_GAIN:
                     self.damping *= _DAMPING_DECREASE
                 elif gained < _POOR_GAIN:
@@ -281,11 +292,26 @@ class _Search:
                     self.damping = 0.0
                 self.state = trial
                 return True
+            self.is_curved = True
             self.damping = max(
                 _DAMPING_INCREASE * self.damping, _FIRST_DAMPING * max(weight**2, 1e-300)
             )
         self.damping = 0.0
         return False
+
+    def _along_valley(self, solver: _Damped, step: np.ndarray) -> np.ndarray:
+        """Bend a step as the valley bends that earlier ones have left: the residuals' second
+        derivative along it, by a part of it, asks for half a step more.
+        """
+        here = self.state.linearised
+        near = self.move(self.state, _PROBED * step) if self.bends and self.is_curved else None
+        if near is None or near.values is None:  # of many configurations only triangles are known
+            return step
+        rise = (near.linearised.vector - here.vector) / _PROBED - here.matrix @ step
+        more = solver.against(here.matrix.T @ (2.0 / _PROBED * rise), self.damping)
+        units = np.where(np.isfinite(self._prior), self._prior, 1.0)
+        most = _MAX_BEND * np.linalg.norm(step / units)
+        return step + 0.5 * more if np.linalg.norm(more / units) <= most else step
 
     def _is_better(self, trial: State, before: float, weight: float) -> bool:
         """Tell whether a trial lowers the cost, or meets rows left over that were not met, in the
@@ -306,10 +332,10 @@ class _Search:
         for _ in range(_MAX_UNSHRUNK_STEPS):
             linear = Linear.of(self.problem, self.state, self.widened)
             weight = prior_weight(self.problem, self.state, linear)
-            told, directions = linear.told
-            well = told > WELL_TOLD * weight
-            free, rest = directions[:, well], directions[:, ~well]
-            y = -free @ ((linear.jacobian @ free).T @ linear.residuals / told[well] ** 2)
+            told = linear.told(weight)
+            well = told.ratios > WELL_TOLD
+            free, rest = told.inner[:, well], told.inner[:, ~well]
+            y = -free @ (told.gains[well] * ((linear.jacobian @ free).T @ linear.residuals))
             solver = _Damped(linear, weight)
             y += rest @ np.linalg.lstsq(solver.matrix @ rest, solver.right, rcond=None)[0]
             step = linear.particular + linear.basis @ y
@@ -363,19 +389,26 @@ class _Damped:
         self.is_finite = bool(np.all(np.isfinite(self.matrix)) and np.all(np.isfinite(self.right)))
         self._lengths = np.maximum(np.linalg.norm(self.matrix, axis=0), 1e-300)
         if self.is_finite:
-            self._free = self._solved(0.0)
+            self._free = self._solved(0.0, self.right)
             self._told = self.matrix @ self._free
             self.decrement = float(self._told @ self._told)
 
-    def _solved(self, damping: float) -> np.ndarray:
+    def _solved(self, damping: float, right: np.ndarray) -> np.ndarray:
         weak = np.sqrt(damping) * np.diag(1.0 / self._lengths)[: None if damping > 0.0 else 0]
         above = np.vstack([self.matrix / self._lengths, weak])
-        right = np.append(self.right, np.zeros(len(weak)))
+        right = np.append(right, np.zeros(len(weak)))
         return np.asarray(np.linalg.lstsq(above, right, rcond=None)[0] / self._lengths)
 
     def step(self, damping: float) -> tuple[np.ndarray, float]:
         """Return the change (P,) of the scaled parameters, and its gain by the linear model."""
-        y = self._solved(damping) if damping > 0.0 else self._free
+        y = self._solved(damping, self.right) if damping > 0.0 else self._free
         after = self.matrix @ y - self._told
         step = self._linear.particular + self._linear.basis @ y
         return np.asarray(step), self.decrement - float(after @ after)
+
+    def against(self, gradient: np.ndarray, damping: float) -> np.ndarray:
+        """Return the change (P,) that makes residuals with this gradient J^T r least."""
+        inner, triangle = self._linear.basis.T @ gradient, self._linear.jacobian
+        residuals = np.linalg.lstsq(triangle.T, inner, rcond=None)[0]
+        right = -np.append(residuals, np.zeros(len(self.right) - len(residuals)))
+        return np.asarray(self._linear.basis @ self._solved(damping, right))

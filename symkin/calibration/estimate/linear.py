@@ -15,7 +15,6 @@ import numpy as np
 
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State, admissible_steps
-from symkin.computed_once import cached_property
 
 WELL_TOLD, UNTOLD = 10.0, 0.1
 """Ratios of the prior's standard deviation to that by the readings."""
@@ -90,13 +89,43 @@ class Linear:
         """The longest column of the Jacobian."""
         return float(np.max(np.linalg.norm(self.jacobian, axis=0), initial=0.0))
 
-    @cached_property
-    def told(self) -> tuple[np.ndarray, np.ndarray]:
-        """Singular values (k,) of the Jacobian, how many times better than a prior of weight 1 the
-        readings tell each direction, and the directions (k, k) as columns.
+    def told(self, weight: float, *, stated: bool = False, least: float = 0.0) -> Told:
+        """Find what the readings tell beside a prior of some weight, better than its `least`;
+        `stated` tolerances are taken for readings: no direction is told without them.
         """
-        _, values, right = np.linalg.svd(self.jacobian)
-        return values, right.T
+        _, lengths, right = np.linalg.svd(self.jacobian)
+        some = (lengths >= least * weight) | stated
+        lengths, inner = lengths[some], right[some].T
+        decided = (lengths > WELL_TOLD * weight) & (not stated)
+        gains = 1.0 / (lengths**2 + np.where(decided, 0.0, weight**2))
+        ratios, shares = lengths / weight, lengths**2 * gains
+        return Told(self.basis @ inner, inner, ratios, shares, gains, weight)
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """What the readings tell: directions of the scaled parameters as `columns` (P, k), one prior
+    standard deviation long, and as `inner` (k, k) over the basis; `ratios` (k,) of the prior's
+    standard deviation to that by the readings, largest first, what `shares` (k,) of each the
+    readings decide, and its `gains` (k,), by which a gradient of the squared residuals moves the
+    estimate. `weight` is the prior's.
+    """
+
+    columns: np.ndarray
+    inner: np.ndarray
+    ratios: np.ndarray
+    shares: np.ndarray
+    gains: np.ndarray
+    weight: float
+
+
+def told_directions(problem: CalibrationProblem, state: State) -> Told:
+    """Find what the readings tell, in which an overconstrained closure stays consistent; without
+    what they do not tell at all, but where tolerances are stated.
+    """
+    linear = Linear.of(problem, state, problem.widened)
+    weight = prior_weight(problem, state, linear)
+    return linear.told(weight, stated=problem.is_stated, least=UNTOLD)
 
 
 def prior_units(matrix: np.ndarray, prior: np.ndarray, size: float) -> np.ndarray:

@@ -218,34 +218,24 @@ def _eliminated(
     """Form W (h - m - G g) with g that minimises its square in each group; `whiten` is W, 1 / sigma
     where it is not given.
     """
-    if whiten is None:
-        residuals, jacobian = readings.weight * gap, readings.weight[:, :, None] * h_p
-    else:
-        residuals, jacobian = (whiten @ gap[:, :, None])[:, :, 0], whiten @ h_p
-    order, places, begins = readings.order, readings.places, readings.begins
-    if not readings.groups:
-        return Linearised.of(residuals, jacobian)
-    if whiten is None:
-        # without correlations the two columns are eliminated each by itself
-        w = readings.weight[order, readings.pair]
-        for table, share in ((residuals, w), (jacobian, w[:, :, None])):
-            values = table[order, readings.pair]
-            means = np.add.reduceat(share * values, begins) / np.add.reduceat(share**2, begins)
-            table[order, readings.pair] = values - share * means[places]
-    else:
-        basis = group_basis(readings, whiten)[order]
-        both = np.concatenate([residuals[order][:, :, None], jacobian[order]], axis=2)
-        across = basis.transpose(0, 2, 1)
-        information = np.add.reduceat(across @ basis, begins)
-        both -= basis @ np.linalg.solve(information, np.add.reduceat(across @ both, begins))[places]
-        residuals[order], jacobian[order] = both[:, :, 0], both[:, :, 1:]
-    return Linearised.of(residuals, jacobian)
+    values = np.concatenate([gap[:, :, None], h_p], axis=2)
+    if readings.groups:
+        precise = np.zeros((*gap.shape, 2))
+        if whiten is None:
+            precise[:, readings.columns, [0, 1]] = readings.weight[:, readings.columns] ** 2
+        else:
+            precise = whiten.transpose(0, 2, 1) @ whiten[:, :, readings.columns]
+        take_means(readings, values, precise)
+    values = readings.weight[:, :, None] * values if whiten is None else whiten @ values
+    return Linearised.of(values[:, :, 0], values[:, :, 1:])
 
 
-def group_basis(readings: Readings, whiten: np.ndarray) -> np.ndarray:
-    """Return W G (n, K, 2): how the two unknown inclinations of its group enter a configuration's
-    residuals.
+def take_means(readings: Readings, values: np.ndarray, precise: np.ndarray) -> np.ndarray:
+    """Take from values (n, K, w) the inclination that fits those of each group best; `precise` is
+    S^-1 G (n, K, 2), zero for configurations that do not tell it. Return G^T S^-1 G (groups, 2, 2).
     """
-    basis = whiten[:, :, np.flatnonzero(readings.grouped)].copy()
-    basis[readings.group < 0] = 0.0
-    return basis
+    across, inside = precise.transpose(0, 2, 1), readings.inside
+    information = group_sum(readings, across[:, :, readings.columns])
+    means = np.linalg.solve(information, group_sum(readings, across @ values))
+    values[inside, readings.pair] -= means[readings.group[inside]]
+    return information

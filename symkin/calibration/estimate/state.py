@@ -97,11 +97,6 @@ def evaluate(
     return State(problem, p, z, fit, e, pending, leftover, determinant_signs(e.rows_z))
 
 
-def evaluate_readings(problem: CalibrationProblem, state: State) -> Evaluation:
-    """Evaluate closure and readings of a state, without the condensation."""
-    return evaluate_at(problem, state.p, state.z)
-
-
 def evaluate_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> Evaluation:
     """Evaluate closure and readings at (p, z), without the condensation; of a large problem only
     part by part.
@@ -262,95 +257,66 @@ def admissible_steps(state: State, units: np.ndarray) -> tuple[np.ndarray | None
     if state.leftover is None:
         return None, np.zeros(count)
     rows = state.leftover[1].reshape(-1, count) * units
-    both = np.asarray(
-        np.linalg.qr(np.column_stack([rows, -state.leftover[0].reshape(-1)]), mode="r")
-    )
+    below = np.column_stack([rows, -state.leftover[0].reshape(-1)])
+    both = np.asarray(np.linalg.qr(below, mode="r"))
     if not np.all(np.isfinite(both)):
         return None, np.full(count, np.nan)
-    left, singular, across = np.linalg.svd(both[:, :count], full_matrices=True)
-    bound = max(RANK_TOLERANCE * float(singular[0]), CONSTRAINT_ROUNDING * float(np.max(units)))
-    kept = int(np.sum(singular > bound))
+    left, singular, across, kept = _split(both[:, :count], float(np.max(units)))
     particular = across[:kept].T @ ((left[:, :kept].T @ both[:, count]) / singular[:kept])
     return across[kept:].T, units * particular
 
 
+def _split(rows: np.ndarray, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+    """Decompose rows left over (m, P) into singular values, with all directions of parameters, and
+    count those that bind: beyond rounding of the largest, and of a step of one `unit`.
+    """
+    left, values, right = np.linalg.svd(rows, full_matrices=rows.shape[0] < rows.shape[1])
+    bound = max(RANK_TOLERANCE * float(np.max(values, initial=0.0)), CONSTRAINT_ROUNDING * unit)
+    return left, values, right, int(np.sum(values > bound))
+
+
 def unbound(rows: np.ndarray) -> np.ndarray:
     """Return an orthonormal basis (P, k) of the steps that rows left over (m, P) leave free."""
-    _, singular, right = np.linalg.svd(rows, full_matrices=rows.shape[0] < rows.shape[1])
-    bound = max(RANK_TOLERANCE * float(np.max(singular, initial=0.0)), CONSTRAINT_ROUNDING)
-    return np.asarray(right[int(np.sum(singular > bound)) :].T)
+    *_, right, kept = _split(rows)
+    return np.asarray(right[kept:].T)
 
 
 def design(state: State) -> np.ndarray:
-    """Return dr/dp of the readings, with the rows that an overconstrained closure leaves to p above
-    them.
+    """Return dr/dp of the readings, and above them orthonormal rows, times the longest column, of
+    what an overconstrained closure leaves to p.
     """
     if state.leftover is None:
         return state.linearised.matrix
-    rows = state.leftover[1].reshape(-1, state.linearised.matrix.shape[1])
-    return np.vstack([constraint_rows(rows, state), state.linearised.matrix])
-
-
-def constraint_rows(rows: np.ndarray, state: State) -> np.ndarray:
-    """Return orthonormal rows of the space that the leftover rows span, times the largest column of
-    the readings.
-    """
-    _, singular, right = np.linalg.svd(rows, full_matrices=False)
-    kept = (
-        right[singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)]
-        if len(singular) and singular[0] > CONSTRAINT_ROUNDING
-        else right[:0]
-    )
-    return np.asarray(np.max(np.linalg.norm(state.linearised.matrix, axis=0), initial=0.0) * kept)
+    matrix = state.linearised.matrix
+    *_, right, kept = _split(state.leftover[1].reshape(-1, matrix.shape[1]))
+    longest = np.max(np.linalg.norm(matrix, axis=0), initial=0.0)
+    return np.vstack([longest * right[:kept], matrix])
 
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
     """Singular values (P,) of a matrix with P columns, its rank and null space (P, k), orthonormal,
     judged with very long columns made shorter: what is small beside an angle at a lever of
-    kilometres is not rounding. `gap` is the ratio of the singular values so judged on both sides of
-    the rank, infinite where nothing is dropped.
+    kilometres is not rounding.
     """
 
     values: np.ndarray
     null_space: np.ndarray
-    rank: int
-    gap: float
+
+    @property
+    def rank(self) -> int:
+        return len(self.values) - int(self.null_space.shape[1])
 
 
 def spectrum(matrix: np.ndarray) -> Spectrum:
     """Find rank and null space of a matrix."""
     if matrix.shape[0] > matrix.shape[1]:
         matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
-    width = matrix.shape[1]
-    lengths = _usual_lengths(np.linalg.norm(matrix, axis=0))
-    (values, right), (even, across) = (_singular(m) for m in (matrix, matrix / lengths))
-    rank = _rank(even)
-    dropped = float(even[rank]) if rank < width else 0.0
-    null_space = (
-        right[rank:].T
-        if _rank(values) == rank
-        else np.linalg.qr(across[rank:].T / lengths[:, None])[0]
-    )
-    gap = float(even[rank - 1]) / dropped if rank and dropped > 0.0 else float("inf")
-    return Spectrum(values, null_space, rank, gap)
-
-
-def _singular(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Singular values (P,) and right singular vectors as rows (P, P)."""
-    _, values, right = np.linalg.svd(matrix, full_matrices=True)
-    return np.concatenate([values, np.zeros(matrix.shape[1] - len(values))]), right
-
-
-def _rank(values: np.ndarray) -> int:
-    return int(np.sum(values > RANK_TOLERANCE * np.max(values, initial=1e-300)))
-
-
-def _usual_lengths(norms: np.ndarray) -> np.ndarray:
-    """Return lengths of columns, those that are not much longer than the median as that; 1 where
-    all are zero.
-    """
-    usual = (
-        _LONG_COLUMN_RATIO * float(np.median(norms[norms > 0.0])) if np.any(norms > 0.0) else 1.0
-    )
-    return np.asarray(np.maximum(norms, usual))
+    norms = np.linalg.norm(matrix, axis=0)
+    usual = _LONG_COLUMN_RATIO * np.median(norms[norms > 0.0]) if np.any(norms > 0.0) else 1.0
+    lengths = np.maximum(norms, usual)
+    values = np.zeros(matrix.shape[1])
+    values[: min(matrix.shape)] = np.linalg.svd(matrix, compute_uv=False)
+    _, even, across = np.linalg.svd(matrix / lengths)
+    rank = int(np.sum(even > RANK_TOLERANCE * np.max(even, initial=1e-300)))
+    return Spectrum(values, np.linalg.qr(across[rank:].T / lengths[:, None])[0])

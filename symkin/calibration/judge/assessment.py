@@ -20,6 +20,7 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import is_writable, nominal_parameters, with_parameters
 from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import newton_configurations
+from symkin.calibration.estimate.linear import told_directions
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.robust import EFFICIENCY
 from symkin.calibration.estimate.state import (
@@ -30,7 +31,6 @@ from symkin.calibration.estimate.state import (
     readings_at,
 )
 from symkin.calibration.judge.departure import measure_departure
-from symkin.calibration.judge.fit_notes import fit_notes, is_exact
 from symkin.calibration.judge.identifiability import identifiability_at
 from symkin.calibration.judge.outliers import Fit, Screening
 from symkin.calibration.judge.result import Calibration, Parameter, Residual
@@ -41,8 +41,8 @@ from symkin.calibration.judge.statistics import (
     covariance,
     curvature,
     linear_model,
-    told_directions,
 )
+from symkin.calibration.judge.verdict import fit_notes, is_exact
 from symkin.errors import SymkinError
 from symkin.model.file import parse
 from symkin.model.joint import Coordinate

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
+from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE, OUTLIER_LEVEL
 from symkin.calibration.judge.prediction import (
     close_others,
     covariance_root,
@@ -24,12 +25,6 @@ from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
 from symkin.errors import InputError
 
 _COUNT_PATTERN = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(%?)\s*")
-_MAX_OUTLIER_SHARE = 0.2
-"""Share of the held-out configurations that may be outliers, one by one; where more are off, the
-prediction is.
-"""
-_OUTLIER_LEVEL = 0.02
-"""Share of right predictions of which a configuration is called an outlier."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,13 +119,13 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
     factor = 1.0 if known else max(fit.chi_square / max(fit.degrees, 1), 1e-300)
     made = clean = predict_readings(problem, fit.state.p, z, root, factor)
     taken, group, kept = problem.readings.taken, problem.readings.group, np.ones(len(z), dtype=bool)
-    level = 1.0 - (1.0 - _OUTLIER_LEVEL) ** (1.0 / len(z))
+    level = 1.0 - (1.0 - OUTLIER_LEVEL) ** (1.0 / len(z))
     chances = [
         _probability(fit, made.chi_square(np.array([k])), int(count))
         for k, count in enumerate(np.sum(taken, axis=1))
     ]
     off = np.array([chance is not None and chance < level for chance in chances])
-    if 0 < np.sum(off) <= _MAX_OUTLIER_SHARE * len(z):
+    if 0 < np.sum(off) <= MAX_OUTLIER_SHARE * len(z):
         kept = ~off
         clean = predict_readings(problem, fit.state.p, z, root, factor, kept)
     degrees = int(np.sum(taken[kept])) - 2 * len(set(group[kept].tolist()) - {-1})

@@ -32,14 +32,17 @@ from symkin.calibration.judge.named_directions import frame_names, named_motions
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.linear_algebra import independent_rows
 from symkin.spatial.rotation import euler_from_quaternion
 
 _NULL_SPACE_TOLERANCE = 1e-5
 """A unit direction belongs to the null space when its part outside is shorter than this."""
 _SAME_ANGLE = np.radians(2.0)
 """Inclinations or yaws (radians) that spread by less count as one."""
-_SPARSE_DRAWS = 60
-"""Draws of parameters in the search for sparse combinations."""
+_SPARSE_DRAWS, _LEAST_PIVOT = 60, 0.03
+"""Draws of parameters in the search for sparse combinations, and the least part of a unit direction
+that a parameter of its own may have.
+"""
 OPEN_LOOPS = (
     "loops that are redundant close at the postures measured and need not close at others; add "
     "postures"
@@ -69,14 +72,12 @@ class Identifiability:
     `advice` says what to measure besides. `blind` (P, j) is that part of the null space which no
     reading tells at all, whatever its noise. `weak` names combinations that the readings tell
     hardly better than the prior, each with its standard deviation by the readings over the prior's.
-    `gap` is the ratio of the singular values on both sides of the rank (infinite where nothing is
-    dropped to rounding). `opens` says that redundant loops which close at these configurations need
+    `opens` says that redundant loops which close at these configurations need
     not close at others: they ask more of the parameters there.
     """
 
     names: tuple[str, ...]
     singular_values: np.ndarray
-    gap: float
     null_space: np.ndarray
     unobservable: tuple[str, ...]
     advice: tuple[str, ...]
@@ -154,7 +155,6 @@ def identifiability_at(problem: CalibrationProblem, state: State, weight: float)
     return Identifiability(
         names=problem.names,
         singular_values=found.values,
-        gap=found.gap,
         null_space=null_space,
         blind=found.null_space,
         weak=weak,
@@ -182,9 +182,8 @@ def _told(
     null_space = found.null_space
     if weight == 0.0:
         return found, null_space, ()
-    linear = Linear.of(problem, state, problem.widened)
-    ratios, directions = linear.told
-    ratios, directions = ratios / weight, linear.basis @ directions
+    told = Linear.of(problem, state, problem.widened).told(weight)
+    ratios, directions = told.ratios, told.columns
     untold = ratios < UNTOLD
     if np.sum(untold) > null_space.shape[1]:
         null_space = np.linalg.qr(directions[:, untold])[0]
@@ -271,13 +270,7 @@ def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:
     width, count = null_space.shape
     rng, found = np.random.default_rng(0), list[np.ndarray]()
     for _ in range(_SPARSE_DRAWS if count else 0):
-        pivots, reduced = list[int](), null_space
-        for row in map(int, rng.permutation(width)):
-            norm = np.linalg.norm(reduced[row])
-            if norm > 0.03 and len(pivots) < count:
-                pivots.append(row)
-                unit = reduced[row] / norm
-                reduced = reduced - np.outer(reduced @ unit, unit)
+        pivots = independent_rows(null_space, rng.permutation(width), _LEAST_PIVOT)
         if len(pivots) == count:
             found.extend((null_space @ np.linalg.inv(null_space[pivots])).T)
     found = [v / np.linalg.norm(v) for v in found]

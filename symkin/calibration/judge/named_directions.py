@@ -12,21 +12,19 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from symkin.calibration.data.observables import point_path
 from symkin.calibration.data.parameters import (
     AXES,
     MEASURING_FRAMES,
     Velocity,
-    joint_paths,
     nominal_parameters,
     vector_values,
     vector_velocity,
     written_freedoms,
 )
-from symkin.calibration.data.reference_motions import reference_motions
+from symkin.calibration.data.reference_motions import moved, reference_motions
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.calibration.estimate.joint_lines import NEARLY_PARALLEL, parallel_axes
-from symkin.model.bar import RodEnd
+from symkin.closure.branches import edges_of
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.rotation import multiply, rotate
@@ -125,30 +123,13 @@ def frame_names(mechanism: Mechanism) -> Iterator[tuple[str, str, str]]:
 
 def _frame_motions(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str, Velocity]]:
     """Move base and platform frame by unit twists (t, w)."""
-    twists = [(move, twist) for move in (_base_moved, _platform_moved) for twist in np.eye(6)]
-    for (text, _, _), (move, twist) in zip(frame_names(mechanism), twists, strict=True):
-        yield text, move(mechanism, values, twist[:3], twist[3:])
-
-
-def _base_moved(mechanism: Mechanism, values: Velocity, t: np.ndarray, w: np.ndarray) -> Velocity:
-    """Move everything given in the base frame by the twist (t, w)."""
-    joints, spin, frame = list(joint_paths(mechanism)), np.array([0.0, *w]), mechanism.frame_name
-    points = [f"{path}.point" for path, _ in joints] + [*map(point_path, mechanism.link_points)]
-    points += [end.path for end in _ends(mechanism) if not end.in_platform_frame]
-    velocity: Velocity = {}
-    if _holds(values, frame):
-        points.append(f"{frame}.position")
-        q = vector_values(values, f"{frame}.quaternion", "wxyz")
-        turned = 0.5 * np.asarray(multiply(spin, q))
-        velocity |= vector_velocity(f"{frame}.quaternion", turned, "wxyz")
-    for path in points:
-        velocity |= vector_velocity(path, t + np.cross(w, vector_values(values, path)))
-    for path, joint in joints:
-        for key in (
-            f"{path}.{key}" for key in ("axis", "axis2") if getattr(joint, key) is not None
-        ):
-            velocity |= vector_velocity(key, np.cross(w, vector_values(values, key)))
-    return velocity
+    links = {link for edge in edges_of(mechanism) for link in edge.ends}
+    links |= {BASE, *(p.link for p in mechanism.link_points)}
+    texts = [text for text, *_ in frame_names(mechanism)]
+    for text, twist in zip(texts, np.eye(6), strict=False):
+        yield text, moved(mechanism, values, dict.fromkeys(links, twist))
+    for text, twist in zip(texts[6:], np.eye(6), strict=True):
+        yield text, _platform_moved(mechanism, values, twist[:3], twist[3:])
 
 
 def _platform_moved(
@@ -158,26 +139,17 @@ def _platform_moved(
     other way.
     """
     velocity: Velocity = {}
-    for end in _ends(mechanism):
+    for end in (end for bar in mechanism.bars for end in (bar.start, bar.end)):
         if end.in_platform_frame:
             back = -(t + np.cross(w, vector_values(values, end.path)))
             velocity |= vector_velocity(end.path, back)
     frame = mechanism.frame_name
-    if _holds(values, frame):
+    if f"{frame}.quaternion.w" in values:
         q = vector_values(values, f"{frame}.quaternion", "wxyz")
-        moved, turned = rotate(q / np.linalg.norm(q), t), multiply(q, np.array([0.0, *w]))
-        velocity |= vector_velocity(f"{frame}.position", np.asarray(moved))
+        shifted, turned = rotate(q / np.linalg.norm(q), t), multiply(q, np.array([0.0, *w]))
+        velocity |= vector_velocity(f"{frame}.position", np.asarray(shifted))
         velocity |= vector_velocity(f"{frame}.quaternion", 0.5 * np.asarray(turned), "wxyz")
     return velocity
-
-
-def _ends(mechanism: Mechanism) -> list[RodEnd]:
-    return [end for bar in mechanism.bars for end in (bar.start, bar.end)]
-
-
-def _holds(values: Velocity, frame: str) -> bool:
-    """Tell whether a frame is among the parameters."""
-    return f"{frame}.position.x" in values or f"{frame}.quaternion.w" in values
 
 
 # --- parallel axes --------------------------------------------------------------------------------

@@ -48,7 +48,7 @@ OUTLIER_LEVEL = 0.02
 MAX_OUTLIER_SHARE, _MAX_OUTLIERS = 0.2, 300
 """The largest share and the largest number of readings that are judged one by one; beyond, the fit
 is wrong as a whole. Postures with readings left out beyond that share hint at a mistake in the
-file.
+file; held-out ones beyond it say that the prediction is wrong.
 """
 _MIN_REDUNDANCY = 1e-3
 """A shift of which the fit absorbs all but this share (of its square) cannot be judged."""

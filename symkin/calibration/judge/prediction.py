@@ -17,7 +17,12 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import nearest_rows, solve_configurations
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import build_readings, deviations, group_sum
+from symkin.calibration.estimate.residuals import (
+    build_readings,
+    deviations,
+    group_sum,
+    take_means,
+)
 from symkin.calibration.estimate.state import State, evaluate_at, joint_covariance_at
 
 
@@ -105,14 +110,10 @@ def predict_readings(
     inside = readings.group >= 0
     told, of_mean = inside if telling is None else inside & telling, np.zeros((*gap.shape, 2))
     if readings.groups:
-        turn = np.eye(width)[:, readings.columns]
         told = told | (inside & ~group_sum(readings, told)[readings.group])
-        weights = np.where(told[:, None, None], np.linalg.solve(noise, turn), 0.0)
-        weights = weights.transpose(0, 2, 1)
-        information = group_sum(readings, weights @ turn)
-        means = np.linalg.solve(information, group_sum(readings, weights @ values))
+        turn = np.eye(width)[:, readings.columns]
+        precise = np.where(told[:, None, None], np.linalg.solve(noise, turn), 0.0)
+        information = take_means(readings, values, precise)
         own = np.linalg.inv(np.linalg.cholesky(information)).transpose(0, 2, 1)
-        within = np.where(inside[:, None, None], turn, 0.0)
-        values -= within @ means[readings.group]
-        of_mean = within @ own[readings.group]
+        of_mean[readings.inside, readings.pair] = own[readings.group[readings.inside]]
     return Prediction(values[:, :, 0], noise, values[:, :, 1:], of_mean, told | ~inside)

@@ -84,16 +84,18 @@ class Calibration(Result):
     `problem` holds what was fitted: the configurations `used` (numbers in `measurements`) without
     outliers.
 
-    `covariance` is that of `parameters`, held ones 0; `chi_square` has `degrees` of freedom and the
-    tail probability `p_value` (None where standard deviations are unknown; they are then scaled by
-    the fit). `unsolved` are configurations whose direct problem was not solved and `changed_mode`
-    those that crossed a singularity on the way; none is dropped without being named. `given_up` are
-    the first outliers of a fit where so many readings do not belong that none was left out,
-    `silent` configurations without any reading beside the joints, which are not used. All figures
-    are those of the file with the `corrected` geometry, written and read back (see `assessment`);
-    `departure` says how far its poses went from the file's; `refused` says why it must not be
-    written, None where nothing speaks against it. `plot()` draws the changes of the parameters,
-    `plot(what="residuals")` the residuals.
+    `covariance` is that of `parameters`, held ones 0, by slopes at the estimate: where directions
+    are hardly told it holds for parameters, readings and poses, not for every combination of
+    parameters (see docs/explanations/identifiability.md). `chi_square` has `degrees` of freedom and
+    the tail probability `p_value` (None where standard deviations are unknown; they are then scaled
+    by the fit). `unsolved` are configurations whose direct problem was not solved and
+    `changed_mode` those that crossed a singularity on the way; none is dropped without being named.
+    `given_up` are the first outliers of a fit where so many readings do not belong that none was
+    left out, `silent` configurations without any reading beside the joints, which are not used. All
+    figures are those of the file with the `corrected` geometry, written and read back (see
+    `assessment`); `departure` says how far its poses went from the file's; `refused` says why it
+    must not be written, None where nothing speaks against it. `plot()` draws the changes of the
+    parameters, `plot(what="residuals")` the residuals.
 
     >>> import numpy as np, symkin
     >>> arm = symkin.load("gluon_6l3")
@@ -249,24 +251,13 @@ class Calibration(Result):
         """What `report.json` of `symkin calibrate fit` holds of the fit itself, with or without
         `residuals`; lengths in the mechanism's unit, angles in its angle unit.
         """
-        m = self.mechanism
+        m, labels, found = self.mechanism, self.measurements.labels, self.identifiability
         return {
             "mechanism": m.name,
             "length_unit": m.length_unit,
             "angle_unit": m.angle_unit,
             "believable": self.believable,
             "tested": self.tested,
-            **self.figures(),
-            **self.findings(),
-            "notes": list(self.notes),
-            "elapsed_s": self.elapsed_s,
-            "residuals": list(self.residual_rows()) if residuals else [],
-        }
-
-    def figures(self) -> dict[str, Any]:
-        """Status, postures and chi-square, as in `report.json`."""
-        labels = self.measurements.labels
-        return {
             "status": self.status,
             "iterations": self.iterations,
             "method": self.method,
@@ -278,12 +269,6 @@ class Calibration(Result):
             "chi_square": finite(self.chi_square),
             "degrees": self.degrees,
             "p_value": finite(self.p_value),
-        }
-
-    def findings(self) -> dict[str, Any]:
-        """Rank, what is not observable, parameters and outliers, as in `report.json`."""
-        m, found = self.mechanism, self.identifiability
-        return {
             "rank": found.rank,
             "parameters_in_all": len(found.names),
             "condition": finite(found.condition),
@@ -306,6 +291,9 @@ class Calibration(Result):
             "outliers": [
                 {"posture": o.label, "kind": o.kind, "reason": o.reason} for o in self.outliers
             ],
+            "notes": list(self.notes),
+            "elapsed_s": self.elapsed_s,
+            "residuals": list(self.residual_rows()) if residuals else [],
         }
 
     def residual_rows(self) -> Iterator[dict[str, Any]]:

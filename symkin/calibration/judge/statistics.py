@@ -22,14 +22,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear, prior_weight
+from symkin.calibration.estimate.linear import Told, told_directions
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import neighbours
 from symkin.calibration.estimate.state import (
     State,
-    closed_state,
     evaluate,
     joint_covariance,
+    state_after,
 )
 from symkin.calibration.judge.prediction import predict_readings
 from symkin.computed_once import cached_property
@@ -171,41 +171,6 @@ def _stated_rows(problem: CalibrationProblem, state: State) -> tuple[np.ndarray,
     return (change / problem.prior)[known], np.diag(1.0 / problem.prior)[known]
 
 
-@dataclass(frozen=True, eq=False)
-class Told:
-    """What the readings tell at a state: directions of the scaled parameters as `columns` (P, k),
-    one prior standard deviation long, `ratios` (k,) of the prior's standard deviation to that by
-    the readings, largest first, what `shares` (k,) of each the readings decide, and its `gains`
-    (k,), by which a gradient of the squared residuals moves the estimate. `weight` is the prior's.
-    """
-
-    columns: np.ndarray
-    ratios: np.ndarray
-    shares: np.ndarray
-    gains: np.ndarray
-    weight: float
-
-
-def told_directions(problem: CalibrationProblem, state: State) -> Told:
-    """Find what the readings tell, in which an overconstrained closure stays consistent; without
-    what they do not tell at all, but where tolerances are stated.
-    """
-    linear = Linear.of(problem, state, problem.widened)
-    lengths, directions = linear.told
-    weight = prior_weight(problem, state, linear)
-    some = (lengths > UNTOLD * weight) | problem.is_stated
-    lengths = lengths[some]
-    decided = (lengths > WELL_TOLD * weight) & (not problem.is_stated)
-    gains = 1.0 / (lengths**2 + np.where(decided, 0.0, weight**2))
-    return Told(
-        columns=linear.basis @ directions[:, some],
-        ratios=lengths / weight,
-        shares=lengths**2 * gains,
-        gains=gains,
-        weight=weight,
-    )
-
-
 def _basis_in_place(columns: np.ndarray) -> np.ndarray:
     """Overwrite columns (N, k), block by block, by an orthonormal basis: with V D V^T their squares
     at unit length, columns V D^-1/2; what rounding leaves of that is taken away by its own.
@@ -316,14 +281,12 @@ def _bend(
     """Return d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; not a number where
     they do not close.
     """
-    model, before = problem.model, here.linearised
-    z, p = model.system.move(here.z, here.follow(step)), here.p + model.scales * step
+    before = here.linearised
     with np.errstate(all="ignore"):
-        there = closed_state(problem, p, z, problem.form, noise)
-        bend = there.linearised.vector - before.vector - before.matrix @ step
-    size = model.closure.characteristic_length
-    closed = np.max(np.abs(there.pending), initial=0.0) < 1e-9 * size
-    return np.asarray(bend if closed else np.full_like(bend, np.nan))
+        there = state_after(problem, here, step, problem.form, noise)
+    if there is None:
+        return np.full_like(before.vector, np.nan)
+    return np.asarray(there.linearised.vector - before.vector - before.matrix @ step)
 
 
 def rms_of_better_part(squares: np.ndarray) -> float:
