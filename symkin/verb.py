@@ -50,7 +50,7 @@ def read_as(kind: str, name: str, value: Any) -> Any:
     try:
         return read(value)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} = {shown(value)} is no {wanted}") from None
+        raise InputError(f"{name} = {shown(value)}; {wanted} is needed") from None
 
 
 def real(value: Any) -> float:
@@ -62,6 +62,18 @@ def real(value: Any) -> float:
     ):
         raise TypeError("no real number")
     return float(value)
+
+
+def _truth(value: Any) -> bool:
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError("no truth value")
+    return bool(value)
+
+
+def _whole(value: Any) -> int:
+    if isinstance(value, bool):
+        raise TypeError("no number")
+    return operator.index(value)
 
 
 def _text(value: Any) -> Any:
@@ -77,11 +89,12 @@ def _path(value: Any) -> Any:
 
 
 _READ: dict[str, tuple[str, Callable[[Any], Any]]] = {
-    "int": ("whole number", operator.index),
-    "float": ("number", real),
-    "str": ("text", _text),
-    "str | Path": ("path or name", _path),
-    "Path | str": ("path", _path),
+    "bool": ("True or False", _truth),
+    "int": ("a whole number", _whole),
+    "float": ("a number", real),
+    "str": ("a text", _text),
+    "str | Path": ("a path or a name", _path),
+    "Path | str": ("a path", _path),
 }
 _KINDS = _READ | {f"{kind} | None": reader for kind, reader in _READ.items()}
 

@@ -20,7 +20,7 @@ from symkin.position.least_squares import LeastSquares
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem
 from symkin.position.roots import Roots, distinct
-from symkin.position.solve import SOLVERS, Solver
+from symkin.position.solve import SOLVERS
 from symkin.position.starts import random_starts
 from symkin.text import not_among
 
@@ -68,7 +68,7 @@ def one_by_one(
 ) -> Roots:
     """Roots of the whole problem by a solver of `solve`, called once a start."""
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
-    if not isinstance(chosen, Solver):
+    if chosen is None or not hasattr(chosen, "iterate"):
         raise InputError(f"solver = {not_among(solver, ['batched', *SOLVERS])}")
     system = problem.system
     ends, smallest = [], np.inf

@@ -89,7 +89,7 @@ def solve(
     """
     require_mechanism(mechanism)
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
-    if not isinstance(chosen, Solver):
+    if chosen is None or not hasattr(chosen, "name"):
         raise InputError(f"solver = {not_among(solver, SOLVERS)}")
     plain = plain_case(mechanism, joints, pose, given)
     if plain is None:

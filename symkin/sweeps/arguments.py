@@ -4,8 +4,6 @@ refused in a sentence.
 
 from __future__ import annotations
 
-import operator
-import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -19,9 +17,7 @@ if TYPE_CHECKING:
 
 
 def check_types(mechanism: Any, grid: Any, given: Any, directory: Any, **others: Any) -> None:
-    """Raises InputError; `others` are the arguments `poses`, `certify`, `at`, `executor`, `dask`
-    and `progress`.
-    """
+    """Raises InputError; `others` are the arguments `at`, `executor` and `progress`."""
     require_mechanism(mechanism)
     wanted = "a mapping of names to values is needed, such as {'NAME': [0.0, 0.5, 1.0]}"
     if grid is None and given is None:
@@ -36,32 +32,19 @@ def check_types(mechanism: Any, grid: Any, given: Any, directory: Any, **others:
         )
     _need(grid is None or isinstance(grid, Mapping), "grid", grid, wanted)
     _need(given is None or isinstance(given, Mapping), "given", given, wanted)
-    _need(
-        isinstance(directory, str | os.PathLike),
-        "directory",
-        directory,
-        "the path of a folder is needed",
-    )
-    for name in ("poses", "certify"):
-        _need(isinstance(others[name], bool), name, others[name], "True or False is needed")
+    _need(directory is not None, "directory", directory, "the path of a folder is needed")
     _need(
         not isinstance(others["at"], str | bytes),
         "at",
         others["at"],
         "a list of numbers, a mapping or a Pose is needed",
     )
-    executor, dask, progress = (others[name] for name in ("executor", "dask", "progress"))
+    executor, progress = others["executor"], others["progress"]
     _need(
         executor is None or hasattr(executor, "submit"),
         "executor",
         executor,
         "a concurrent.futures.Executor is needed",
-    )
-    _need(
-        dask is None or isinstance(dask, str),
-        "dask",
-        dask,
-        "the address of a scheduler is needed, a string",
     )
     _need(
         progress is None or callable(progress),
@@ -98,16 +81,6 @@ def _reads_base(space: Space) -> bool:
         return not {c.name for c in space.mechanism.actuated} <= swept
     turns = "gamma" not in swept and space.mechanism.motion != "translation"
     return turns or not {name for name in pose_units(space.mechanism) if name in "xyz"} <= swept
-
-
-def whole(value: Any, name: str) -> int:
-    """An integer of any type. Raises InputError."""
-    try:
-        if not isinstance(value, bool):
-            return operator.index(value)
-    except TypeError:
-        pass
-    raise InputError(f"{name} = {value!r}; a whole number is needed")
 
 
 def _need(good: bool, name: str, value: Any, wanted: str) -> None:

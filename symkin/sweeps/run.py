@@ -17,7 +17,7 @@ from symkin.position.given import Joints
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
-from symkin.sweeps.arguments import check_types, refuse_unread, whole
+from symkin.sweeps.arguments import check_types, refuse_unread
 from symkin.sweeps.damage import mend
 from symkin.sweeps.executors import Crew, dask_crew, given_crew, local_crew
 from symkin.sweeps.plan import Job, Plan, compute_chunk, make_plan
@@ -165,25 +165,14 @@ def sweep(
     {4: 2}
     """
     others = {
-        "poses": poses,
-        "certify": certify,
         "at": at,
         "executor": executor,
-        "dask": dask,
         "progress": progress,
     }
     check_types(mechanism, grid, given, directory, **others)
     assert directory is not None  # noqa: S101 - checked
     if over not in OVER:
         raise InputError(f"over = {not_among(over, OVER)}")
-    random, chunk, workers, seed, starts = (
-        None if value is None else whole(value, name)
-        for name, value in zip(
-            ("random", "chunk", "workers", "seed", "starts"),
-            (random, chunk, workers, seed, starts),
-            strict=True,
-        )
-    )
     folder = Path(directory)
     require_zarr()
     read_attributes(folder)

@@ -15,6 +15,7 @@ from helpers.inside import (
     default_parameters,
     geometry_parameters,
     group_numbers,
+    identifiability,
     measurements_text,
     observables,
     parameter_names,
@@ -26,7 +27,6 @@ from helpers.inside import (
     solve_configurations,
     with_parameters,
 )
-from helpers.measured_files import identifiability
 from symkin import InputError, Joint, calibrate
 
 ANGLE, LENGTH = 2e-5, 0.01

@@ -31,6 +31,7 @@ from helpers.inside import (
     default_parameters,
     error_free_state,
     group_numbers,
+    identifiability,
     joint_frames,
     main,
     measure_departure,
@@ -42,7 +43,7 @@ from helpers.inside import (
     solve_configurations,
 )
 from helpers.inside import evaluate_state as evaluate
-from helpers.measured_files import identifiability, write_measurements
+from helpers.measured_files import write_measurements
 from helpers.samples import delta, five_bar
 from symkin import InputError, Measurements, Pose, ReadOptions, calibrate
 

@@ -89,16 +89,16 @@ def test_what_is_no_list_of_real_numbers_is_refused(platform, joints, message):
     ("ask", "message"),
     [
         (lambda _: symkin.mobility("zhao2000"), "symkin.load\\('zhao2000'\\) gives it"),
-        (lambda p: symkin.mobility(p, seed="abc"), "seed = 'abc' is no whole number"),
-        (lambda p: symkin.modes(p, seed="abc"), "seed = 'abc' is no whole number"),
-        (lambda p: symkin.modes(p, starts=1500.0), "starts = 1500.0 is no whole number"),
+        (lambda p: symkin.mobility(p, seed="abc"), "seed = 'abc'; a whole number"),
+        (lambda p: symkin.modes(p, seed="abc"), "seed = 'abc'; a whole number"),
+        (lambda p: symkin.modes(p, starts=1500.0), "starts = 1500.0; a whole number"),
         (lambda p: symkin.modes(p, choose=3), "choose = 3 is no list of whole numbers"),
         (lambda p: symkin.modes(p, solver=5), "solver = 5 is unknown"),
         (lambda p: symkin.solve(p, solver=5), "solver = 5 is unknown"),
-        (lambda p: symkin.singularity(p, tolerance="1"), "tolerance = '1' is no number"),
-        (lambda _: symkin.load(None), "name_or_path = None is no path or name"),
-        (lambda _: symkin.close(3), "name_or_path = 3 is no path or name"),
-        (lambda p: symkin.convert(p, 3), "path = 3 is no path"),
+        (lambda p: symkin.singularity(p, tolerance="1"), "tolerance = '1'; a number"),
+        (lambda _: symkin.load(None), "name_or_path = None; a path or a name"),
+        (lambda _: symkin.close(3), "name_or_path = 3; a path or a name"),
+        (lambda p: symkin.convert(p, 3), "path = 3; a path"),
     ],
 )
 def test_an_option_of_a_foreign_type_is_named(platform, ask, message):

@@ -73,7 +73,7 @@ def test_modes_change_by_two_across_a_locus() -> None:
     here = symkin.solve(mechanism).solution
     assert here is not None
     loci = symkin.singular_loci(
-        here, ("upper_motor", "lower_motor"), ranges=[(-180.0, 180.0), (-180.0, 180.0)], starts=3
+        here, ("upper_motor", "lower_motor"), ranges=[(-180.0, 180.0), (-180.0, 180.0)], starts=10
     )
     curve = max(loci.curves, key=lambda c: len(c.points))
     for k in (len(curve.points) // 5, len(curve.points) // 2):

@@ -792,7 +792,7 @@ def test_screws_are_sampled_over_many_turns() -> None:
     near = symkin.solve(gripper, given=given).solution
     assert near is not None
     assert abs(near.joints["r_gripper_l_screw_screw_joint"]) > 4 * np.pi
-    found = symkin.modes(gripper, given=given, starts=100)
+    found = symkin.modes(gripper, given=given, starts=300)
     assert any(
         np.allclose(list(mode.joints.values()), list(near.joints.values()), atol=1e-6)
         for mode in found

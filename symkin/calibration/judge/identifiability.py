@@ -7,26 +7,31 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
+from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.measurements import spread_rows
+from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.observables import observables
 from symkin.calibration.estimate.configurations import (
     newton_configurations,
+    solve_configurations,
 )
 from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear
-from symkin.calibration.estimate.problem import CalibrationProblem
+from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.state import (
     Spectrum,
     State,
     design,
     error_free_state,
+    evaluate,
     spectrum,
     unbound,
 )
 from symkin.calibration.judge.named_directions import frame_names, named_motions
 from symkin.computed_once import cached_property
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
 from symkin.numeric.linear_algebra import independent_rows
 from symkin.spatial.rotation import euler_from_quaternion
 
@@ -110,6 +115,34 @@ class Identifiability:
         """Largest over smallest kept singular value."""
         last = self.singular_values[self.rank - 1] if self.rank else 0.0
         return float(self.singular_values[0] / last) if self.rank else float("inf")
+
+
+def identifiability(
+    mechanism: Mechanism,
+    measurements: Measurements,
+    *,
+    parameters: Sequence[str] | None = None,
+    fixed: Sequence[str] = (),
+    residual: str = "means",
+) -> Identifiability:
+    """Determine the identifiability at the nominal geometry, over the configurations whose direct
+    problem is solved there. Where standard deviations are known, what the readings tell ten times
+    worse than the prior (see `estimate.linear`) counts as not told.
+    """
+    chosen: dict[str, Any] = {"parameters": parameters, "fixed": fixed, "residual": residual}
+    problem = build_calibration(mechanism, measurements, **chosen)
+    nominal = problem.model.nominal
+    configurations = solve_configurations(problem.model, measurements, nominal)
+    solved = configurations.solved
+    if not solved.any():
+        raise InputError(
+            f"{mechanism.name}: the direct problem of no posture has a solution at the nominal "
+            f"geometry"
+        )
+    if not solved.all():
+        problem = build_calibration(mechanism, measurements.subset(solved), **chosen)
+    state = evaluate(problem, nominal, configurations.z[solved], "means")
+    return identifiability_at(problem, state, 1.0 if problem.readings.known else 0.0)
 
 
 def identifiability_at(problem: CalibrationProblem, state: State, weight: float) -> Identifiability:
