@@ -21,7 +21,7 @@ from symkin.assembly.modes_result import Completeness
 from symkin.assembly.search import Search
 from symkin.computed_once import lru_cache
 from symkin.homotopy.start_store import start_of
-from symkin.homotopy.structure import start_of_structure, structure_of
+from symkin.homotopy.structure import MOST_UNKNOWNS, start_of_structure, structure_of
 from symkin.homotopy.systems import squared, system_of, unsuitable
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.newton import Polished
@@ -328,9 +328,11 @@ def solvers_of(group: Problem) -> list[BlockPaths | ClosedBlock]:
 @lru_cache(maxsize=256)
 def solved_parts(group: Problem) -> tuple[Problem, ...]:
     """The parts of a group that has no formulas of its own, where implied rows take it apart and
-    each part has formulas or paths.
+    each part has formulas or paths; of a group of few unknowns only where it has no paths.
     """
     if solved_at_once(group) or closed_block(group, 0) is not None:
+        return ()
+    if group.system.freedom <= MOST_UNKNOWNS and group_paths(group) is not None:
         return ()
     parts = implied_parts(group)
     return parts if _are_taken(parts, lambda: group_paths(group) is not None) else ()
@@ -440,6 +442,8 @@ def roots_of_parts(
                 notes[i] = tuple(dict.fromkeys((*notes.get(i, ()), *texts)))
         engines.append(roots.engine)
         tree = tree.extended(part, roots, which)
+        many = np.bincount(tree.owner, minlength=n) > MOST_MODES
+        statement[many] = np.maximum(statement[many], STATEMENTS.index("incomplete"))
     points, owner, hits, met = _held_against(group, tree, known)
     return GroupRoots(
         points,
