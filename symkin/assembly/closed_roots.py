@@ -38,6 +38,10 @@ _SPREAD = 0.3
 """How far generic known values lie from the regular ones at which formulas are compared with paths:
 in radians, and in sizes.
 """
+_MOST_IMPLIED = 3
+"""Unknowns of a block with implied rows, at most: the squares of its joints' chains have as many
+terms as three to a power.
+"""
 _INSTANCES = 2
 """Generic known values at which all branches must close."""
 
@@ -189,6 +193,8 @@ def closed_block(problem: Problem, number: int) -> ClosedBlock | None:
     if arm is not None:
         return ClosedBlock(problem, block, arm, arm.random_known())
     if problem.is_explicit or (problem.kind == "given" and is_linear(problem)):
+        return None
+    if problem.implied and len(problem.system.unknowns) > _MOST_IMPLIED:
         return None
     near = problem.reference_known
     samples = samples_about(block, near, problem.known_coordinates)

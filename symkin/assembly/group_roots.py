@@ -20,8 +20,9 @@ from symkin.assembly.continuation import by_continuation, least_error
 from symkin.assembly.modes_result import Completeness
 from symkin.assembly.search import Search
 from symkin.computed_once import lru_cache
+from symkin.homotopy.branches import complex_count
 from symkin.homotopy.start_store import start_of
-from symkin.homotopy.structure import start_of_structure, structure_of
+from symkin.homotopy.structure import MOST_UNKNOWNS, start_of_structure, structure_of
 from symkin.homotopy.systems import squared, system_of, unsuitable
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.newton import Polished
@@ -44,6 +45,8 @@ from symkin.position.roots import (
 
 STATEMENTS: tuple[Completeness, ...] = ("proved", "probability one", "incomplete", "sampled")
 """What is said of a list, from the strongest to the weakest; of several parts the weakest holds."""
+_FEW_ROOTS = 32
+"""Complex solutions of a group that are as soon followed together as part by part."""
 _DIGITS = 6
 """Decimals to which values are rounded for the order of a group's solutions, so that rounding
 errors do not decide it.
@@ -328,12 +331,19 @@ def solvers_of(group: Problem) -> list[BlockPaths | ClosedBlock]:
 @lru_cache(maxsize=256)
 def solved_parts(group: Problem) -> tuple[Problem, ...]:
     """The parts of a group that has no formulas of its own, where implied rows take it apart and
-    each part has formulas or paths.
+    each part has formulas or paths; of a group of few unknowns only where it has no paths.
     """
     if solved_at_once(group) or closed_block(group, 0) is not None:
         return ()
+    if group.system.freedom <= MOST_UNKNOWNS and group_paths(group) is not None:
+        return ()
     parts = implied_parts(group)
-    return parts if _are_taken(parts, lambda: group_paths(group) is not None) else ()
+
+    def own_count() -> int | None:
+        paths = group_paths(group)
+        return None if paths is None else paths.most_roots
+
+    return parts if _are_taken(parts, own_count) else ()
 
 
 @lru_cache(maxsize=128)
@@ -345,24 +355,32 @@ def parted_group(problem: Problem) -> Problem | None:
         return None
     group = replace(problem, kind="given", row_places=problem.places_of_rows)
 
-    def has_paths() -> bool:
+    def own_count() -> int | None:
+        if unsuitable(problem) is not None:
+            return None
         (block,) = problem.blocks
-        return (
-            unsuitable(problem) is None
-            and start_of(problem, system_of(problem, block), block)[0] is not None
-        )
+        system = system_of(problem, block)
+        start, _ = start_of(problem, system, block)
+        return None if start is None else complex_count(system, start.z)
 
-    return group if _are_taken(implied_parts(group), has_paths) else None
+    return group if _are_taken(implied_parts(group), own_count) else None
 
 
-def _are_taken(parts: Sequence[Problem], has_paths: Callable[[], bool]) -> bool:
-    """Whether a group is left to its parts. Where passive joints, which implied rows leave, have
-    one solution each, the group's own paths are as many, and are taken if there are any.
+def _are_taken(parts: Sequence[Problem], own_count: Callable[[], int | None]) -> bool:
+    """Whether a group is left to its parts. Its own paths are taken where it has some, and passive
+    joints, which implied rows leave, have one solution each, so that these paths are as many as
+    those of the parts; or where all are few.
     """
-    single = all(part.implied or most_roots(part) == 1 for part in parts)
-    if not parts or (single and has_paths()):
+    if not parts:
         return False
-    return all(most_roots(part) is not None for part in parts)
+    single = all(part.implied or most_roots(part) == 1 for part in parts)
+    if single and own_count() is not None:
+        return False
+    count = most_of_parts(parts)
+    if count is None or count > _FEW_ROOTS:
+        return count is not None
+    own = own_count()
+    return own is None or own < count
 
 
 def solved_at_once(group: Problem) -> bool:
@@ -440,6 +458,8 @@ def roots_of_parts(
                 notes[i] = tuple(dict.fromkeys((*notes.get(i, ()), *texts)))
         engines.append(roots.engine)
         tree = tree.extended(part, roots, which)
+        many = np.bincount(tree.owner, minlength=n) > MOST_MODES
+        statement[many] = np.maximum(statement[many], STATEMENTS.index("incomplete"))
     points, owner, hits, met = _held_against(group, tree, known)
     return GroupRoots(
         points,

@@ -32,7 +32,7 @@ from symkin.homotopy.monodromy import (
 from symkin.homotopy.seeds import Points, full_linearisation, random_known, random_point
 from symkin.homotopy.six_distances import DISTANCES, distance_data, distance_function, is_universal
 from symkin.homotopy.six_revolute import arm_start, is_six_revolute
-from symkin.homotopy.start_files import SHIPPED, closure_key, content_of, hash_of, kept_or_computed
+from symkin.homotopy.start_files import closure_key, hash_of, kept_or_computed
 from symkin.homotopy.symmetry import find_symmetries
 from symkin.homotopy.symmetry import orbits as orbits_under
 from symkin.homotopy.systems import system_of
@@ -442,36 +442,3 @@ def start_key(problem: Problem, system: AlgebraicSystem) -> str:
     """Hash of what a block's generic roots depend on: its rows, or the points of its distances."""
     distances = distance_function(problem) if is_universal(problem) else None
     return closure_key(system) if distances is None else hash_of(distances, "six distances")
-
-
-def write_shipped() -> None:
-    """Compute the starts of the shipped mechanisms into the package: `python -m
-    symkin.homotopy.start_store`.
-    """
-    from symkin.formats.load import load
-    from symkin.model.file import shipped_names
-    from symkin.position.problem import build_problem
-
-    for old in SHIPPED.glob("*.npz"):
-        old.unlink()
-    for mechanism in (load(name) for name in shipped_names()):
-        for kind in () if mechanism.is_graph else ("direct", "inverse"):
-            problem = build_problem(mechanism, kind)
-            if problem.is_explicit:
-                continue
-            for block in problem.blocks:
-                system = system_of(problem, block)
-                start, reason = compute_start(problem, system, block)
-                (SHIPPED / f"{start_key(problem, system)}.npz").write_bytes(
-                    content_of(start, reason)
-                )
-                print(
-                    mechanism.name,
-                    kind,
-                    ", ".join(c.name for c in block.unknowns),
-                    reason or f"{start.z.shape[1]} roots" if start else reason,
-                )
-
-
-if __name__ == "__main__":
-    write_shipped()

@@ -292,6 +292,7 @@ NAMES = {
     "modes_by_groups": "symkin.assembly.by_groups",
     "group_paths": "symkin.assembly.group_roots",
     "group_solver": "symkin.assembly.group_roots",
+    "shipped_systems": "symkin.assembly.shipped_starts",
     "_labels": "symkin.assembly.mode_groups",
     "COMPLETENESS": "symkin.assembly.mode_table",
     "modes_at_need": "symkin.assembly.modes",

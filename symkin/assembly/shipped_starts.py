@@ -1,0 +1,52 @@
+"""Compute the start roots of the shipped mechanisms into the package: `python -m
+symkin.assembly.shipped_starts`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.group_roots import parted_group, solvers_of
+from symkin.formats.load import load
+from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.start_files import SHIPPED, content_of
+from symkin.homotopy.start_store import compute_start, start_key
+from symkin.homotopy.systems import system_of
+from symkin.model.file import shipped_names
+from symkin.numeric.system import System
+from symkin.position.groups import implied_parts
+from symkin.position.problem import Problem, build_problem
+
+
+def write_shipped() -> None:
+    """Write the starts of the limbs' direct and inverse problems anew."""
+    for old in SHIPPED.glob("*.npz"):
+        old.unlink()
+    for problem, system, block in shipped_systems():
+        start, reason = compute_start(problem, system, block)
+        (SHIPPED / f"{start_key(problem, system)}.npz").write_bytes(content_of(start, reason))
+        names = ", ".join(c.name for c in block.unknowns)
+        told = reason if start is None else f"{start.z.shape[1]} roots"
+        print(problem.mechanism.name, problem.kind, names, told)
+
+
+def shipped_systems() -> Iterator[tuple[Problem, AlgebraicSystem, System]]:
+    """The systems whose starts the package carries: of the blocks of shipped mechanisms of limbs,
+    and of the parts that implied rows take them apart into.
+    """
+    for mechanism in (load(name) for name in shipped_names()):
+        for kind in () if mechanism.is_graph else ("direct", "inverse"):
+            problem = build_problem(mechanism, kind)
+            if problem.is_explicit:
+                continue
+            yield from ((problem, system_of(problem, block), block) for block in problem.blocks)
+            group = parted_group(problem)
+            for part in () if group is None else implied_parts(group):
+                for solver in solvers_of(part):
+                    if isinstance(solver, BlockPaths) and solver.shared is None:
+                        yield part, solver.algebraic, solver.block
+
+
+if __name__ == "__main__":
+    write_shipped()
