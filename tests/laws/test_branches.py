@@ -16,8 +16,6 @@ from helpers.inside import (
 )
 from symkin import Joint, Limb, Mechanism
 
-pytestmark = pytest.mark.usefixtures("kept_starts")
-
 
 def joint_hexapod(rods: Mechanism, kind: str) -> Mechanism:
     """The platform of six rods with each rod as U P S, or as R U S with a crank of 60."""
