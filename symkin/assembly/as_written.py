@@ -12,6 +12,7 @@ from symkin.assembly.modes_result import Group, Modes
 from symkin.machine.lower import Lowered, lowered
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.feasible_pose import ties_poses
 from symkin.position.given import Given, given_from
 from symkin.position.given_by_name import plain_kind, pose_names, told_by_name
 from symkin.position.problem import Problem
@@ -31,6 +32,19 @@ def machine_of(mechanism: Mechanism, given: Given) -> Lowered | None:
     if not names <= {c.name for c in mechanism.coordinates}:
         return None
     return lowered(mechanism, frozenset(names), pose=not mechanism.is_graph)
+
+
+def is_complete(found: Modes) -> bool:
+    """Whether a list is said to hold all modes."""
+    return found.completeness in ("proved", "probability one")
+
+
+def comes_first(low: Lowered, given: Given) -> bool:
+    """Whether the machine is asked before the description. Of poses that the joints of both tie,
+    whose rows contradict each other by rounding, it is asked where the description's list is not
+    complete.
+    """
+    return not (_is_pose(low.written, given) and ties_poses(low.machine))
 
 
 def given_of_machine(low: Lowered, given: Given) -> Given:
@@ -53,7 +67,7 @@ def as_written(low: Lowered, problem: Problem, given: Given, found: Modes) -> Mo
     """The modes in the coordinates of the description, held against all of its own rows; None where
     some do not close there, and where the list may not be complete.
     """
-    if found.completeness not in ("proved", "probability one"):
+    if not is_complete(found):
         return None
     listed: Sequence[Solution] = ()
     if len(found):

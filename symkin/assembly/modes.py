@@ -9,7 +9,13 @@ from typing import Any, TypedDict, Unpack, overload
 
 import numpy as np
 
-from symkin.assembly.as_written import as_written, given_of_machine, machine_of
+from symkin.assembly.as_written import (
+    as_written,
+    comes_first,
+    given_of_machine,
+    is_complete,
+    machine_of,
+)
 from symkin.assembly.mode_proofs import ground_notes, with_grounds
 from symkin.assembly.mode_table import COMPLETENESS
 from symkin.assembly.modes_by_name import modes_by_name
@@ -166,20 +172,23 @@ def _found(
     begin, problem = time.perf_counter(), problem_of(mechanism, givens[0])
     if problem.kind == "given":
         refuse_unless_determined(problem)
-    there = [given_of_machine(low, given) for given in givens]
+    found: dict[int, Modes] = {}
+    left = list(range(len(givens)))
+    if not comes_first(low, givens[0]):
+        own = _of_description(mechanism, givens, search, choose, progress)
+        found = dict(enumerate(own))
+        left = [i for i in left if not is_complete(own[i])]
+    there = [given_of_machine(low, givens[i]) for i in left]
     of_machine = _of_description(low.machine, there, search, (), progress)
-    told = [
-        None if at.off_motion else as_written(low, problem, given, modes)
-        for given, at, modes in zip(givens, there, of_machine, strict=True)
-    ]
-    left = [i for i, modes in enumerate(told) if modes is None]
-    own = _of_description(mechanism, [givens[i] for i in left], search, (), progress)
-    found = dict(zip(left, own, strict=True))
+    for i, at, modes in zip(left, there, of_machine, strict=True):
+        told = None if at.off_motion else as_written(low, problem, givens[i], modes)
+        if told is not None:
+            found[i] = told
+    rest = [i for i in left if i not in found]
+    own = _of_description(mechanism, [givens[i] for i in rest], search, (), progress)
+    found |= dict(zip(rest, own, strict=True))
     share = (time.perf_counter() - begin) / len(givens)
-    return tuple(
-        replace(found[i] if modes is None else modes, elapsed_s=share)
-        for i, modes in enumerate(told)
-    )
+    return tuple(replace(found[i], elapsed_s=share) for i in range(len(givens)))
 
 
 def _of_description(
