@@ -8,7 +8,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Annotated
 
@@ -232,7 +232,7 @@ def _interrupts() -> Iterator[list[int]]:
         signal.signal(signal.SIGINT, former)
 
 
-def _status(arguments: list[str] | None, pressed: list[int]) -> int:
+def _status(arguments: list[str] | None, pressed: Sequence[int] = ()) -> int:
     """Run a command, to its exit status."""
     try:
         status = app(args=arguments, prog_name="symkin", standalone_mode=False)
