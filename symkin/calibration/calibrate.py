@@ -52,11 +52,11 @@ from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.quiet import without_float_warnings
+from symkin.verb import verb
 from symkin.verb_options import takes
 
 
-@without_float_warnings
+@verb
 @takes(CalibrateOptions)
 def calibrate(
     mechanism: Mechanism, measurements: Measurements, **options: Unpack[CalibrateOptions]

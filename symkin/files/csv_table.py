@@ -46,7 +46,7 @@ UNITS: dict[str, tuple[str, float]] = {
 }
 """Units that a header may name, what they measure, and how many of the SI unit they are."""
 
-_ROWS_AT_ONCE = 4096
+ROWS_AT_ONCE = 4096
 """Rows of a table that are held as text."""
 
 
@@ -297,7 +297,7 @@ def _blocks(headers: Sequence[str], rows: Iterator[Sequence[object]]) -> Iterato
             for row in block
         )
         yield text.getvalue()
-        block = list(itertools.islice(rows, _ROWS_AT_ONCE))
+        block = list(itertools.islice(rows, ROWS_AT_ONCE))
 
 
 def _value(cell: str) -> float | str:

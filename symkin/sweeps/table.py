@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.files.csv_table import write_table
+from symkin.files.csv_table import ROWS_AT_ONCE, write_table
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import labels
 
 MOST_ROWS = 1_000_000
 """Rows of a table: more are for the arrays and not for a spreadsheet."""
-_ROWS_AT_ONCE = 4096
 _FIRST = ("points", "position", "quaternion", "joints", "residual", "condition")
 """Arrays whose columns come first."""
 _LEFT_OUT = ("completeness", "unresolved", "continuum")
@@ -49,8 +48,8 @@ def write_csv(data: Any, swept: Sequence[str], path: Path | str) -> int:
 
 def rows_of(columns: Sequence[np.ndarray]) -> Iterator[tuple[float | int | str, ...]]:
     """The cells of each row, from as many at once as are held as Python's numbers."""
-    for begin in range(0, len(columns[0]), _ROWS_AT_ONCE):
-        block = slice(begin, begin + _ROWS_AT_ONCE)
+    for begin in range(0, len(columns[0]), ROWS_AT_ONCE):
+        block = slice(begin, begin + ROWS_AT_ONCE)
         yield from zip(*(_cells(numbers[block]) for numbers in columns), strict=True)
 
 
