@@ -14,8 +14,8 @@ import numpy as np
 from bench_cases import cases_of
 from harness import Harness, filled, harness_of, table
 from plain_casadi import PlainCasadi
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.folder import write_folder
+from symkin.codegen.text.c import Real
 
 EXACT = Real("double")
 POSES = 12

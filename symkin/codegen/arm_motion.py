@@ -17,10 +17,10 @@ from symkin.closed.evaluation import Evaluation, Motion
 from symkin.closed.screws import ArmScrews
 from symkin.closed.steps import Factor, Operand, Word
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import fill
-from symkin.codegen.gathered import gathered
-from symkin.codegen.turns import cosine_and_sine
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.gathered import gathered
+from symkin.codegen.text.templates import fill
+from symkin.codegen.text.turns import cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import multiply
 

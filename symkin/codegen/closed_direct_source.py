@@ -13,18 +13,18 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import fill
 from symkin.codegen.direct_answer import AnswerText
 from symkin.codegen.direct_formulas import DirectFormulas
 from symkin.codegen.direct_guess import GuessText
 from symkin.codegen.direct_line import LineText
 from symkin.codegen.direct_values import DirectValues
-from symkin.codegen.gathered import gathered
-from symkin.codegen.lifted import lifted
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.newton_kernel import rounded
-from symkin.codegen.turns import angle_of_direction, cosine_and_sine
+from symkin.codegen.text.angles import lifted
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.gathered import gathered
+from symkin.codegen.text.templates import fill
+from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
 

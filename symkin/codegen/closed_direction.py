@@ -14,8 +14,6 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import fill
 from symkin.codegen.circles import (
     AngleSum,
     Numbers,
@@ -34,6 +32,8 @@ from symkin.codegen.condition_bends import (
 from symkin.codegen.formula_guards import free_divisors
 from symkin.codegen.joint_map import Direction, JointMap, Part
 from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
 from symkin.text import c_comment

@@ -19,10 +19,10 @@ from symkin.closed.geometry import across
 from symkin.closed.plan import Plan
 from symkin.closed.steps import TOOL, Factor, Operand, Step, Word
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indented_by_braces, indexed
-from symkin.codegen.c_templates import fill
 from symkin.codegen.newton_source import NewtonCode
-from symkin.codegen.turns import angle_of_direction, rough_sine
+from symkin.codegen.text.c import Emitter, Real, indent, indented_by_braces, indexed
+from symkin.codegen.text.templates import fill
+from symkin.codegen.text.turns import angle_of_direction, rough_sine
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.text import c_comment

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from symkin.codegen.c_emitter import Emitter, indexed
 from symkin.codegen.closed_limb import LimbFormulas
 from symkin.codegen.direct_values import DirectValues
 from symkin.codegen.formula_guards import RESOLVED
-from symkin.codegen.gathered import gathered
-from symkin.codegen.lifted import Generators, lifted
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.pose_coordinates import off_motion, restricted
+from symkin.codegen.text.angles import Generators, lifted
+from symkin.codegen.text.c import Emitter, indexed
+from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 

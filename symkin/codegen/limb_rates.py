@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from symkin.codegen.c_emitter import Emitter, Real, indexed
-from symkin.codegen.c_templates import copy
 from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.pose_coordinates import COLUMNS
+from symkin.codegen.text.c import Emitter, Real, indexed
+from symkin.codegen.text.templates import copy
 from symkin.model.names import identifiers
 from symkin.numeric.system import System
 from symkin.text import c_comment

@@ -9,12 +9,12 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import fill
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.newton_kernel import Kernel, curvature, quaternion_place
 from symkin.codegen.newton_source import NewtonCode
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import fill
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 

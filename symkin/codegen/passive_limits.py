@@ -18,9 +18,9 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.closure.link_poses import reading_expressions
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.joint_ranges import range_of
+from symkin.codegen.text.c import Emitter, Real
 from symkin.model.joint import Coordinate
 from symkin.text import c_comment
 

@@ -10,8 +10,6 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import copy, fill
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.linear_solver import singular_condition
@@ -20,6 +18,8 @@ from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.pose_kernel import PoseKernel
 from symkin.codegen.pose_target import core_target
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import copy, fill
 from symkin.model.mechanism import Mechanism
 
 _FASTEST = 1e6

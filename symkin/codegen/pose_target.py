@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from symkin.codegen.c_emitter import Emitter, Real, indexed
 from symkin.codegen.pose_kernel import PoseKernel
+from symkin.codegen.text.c import Emitter, Real, indexed
 
 
 def core_target(made: PoseKernel, real: Real) -> list[str]:

@@ -18,8 +18,6 @@ from symkin.closed.screws import arm_screws
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.arm_speeds import arm_error, arm_speeds
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill, normalise_pose
 from symkin.codegen.closed_limits import limit_check
 from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
@@ -30,6 +28,15 @@ from symkin.codegen.linear_solver import is_unrolled
 from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
 from symkin.codegen.newton_source import NewtonCode, tolerance_of
 from symkin.codegen.options import Options
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import (
+    FARTHEST,
+    common_values,
+    copy,
+    farthest,
+    fill,
+    normalise_pose,
+)
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
