@@ -148,13 +148,12 @@ class ClosedDirectSource:
         guards = [guard.of(discriminants, reaches, divisors) for guard in self.found.guards]
         outputs = [discriminants, ca.vertcat(*unknowns), ca.vertcat(*guards)]
         outputs = gathered(outputs, [self.values.u, formulas.roots], self.values.turns)
-        function = ca.Function("formulas", [self.values.u, formulas.roots], outputs, {"cse": True})
         count = int(formulas.roots.shape[0])
-        emitter = Emitter(
-            function,
-            [indexed("w->u", self.values.count), [f"r{k + 1}" for k in range(count)]],
-            real,
-        )
+        inputs = [
+            (self.values.u, indexed("w->u", self.values.count)),
+            (formulas.roots, [f"r{k + 1}" for k in range(count)]),
+        ]
+        emitter = Emitter.of(real, inputs, *outputs)
         self.values.store_guards(emitter, 2, "guard", of_divisors=True)
         lines, zero, begun = emitter.lines, real.literal(0.0), len(emitter.lines)
         for k in range(count):

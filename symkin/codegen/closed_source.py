@@ -139,12 +139,13 @@ class ClosedCode:
 
     @cached_property
     def _emitter(self) -> Emitter:
-        symbols = [self._pose, self._signs, self._near]
-        function = ca.Function("f", symbols, [ca.densify(self._outputs)], {"cse": True})
         signs = [f"sign{i}" for i in range(len(self.plan.branches))]
-        return Emitter(
-            function, [indexed("x", 7), signs, indexed("near", 2 * len(signs))], self.real
-        )
+        inputs = [
+            (self._pose, indexed("x", 7)),
+            (self._signs, signs),
+            (self._near, indexed("near", 2 * len(signs))),
+        ]
+        return Emitter.of(self.real, inputs, self._outputs)
 
     # --- text -------------------------------------------------------------------------------------
 

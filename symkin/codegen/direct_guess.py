@@ -92,9 +92,9 @@ class GuessText:
     ) -> list[str]:
         real, name = self.values.real, self.values.made.name.upper()
         outputs = gathered(parts, [x, roots], [])
-        function = ca.Function("guess", [x, roots], outputs, {"cse": True})
         count = int(roots.shape[0])
-        emitter = Emitter(function, [indexed("x", 7), [f"r{k + 1}" for k in range(count)]], real)
+        inputs = [(x, indexed("x", 7)), (roots, [f"r{k + 1}" for k in range(count)])]
+        emitter = Emitter.of(real, inputs, *outputs)
         tests = []
         for k in range(count):
             text, limit = emitter.value(0, k), real.literal(rounded(limits[k]))

@@ -440,29 +440,24 @@ class ArmSource:
     def _emitter(self, expression: ca.SX, joints: str) -> Emitter:
         """Emitter of a dense function of the joints, whose C name is given."""
         arm = self.arm
-        function = ca.Function(
-            "f", [arm.joints, arm.geometry.symbols], [ca.densify(expression)], {"cse": True}
-        )
-        return Emitter(function, [indexed(joints, len(arm.actuated)), arm.geometry.names], arm.real)
+        inputs = [
+            (arm.joints, indexed(joints, len(arm.actuated))),
+            (arm.geometry.symbols, arm.geometry.names),
+        ]
+        return Emitter.of(arm.real, inputs, expression)
 
     @property
     def _forward(self) -> str:
         """NAME_forward: the tool's pose of joint values."""
         if self.motion is not None:
             return self.motion.text
-        emitter = self._emitter(self.arm.pose, "q")
-        stores = [f"x[{i}] = {emitter.value(0, i)};" for i in range(7)]
-        return fill("forward.c", self.values | {"forward": indent([*emitter.lines, *stores])})
+        lines = self._emitter(self.arm.pose, "q").stored(indexed("x", 7))
+        return fill("forward.c", self.values | {"forward": indent(lines)})
 
     @property
     def _jacobian_lines(self) -> list[str]:
         """Statements of the Jacobian, row by row."""
         if self.motion is not None:
             return self.motion.jacobian_lines
-        emitter, nq = self._emitter(self.arm.jacobian, "joints"), len(self.arm.actuated)
-        stores = [
-            f"jacobian[{nq * i + j}] = {emitter.value(0, 6 * j + i)};"
-            for i in range(6)
-            for j in range(nq)
-        ]
-        return [*emitter.lines, *stores]
+        emitter = self._emitter(ca.vec(self.arm.jacobian.T), "joints")
+        return emitter.stored(indexed("jacobian", 6 * len(self.arm.actuated)))

@@ -84,6 +84,26 @@ class Emitter(Printer):
         super().__init__(function, inputs, c_language(real, prefix))
         self.real = real
 
+    @classmethod
+    def of(
+        cls,
+        real: Real,
+        inputs: Sequence[tuple[ca.SX, Sequence[str]]],
+        *outputs: ca.SX,
+        prefix: str = "t",
+    ) -> Emitter:
+        """The emitter of expressions of symbols, beside which stand their texts in C."""
+        function = ca.Function(
+            "f", [symbols for symbols, _ in inputs], [ca.densify(e) for e in outputs], {"cse": True}
+        )
+        return cls(function, [texts for _, texts in inputs], real, prefix)
+
+    def stored(self, targets: Sequence[str], output: int = 0) -> list[str]:
+        """All statements up to the entries of an output, and those that set `targets` to these."""
+        texts = [self.value(output, k) for k in range(len(targets))]
+        stores = [f"{target} = {text};" for target, text in zip(targets, texts, strict=True)]
+        return [*self.lines, *stores]
+
     def comment(self, text: str) -> None:
         """Add a line of comment, whatever text it is; names of temporaries do not count it."""
         self.remark(f"/* {c_comment(text)} */")
