@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import casadi as ca
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import fill
 from symkin.codegen.joint_map import Direction, JointMap
 from symkin.codegen.linear_solver import singular_condition
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import fill
 from symkin.model.joint import Coordinate
 
 _BELONG = 1e-2
