@@ -13,15 +13,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from symkin.closure.angle_sums import AngleSum, turned
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.circles import (
-    AngleSum,
-    Numbers,
-    by_numbers,
-    number_counts,
-    numbers_of,
-    of_circle,
-)
 from symkin.codegen.condition_bends import (
     ConditionBend,
     condition_bend,
@@ -32,6 +25,13 @@ from symkin.codegen.condition_bends import (
 from symkin.codegen.formula_guards import free_divisors
 from symkin.codegen.joint_map import Direction, JointMap, Part
 from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.text.angles import (
+    Numbers,
+    by_numbers,
+    number_counts,
+    numbers_of,
+    of_circle,
+)
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
@@ -558,12 +558,9 @@ def _coupled(total: AngleSum, read: list[Numbers]) -> Numbers:
     factors = {place: -factor / own for place, factor in total.factors.items() if place != (0, 0)}
     shift = -total.offset / own
     value = sum((factor * read[k].value for (_, k), factor in factors.items()), shift)
-    cosine, sine = ca.cos(shift), ca.sin(shift)
+    circle = ca.cos(shift), ca.sin(shift)
     for (_, k), factor in factors.items():
-        c, s = read[k].cosine, read[k].sine
-        if c is None or s is None or factor != round(factor):
+        if read[k].cosine is None or factor != round(factor):
             return Numbers(value, ca.cos(value), ca.sin(value))
-        s = s if factor > 0 else -s
-        for _ in range(abs(round(factor))):
-            cosine, sine = cosine * c - sine * s, sine * c + cosine * s
-    return Numbers(value, cosine, sine)
+        circle = turned(circle, read[k].circle(), factor)
+    return Numbers(value, *circle)
