@@ -51,8 +51,8 @@ def given_of_machine(low: Lowered, given: Given) -> Given:
     """The same known values of the machine: joints as they are, a pose in its frame."""
     if _is_pose(low.written, given) and low.machine.motion != low.written.motion:
         pose = Pose(given.values[:3], given.values[3:])
-        there = given_from(low.machine, None, pose if low.turn is None else low.turn @ pose)
-        given = replace(there, echo=given.echo)
+        taken = pose if low.frames is None else low.frames.taken(pose)
+        given = replace(given_from(low.machine, None, taken), echo=given.echo)
         return told_by_name(low.machine, given) if low.machine.is_graph else given
     kind = plain_kind(low.machine, given.names) if given.kind == "given" else None
     if kind is None:

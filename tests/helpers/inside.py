@@ -134,7 +134,9 @@ NAMES = {
     "LARGEST_FILE": "symkin.formats.xml_text",
     "parse_xml": "symkin.formats.xml_text",
     "read_xml": "symkin.formats.xml_text",
+    "limbs_of": "symkin.machine.limbs",
     "lowered": "symkin.machine.lower",
+    "lowered_limbs": "symkin.machine.lower",
     # closure equations
     "edges_of": "symkin.closure.branches",
     "layout_of": "symkin.closure.branches",
