@@ -63,6 +63,7 @@ NAMES = {
     "keep": "symkin.numeric.cache_folder",
     "read_kept": "symkin.numeric.cache_folder",
     "diagonal_parts": "symkin.numeric.linear_algebra",
+    "extreme_singular_values": "symkin.numeric.linear_algebra",
     "conditions": "symkin.numeric.linear_algebra",
     "least_squares_steps": "symkin.numeric.linear_algebra",
     "null_space": "symkin.numeric.linear_algebra",
