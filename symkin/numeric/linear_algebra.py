@@ -27,19 +27,33 @@ def diagonal_parts(matrices: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     columns = matrices.shape[2]
     if columns < _LARGE:
         return []
-    label = np.arange(columns)
-    held = [np.flatnonzero(row) for row in (matrices != 0.0).any(axis=0)]
-    for places in held:
-        if places.size > 1 and (label[places] != label[places[0]]).any():
-            label[np.isin(label, label[places])] = label[places].min()
-    owner = np.array([label[places[0]] if places.size else -1 for places in held], dtype=int)
+    held, holds = np.nonzero((matrices != 0.0).any(axis=0))
+    label, changed = np.arange(columns), True
+    while changed:
+        # each row and its columns take the least label among them
+        least = np.full(matrices.shape[1], columns)
+        np.minimum.at(least, held, label[holds])
+        before = label.copy()
+        np.minimum.at(label, holds, least[held])
+        changed = bool((label != before).any())
+    owner = np.full(matrices.shape[1], -1)
+    owner[held] = label[holds]
     shapes: dict[tuple[int, int], list[tuple[np.ndarray, np.ndarray]]] = {}
-    for part in np.unique(label):
-        rows, own = np.flatnonzero(owner == part), np.flatnonzero(label == part)
+    parts = np.unique(label)
+    for rows, own in zip(_places(owner, parts), _places(label, parts), strict=True):
         shapes.setdefault((len(rows), len(own)), []).append((rows, own))
-    if len(shapes) == 1 and len(next(iter(shapes.values()))) == 1:
+    if len(parts) == 1:
         return []
-    return [tuple(map(np.array, zip(*parts, strict=True))) for parts in shapes.values()]  # type: ignore[misc]
+    return [
+        (np.array([rows for rows, _ in same]), np.array([own for _, own in same]))
+        for same in shapes.values()
+    ]
+
+
+def _places(labels: np.ndarray, parts: np.ndarray) -> list[np.ndarray]:
+    """The places of each of some labels, rising."""
+    order = np.argsort(labels, kind="stable")
+    return np.split(order, np.searchsorted(labels[order], parts))[1:]
 
 
 def part_by_part(
@@ -82,11 +96,11 @@ def singular_values(matrices: np.ndarray) -> np.ndarray:
 def conditions(jacobians: np.ndarray) -> np.ndarray:
     """Largest over smallest of the min(rows, columns) singular values of each matrix (n, rows,
     columns); infinite where the smallest vanishes (see `NO_MOTION`) or entries are not finite, 1
-    where there are no rows and no columns.
+    where there are no rows or no columns.
     """
     count, rows, columns = jacobians.shape
     if min(rows, columns) == 0:
-        return np.full(count, 1.0 if rows * columns == 0 else np.inf)
+        return np.ones(count)
     return condition_of(extreme_singular_values(jacobians))
 
 

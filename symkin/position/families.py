@@ -24,8 +24,8 @@ _MOST_UNKNOWNS = 4
 _LITERAL = (0.0, 0.5, 1.0, 2.0)
 """Sizes of constants that belong to the formulas and not to the geometry: an angle is halved."""
 
-_DIGITS = 14
-"""Digits to which numbers are told apart: sums that are one number differ by rounding."""
+_ROUNDING = 2.0**-50
+"""Of the size, or of the largest coordinate: difference of sums that are one number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,13 +49,13 @@ def members_of(groups: tuple[Problem, ...]) -> dict[Problem, Member]:
     families: dict[Hashable, list[Problem]] = {}
     for group, numbers in taken.items():
         families.setdefault(numbers.key, []).append(group)
-    found = {}
+    found: dict[Problem, Member] = {}
     for members in families.values():
         if len(members) < _FEWEST:
             continue
-        units = np.exp2(np.floor(np.log2(taken[members[0]].values)))
+        units = np.exp2(np.floor(np.log2(np.abs(taken[members[0]].values))))
         family = _family(members[0], taken[members[0]], units)
-        found |= {group: Member(family, taken[group].values / units) for group in members}
+        found |= {group: Member(family, np.array(taken[group].values) / units) for group in members}
     return found
 
 
@@ -73,14 +73,18 @@ def _may_be_member(group: Problem) -> bool:
 
 @dataclass(eq=False)
 class _Numbers:
-    """The numbers of a group's rows, each once, and what is left of the rows without them."""
+    """The numbers of a group's rows, each once, and what is left of the rows without them (`key`);
+    numbers within `rounding` are one.
+    """
 
-    places: dict[float, tuple[int, float]] = field(default_factory=dict)
+    rounding: float
+    values: list[float] = field(default_factory=list)
     key: Hashable = ()
 
     @staticmethod
     def of(group: Problem) -> _Numbers:
-        found, left, slots = _Numbers(), list[Hashable](), dict[int, Hashable]()
+        size = max(group.system.farthest, group.system.characteristic_length)
+        found, left, slots = _Numbers(_ROUNDING * size), list[Hashable](), dict[int, Hashable]()
         for op, a, o, number in instructions(_function(group.system)):
             if op == ca.OP_CONST:
                 slots[o[0]] = found.signed_place(number)
@@ -95,15 +99,17 @@ class _Numbers:
         return found
 
     def signed_place(self, number: float) -> tuple[float, int]:
-        """Sign and place of a number; itself and -1 where it is no geometry."""
+        """Place of a number and its sign, beside that of the number that stands there; itself and
+        -1 where it is no geometry.
+        """
         if abs(number) in _LITERAL:
             return number, -1
-        size = float(f"{abs(number):.{_DIGITS}g}")
-        return np.sign(number), self.places.setdefault(size, (len(self.places), abs(number)))[0]
-
-    @property
-    def values(self) -> np.ndarray:
-        return np.array([number for _, number in self.places.values()])
+        for place, value in enumerate(self.values):
+            sign = float(np.sign(number * value))
+            if abs(sign * number - value) <= self.rounding:
+                return sign, place
+        self.values.append(number)
+        return 1.0, len(self.values) - 1
 
 
 def _function(system: System) -> ca.Function:
@@ -118,7 +124,7 @@ def _family(group: Problem, numbers: _Numbers, units: np.ndarray) -> Problem:
     """The problem of a group with its numbers, in their `units`, among the known values."""
     system, closure = group.system, group.closure
     symbols = ca.SX.sym("number", len(units))
-    values = (numbers.values / units).tolist()
+    values = (np.array(numbers.values) / units).tolist()
     more = tuple(
         Coordinate(f"number {k}", "turns", "geometry", (value,)) for k, value in enumerate(values)
     )
@@ -127,9 +133,7 @@ def _family(group: Problem, numbers: _Numbers, units: np.ndarray) -> Problem:
         sign, place = numbers.signed_place(number)
         return ca.SX(sign) if place < 0 else sign * units[place] * symbols[place]
 
-    whole = rebuilt(
-        _function(system), [system.unknown, system.known], lifted, lambda value: value
-    )
+    whole = rebuilt(_function(system), [system.unknown, system.known], lifted, lambda value: value)
     count = int(system.rows.shape[0])
     known = (*group.known_coordinates, *more)
     rows, errors = whole[:count], whole[count:]
@@ -148,9 +152,7 @@ def _family(group: Problem, numbers: _Numbers, units: np.ndarray) -> Problem:
             row_numbers=(),
             error_sources=(),
         ),
-        system=replace(
-            system, known=ca.vertcat(system.known, symbols), rows=rows, errors=errors
-        ),
+        system=replace(system, known=ca.vertcat(system.known, symbols), rows=rows, errors=errors),
         known_coordinates=known,
         row_places=None,
     )
