@@ -62,6 +62,8 @@ NAMES = {
     "folder_fault": "symkin.numeric.cache_folder",
     "keep": "symkin.numeric.cache_folder",
     "read_kept": "symkin.numeric.cache_folder",
+    "diagonal_parts": "symkin.numeric.linear_algebra",
+    "extreme_singular_values": "symkin.numeric.linear_algebra",
     "conditions": "symkin.numeric.linear_algebra",
     "least_squares_steps": "symkin.numeric.linear_algebra",
     "null_space": "symkin.numeric.linear_algebra",
@@ -292,8 +294,8 @@ NAMES = {
     # all modes
     "independent_parts": "symkin.assembly.by_groups",
     "modes_by_groups": "symkin.assembly.by_groups",
-    "group_paths": "symkin.assembly.group_roots",
-    "group_solver": "symkin.assembly.group_roots",
+    "group_paths": "symkin.assembly.group_solvers",
+    "group_solver": "symkin.assembly.group_solvers",
     "shipped_systems": "symkin.assembly.shipped_starts",
     "_labels": "symkin.assembly.mode_groups",
     "COMPLETENESS": "symkin.assembly.mode_table",
@@ -540,8 +542,10 @@ NAMES = {
 
 MODULES = {
     "by_groups": "symkin.assembly.by_groups",
+    "closed_roots": "symkin.assembly.closed_roots",
     "continuation": "symkin.assembly.continuation",
-    "group_roots": "symkin.assembly.group_roots",
+    "group_solvers": "symkin.assembly.group_solvers",
+    "tree": "symkin.assembly.tree",
     "modes_module": "symkin.assembly.modes",
     "fit_problem": "symkin.calibration.estimate.problem",
     "assessment": "symkin.calibration.judge.assessment",

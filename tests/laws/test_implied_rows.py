@@ -234,7 +234,7 @@ def test_a_certified_mode_is_so_of_all_rows_of_its_block():
 
 def test_more_combinations_than_are_listed_are_refused(monkeypatch):
     """The parts' solutions are multiplied only as far as shows that they are too many."""
-    for module in (inside.group_roots, inside.by_groups):
+    for module in (inside.tree, inside.by_groups):
         monkeypatch.setattr(module, "MOST_MODES", 10)
     with pytest.raises(symkin.SymkinError, match="10 modes that are listed"):
         symkin.modes(graph_twin(tricept(False)))
