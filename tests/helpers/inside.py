@@ -110,7 +110,7 @@ NAMES = {
     "DIGITS": "symkin.formats.closing",
     "RANK_SHARE": "symkin.formats.closing",
     "closed_neighbours": "symkin.formats.closing",
-    "constraint_rows": "symkin.formats.closing",
+    "constraint_rows": "symkin.formats.closure_rows",
     "generic_rank": "symkin.formats.closing",
     "nearest_closed": "symkin.formats.closing",
     "rank_at": "symkin.formats.closing",
