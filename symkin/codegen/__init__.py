@@ -13,8 +13,8 @@ cosine and sine, `joint_map_vectors`, `joint_map_readme`).
 Newton's method: `newton_kernel` states what an iteration computes, `newton_source` writes it,
 `linear_solver` its LU or QR.
 
-Text: `text/graph` makes nodes of a CasADi function, `text/printer` prints them by a language's table
-of operations: `text/c` (which has the type of numbers and the emitter of statements),
+Text: `text/graph` makes nodes of a CasADi function, `text/printer` prints them by a language's
+table of operations: `text/c` (which has the type of numbers and the emitter of statements),
 `text/languages` and `text/javascript`; `text/latex` writes a closure's equations, `text/jacobians`
 Jacobians in each format. Expressions are made shorter by `text/gathered` (Horner),
 `text/simplification` (for readers) and `text/angles` (cosines and sines in place of angles).

@@ -201,7 +201,9 @@ def _elsewhere(
     rows = [[_near(mechanism, c, names[c.name], rng) for c in known] for _ in range(places)]
     columns = {c.name: [row[k] for row in rows] for k, c in enumerate(known)}
     given: dict[str, Any] = {"joints": rows} if problem.kind == "direct" else {"given": columns}
-    found: Any = modes(mechanism, **given, **({"starts": starts // places} if starts else {}))
+    if starts:
+        given["starts"] = starts // places
+    found: Any = modes(mechanism, **given)
     return list(found)
 
 
