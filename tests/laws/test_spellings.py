@@ -133,3 +133,13 @@ def test_a_pose_off_the_plane_has_no_modes() -> None:
     assert symkin.modes(machine, pose=near)
     near[2] += 5.0
     assert not symkin.modes(machine, pose=near)
+
+
+@pytest.mark.parametrize("spelling", ["DH", "limbs, turned", "limbs, 1e+06", "graph"])
+def test_the_pose_of_an_arm_is_certified(tmp_path, spelling) -> None:
+    """As a solution of its closure, whether the pose is an unknown or follows from the links."""
+    machine = MACHINES["UR arm"]()
+    [arm] = named(list(spellings(machine, tmp_path)), [spelling])
+    found = arm.modes(machine, inverse=False)
+    assert (len(found), found.completeness, found[0].certified) == (1, "proved", True)
+    assert found[0].radius < 1e-9 * arm.mechanism.characteristic_length
