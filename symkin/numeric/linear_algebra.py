@@ -164,26 +164,29 @@ def _least_squares_steps(jacobians: np.ndarray, values: np.ndarray, cut_below: f
 
 
 def _regular_steps(jacobians: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Steps by elimination, or by QR where rows are more than columns, and where these are as good
-    as any.
+    """Steps by elimination, or by QR where rows are more than columns or fewer, and where these are
+    as good as any.
     """
     count, rows, columns = jacobians.shape
-    none = np.zeros((count, columns)), np.zeros(count, dtype=bool)
-    if rows < columns:
-        return none
-    right = values[:, :, None]
+    right, basis = values[:, :, None], None
     if rows > columns:
         q, jacobians = np.linalg.qr(jacobians)
         right = q.transpose(0, 2, 1) @ right
+    elif rows < columns:
+        # the shortest step is one of the rows' span
+        basis, triangle = np.linalg.qr(jacobians.transpose(0, 2, 1))
+        jacobians = triangle.transpose(0, 2, 1)
     try:
         inverses = np.linalg.inv(jacobians)
     except np.linalg.LinAlgError:
-        return none
+        return np.zeros((count, columns)), np.zeros(count, dtype=bool)
     # |J| |J^-1| in the Frobenius norm is at least the condition, at most `columns` times it
     size = np.einsum("nij,nij->n", jacobians, jacobians) * np.einsum(
         "nij,nij->n", inverses, inverses
     )
-    return -(inverses @ right)[:, :, 0], size < WELL_CONDITIONED**2
+    steps = -(inverses @ right)
+    steps = steps if basis is None else basis @ steps
+    return steps[:, :, 0], size < WELL_CONDITIONED**2
 
 
 def null_space(matrix: np.ndarray, tolerance: float, *, relative: bool = False) -> np.ndarray:

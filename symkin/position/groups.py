@@ -24,6 +24,7 @@ import numpy as np
 from symkin.closure.closure import Closure, random_values
 from symkin.computed_once import lru_cache
 from symkin.elimination.implied_rows import PointRow, implied_rows
+from symkin.elimination.product_rows import ProductRow
 from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import diagonal_parts, singular_values
 from symkin.numeric.rank import Rank
@@ -98,7 +99,7 @@ def _decomposed(problem: Problem) -> tuple[Problem, ...]:
     return tuple(found)
 
 
-def _implied_rows(group: Problem) -> list[PointRow]:
+def _implied_rows(group: Problem) -> list[PointRow | ProductRow]:
     """What each branch of a group says without the joints that no other branch holds, of one
     floating body at most, which is unknown.
     """
@@ -123,7 +124,7 @@ def _implied_rows(group: Problem) -> list[PointRow]:
     return found
 
 
-def _with_implied(problem: Problem, implied: Sequence[PointRow]) -> Problem:
+def _with_implied(problem: Problem, implied: Sequence[PointRow | ProductRow]) -> Problem:
     """The same problem with implied rows behind its own."""
     size, system = problem.closure.characteristic_length, problem.system
     more = [row.row / (2 * size) if row.is_sphere else row.row for row in implied]

@@ -172,6 +172,7 @@ NAMES = {
     "problem_of": "symkin.position.given_by_name",
     "problem_of_names": "symkin.position.given_by_name",
     "is_linear": "symkin.position.groups",
+    "ProductRow": "symkin.elimination.product_rows",
     "implied_parts": "symkin.position.groups",
     "structure_groups": "symkin.position.groups",
     "reciprocal_system": "symkin.position.limb_screws",
