@@ -7,12 +7,11 @@ poses (the shipped delta: positions) read with noise; right data sets and wrong 
 `--off` and `--noise` are shares of the size (angles: radians). Of right sets it counts those that
 end well, those that are believable, and those whose held-out readings (a fifth) agree, whitened by
 noise and covariance (p > 0.001); what is off by more than a correction of the file's machine is
-believable with `--any-machine` alone. With `--covariance` one machine is read anew in each set, and what
-the geometry fitted says of the readings is compared with readings without errors, along the
+believable with `--any-machine` alone. With `--covariance` one machine is read anew in each set, and
+what the geometry fitted says of the readings is compared with readings without errors, along the
 directions that the readings tell, over the standard deviation that is stated there: the ratio of
-variances is 1. With `--wrong` the sets are spoilt, a fault each in
-turn: two columns exchanged, a joint's sign reversed, three times the noise, one outlier kept; none
-may be believable.
+variances is 1. With `--wrong` the sets are spoilt, a fault each in turn: two columns exchanged, a
+joint's sign reversed, three times the noise, one outlier kept; none may be believable.
 """
 
 from __future__ import annotations
