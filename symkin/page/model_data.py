@@ -200,8 +200,10 @@ def _elsewhere(
     mechanism, rng = problem.mechanism, np.random.default_rng(5)
     rows = [[_near(mechanism, c, names[c.name], rng) for c in known] for _ in range(places)]
     columns = {c.name: [row[k] for row in rows] for k, c in enumerate(known)}
-    given: dict[str, Any] = {"joints": rows} if problem.kind == "direct" else {"given": columns}
-    found: Any = modes(mechanism, **given, **({"starts": starts // places} if starts else {}))
+    options: dict[str, Any] = {"joints": rows} if problem.kind == "direct" else {"given": columns}
+    if starts:
+        options["starts"] = starts // places
+    found: Any = modes(mechanism, **options)
     return list(found)
 
 
