@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 
 from bench_cases import cases_of
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.folder import write_folder
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.options import Options
 from symkin.codegen.program import Program, build_program
+from symkin.codegen.text.c import Real
 from symkin.formats.load import load
 
 MAIN = """

@@ -14,8 +14,6 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import fill
 from symkin.codegen.circles import (
     AngleSum,
     Numbers,
@@ -34,6 +32,8 @@ from symkin.codegen.condition_bends import (
 from symkin.codegen.formula_guards import free_divisors
 from symkin.codegen.joint_map import Direction, JointMap, Part
 from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
 from symkin.text import c_comment
@@ -436,19 +436,14 @@ class ClosedDirection:
         conditions = snapped_expression(
             ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions)), symbols
         )
-        function = ca.Function(
-            "f", symbols, [ca.densify(conditions), ca.densify(self._outputs)], {"cse": True}
-        )
         roots = [f"r{k + 1}" for k in range(int(self.roots.shape[0]))]
-        emitter = Emitter(
-            function,
-            [
-                indexed("k", int(self.known.shape[0])),
-                indexed("sign", int(self.signs.shape[0])),
-                roots,
-            ],
-            self.real,
-        )
+        names = [
+            indexed("k", int(self.known.shape[0])),
+            indexed("sign", int(self.signs.shape[0])),
+            roots,
+        ]
+        inputs = list(zip(symbols, names, strict=True))
+        emitter = Emitter.of(self.real, inputs, conditions, self._outputs)
         number = 0
         for j, one in enumerate(self.conditions):
             text = emitter.value(0, j)
@@ -469,10 +464,10 @@ class ClosedDirection:
                 f"const {kind} r{number} = (d{number} > {least}) ? "
                 f"{self.real.call('sqrt')}(d{number}) : {literal(0.0)};"
             )
-        stores = [f"x[{i}] = {emitter.value(1, i)};" for i in range(int(self._outputs.shape[0]))]
-        if not self.conditions:
-            emitter.lines.append(f"d[0] = {literal(1.0)};")
-        return [*emitter.lines, *stores]
+        count = int(self._outputs.shape[0])
+        lines = emitter.stored(indexed("x", count), 1)
+        ones = [] if self.conditions else [f"d[0] = {literal(1.0)};"]
+        return [*lines[: len(lines) - count], *ones, *lines[len(lines) - count :]]
 
     @property
     def _told_lines(self) -> list[str]:
@@ -499,14 +494,14 @@ class ClosedDirection:
         expressions = [
             snapped_expression(ca.vertcat(ca.SX(0, 1), *part), inputs) for part in (told, divisors)
         ]
-        function = ca.Function("f", inputs, [ca.densify(e) for e in expressions], {"cse": True})
         literal, count = self.real.literal, len(told)
         names = [
             indexed("k", int(self.known.shape[0])),
             indexed("x", int(self.state.shape[0])),
             indexed("sign", count),
         ]
-        emitter = Emitter(function, [*names, [f"r{k + 1}" for k in range(count)]], self.real)
+        names.append([f"r{k + 1}" for k in range(count)])
+        emitter = Emitter.of(self.real, list(zip(inputs, names, strict=True)), *expressions)
         place = 0
         for k in range(count):
             text = emitter.value(0, k)

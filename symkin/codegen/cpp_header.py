@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from symkin.codegen.c_templates import fill
 from symkin.codegen.program import Program
+from symkin.codegen.text.templates import fill
 
 _KEYWORDS = frozenset(
     [

@@ -14,12 +14,9 @@ import casadi as ca
 import numpy as np
 
 from symkin._version import __version__
-from symkin.codegen.c_emitter import Real, indent
-from symkin.codegen.c_templates import fill
 from symkin.codegen.cpp_header import cpp_text
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_vectors import MapVectors
-from symkin.codegen.line_width import narrowed
 from symkin.codegen.linuxcnc import linuxcnc_text
 from symkin.codegen.options import Options
 from symkin.codegen.own_test import run_own_test
@@ -28,6 +25,9 @@ from symkin.codegen.program import Program, build_program, is_closed
 from symkin.codegen.readme import readme
 from symkin.codegen.ros2 import ros2_files
 from symkin.codegen.serial_arm import SerialArm
+from symkin.codegen.text.c import Real, indent
+from symkin.codegen.text.templates import fill
+from symkin.codegen.text.width import narrowed
 from symkin.codegen.vectors import Vectors, build_vectors
 from symkin.errors import InputError
 from symkin.files.outputs import write_output

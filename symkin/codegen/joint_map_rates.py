@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import fill, substitute
 from symkin.codegen.joint_map import Direction, JointMap
 from symkin.codegen.joint_map_derivatives import row_bends, row_derivatives, step_columns
 from symkin.codegen.joint_map_values import MapValues
 from symkin.codegen.linear_solver import singular_condition
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import fill, substitute
 
 _BELONG = 1e-2
 """Residual, in sizes, up to which joints and found values belong together."""

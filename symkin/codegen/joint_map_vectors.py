@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.joint_map import JointMap, map_configurations
 from symkin.codegen.joint_map_derivatives import second_derivatives
 from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.refused_vectors import infeasible_values, joints_past
 from symkin.codegen.samples import Configuration
+from symkin.codegen.text.c import Real
 from symkin.codegen.vectors import COUNT, JACOBIANS, rounded_to
 from symkin.computed_once import cached_property
 from symkin.errors import InputError

@@ -8,8 +8,8 @@ import json
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from symkin.codegen.c_templates import fill
 from symkin.codegen.joint_map import JointMap
+from symkin.codegen.text.templates import fill
 from symkin.model.joint import Coordinate
 
 _METRES = {"m": 1.0, "mm": 1e-3}

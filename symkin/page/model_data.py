@@ -15,7 +15,7 @@ from symkin.assembly.modes import modes
 from symkin.assembly.modes_result import Modes
 from symkin.closure.closure import Closure, random_values
 from symkin.closure.link_frames import LinkFrames, link_frames
-from symkin.codegen.js_text import javascript
+from symkin.codegen.text.javascript import javascript
 from symkin.errors import NoConfigurationError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from symkin.codegen.c_emitter import Real
-from symkin.codegen.c_templates import fill
+from symkin.codegen.text.c import Real
+from symkin.codegen.text.templates import fill
 
 _SINE = (-0.16666650571233543, 0.008331973139100734, -0.00019494934002867504)
 """(sin(x) / x - 1) / x^2 in x^2 up to an eighth of a turn, error of the sine 2e-9: least squares

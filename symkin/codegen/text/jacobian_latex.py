@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from symkin.codegen.expression import write
-from symkin.codegen.jacobian_header import header
-from symkin.codegen.latex import (
-    Latex,
+from symkin.codegen.text.jacobian_header import header
+from symkin.codegen.text.languages import latex_language
+from symkin.codegen.text.latex import (
     coordinate_symbols,
     distinct,
     document,
@@ -17,6 +16,7 @@ from symkin.codegen.latex import (
     upright,
     variable_names,
 )
+from symkin.codegen.text.printer import Printer
 from symkin.text import code_point, latex_text, printable
 from symkin.velocity.jacobian import AnyJacobian
 from symkin.velocity.jacobian_names import components
@@ -31,19 +31,19 @@ def latex_source(jacobian: AnyJacobian) -> str:
     """A document that compiles on its own: numbered definitions in order, then the entries J_{ij}
     that are not zero.
     """
-    read = (*jacobian.inputs, *jacobian.parameters)
     symbols = symbols_read(jacobian)
-    definitions, entries = write(
-        jacobian.function, symbols, Latex(_LONGEST, exact=True, letter=letter_of_values(symbols))
+    printer = Printer(
+        jacobian.function,
+        [[symbol] for symbol in symbols],
+        latex_language(letter_of_values(symbols), _LONGEST, exact=True),
     )
-    rows, columns = jacobian.shape
-    lines = [rf"{name} &= {text} \\" for name, text in definitions]
-    filled = [(i, j) for i in range(rows) for j in range(columns) if entries[i + rows * j] != "0"]
-    lines += [rf"J_{{{i + 1},{j + 1}}} &= {entries[i + rows * j]} \\" for i, j in filled]
+    entries, (rows, columns) = printer.entries(), jacobian.shape
+    filled = [rf"J_{{{i + 1},{j + 1}}} &= {text} \\" for (i, j), text in entries.items()]
+    lines = [*printer.lines, *filled]
     blocks = []
     for begin in range(0, len(lines), _LINES):
         blocks += [r"\begin{align*}", *lines[begin : begin + _LINES], r"\end{align*}"]
-    head = header(jacobian, {v.name: v.source for v in read})
+    head = header(jacobian, {v.name: v.source for v in (*jacobian.inputs, *jacobian.parameters)})
     legend = renamed(coordinate_symbols(jacobian.closure), variable_names(jacobian.closure))
     head += [f"{symbol} is {printable(name)}" for symbol, name in legend]
     remark = (

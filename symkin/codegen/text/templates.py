@@ -8,7 +8,7 @@ from string import Template
 
 import numpy as np
 
-from symkin.codegen.c_emitter import Real
+from symkin.codegen.text.c import Real
 
 FARTHEST = 1e3
 """Positions and joint values beyond this many times the size are refused: their squares stay far

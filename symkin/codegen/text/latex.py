@@ -2,31 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 
 from symkin.closure.closure import Closure, build_closure, numbered_rows
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.expression import ATOM, POWER, PRODUCT, SUM, Text, bracketed
-from symkin.codegen.expression import write as write_in
-from symkin.codegen.simplification import tidied
+from symkin.codegen.text.languages import latex_language
+from symkin.codegen.text.printer import Printer
+from symkin.codegen.text.simplification import tidied
 from symkin.model.mechanism import Mechanism
 from symkin.text import ascii_letters, latex_text, printable
 
-_FUNCTIONS = {
-    ca.OP_SIN: r"\sin",
-    ca.OP_COS: r"\cos",
-    ca.OP_TAN: r"\tan",
-    ca.OP_ASIN: r"\arcsin",
-    ca.OP_ACOS: r"\arccos",
-    ca.OP_ATAN: r"\arctan",
-    ca.OP_EXP: r"\exp",
-    ca.OP_LOG: r"\ln",
-}
 _GREEK = ("alpha", "beta", "gamma", "delta", "theta", "phi", "psi", "rho", "omega")
 
 
@@ -49,11 +37,7 @@ def equations(mechanism: Mechanism) -> str:
         for symbol, name in renamed(names, variable_names(closure))
     ]
     if definitions:
-        lines += [
-            r"\begin{align*}",
-            *(rf"{name} &= {text} \\" for name, text in definitions),
-            r"\end{align*}",
-        ]
+        lines += [r"\begin{align*}", *definitions, r"\end{align*}"]
     lines.append(r"\begin{align*}")
     for row, text in zip(closure.row_sources, results, strict=True):
         lines.append(rf"0 &= {text} && \text{{{latex_text(row.limb)}: {row.relation}}} \\")
@@ -162,14 +146,14 @@ def letter_of_values(symbols: Sequence[str]) -> str:
     return r"\nu" if any(symbol.startswith("v_") for symbol in symbols) else "v"
 
 
-def write(
-    expression: ca.SX, variables: ca.SX, names: Sequence[str]
-) -> tuple[list[tuple[str, str]], list[str]]:
-    """Named intermediate values, in order, and the text of each entry of a dense column of
+def write(expression: ca.SX, variables: ca.SX, names: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Lines that name intermediate values, in order, and the text of each entry of a column of
     `variables`.
     """
     function = ca.Function("f", [variables], [ca.densify(expression)], {"cse": True})
-    return write_in(function, names, Latex(letter=letter_of_values(names)))
+    printer = Printer(function, [names], latex_language(letter_of_values(names)))
+    printer.entries()
+    return printer.lines, [printer.value(0, k) for k in range(int(expression.shape[0]))]
 
 
 def _in_user_scale(closure: Closure) -> ca.SX:
@@ -191,95 +175,3 @@ def _is_position_row(closure: Closure, k: int) -> bool:
     """The first three of a limb's six frame rows."""
     first = next(i for i, row in enumerate(closure.row_sources) if row == closure.row_sources[k])
     return k - first < 3
-
-
-@dataclass(frozen=True)
-class Latex:
-    """LaTeX as a language of expressions; numbers to 12 decimals for reading, or with every digit
-    where they are `exact`.
-    """
-
-    longest: int | None = None
-    exact: bool = False
-    letter: str = "v"
-
-    def width(self, text: str) -> int:
-        """About the number of characters that are printed."""
-        return len(re.sub(r"\\[A-Za-z]+|\\,|[{}_^]", "", text))
-
-    def operation(self, op: int, values: Sequence[Text]) -> Text:
-        return _operation(op, values)
-
-    def constant(self, value: float) -> Text:
-        return _constant(value, exact=self.exact)
-
-    def temporary(self, number: int) -> str:
-        return f"{self.letter}_{{{number}}}"
-
-
-def _at(value: Text, level: int) -> str:
-    return bracketed(value, level, r"\left(", r"\right)")
-
-
-def _operation(op: int, a: Sequence[Text]) -> Text:
-    if op in _FUNCTIONS:
-        return Text(rf"{_FUNCTIONS[op]}\left({a[0].text}\right)", POWER)
-    if op in (ca.OP_ADD, ca.OP_SUB):
-        return _sum(a[0], a[1], minus=op == ca.OP_SUB)
-    if op == ca.OP_MUL:
-        negative = _is_negative_number(a[0])
-        left, right = a[0].text if negative else _at(a[0], PRODUCT), _at(a[1], PRODUCT)
-        joint = r" \cdot " if re.match(r"[\d.]", right) else r" \, "
-        return Text(f"{left}{joint}{right}", SUM if negative else PRODUCT)
-    if op == ca.OP_DIV:
-        return Text(rf"\frac{{{a[0].text}}}{{{a[1].text}}}", POWER)
-    if op == ca.OP_SQ:
-        return Text(f"{_at(a[0], ATOM)}^2", POWER)
-    if op == ca.OP_NEG:
-        return Text(f"-{_at(a[0], PRODUCT)}", SUM)
-    if op == ca.OP_TWICE:
-        return Text(rf"2 \, {_at(a[0], PRODUCT)}", PRODUCT)
-    if op == ca.OP_SQRT:
-        return Text(rf"\sqrt{{{a[0].text}}}", ATOM)
-    if op == ca.OP_INV:
-        return Text(rf"\frac{{1}}{{{a[0].text}}}", POWER)
-    if op in (ca.OP_POW, ca.OP_CONSTPOW):
-        return Text(rf"{_at(a[0], ATOM)}^{{{a[1].text}}}", POWER)
-    if op == ca.OP_FABS:
-        return Text(rf"\left|{a[0].text}\right|", ATOM)
-    if op == ca.OP_ATAN2:
-        return Text(rf"\operatorname{{atan2}}\left({a[0].text}, {a[1].text}\right)", ATOM)
-    if op == ca.OP_ASSIGN:
-        return a[0]
-    raise NotImplementedError(f"CasADi operation {op} has no LaTeX form")
-
-
-def _sum(left: Text, right: Text, *, minus: bool) -> Text:
-    """left + right or left - right, with the sign of a leading negative term folded into the
-    operator.
-    """
-    text, flips = right.text, right.text.startswith("-")
-    if flips and (_is_negative_number(right) or not re.search(r" [+-] ", right.text)):
-        text, minus = text[1:], not minus
-    elif flips or (minus and right.level < PRODUCT):
-        text = rf"\left({text}\right)"
-    return Text(f"{_at(left, SUM)} {'-' if minus else '+'} {text}", SUM)
-
-
-def _is_negative_number(value: Text) -> bool:
-    return re.fullmatch(r"-[\d.]+( \\cdot 10\^\{-?\d+\})?", value.text) is not None
-
-
-def _constant(value: float, *, exact: bool) -> Text:
-    """A number with every digit, or without trailing digits of rounding; negative ones bind like a
-    sum.
-    """
-    if exact:
-        text = f"{value:.17g}" if float(f"{value:.15g}") != value else f"{value:.15g}"
-    else:
-        text = f"{round(value, 12):.12g}" if abs(value) >= 1e-6 or value == 0 else f"{value:.6g}"
-    if "e" in text:
-        mantissa, exponent = text.split("e")
-        text = rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
-    level = SUM if value < 0 else PRODUCT if "cdot" in text else ATOM
-    return Text(text if math.isfinite(value) else r"\infty", level)
