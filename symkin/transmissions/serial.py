@@ -33,8 +33,9 @@ def write_serial(
     The joints' ranges are where each of them ends; `effort` and `velocity` are half the sides of
     the largest box (by volume) that lies within the polytopes of all sampled configurations, so
     that all joints may have theirs at once; the armature is the reflected inertia at the reference.
-    What is not told of the motors is left out. Raises InputError for another suffix and for limits
-    without 0 within, MechanismError for a robot whose other parts hang on what is left out.
+    What is not told of the motors is left out. Raises InputError for another suffix, for limits
+    without 0 within and for joints that cannot move, MechanismError for a robot whose other parts
+    hang on what is left out.
     """
     output = Path(path)
     check_output(output, tuple(_WRITERS), "serial", "")
@@ -69,6 +70,12 @@ def drives_of(transmission: Transmission) -> tuple[dict[str, Drive], list[str]]:
     for i, name in enumerate(linkage.joints):
         low, high = (float(end.value) * joints[i] for end in survey.ends[i])
         own = inertia[:, i, i]
+        if not low < high:
+            raise InputError(
+                f"{name}: within the limits of its linkage it has one value alone, {low:.6g}, so "
+                f"that nothing drives it; give other ranges or another start"
+            )
+        notes.append(f"range of {name}: from {survey.ends[i][0].by} to {survey.ends[i][1].by}")
         drives[name] = Drive(
             (low, high),
             None if "torque_limits" in data.untold else float(efforts[i]),

@@ -111,6 +111,7 @@ def test_files_hold_ranges_efforts_speeds_and_inertias(ankle, files):
         assert shares.max() == pytest.approx(1.0, abs=1e-9)
     text = (files / "ankle.urdf").read_text()
     assert "armature of pitch_joint" in text
+    assert "the limit of roll_joint" in text
     assert "at the reference" in text
 
 
@@ -177,6 +178,9 @@ def test_what_hangs_on_a_left_out_link_is_named(tmp_path):
         write_serial(robot, [transmission], tmp_path / "robot.urdf")
     with pytest.raises(InputError, match=r"another suffix than \.urdf, \.xml"):
         write_serial(robot, [transmission], tmp_path / "robot.stl")
+    held = symkin.transmission(robot, ["crank"], ["follower"], ranges={"follower": [170, 175]})
+    with pytest.raises(InputError, match="follower: within the limits of its linkage"):
+        write_serial(four_bar, [held], tmp_path / "robot.urdf")
     assert list(tmp_path.iterdir()) == []
     arm = symkin.LinkJoint(
         symkin.Joint("tool", "R", [110, 90, 0], [0, 0, 1], actuated=True), ["rocker", "palm"]
