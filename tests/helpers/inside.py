@@ -349,6 +349,9 @@ NAMES = {
     "make_space_by_name": "symkin.sweeps.space",
     "Store": "symkin.sweeps.store",
     "open_store": "symkin.sweeps.store",
+    # transmissions
+    "largest_box": "symkin.transmissions.serial",
+    "write_serial": "symkin.transmissions.serial",
     # calibration
     "METHODS": "symkin.calibration.options",
     "measurements_text": "symkin.calibration.data.files",
