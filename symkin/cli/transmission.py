@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -106,7 +106,6 @@ def transmission(
     torques, ratios; at a configuration Jacobians, second derivatives, inertia, polytopes.
     """
     from symkin.transmissions.transmission import transmission as find
-    from symkin.transmissions.transmission_result import Transmission
 
     mechanism = loaded(mech, read)
     picture_options(plot, mechanism)
@@ -116,7 +115,7 @@ def transmission(
     names = (names_from(motors), names_from(joints) or None) if motors is not None else ()
     found = find(
         mechanism,
-        *names,  # type: ignore[arg-type]
+        *names,
         inertia=numbers_from(inertia, "inertia", unit),
         torque_limits=_limits(torque_limits, "torque-limits", unit),
         speed_limits=_limits(speed_limits, "speed-limits", unit),
@@ -124,37 +123,44 @@ def transmission(
         ranges=_ranges(ranges, unit),
         start=named_from(start, "start", unit),
     )
-    several = [found] if isinstance(found, Transmission) else list(found.values())
+    several: list[Transmission] = list(found.values() if isinstance(found, Mapping) else [found])
+    to_dict: Callable[[], dict[str, Any]] = found.to_dict
+    text = found.__str__
     if at is not None or at_joints is not None:
         if len(several) > 1:
             raise InputError(
                 f"--at: {len(several)} transmissions are found; name one by --motors and --joints"
             )
-        values = numbers_from(at, "at", unit), numbers_from(at_joints, "at-joints", unit)
-        found = several[0]
-        to_dict, to_text = _at(found, *values)
-    else:
-        to_dict, to_text = found.to_dict, lambda: str(found)
+        told = several[0].to_dict(
+            numbers_from(at, "at", unit), numbers_from(at_joints, "at-joints", unit)
+        )
+        to_dict, text = lambda: told, lambda: _text_at(told)
     files = [] if output is None else _written(several, output, language)
     if plot is not None:
         found.plot(plot)
         files.append(plot)
     lines = "".join(f"\n{file}" for file in files)
-    print_result(as_json, to_dict, lambda: to_text() + lines)
+    print_result(as_json, to_dict, lambda: text() + lines)
 
 
-def _at(
-    found: Transmission, motors: list[float] | None, joints: list[float] | None
-) -> tuple[Callable[[], dict[str, Any]], Callable[[], str]]:
-    """What is told of one configuration, as JSON and as text."""
-    told = found.to_dict(motors, joints)
+_TOLD = (
+    "motors",
+    "joints",
+    "jacobian",
+    "inverse_jacobian",
+    "second",
+    "reflected_inertia",
+    "bias",
+    "torque_polytope",
+    "speed_polytope",
+    "certified",
+    "within_limits",
+)
 
-    def text() -> str:
-        keys = ("motors", "joints", "jacobian", "inverse_jacobian", "second", "reflected_inertia")
-        keys += ("bias", "torque_polytope", "speed_polytope", "certified", "within_limits")
-        return "\n".join(f"{key}: {_short(told[key])}" for key in keys)
 
-    return lambda: told, text
+def _text_at(told: dict[str, Any]) -> str:
+    """What is told of one configuration."""
+    return "\n".join(f"{key}: {_short(told[key])}" for key in _TOLD)
 
 
 def _short(value: Any) -> str:

@@ -129,6 +129,9 @@ def _polytopes(one: Transmission, ax: Any, joints: np.ndarray) -> None:
         corners = survey.torques_at(row)
         name = ", ".join(f"{v:.2g}" for v in joints[row]) if row else "reference"
         ax.fill(*corners.T, facecolor="none", edgecolor=colour, linewidth=1.6, label=name)
+    reach = 1.6 * np.abs(survey.torques_at(0)).max(axis=0)
+    ax.set_xlim(-reach[0], reach[0])
+    ax.set_ylim(-reach[1], reach[1])
     ax.axhline(0.0, color=COLOURS["axis"], linewidth=0.6)
     ax.axvline(0.0, color=COLOURS["axis"], linewidth=0.6)
     ax.set_title("torques of both together", fontsize=9)

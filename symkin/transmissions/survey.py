@@ -263,15 +263,16 @@ class Survey:
 
 
 def survey(linkage: Linkage, data: Motors) -> Survey:
-    """Sample the range: the motors' where they all have limits, else the joints', else about the
+    """Sample the range: the joints' where they all have limits, else the motors', else about the
     reference; what is within all limits, regular, and reached from the reference by motors and by
     joints alike is kept.
     """
     names, goals = _goals(linkage)
     w, shares = _from_reference(linkage, names, goals)
     w = w[(shares >= 1.0) & (linkage.beyond_limits(w) <= 0.0).all(axis=1)]
-    if names == linkage.motors:
-        w = w[_is_led_back(linkage, w)]
+    others = linkage.joints if names == linkage.motors else linkage.motors
+    if len(linkage.motors) == linkage.mobility:
+        w = w[_is_led_back(linkage, w, others)]
     states = States(linkage, np.vstack([linkage.reference[None], w]))
     regular = np.isfinite(states.inverse_jacobian).all(axis=(1, 2))
     regular &= np.isfinite(states.jacobian).all(axis=(1, 2))
@@ -279,19 +280,20 @@ def survey(linkage: Linkage, data: Motors) -> Survey:
     return Survey(kept, data, _ends(linkage, kept))
 
 
-def _is_led_back(linkage: Linkage, w: np.ndarray) -> np.ndarray:
-    """Whether the joints of configurations lead to their motors (n,): beyond a dead centre of a
-    motor they are those of another one, and no map from joints reaches this.
+def _is_led_back(linkage: Linkage, w: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+    """Whether the values of these coordinates lead to the configurations as well (n,): beyond a
+    dead centre of a motor the joints are those of another one, and no map from joints reaches this.
     """
-    back, shares = _from_reference(linkage, linkage.joints, w[:, linkage.joint_places])
+    back, shares = _from_reference(linkage, names, w[:, linkage.places_of(names)])
     off = np.abs((back - w) / linkage.units).max(axis=1, initial=0.0)
     return np.asarray((shares >= 1.0) & (off < _SAME))
 
 
 def _goals(linkage: Linkage) -> tuple[tuple[str, ...], np.ndarray]:
     """Names and a grid of values (k, names) that are looked at."""
-    names = linkage.motors if len(linkage.motors) == linkage.mobility else linkage.joints
-    for chosen in (names, linkage.joints):
+    is_square = len(linkage.motors) == linkage.mobility
+    names = linkage.motors if is_square else linkage.joints
+    for chosen in (linkage.joints, names):
         coordinates = linkage.coordinates_of(chosen)
         spans = [_span(c) for c in coordinates]
         if None not in spans:
