@@ -28,6 +28,7 @@ from symkin.cli.singularities import singularities
 from symkin.cli.streams import prepare_streams, say, silence
 from symkin.cli.sweep import sweep
 from symkin.cli.track import track
+from symkin.cli.transmission import transmission
 from symkin.cli.view import view
 from symkin.errors import NoConfigurationError, SymkinError
 
@@ -196,6 +197,18 @@ add_command(
         "symkin jacobian ankle --of ankle.1 --by upper_motor,lower_motor --format c",
     ],
     group=_VELOCITIES,
+)
+add_command(
+    app,
+    transmission,
+    "Motors to joints: torques, ratios, range; array code.",
+    [
+        "symkin transmission g1_ankle.xml",
+        "symkin transmission ankle --motors upper_motor,lower_motor --torque-limits 90,90",
+        "symkin transmission g1_ankle.xml --at 0.2,-0.1 --json",
+        "symkin transmission g1_ankle.xml -o generated --plot ankle.png",
+    ],
+    group=_MACHINE,
 )
 add_command(
     app,
