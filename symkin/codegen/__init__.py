@@ -2,7 +2,8 @@
 LaTeX.
 
 A folder of C: `folder` writes the files, `options` says what can be chosen, `program` chooses the
-kind of the mechanism, `vectors` (on `samples`) and `readme` make its test and its README. The
+kind of the machine that a description means, `vectors` (on `samples`) and `readme` make its test
+and its README, `described` holds the vectors against the description. The
 kinds, whose geometry is numbers or a struct (`geometry`): `rod_platform`, `rod_platform_source`
 (six rods, with `rod_kernel`, `home_pose`); `limb_platform`, `limb_platform_source` (any limbs, with
 `limb_source`, `pose_coordinates`); `serial_arm`; `joint_map`, `joint_map_source` (maps between

@@ -7,7 +7,7 @@ group's formulas read the numbers of those before it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -224,20 +224,30 @@ class ClosedDirection:
         return ca.Function("f", [values], [self._put_in(expression, values)])
 
     def _put_in(self, expression: ca.SX, values: ca.SX) -> ca.SX:
-        roots = [c for c in self._solved[1] if c.root is not None]
-        for one in reversed(roots):
-            expression = ca.substitute(expression, one.root, ca.sqrt(ca.fmax(one.value, 0)))
-        signs = self._signs_known
-        expression = (
+        signs = self.reference_signs
+        expression = self.with_roots(expression, values, lambda d: ca.sqrt(ca.fmax(d, 0)))
+        return (
             ca.substitute(expression, self.signs, ca.SX(ca.DM(signs))) if len(signs) else expression
         )
+
+    def with_roots(
+        self, expression: ca.SX, values: ca.SX, root: Callable[[ca.SX], ca.SX] = ca.sqrt
+    ) -> ca.SX:
+        """An expression of the known numbers, signs and roots over the known `values` and signs."""
+        for one in reversed([c for c in self._solved[1] if c.root is not None]):
+            expression = ca.substitute(expression, one.root, root(one.value))
         numbers = []
         for k, c in enumerate(self.direction.known):
             numbers += [ca.cos(values[k]), ca.sin(values[k])] if c.kind == "angle" else [values[k]]
         return ca.substitute(expression, self.known, ca.vertcat(*numbers))
 
+    @property
+    def numbers(self) -> dict[str, list[Numbers]]:
+        """The numbers of every coordinate over the known numbers, signs and roots."""
+        return self._solved[0]
+
     @cached_property
-    def _signs_known(self) -> np.ndarray:
+    def reference_signs(self) -> np.ndarray:
         """The reference's sign of each choice."""
         found = []
         for part in self.direction.parts:
@@ -351,7 +361,8 @@ class ClosedDirection:
             "least_part": literal(1.0 / 1024.0),
             "sides": indent(self._begin_sides),
             "sides_of_end": indent([f"end[{j}] *= side{j};" for j in self.divisors], 2),
-            "home_signs": ", ".join(literal(float(s)) for s in self._signs_known) or literal(1.0),
+            "home_signs": ", ".join(literal(float(s)) for s in self.reference_signs)
+            or literal(1.0),
         }
 
     @property

@@ -62,6 +62,8 @@ NAMES = {
     "folder_fault": "symkin.numeric.cache_folder",
     "keep": "symkin.numeric.cache_folder",
     "read_kept": "symkin.numeric.cache_folder",
+    "diagonal_parts": "symkin.numeric.linear_algebra",
+    "extreme_singular_values": "symkin.numeric.linear_algebra",
     "conditions": "symkin.numeric.linear_algebra",
     "least_squares_steps": "symkin.numeric.linear_algebra",
     "null_space": "symkin.numeric.linear_algebra",
@@ -108,7 +110,7 @@ NAMES = {
     "DIGITS": "symkin.formats.closing",
     "RANK_SHARE": "symkin.formats.closing",
     "closed_neighbours": "symkin.formats.closing",
-    "constraint_rows": "symkin.formats.closing",
+    "constraint_rows": "symkin.formats.closure_rows",
     "generic_rank": "symkin.formats.closing",
     "nearest_closed": "symkin.formats.closing",
     "rank_at": "symkin.formats.closing",
@@ -134,7 +136,9 @@ NAMES = {
     "LARGEST_FILE": "symkin.formats.xml_text",
     "parse_xml": "symkin.formats.xml_text",
     "read_xml": "symkin.formats.xml_text",
+    "limbs_of": "symkin.machine.limbs",
     "lowered": "symkin.machine.lower",
+    "lowered_limbs": "symkin.machine.lower",
     # closure equations
     "edges_of": "symkin.closure.branches",
     "layout_of": "symkin.closure.branches",
@@ -168,6 +172,7 @@ NAMES = {
     "problem_of": "symkin.position.given_by_name",
     "problem_of_names": "symkin.position.given_by_name",
     "is_linear": "symkin.position.groups",
+    "ProductRow": "symkin.elimination.product_rows",
     "implied_parts": "symkin.position.groups",
     "structure_groups": "symkin.position.groups",
     "reciprocal_system": "symkin.position.limb_screws",
@@ -290,8 +295,8 @@ NAMES = {
     # all modes
     "independent_parts": "symkin.assembly.by_groups",
     "modes_by_groups": "symkin.assembly.by_groups",
-    "group_paths": "symkin.assembly.group_roots",
-    "group_solver": "symkin.assembly.group_roots",
+    "group_paths": "symkin.assembly.group_solvers",
+    "group_solver": "symkin.assembly.group_solvers",
     "shipped_systems": "symkin.assembly.shipped_starts",
     "_labels": "symkin.assembly.mode_groups",
     "COMPLETENESS": "symkin.assembly.mode_table",
@@ -344,6 +349,9 @@ NAMES = {
     "make_space_by_name": "symkin.sweeps.space",
     "Store": "symkin.sweeps.store",
     "open_store": "symkin.sweeps.store",
+    # transmissions
+    "largest_box": "symkin.transmissions.serial",
+    "write_serial": "symkin.transmissions.serial",
     # calibration
     "METHODS": "symkin.calibration.options",
     "measurements_text": "symkin.calibration.data.files",
@@ -542,8 +550,10 @@ NAMES = {
 
 MODULES = {
     "by_groups": "symkin.assembly.by_groups",
+    "closed_roots": "symkin.assembly.closed_roots",
     "continuation": "symkin.assembly.continuation",
-    "group_roots": "symkin.assembly.group_roots",
+    "group_solvers": "symkin.assembly.group_solvers",
+    "tree": "symkin.assembly.tree",
     "modes_module": "symkin.assembly.modes",
     "fit_problem": "symkin.calibration.estimate.problem",
     "assessment": "symkin.calibration.judge.assessment",
