@@ -10,10 +10,10 @@ import numpy as np
 from asked import STATUSES, Answers, Asked
 from continuation import Ends, Walker
 from goals import Reach, goals_about
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.options import Options
 from symkin.codegen.program import Kind
 from symkin.codegen.serial_arm import SerialArm
+from symkin.codegen.text.c import Real
 from symkin.model.mechanism import Mechanism
 from symkin.position.canonical import poses_of
 from symkin.position.problem import Problem, build_problem

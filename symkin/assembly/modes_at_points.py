@@ -16,11 +16,13 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.account import FEW
 from symkin.assembly.as_written import comes_first, given_of_machine, machine_of
 from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.by_groups import FEW, modes_by_groups
+from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.closed_roots import ClosedBlock
-from symkin.assembly.group_roots import STATEMENTS, most_roots, solvers_of
+from symkin.assembly.group_roots import STATEMENTS
+from symkin.assembly.group_solvers import most_roots, solvers_of
 from symkin.assembly.machine_finder import Finder, MachineFinder
 from symkin.assembly.mode_table import (
     COMPLETENESS,

@@ -12,7 +12,7 @@ from math import prod
 import numpy as np
 
 from symkin.assembly.continuation import by_continuation, lacks_starts
-from symkin.assembly.group_roots import parted_group
+from symkin.assembly.group_solvers import parted_group
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import ground_notes, theorem_notes
 from symkin.assembly.modes_by_name import modes_by_name

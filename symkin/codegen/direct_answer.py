@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Emitter, indent, indexed
 from symkin.codegen.closed_limb import BESIDE, READ_AGAIN, LimbFormulas, side_lines
 from symkin.codegen.direct_values import DirectValues
-from symkin.codegen.gathered import gathered
-from symkin.codegen.lifted import Generators, NotLiftedError, lifted
 from symkin.codegen.newton_source import tuning_of
+from symkin.codegen.text.angles import Generators, NotLiftedError, lifted
+from symkin.codegen.text.c import Emitter, indent, indexed
+from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
 
 _SMALL_SHARE = 1.0 / 64

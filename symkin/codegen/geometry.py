@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.codegen.c_emitter import Real
+from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.machine.motion import Frames

@@ -20,12 +20,12 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snap
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.direct_formulas import DirectFormulas
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.limbwise import Held
 from symkin.codegen.options import Options
 from symkin.codegen.pose_coordinates import COLUMNS
+from symkin.codegen.text.c import Real
 from symkin.machine.motion import Frames
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.linear_algebra import null_space

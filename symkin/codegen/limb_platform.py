@@ -18,7 +18,6 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.direct_formulas import DirectFormulas, direct_formulas
 from symkin.codegen.formula_guards import free_divisors, is_firm, keeps_digits
 from symkin.codegen.geometry import Geometry
@@ -31,6 +30,7 @@ from symkin.codegen.passive_reach import PassiveReach, passive_reaches
 from symkin.codegen.pose_coordinates import restricted
 from symkin.codegen.pose_core import PoseCore, pose_core
 from symkin.codegen.samples import Configuration, configurations
+from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
 from symkin.elimination.implied_rows import unit_of

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.codegen.closed_direct_source import ClosedDirectSource
 from symkin.codegen.closed_limb import BESIDE, branch_text, closed_limb_text
 from symkin.codegen.formula_guards import feasible_error
@@ -32,6 +30,8 @@ from symkin.codegen.platform_rates import (
 )
 from symkin.codegen.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
 from symkin.codegen.pose_target import core_target
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System

@@ -6,13 +6,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.codegen.c_emitter import indent
-from symkin.codegen.c_templates import fill
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.program import Program
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
+from symkin.codegen.text.c import indent
+from symkin.codegen.text.templates import fill
 from symkin.errors import InputError
 
 _LONGEST_PIN = 47

@@ -8,9 +8,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.geometry import Geometry
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.spatial.rotation import conjugate, multiply
 
 COLUMNS: dict[str, tuple[int, ...]] = {

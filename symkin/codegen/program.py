@@ -10,8 +10,6 @@ from textwrap import wrap
 from typing import Any
 
 from symkin.codegen.arm_speeds import arm_speeds_header
-from symkin.codegen.c_emitter import Real
-from symkin.codegen.c_templates import fill
 from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.geometry import finite_check
 from symkin.codegen.home_pose import home_pose
@@ -28,6 +26,8 @@ from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.rod_platform_source import RodSource
 from symkin.codegen.serial_arm import ArmSource, SerialArm
+from symkin.codegen.text.c import Real
+from symkin.codegen.text.templates import fill
 from symkin.codegen.worst_case import WorstCase
 from symkin.errors import InputError
 from symkin.machine.limbs import with_limbs
