@@ -55,6 +55,17 @@ def test_list_names_all(capsys: pytest.CaptureFixture[str]) -> None:
     assert [line.split()[0] for line in out.splitlines()] == symkin.shipped_names()
 
 
+@pytest.mark.parametrize("word", ["--help", "--version", "list"])
+def test_what_computes_nothing_starts_without_numbers(word: str) -> None:
+    """Neither NumPy nor CasADi is imported, which take longer than all else."""
+    code = (
+        f"import sys; from symkin.cli.app import _status; _status([{word!r}]); "
+        "sys.exit(len({'numpy', 'casadi'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
 @pytest.mark.parametrize(
     "name",
     in_gate(
