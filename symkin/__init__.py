@@ -6,10 +6,10 @@
     print(symkin.modes(platform, joints=[100.0, 120.0, 110.0]))
 
 Verbs: `load`, `shipped_names`, `close`, `convert`; `modes`, `solve`; `mobility`, `jacobian`,
-`singularity`, `singular_loci`; `track`, `mode_graph`, `sweep`; `calibrate`, `plan_measurements`;
-`write_firmware`; `view`. Each returns a result that prints its table, has a short repr, HTML for
-notebooks, `to_dict()` (the JSON of the command line) and `plot()`. docs/architecture.md says where
-what is done.
+`singularity`, `singular_loci`; `track`, `mode_graph`, `sweep`; `transmission`; `calibrate`,
+`plan_measurements`; `write_firmware`; `view`. Each returns a result that prints its table, has a
+short repr, HTML for notebooks, `to_dict()` (the JSON of the command line) and `plot()`.
+docs/architecture.md says where what is done.
 """
 
 from importlib import import_module
@@ -58,6 +58,8 @@ if TYPE_CHECKING:
     from symkin.singularities.singularity_result import Singularity
     from symkin.spatial.pose import Pose
     from symkin.sweeps.run import sweep
+    from symkin.transmissions.transmission import transmission
+    from symkin.transmissions.transmission_result import Transmission, Transmissions
     from symkin.velocity.jacobian import Jacobian, jacobian
 
 __all__ = [
@@ -92,6 +94,8 @@ __all__ = [
     "SolveResult",
     "SymkinError",
     "Track",
+    "Transmission",
+    "Transmissions",
     "__version__",
     "calibrate",
     "close",
@@ -109,6 +113,7 @@ __all__ = [
     "solve",
     "sweep",
     "track",
+    "transmission",
     "view",
     "write_firmware",
 ]
@@ -144,6 +149,8 @@ _LATER = {
     "SolveError": "symkin.position.solve_result",
     "SolveResult": "symkin.position.solve_result",
     "Track": "symkin.following.track_result",
+    "Transmission": "symkin.transmissions.transmission_result",
+    "Transmissions": "symkin.transmissions.transmission_result",
     "calibrate": "symkin.calibration.calibrate",
     "close": "symkin.position.close",
     "convert": "symkin.position.convert",
@@ -160,6 +167,7 @@ _LATER = {
     "solve": "symkin.position.solve",
     "sweep": "symkin.sweeps.run",
     "track": "symkin.following.track",
+    "transmission": "symkin.transmissions.transmission",
     "view": "symkin.page.result_views",
     "write_firmware": "symkin.codegen.folder",
 }

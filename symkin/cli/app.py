@@ -154,6 +154,18 @@ ENTRIES = (
         ),
     ),
     Entry(
+        "transmission",
+        "symkin.cli.transmission:transmission",
+        _MACHINE,
+        "Motors to joints: torques, ratios, range; array code.",
+        (
+            "symkin transmission g1_ankle.xml",
+            "symkin transmission ankle --motors upper_motor,lower_motor --torque-limits 90,90",
+            "symkin transmission g1_ankle.xml --at 0.2,-0.1 --json",
+            "symkin transmission g1_ankle.xml -o generated --plot ankle.png",
+        ),
+    ),
+    Entry(
         "firmware",
         "symkin.cli.firmware:firmware",
         _MACHINE,

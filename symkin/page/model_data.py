@@ -15,7 +15,7 @@ from symkin.assembly.modes import modes
 from symkin.assembly.modes_result import Modes
 from symkin.closure.closure import Closure, random_values
 from symkin.closure.link_frames import LinkFrames, link_frames
-from symkin.codegen.js_text import javascript
+from symkin.codegen.text.javascript import javascript
 from symkin.errors import NoConfigurationError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
@@ -200,10 +200,10 @@ def _elsewhere(
     mechanism, rng = problem.mechanism, np.random.default_rng(5)
     rows = [[_near(mechanism, c, names[c.name], rng) for c in known] for _ in range(places)]
     columns = {c.name: [row[k] for row in rows] for k, c in enumerate(known)}
-    options: dict[str, Any] = {"joints": rows} if problem.kind == "direct" else {"given": columns}
+    given: dict[str, Any] = {"joints": rows} if problem.kind == "direct" else {"given": columns}
     if starts:
-        options["starts"] = starts // places
-    found: Any = modes(mechanism, **options)
+        given["starts"] = starts // places
+    found: Any = modes(mechanism, **given)
     return list(found)
 
 

@@ -23,6 +23,7 @@ from symkin.numeric.system import System, constant_rows, split_blocks
 
 if TYPE_CHECKING:
     from symkin.elimination.implied_rows import PointRow
+    from symkin.elimination.product_rows import ProductRow
 
 Kind = Literal["direct", "inverse", "given"]
 KNOWN: dict[Kind, str] = {"direct": "actuated", "inverse": "pose"}
@@ -41,7 +42,7 @@ class Problem:
     system: System
     known_coordinates: tuple[Coordinate, ...]
     row_places: tuple[int, ...] | None = None
-    implied: tuple[PointRow, ...] = ()
+    implied: tuple[PointRow | ProductRow, ...] = ()
 
     @property
     def mechanism(self) -> Mechanism:

@@ -1,0 +1,216 @@
+"""Find the closed linkages of a robot: joints and rods that share loops or couplings, and which of
+them stand for a serial limb.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from symkin.closure.branches import Branch, edges_of
+from symkin.computed_once import cached_property, lru_cache
+from symkin.errors import InputError
+from symkin.model.bar import Bar
+from symkin.model.graph import LinkJoint
+from symkin.model.joint import BASE, FREEDOMS, Coordinate, Joint, interval
+from symkin.model.mechanism import Mechanism
+from symkin.position.loops import independent_cycles
+from symkin.text import not_among
+
+_MOST_WAYS = 200
+"""Ways from a linkage's first link that are looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Edges of a robot (numbers of `edges_of`) that share loops or couplings, hence one motion."""
+
+    mechanism: Mechanism
+    edges: tuple[int, ...]
+
+    @cached_property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The single coordinates of its joints and rods, in file order."""
+        held = {c.name for k in self.edges for c in _coordinates(_edges(self.mechanism)[k])}
+        return tuple(
+            c for c in self.mechanism.coordinates if c.name in held and c.kind != "quaternion"
+        )
+
+    @cached_property
+    def actuated(self) -> tuple[Coordinate, ...]:
+        return tuple(c for c in self.coordinates if c.role == "actuated")
+
+    @cached_property
+    def alone(self) -> Mechanism:
+        """The linkage as a machine of its own: joints between the base and its first link are
+        welded, all others left out. Limbs between a base and a platform stay as they are.
+        """
+        mechanism, edges = self.mechanism, _edges(self.mechanism)
+        if mechanism.limbs:
+            return mechanism
+        kept = {edges[k].elements[0].part.name for k in self.edges}
+        before = {edges[k].elements[0].part.name for k in _way(mechanism, self._root)}
+        names = {c.name for k in self.edges for c in _coordinates(edges[k])}
+        return replace(
+            mechanism,
+            link_joints=[
+                entry if entry.joint.name in kept else _welded(entry)
+                for entry in mechanism.link_joints
+                if entry.joint.name in kept | before
+            ],
+            link_rods=[rod for rod in mechanism.link_rods if rod.name in kept | before],
+            couplings=[c for c in mechanism.couplings if names >= {c.joint, *c.names}],
+            link_points=(),
+            link_meshes=(),
+            platform_link=None,
+            platform_position=(0.0, 0.0, 0.0),
+            platform_quaternion=(1.0, 0.0, 0.0, 0.0),
+            motion="spatial",
+            example=None,
+        )
+
+    @property
+    def _root(self) -> str:
+        """Its link that is nearest to the base."""
+        depth, edges = _depths(self.mechanism), _edges(self.mechanism)
+        links = {link for k in self.edges for link in edges[k].ends}
+        return min(sorted(links), key=lambda link: depth[link])
+
+    def serial_ways(self, count: int) -> list[tuple[str, ...]]:
+        """Ways of `count` single coordinates from the first link on, not all of motors: first those
+        that end at a link that carries more of the robot, then those that pass the fewest motors,
+        then in file order.
+        """
+        edges, order = _edges(self.mechanism), [c.name for c in self.coordinates]
+        motors = {c.name for c in self.actuated}
+        beyond = {link for k, e in enumerate(edges) if k not in self.edges for link in e.ends}
+        found: list[tuple[int, int, list[int], tuple[str, ...]]] = []
+        for names, end in self._ways(self._root, (self._root,), (), count):
+            passed = len(motors & set(names))
+            if passed < len(names):
+                places = sorted(order.index(name) for name in names)
+                found.append((end not in beyond, passed, places, names))
+            if len(found) == _MOST_WAYS:
+                break
+        return list(dict.fromkeys(names for *_, names in sorted(found)))
+
+    def _ways(
+        self, link: str, visited: tuple[str, ...], names: tuple[str, ...], count: int
+    ) -> Iterator[tuple[tuple[str, ...], str]]:
+        if len(names) == count:
+            yield names, link
+            return
+        edges = _edges(self.mechanism)
+        for k in self.edges:
+            first, last = edges[k].ends
+            other = last if first == link else first
+            own = _coordinates(edges[k])
+            if link not in (first, last) or other in visited or isinstance(_part(edges[k]), Bar):
+                continue
+            if all(c.kind != "quaternion" for c in own) and len(names) + len(own) <= count:
+                more = (*names, *(c.name for c in own))
+                yield from self._ways(other, (*visited, other), more, count)
+
+
+def groups_of(mechanism: Mechanism) -> list[Group]:
+    """The groups of edges that share loops or couplings, in file order."""
+    edges = _edges(mechanism)
+    parents = list(range(len(edges)))
+
+    def root(k: int) -> int:
+        while parents[k] != k:
+            k = parents[k]
+        return k
+
+    owner = {c.name: k for k, edge in enumerate(edges) for c in _coordinates(edge)}
+    tied: list[Sequence[int]] = list(independent_cycles(mechanism))
+    tied += [[owner[n] for n in (c.joint, *c.names)] for c in mechanism.couplings]
+    for numbers in tied:
+        for k in numbers[1:]:
+            parents[root(k)] = root(numbers[0])
+    held = sorted({k for numbers in tied for k in numbers})
+    groups: dict[int, list[int]] = {}
+    for k in held:
+        groups.setdefault(root(k), []).append(k)
+    return [Group(mechanism, tuple(numbers)) for numbers in groups.values()]
+
+
+def group_with(mechanism: Mechanism, names: Sequence[str]) -> Group:
+    """The edges whose motion coordinates of these names share: of all groups that hold one."""
+    groups = [g for g in groups_of(mechanism) if {c.name for c in g.coordinates} & set(names)]
+    return Group(mechanism, tuple(sorted(k for group in groups for k in group.edges)))
+
+
+def with_ranges(mechanism: Mechanism, ranges: Mapping[str, Sequence[float]]) -> Mechanism:
+    """The mechanism with other limits, (low, high) by name in its units, of joints of one
+    coordinate between links.
+    """
+    if not ranges:
+        return mechanism
+    single = {e.joint.name for e in mechanism.link_joints if FREEDOMS[e.joint.type] == 1}
+    for name in ranges:
+        if name not in single:
+            raise InputError(f"ranges: {not_among(name, sorted(single))}")
+    return replace(
+        mechanism, link_joints=[_limited(e, mechanism, ranges) for e in mechanism.link_joints]
+    )
+
+
+def _limited(
+    entry: LinkJoint, mechanism: Mechanism, ranges: Mapping[str, Sequence[float]]
+) -> LinkJoint:
+    joint = entry.joint
+    if joint.name not in ranges:
+        return entry
+    turn = mechanism.angle_in(1.0) if joint.coordinates[0].is_angular else 1.0
+    bounds = [turn * value for value in interval(ranges[joint.name], f"ranges: {joint.name}") or ()]
+    return replace(entry, joint=replace(joint, limits=bounds))
+
+
+@lru_cache(maxsize=64)
+def _edges(mechanism: Mechanism) -> tuple[Branch, ...]:
+    return tuple(edges_of(mechanism))
+
+
+def _part(edge: Branch) -> Joint | Bar:
+    return edge.elements[0].part
+
+
+def _coordinates(edge: Branch) -> tuple[Coordinate, ...]:
+    part = _part(edge)
+    if isinstance(part, Bar):
+        return () if part.coordinate is None else (part.coordinate,)
+    return part.coordinates
+
+
+def _welded(entry: LinkJoint) -> LinkJoint:
+    joint = entry.joint
+    return replace(entry, joint=Joint(joint.name, "weld", joint.point))
+
+
+@lru_cache(maxsize=64)
+def _tree(mechanism: Mechanism) -> dict[str, tuple[int, str]]:
+    """The edge and the link before each link, on a shortest way from the base."""
+    edges = _edges(mechanism)
+    found: dict[str, tuple[int, str]] = {BASE: (-1, BASE)}
+    reached = [BASE]
+    for link in reached:
+        for k, edge in enumerate(edges):
+            for here, there in (edge.ends, edge.ends[::-1]):
+                if here == link and there not in found:
+                    found[there] = (k, link)
+                    reached.append(there)
+    return found
+
+
+def _way(mechanism: Mechanism, link: str) -> list[int]:
+    """Edges from the base to a link."""
+    tree, found = _tree(mechanism), []
+    while link != BASE:
+        edge, link = tree[link]
+        found.append(edge)
+    return found
+
+
+def _depths(mechanism: Mechanism) -> dict[str, int]:
+    return {link: len(_way(mechanism, link)) for link in _tree(mechanism)}

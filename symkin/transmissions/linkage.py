@@ -1,0 +1,203 @@
+"""Write a transmission as rows F(w) = 0 over motors, joints and what is between them.
+
+At a closed configuration w = w(s) on a chart s of the linkage's motion, F_w w_s = 0 and
+F_w w_ss = -F_ww w_s w_s. With m and j the motors' and joints' parts of w,
+
+    d joints / d motors    J = j_s m_s^-1,    d2j/dm2 = (j_ss - J m_ss)(m_s^-1, m_s^-1)
+    d motors / d joints    G = m_s j_s^-1,    d2m/dj2 = (m_ss - G j_ss)(j_s^-1, j_s^-1)
+
+so that neither side is preferred where the other is singular. Quaternions are four numbers with
+|q|^2 = 1 among the rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.link_poses import joint_readings, link_poses
+from symkin.computed_once import cached_property
+from symkin.model.joint import Coordinate, units_of
+from symkin.model.mechanism import Mechanism
+from symkin.numeric.mapped import Mapped
+from symkin.numeric.system import System
+from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.position.closed_configurations import closed_configurations, whole_system
+from symkin.position.problem import Problem, build_problem
+
+
+@dataclass(frozen=True, eq=False)
+class Linkage:
+    """The loops between motors and joints, named by their coordinates, as a machine of its own."""
+
+    mechanism: Mechanism
+    motors: tuple[str, ...]
+    joints: tuple[str, ...]
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The rows with the motors known."""
+        held = tuple(name for name in self.joints if name not in self.motors)
+        return build_problem(self.mechanism, "given", self.motors, held)
+
+    @cached_property
+    def system(self) -> System:
+        """The rows with every coordinate unknown."""
+        return whole_system(self.problem.closure)
+
+    def system_of(self, names: Sequence[str]) -> System:
+        """The rows with the coordinates of these names known."""
+        problem, closure = self.problem, self.problem.closure
+        parts = [
+            self.coordinates_of(names),
+            [c for c in closure.coordinates if c.name not in names],
+        ]
+        known, unknown = (
+            ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in part))
+            for part in parts
+        )
+        return System(
+            tuple(parts[1]),
+            unknown,
+            known,
+            problem.system.rows,
+            problem.system.errors,
+            closure.characteristic_length,
+            closure.mechanism.farthest,
+        )
+
+    @cached_property
+    def by_motors(self) -> System:
+        return self.system_of(self.motors)
+
+    @cached_property
+    def by_joints(self) -> System:
+        return self.system_of(self.joints)
+
+    def coordinates_of(self, names: Sequence[str]) -> list[Coordinate]:
+        known = {c.name: c for c in self.problem.closure.coordinates}
+        return [known[name] for name in names]
+
+    def places_of(self, names: Sequence[str]) -> np.ndarray:
+        """Places of single coordinates in w."""
+        return self.problem.places(tuple(self.coordinates_of(names)))
+
+    @cached_property
+    def motor_places(self) -> np.ndarray:
+        return self.places_of(self.motors)
+
+    @cached_property
+    def joint_places(self) -> np.ndarray:
+        return self.places_of(self.joints)
+
+    @cached_property
+    def reference(self) -> np.ndarray:
+        """w at the reference, polished."""
+        closure = self.problem.closure
+        return np.asarray(self.system.polish(closure.reference, np.zeros(0)))
+
+    @property
+    def size(self) -> float:
+        return self.mechanism.characteristic_length
+
+    @cached_property
+    def units(self) -> np.ndarray:
+        """The size for lengths and 1 for other numbers of w."""
+        return np.array(units_of(self.problem.closure.coordinates, self.size))
+
+    # --- differentials at n closed configurations w (n, width) ------------------------------------
+
+    @cached_property
+    def _rows(self) -> ca.SX:
+        """F over the size, lengths of w over it too, and the norms of quaternions."""
+        closure = self.problem.closure
+        norms = [
+            0.5 * (ca.sumsqr(closure.variables[closure.slices[c.name]]) - 1.0)
+            for c in closure.coordinates
+            if c.kind == "quaternion"
+        ]
+        return ca.vertcat(closure.bound(closure.rows) / self.size, *norms)
+
+    @cached_property
+    def _slopes(self) -> Mapped:
+        w = self.problem.closure.variables
+        return Mapped.of([w], [ca.mtimes(ca.jacobian(self._rows, w), ca.diag(self.units))])
+
+    @cached_property
+    def _curvature(self) -> Mapped:
+        """F_ww u v."""
+        w = self.problem.closure.variables
+        u, v = ca.SX.sym("u", w.shape[0]), ca.SX.sym("v", w.shape[0])
+        along = ca.jtimes(ca.jtimes(self._rows, w, self.units * u), w, self.units * v)
+        return Mapped.of([w, u, v], [along])
+
+    @cached_property
+    def generic(self) -> np.ndarray:
+        """Closed configurations (n, width) of the reference's own assembly, itself among them."""
+        return np.array([self.reference, *closed_configurations(self.problem.closure, 0)])
+
+    @cached_property
+    def mobility(self) -> int:
+        """Freedoms at generic closed configurations."""
+        singular = np.linalg.svd(self._slopes(self.generic)[0], compute_uv=False)
+        ranks = np.sum(singular > RANK_TOLERANCE * singular[:, :1], axis=1)
+        return int(self.units.size - ranks.max(initial=0))
+
+    def tangents(self, w: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """An orthonormal w_s (n, width, mobility), what solves F_w x = y (n, width, rows), and
+        whether the rank is the generic one (n,); lengths are over the size.
+        """
+        free = self.mobility
+        left, singular, right = np.linalg.svd(self._slopes(w)[0])
+        rank = self.units.size - free
+        kept = singular[:, :rank]
+        regular = kept[:, -1] > RANK_TOLERANCE * kept[:, 0] if rank else np.ones(len(w), bool)
+        inverse = 1.0 / np.where(regular[:, None], kept, 1.0)
+        solving = (right[:, :rank].transpose(0, 2, 1) * inverse[:, None]) @ left[
+            :, :, :rank
+        ].transpose(0, 2, 1)
+        return right[:, rank:].transpose(0, 2, 1), solving, regular
+
+    def bends(self, w: np.ndarray, tangents: np.ndarray, solving: np.ndarray) -> np.ndarray:
+        """w_ss (n, width, mobility, mobility) for these w_s; lengths are over the size."""
+        free = tangents.shape[2]
+        found = np.empty((*tangents.shape, free))
+        for a in range(free):
+            for b in range(a, free):
+                along = self._curvature(w, tangents[:, :, a], tangents[:, :, b])[0]
+                found[:, :, a, b] = found[:, :, b, a] = -(solving @ along)[:, :, 0]
+        return found
+
+    # --- limits -----------------------------------------------------------------------------------
+
+    @cached_property
+    def limited(self) -> tuple[Coordinate, ...]:
+        """Coordinates with limits, passive ones too; ranges of more than two turns are none."""
+        return tuple(
+            c
+            for c in self.mechanism.coordinates
+            if c.limits is not None
+            and not (c.is_angular and c.limits[1] - c.limits[0] >= 4.0 * np.pi)
+        )
+
+    def beyond_limits(self, w: np.ndarray) -> np.ndarray:
+        """By how much each of the `limited` (n, limited) is beyond its limits, below 0 within."""
+        closure = self.problem.closure
+        own = [c for c in self.limited if c.name not in closure.slices]
+        read = joint_readings(closure, link_poses(closure, w)) if own and len(w) else {}
+        found = np.empty((len(w), len(self.limited)))
+        for k, c in enumerate(self.limited):
+            low, high = c.limits or (-np.inf, np.inf)
+            values = w[:, closure.slices[c.name].start] if c not in own else read.get(c.name)
+            if values is None:
+                found[:, k] = -np.inf
+                continue
+            if c in own and c.kind == "angle":
+                # a reading is an angle modulo turns: that next to the middle of its range
+                middle = 0.5 * (low + high)
+                values = middle + np.remainder(values - middle + np.pi, 2 * np.pi) - np.pi
+            found[:, k] = np.maximum(low - values, values - high)
+        return found

@@ -1,0 +1,386 @@
+"""What a transmission does over its whole range: how far joints go and what stops them, the torques
+and rates that they give at least and at most, ratios, and backlash.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symkin.computed_once import cached_property
+from symkin.model.joint import Coordinate
+from symkin.result import Summary
+from symkin.transmissions.lines import follow_lines
+from symkin.transmissions.linkage import Linkage
+from symkin.transmissions.motors import Motors
+from symkin.transmissions.polytope import facets, torque_vertices
+from symkin.transmissions.states import States, direction
+
+_COUNTS = {1: 201, 2: 33, 3: 9}
+"""Samples of each of so many coordinates; of more, `_RANDOM` random ones."""
+_RANDOM = 400
+_WIDEST = 2.0 * np.pi
+"""Radians of a range that is swept as a whole; wider limits are none."""
+_ABOUT = 1.0
+"""Radians, and sizes, on both sides of the reference where no limits say how far to look."""
+_HALVINGS = 40
+_SAME = 1e-6
+"""Radians, and sizes, by which one configuration is found again."""
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """A value over the range, the joints (radians, lengths) at which it stands, and whose limit
+    binds there.
+    """
+
+    value: float
+    at: tuple[float, ...]
+    by: str
+
+
+@dataclass(frozen=True)
+class End:
+    """Where the range of a joint ends, and what stops it there."""
+
+    value: float
+    by: str
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """Samples of a transmission within all limits: configurations of the reference's mode, at
+    which nothing is singular. Angles are in radians.
+
+    The first sample is the reference. `ends` are the two ends of each joint's range. `alone` is
+    the largest torque of each joint (samples, n) in the weaker of its two directions while the
+    others give none, `together` the largest that it gives while others may give any; `rates` the
+    largest rate of each alone.
+    """
+
+    states: States
+    data: Motors
+    ends: tuple[tuple[End, End], ...]
+
+    @property
+    def linkage(self) -> Linkage:
+        return self.states.linkage
+
+    @cached_property
+    def _planes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[str, ...]]:
+        """Torques are low <= N tau <= high: N (samples, f, n), low and high (samples, f), and whose
+        limit each row is.
+        """
+        linkage, (low, high) = self.linkage, self.data.torque_limits.T
+        count = len(self.states.w)
+        if len(linkage.motors) == linkage.mobility:
+            normals = self.states.jacobian.transpose(0, 2, 1)
+            return normals, *np.broadcast_to([[low], [high]], (2, count, len(low))), linkage.motors
+        middle, half, g = 0.5 * (low + high), 0.5 * (high - low), self.states.inverse_jacobian
+        found = [facets(one * half[:, None]) for one in g]
+        most = max(len(heights) for _, heights in found)
+        normals = np.zeros((count, most, linkage.mobility))
+        bounds = np.full((2, count, most), np.inf) * np.array([-1.0, 1.0])[:, None, None]
+        for k, (normal, heights) in enumerate(found):
+            offset = normal @ (middle @ g[k])
+            normals[k, : len(heights)] = normal
+            bounds[:, k, : len(heights)] = offset - heights, offset + heights
+        return normals, *bounds, ("several motors",) * most
+
+    @cached_property
+    def _alone(self) -> tuple[np.ndarray, np.ndarray]:
+        """Largest torques alone (samples, n), and the row of `_planes` that binds each."""
+        normals, low, high, _ = self._planes
+        return _along_axes(normals, low[..., None], high[..., None])
+
+    @property
+    def alone(self) -> np.ndarray:
+        return self._alone[0]
+
+    @cached_property
+    def together(self) -> np.ndarray:
+        low, high = self.data.torque_limits.T
+        g = self.states.inverse_jacobian
+        most = np.einsum("nai,a->ni", np.abs(g), 0.5 * (high - low))
+        return np.asarray(most - np.abs(np.einsum("nai,a->ni", g, 0.5 * (high + low))))
+
+    @cached_property
+    def rates(self) -> np.ndarray:
+        low, high = self.data.speed_limits.T
+        return _along_axes(self.states.inverse_jacobian, low[:, None], high[:, None])[0]
+
+    @cached_property
+    def backlash(self) -> np.ndarray | None:
+        """The largest play (n,) of each joint while the motors stay within their resolutions."""
+        if self.data.resolutions is None:
+            return None
+        play = np.einsum("nia,a->ni", np.abs(self.states.jacobian), self.data.resolutions)
+        return np.asarray(play.max(axis=0))
+
+    @cached_property
+    def weakest(self) -> tuple[Extreme, str] | None:
+        """The smallest torque that any direction of the joints has, and which; None where joints
+        turn and slide, so that no direction is longer than another.
+        """
+        if len({c.kind == "length" for c in self._joints}) > 1:
+            return None
+        normals, low, high, names = self._planes
+        lengths = np.linalg.norm(normals, axis=2)
+        lengths = np.where(lengths > 0.0, lengths, np.nan)
+        found = np.minimum(high, -low) / lengths
+        row, k = np.unravel_index(np.nanargmin(found), found.shape)
+        way = normals[row, k] / np.abs(normals[row, k]).max()
+        at = tuple(self.states.joints[row].tolist())
+        return Extreme(float(found[row, k]), at, names[k]), direction(self.linkage.joints, way)
+
+    def torques_at(self, row: int) -> np.ndarray:
+        """The vertices of all joint torques at a sample."""
+        return torque_vertices(self.states.inverse_jacobian[row], self.data.torque_limits)
+
+    def smallest(self, joint: int) -> Extreme:
+        """The smallest torque of a joint alone over the range."""
+        return self._extreme(joint, int(np.argmin(self.alone[:, joint])))
+
+    def largest(self, joint: int) -> Extreme:
+        """The largest torque of a joint alone over the range."""
+        return self._extreme(joint, int(np.argmax(self.alone[:, joint])))
+
+    def _extreme(self, joint: int, row: int) -> Extreme:
+        value, which = self._alone[0][row, joint], self._alone[1][row, joint]
+        at = tuple(self.states.joints[row].tolist())
+        return Extreme(float(value), at, self._planes[3][which])
+
+    @property
+    def _joints(self) -> list[Coordinate]:
+        return self.linkage.coordinates_of(self.linkage.joints)
+
+    # --- as text and as JSON ----------------------------------------------------------------------
+
+    def summary(self, name: str, notes: Sequence[str]) -> Summary:
+        """The table: ranges and torques of each joint; what holds of all of them below."""
+        linkage, out = self.linkage, self.out
+        header = ["joint", "from", "to", "torque", "least", "most", "with others", "rate", "to"]
+        rows, below = [], []
+        for i, joint in enumerate(linkage.joints):
+            low, high = self.ends[i]
+            small, large = self.smallest(i), self.largest(i)
+            rates = self.rates[:, i]
+            numbers = [
+                self.alone[0, i],
+                small.value,
+                large.value,
+                self.together[:, i].max(),
+                rates.min(),
+                rates.max(),
+            ]
+            rows.append(
+                [joint, f"{out(i, low.value):.4g}", f"{out(i, high.value):.4g}"]
+                + [f"{number:.4g}" for number in numbers]
+            )
+            below.append(
+                f"{joint}: ends at {low.by} and at {high.by}; weakest at {self._place(small)}, "
+                f"where {small.by} binds; strongest at {self._place(large)} ({large.by})"
+            )
+        if self.weakest is not None and len(linkage.joints) > 1:
+            one, way = self.weakest
+            below.append(
+                f"weakest direction: {way}: {one.value:.4g} at {self._place(one)} ({one.by})"
+            )
+        ratios = self.states.inverse_jacobian
+        for a, motor in enumerate(linkage.motors):
+            told = ", ".join(
+                f"{ratios[:, a, i].min():.4g} to {ratios[:, a, i].max():.4g} by {joint}"
+                for i, joint in enumerate(linkage.joints)
+            )
+            below.append(f"ratio of {motor}: {told}")
+        if self.backlash is not None:
+            told = ", ".join(
+                f"{joint} {out(i, play):.3g}"
+                for i, (joint, play) in enumerate(zip(linkage.joints, self.backlash, strict=True))
+            )
+            below.append(f"play within the motors' resolution, at most: {told}")
+        units = (
+            f"angles in {linkage.mechanism.angle_unit}, lengths in {linkage.mechanism.length_unit}"
+        )
+        above = [
+            f"{name}, driven by {', '.join(linkage.motors)}: {len(self.states.w)} configurations "
+            f"within limits, {units}",
+            "torque and rate: of one joint alone, in its weaker direction, at the reference, at "
+            "least and at most; with others: at most, where they give any",
+        ]
+        return Summary(
+            above, header, rows, [*below, *(f"note: {n}" for n in (*notes, *self.data.notes))]
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """What holds over the range, by joint and motor; angles in the mechanism's unit."""
+        linkage, ratios = self.linkage, self.states.inverse_jacobian
+        joints = {}
+        for i, name in enumerate(linkage.joints):
+            ends = [{"value": self.out(i, e.value), "by": e.by} for e in self.ends[i]]
+            joints[name] = {
+                "from": ends[0],
+                "to": ends[1],
+                "torque_at_reference": float(self.alone[0, i]),
+                "smallest_torque": self._told(self.smallest(i)),
+                "largest_torque": self._told(self.largest(i)),
+                "largest_torque_with_others": float(self.together[:, i].max()),
+                "rate": [float(self.rates[:, i].min()), float(self.rates[:, i].max())],
+                "backlash": None if self.backlash is None else self.out(i, self.backlash[i]),
+            }
+        weakest = None
+        if self.weakest is not None:
+            weakest = {"direction": self.weakest[1], **self._told(self.weakest[0])}
+        return {
+            "samples": len(self.states.w),
+            "joints": joints,
+            "ratios": {
+                motor: {
+                    joint: [float(ratios[:, a, i].min()), float(ratios[:, a, i].max())]
+                    for i, joint in enumerate(linkage.joints)
+                }
+                for a, motor in enumerate(linkage.motors)
+            },
+            "weakest": weakest,
+        }
+
+    def _told(self, one: Extreme) -> dict[str, Any]:
+        at = {n: self.out(i, one.at[i]) for i, n in enumerate(self.linkage.joints)}
+        return {"value": one.value, "at": at, "by": one.by}
+
+    def _place(self, one: Extreme) -> str:
+        return ", ".join(
+            f"{n} = {self.out(i, one.at[i]):.3g}" for i, n in enumerate(self.linkage.joints)
+        )
+
+    def out(self, joint: int, value: float) -> float:
+        """A joint's value in the mechanism's unit."""
+        mechanism = self.linkage.mechanism
+        return mechanism.angle_out(value) if self._joints[joint].is_angular else float(value)
+
+
+def survey(linkage: Linkage, data: Motors) -> Survey:
+    """Sample the range: the joints' where they all have limits, else the motors', else about the
+    reference; what is within all limits, regular, and reached from the reference by motors and by
+    joints alike is kept.
+    """
+    names, goals = _goals(linkage)
+    w, shares = _from_reference(linkage, names, goals)
+    w = w[(shares >= 1.0) & (linkage.beyond_limits(w) <= 0.0).all(axis=1)]
+    others = linkage.joints if names == linkage.motors else linkage.motors
+    if len(linkage.motors) == linkage.mobility:
+        w = w[_is_led_back(linkage, w, others)]
+    states = States(linkage, np.vstack([linkage.reference[None], w]))
+    regular = np.isfinite(states.inverse_jacobian).all(axis=(1, 2))
+    regular &= np.isfinite(states.jacobian).all(axis=(1, 2))
+    kept = States(linkage, states.w[regular])
+    return Survey(kept, data, _ends(linkage, kept))
+
+
+def _is_led_back(linkage: Linkage, w: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+    """Whether the values of these coordinates lead to the configurations as well (n,): beyond a
+    dead centre of a motor the joints are those of another one, and no map from joints reaches this.
+    """
+    back, shares = _from_reference(linkage, names, w[:, linkage.places_of(names)])
+    off = np.abs((back - w) / linkage.units).max(axis=1, initial=0.0)
+    return np.asarray((shares >= 1.0) & (off < _SAME))
+
+
+def _goals(linkage: Linkage) -> tuple[tuple[str, ...], np.ndarray]:
+    """Names and a grid of values (k, names) that are looked at."""
+    is_square = len(linkage.motors) == linkage.mobility
+    names = linkage.motors if is_square else linkage.joints
+    for chosen in (linkage.joints, names):
+        coordinates = linkage.coordinates_of(chosen)
+        spans = [_span(c) for c in coordinates]
+        if None not in spans:
+            break
+    else:
+        coordinates, chosen = linkage.coordinates_of(names), names
+        reach = [_ABOUT * (1.0 if c.is_angular else linkage.size) for c in coordinates]
+        spans = [
+            _span(c) or (c.reference[0] - r, c.reference[0] + r)
+            for c, r in zip(coordinates, reach, strict=True)
+        ]
+    low, high = np.array(spans, dtype=float).T
+    n = len(chosen)
+    if n not in _COUNTS:
+        return chosen, np.random.default_rng(0).uniform(low, high, (_RANDOM, n))
+    axes = [np.linspace(a, b, _COUNTS[n]) for a, b in zip(low, high, strict=True)]
+    return chosen, np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, n)
+
+
+def _span(c: Coordinate) -> tuple[float, float] | None:
+    wide = c.limits is None or (c.is_angular and c.limits[1] - c.limits[0] > _WIDEST)
+    return None if wide else c.limits
+
+
+def _from_reference(
+    linkage: Linkage, names: tuple[str, ...], goals: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Configurations (k, width) of goals on the reference's mode, as `_moved` finds them."""
+    return _moved(linkage, names, np.tile(linkage.reference, (len(goals), 1)), goals)
+
+
+def _moved(
+    linkage: Linkage, names: tuple[str, ...], starts: np.ndarray, goals: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Configurations on the straight lines from some to goals of these coordinates, and how far
+    along each.
+    """
+    system = linkage.by_motors if names == linkage.motors else linkage.by_joints
+    unknown, known = linkage.problem.places(system.unknowns), linkage.places_of(names)
+    found = follow_lines(system, starts[:, unknown], starts[:, known], goals)
+    w = starts.copy()
+    w[:, unknown] = found.points
+    w[:, known] += found.shares[:, None] * (goals - starts[:, known])
+    return w, found.shares
+
+
+def _ends(linkage: Linkage, states: States) -> tuple[tuple[End, End], ...]:
+    """Where each joint's range ends: from the outermost sample on along this joint alone, up to a
+    singularity, or to the first limit before it, found by halving.
+    """
+    joints, n = states.joints, len(linkage.joints)
+    rows = [k for i in range(n) for k in (joints[:, i].argmin(), joints[:, i].argmax())]
+    starts = states.w[rows]
+    begin = joints[rows]
+    reach = np.maximum(np.ptp(joints, axis=0), 0.1 * linkage.units[linkage.joint_places])
+    ways = np.zeros((2 * n, n))
+    for k in range(2 * n):
+        ways[k, k // 2] = reach[k // 2] * (1.0 if k % 2 else -1.0)
+    final, shares = _moved(linkage, linkage.joints, starts, begin + ways)
+    low, high = np.zeros(2 * n), shares.copy()
+    over = linkage.beyond_limits(final)
+    stopped = np.asarray((over > 0.0).any(axis=1))
+    for _ in range(_HALVINGS if stopped.any() else 0):
+        middle = np.where(stopped, 0.5 * (low + high), high)
+        w, _ = _moved(linkage, linkage.joints, starts, begin + middle[:, None] * ways)
+        here = linkage.beyond_limits(w)
+        out = np.asarray((here > 0.0).any(axis=1))
+        over[out] = here[out]
+        starts = np.where(out[:, None], starts, w)
+        low, high = np.where(out, low, middle), np.where(out, middle, high)
+    low = np.where(stopped, low, shares)
+    values = begin + low[:, None] * ways
+    told = []
+    for k in range(2 * n):
+        by = "a singularity" if shares[k] < 1.0 else "the end of what was looked at"
+        if stopped[k]:
+            by = f"the limit of {linkage.limited[over[k].argmax()].name}"
+        told.append(End(float(values[k, k // 2]), by))
+    return tuple((told[2 * i], told[2 * i + 1]) for i in range(n))
+
+
+def _along_axes(
+    normals: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The largest t (k, n) with low <= N t e_i <= high for both signs of t, normals N (k, f, n),
+    bounds that broadcast to them; and the row f that binds.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = np.where(normals == 0.0, np.inf, np.minimum(high, -low) / np.abs(normals))
+    return found.min(axis=1), found.argmin(axis=1)

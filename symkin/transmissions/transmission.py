@@ -1,0 +1,283 @@
+"""The verb `transmission`: find a linkage by its motors and joints, or all of a robot;
+refuse what is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
+from typing import Any, overload
+
+import numpy as np
+
+from symkin.closure.closure import build_closure
+from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.position.given_by_name import Values, unknown_name
+from symkin.position.moved_reference import with_reference_at
+from symkin.position.solution import Solution
+from symkin.position.solve import solve
+from symkin.text import first_of
+from symkin.transmissions.found import Group, group_with, groups_of, with_ranges
+from symkin.transmissions.linkage import Linkage
+from symkin.transmissions.motors import read_motors
+from symkin.transmissions.states import States
+from symkin.transmissions.transmission_result import Transmission, Transmissions
+from symkin.verb import verb
+
+_OPEN = 1e-6
+"""Closure error at the reference, over the size, above which loops are open there."""
+_MOST_TRIED = 24
+"""Sets of joints that are tried for a linkage whose joints nobody names."""
+_MORE = 3
+"""Coordinates of a serial way beyond the motors' number, some of which then follow from others."""
+_DECIDED = 1e-6
+"""Singular value of coordinates by unit motions of their linkage that is not zero."""
+
+
+@overload
+def transmission(
+    mechanism: Mechanism,
+    motors: None = None,
+    joints: None = None,
+    *,
+    inertia: Any = None,
+    torque_limits: Any = None,
+    speed_limits: Any = None,
+    resolution: Any = None,
+    ranges: Mapping[str, Sequence[float]] | None = None,
+    start: Solution | Values | None = None,
+) -> Transmissions: ...
+@overload
+def transmission(
+    mechanism: Mechanism,
+    motors: Sequence[str],
+    joints: Sequence[str] | None = None,
+    *,
+    inertia: Any = None,
+    torque_limits: Any = None,
+    speed_limits: Any = None,
+    resolution: Any = None,
+    ranges: Mapping[str, Sequence[float]] | None = None,
+    start: Solution | Values | None = None,
+) -> Transmission: ...
+@verb
+def transmission(
+    mechanism: Mechanism,
+    motors: Sequence[str] | None = None,
+    joints: Sequence[str] | None = None,
+    *,
+    inertia: Any = None,
+    torque_limits: Any = None,
+    speed_limits: Any = None,
+    resolution: Any = None,
+    ranges: Mapping[str, Sequence[float]] | None = None,
+    start: Solution | Values | None = None,
+) -> Transmission | Transmissions:
+    """The exact map between motors and the joints that they drive by a closed linkage.
+
+    `motors` and `joints` are names of coordinates; as many joints as the linkage has freedoms, and
+    at least as many motors. Without joints they are found: a serial way through the linkage,
+    without both every linkage of a robot is found, and a `Transmissions` returned. `inertia` (of a
+    motor), `torque_limits`, `speed_limits` and `resolution` are numbers, one for each motor or one
+    for all; limits may be pairs (low, high). `ranges` are limits of coordinates, (low, high) by
+    name, in place of the file's. `start`, a solution of `modes` or `solve` or values by name near
+    the reference, is taken in the reference's place: its mode is that which is followed. Raises
+    InputError where motors do not decide the joints, or joints the motors.
+
+        >>> import symkin
+        >>> linkage = symkin.load("four_bar")
+        >>> knee = symkin.transmission(linkage, ["crank"], ["follower"], torque_limits=10.0)
+        >>> knee.jacobian([60.0]).shape, knee.second([60.0]).shape
+        ((1, 1), (1, 1, 1))
+    """
+    require_mechanism(mechanism)
+    mechanism = with_ranges(_begun(mechanism, start), ranges or {})
+    options = {
+        "inertia": inertia,
+        "torque_limits": torque_limits,
+        "speed_limits": speed_limits,
+        "resolution": resolution,
+    }
+    if motors is None and joints is None:
+        return _all(mechanism, options)
+    for what, names in (("motors", motors), ("joints", joints)):
+        _check_names(mechanism, what, names)
+    group = group_with(mechanism, [*(motors or ()), *(joints or ())])
+    for name in (*(motors or ()), *(joints or ())):
+        if name not in {c.name for c in group.coordinates} and not mechanism.limbs:
+            raise InputError(
+                f"{mechanism.name}: {name} is in no loop: nothing but itself moves it, so that no "
+                f"other coordinate is a function of it"
+            )
+    if motors is None:
+        motors = [c.name for c in group.actuated]
+        if not motors:
+            raise InputError(f"{mechanism.name}: the file names no motors; give motors (--motors)")
+    if joints is None:
+        return _named(mechanism, group, tuple(motors), options)
+    linkage = Linkage(group.alone, tuple(motors), tuple(joints))
+    return _checked(mechanism.name, linkage, options)
+
+
+# --- what is found, and what cannot be ------------------------------------------------------------
+
+
+def _begun(mechanism: Mechanism, start: Solution | Values | None) -> Mechanism:
+    """The mechanism with another reference."""
+    if start is None:
+        return mechanism
+    if not isinstance(start, Solution):
+        start = solve(mechanism, given=start).solution
+    if start is None or start.mechanism != mechanism:
+        raise InputError(f"start: the solution is none of {mechanism.name}")
+    closure = build_closure(mechanism, start.partition)
+    return with_reference_at(closure, start.variables)
+
+
+def _all(mechanism: Mechanism, options: dict[str, Any]) -> Transmissions:
+    found, notes = [], []
+    for group in groups_of(mechanism):
+        try:
+            motors = tuple(c.name for c in group.actuated)
+            if not motors:
+                names = [c.name for c in group.coordinates]
+                raise InputError(
+                    f"{mechanism.name}: the linkage of {first_of(names)} has no motors; name them "
+                    f"(--motors)"
+                )
+            found.append(_named(mechanism, group, motors, options))
+        except InputError as error:
+            notes.append(str(error))
+    if not found:
+        told = notes or [f"{mechanism.name}: there are no loops; every joint is its own motor's"]
+        raise InputError("; ".join(told))
+    return Transmissions(mechanism, tuple(found), tuple(notes))
+
+
+def _named(
+    mechanism: Mechanism, group: Group, motors: tuple[str, ...], options: dict[str, Any]
+) -> Transmission:
+    """The transmission of a linkage whose joints nobody names."""
+    whole = Linkage(group.alone, motors, tuple(c.name for c in group.coordinates))
+    free, notes = whole.mobility, []
+    if len(motors) > free:
+        deciding = _deciding(whole, motors, free)
+        notes.append(
+            f"{len(motors)} coordinates are marked as actuated, and the linkage has {free} "
+            f"freedom(s): taken as motors are {', '.join(deciding)}; --motors names others"
+        )
+        motors = deciding
+    _refuse_too_few(mechanism.name, whole, motors)
+    for names in _serial_sets(group, motors, free):
+        if _decide(whole, names):
+            made = _checked(mechanism.name, Linkage(group.alone, motors, names), options)
+            return Transmission(made.name, made.linkage, made.data, (*made.notes, *notes))
+    raise InputError(
+        f"{mechanism.name}: no serial way through the linkage of {', '.join(motors)} has joints "
+        f"that decide the motors; name them (--joints)"
+    )
+
+
+def _deciding(whole: Linkage, names: tuple[str, ...], free: int) -> tuple[str, ...]:
+    """The first `free` of the names that decide the motion together."""
+    chosen: list[str] = []
+    for name in names:
+        if len(chosen) < free and _rank(whole, [*chosen, name]) > len(chosen):
+            chosen.append(name)
+    return tuple(chosen)
+
+
+def _serial_sets(group: Group, motors: tuple[str, ...], free: int) -> Iterator[tuple[str, ...]]:
+    """Names of joints that may stand for a serial limb, the likeliest first."""
+    tried = 0
+    for more in range(_MORE):
+        for way in group.serial_ways(free + more):
+            sets = sorted(
+                combinations(way, free), key=lambda names: sum(n in motors for n in names)
+            )
+            for names in sets:
+                if set(names) != set(motors) and tried < _MOST_TRIED:
+                    tried += 1
+                    yield names
+
+
+def _rank(whole: Linkage, names: Sequence[str], *, at_reference: bool = False) -> int:
+    """How many freedoms coordinates decide: at generic configurations, or at the reference."""
+    values = whole.reference[None] if at_reference else whole.generic
+    tangents = whole.tangents(values)[0][:, whole.places_of(names)]
+    singular = np.linalg.svd(tangents, compute_uv=False)
+    return int(np.sum(singular > _DECIDED, axis=1).max(initial=0))
+
+
+def _decide(whole: Linkage, names: Sequence[str]) -> bool:
+    """Whether coordinates decide the motion, at the reference too."""
+    return all(_rank(whole, names, at_reference=at) == whole.mobility for at in (True, False))
+
+
+def _checked(robot: str, linkage: Linkage, options: dict[str, Any]) -> Transmission:
+    """The transmission of motors and joints. Raises InputError where these make none."""
+    motors, joints, free = linkage.motors, linkage.joints, linkage.mobility
+    if linkage.system.residual(linkage.reference, np.zeros(0)) > _OPEN * linkage.size:
+        raise InputError(
+            f"{robot}: its loops are open at the reference configuration; `symkin close` closes "
+            f"them"
+        )
+    _refuse_too_few(robot, linkage, motors)
+    if len(joints) != free:
+        raise InputError(
+            f"{robot}: {', '.join(joints)} are {len(joints)} joint(s), and the linkage of "
+            f"{', '.join(motors)} has {free} freedom(s); name as many joints as freedoms"
+        )
+    if _rank(linkage, joints) < free:
+        raise InputError(
+            f"{robot}: the joints {', '.join(joints)} do not decide the motors "
+            f"{', '.join(motors)}: some joints follow from others, and motions are left free"
+        )
+    for what, names in (("motors", motors), ("joints", joints)):
+        if _rank(linkage, names, at_reference=True) < free:
+            lost = States(linkage, linkage.reference[None]).lost(0)
+            raise InputError(
+                f"{robot}: the reference configuration is singular for the {what} "
+                f"{', '.join(names)}: {lost}; give another start (--start NAME=VALUE,...)"
+            )
+    notes: tuple[str, ...] = ()
+    if len(motors) > free:
+        notes = (
+            f"{len(motors)} motors drive {free} joint(s): of all torques of motors that hold a "
+            f"joint torque the least are told, and rates of motors must agree",
+        )
+    return Transmission(", ".join(joints), linkage, read_motors(motors, options), notes)
+
+
+def _refuse_too_few(robot: str, linkage: Linkage, motors: tuple[str, ...]) -> None:
+    free = linkage.mobility
+    left = free - _rank(linkage, motors)
+    if left > 0:
+        others = [
+            c.name
+            for c in linkage.problem.closure.coordinates
+            if c.name not in motors and c.kind != "quaternion" and c.role in ("actuated", "passive")
+        ]
+        binding: list[str] = []
+        for name in others:
+            if _rank(linkage, [*motors, *binding, name]) > free - left + len(binding):
+                binding.append(name)
+        raise InputError(
+            f"{robot}: the motors {', '.join(motors)} do not decide the joints: their linkage has "
+            f"{free} freedom(s), and {left} stay free; what would bind them: {', '.join(binding)}"
+        )
+
+
+def _check_names(mechanism: Mechanism, what: str, names: Sequence[str] | None) -> None:
+    if names is None:
+        return
+    if isinstance(names, str) or not names:
+        raise InputError(f"{what} = {names!r}; a list of names of coordinates is needed")
+    known = [c.name for c in mechanism.coordinates if c.kind != "quaternion"]
+    for name in names:
+        if name not in known:
+            raise InputError(unknown_name(mechanism, name, known, what))
+    twice = next((name for name in names if list(names).count(name) > 1), None)
+    if twice is not None:
+        raise InputError(f"{what}: {twice} stands there twice; once is enough")
