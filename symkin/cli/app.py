@@ -160,8 +160,8 @@ ENTRIES = (
         "Motors to joints: torques, ratios, range; array code.",
         (
             "symkin transmission g1_ankle.xml",
-            "symkin transmission ankle --motors upper_motor,lower_motor --torque-limits 90,90",
-            "symkin transmission g1_ankle.xml --at 0.2,-0.1 --json",
+            "symkin transmission ankle --motors upper_motor,lower_motor",
+            "symkin transmission g1_ankle.xml --torque-limits 90,90 --at 0.2,-0.1",
             "symkin transmission g1_ankle.xml -o generated --plot ankle.png",
         ),
     ),

@@ -28,10 +28,16 @@ class _Shape(NamedTuple):
 
 def written_once(write: Callable[..., Rows], *arguments: Any) -> Rows:
     """The rows that `write` makes of arguments: expressions, hashable values, and tuples and frozen
-    dataclasses of these.
+    dataclasses of these. Arguments that are not hashable, such as a pose that notes what it turns,
+    are written with as they are.
     """
     leaves: list[ca.SX] = []
-    relations, function = _written(write, _described(arguments, leaves))
+    described = _described(arguments, leaves)
+    try:
+        hash(described)
+    except TypeError:
+        return write(*arguments)
+    relations, function = _written(write, described)
     sizes = np.cumsum([0, *(size for _, *both in relations for size in both)]).tolist()
     whole = ca.vertsplit(function(*leaves)) if leaves else ca.vertsplit(function()["o0"])
     parts = [whole[a:b] for a, b in pairwise(sizes)]
