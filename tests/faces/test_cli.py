@@ -61,7 +61,7 @@ def test_what_computes_nothing_starts_without_numbers(word: str) -> None:
     command = [sys.executable, "-X", "importtime", "-m", "symkin", word]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     imported = [line.split()[-1] for line in done.stderr.splitlines()]
-    assert "symkin.cli.app" in imported
+    assert "typer" in imported
     assert not {"numpy", "casadi"} & set(imported)
 
 
