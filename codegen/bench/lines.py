@@ -105,8 +105,8 @@ class Lines:
         if isinstance(kind, SerialArm):
             joints, pose = kind.samples[0]
             return Starts(*(np.tile(v, (count, 1)) for v in (joints, pose, joints)))
-        # code may be of a motion that the mechanism's joints imply: its home is the reference then
-        alike = len(kind.home_values) == len(problem.closure.reference)
+        # code may be of another machine that the mechanism means: its home is the reference then
+        alike = kind.mechanism == problem.mechanism
         values = kind.home_values if alike else problem.closure.reference
         unknowns = problem.select_values(values, problem.system.unknowns)
         known = problem.select_values(values, problem.known_coordinates)

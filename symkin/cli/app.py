@@ -21,12 +21,14 @@ from symkin.cli.describe import list_, show
 from symkin.cli.firmware import firmware
 from symkin.cli.help import HELP_NAMES, Group, add_command
 from symkin.cli.jacobian import jacobian
+from symkin.cli.mode_graph import mode_graph
 from symkin.cli.options import Interrupted
 from symkin.cli.position import modes, solve
 from symkin.cli.singularities import singularities
 from symkin.cli.streams import prepare_streams, say, silence
 from symkin.cli.sweep import sweep
 from symkin.cli.track import track
+from symkin.cli.transmission import transmission
 from symkin.cli.view import view
 from symkin.errors import NoConfigurationError, SymkinError
 
@@ -178,6 +180,16 @@ add_command(
 )
 add_command(
     app,
+    mode_graph,
+    "Which modes connect without a singularity.",
+    [
+        "symkin mode-graph zhao2000 --over theta1=70:90,op=100:110 --points 3",
+        "symkin mode-graph four_bar --over crank=0:350 --plot sheets.png",
+    ],
+    group=_VELOCITIES,
+)
+add_command(
+    app,
     jacobian,
     "A symbolic Jacobian for CasADi, C, NumPy, SymPy, LaTeX.",
     [
@@ -185,6 +197,18 @@ add_command(
         "symkin jacobian ankle --of ankle.1 --by upper_motor,lower_motor --format c",
     ],
     group=_VELOCITIES,
+)
+add_command(
+    app,
+    transmission,
+    "Motors to joints: torques, ratios, range; array code.",
+    [
+        "symkin transmission g1_ankle.xml",
+        "symkin transmission ankle --motors upper_motor,lower_motor --torque-limits 90,90",
+        "symkin transmission g1_ankle.xml --at 0.2,-0.1 --json",
+        "symkin transmission g1_ankle.xml -o generated --plot ankle.png",
+    ],
+    group=_MACHINE,
 )
 add_command(
     app,

@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snap, snapped_expression
-from symkin.codegen.circles import by_numbers, number_counts, numbers_of
 from symkin.codegen.newton_kernel import Kernel, Meaning, bent_places, listed
+from symkin.codegen.text.angles import by_numbers, number_counts, numbers_of
 from symkin.elimination.polynomial import Monomial, Polynomial, Ring
 from symkin.elimination.rows import NotPolynomialError, polynomial_rows
 from symkin.model.joint import Coordinate

@@ -7,21 +7,14 @@ group's formulas read the numbers of those before it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
+from symkin.closure.angle_sums import AngleSum, turned
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.circles import (
-    AngleSum,
-    Numbers,
-    by_numbers,
-    number_counts,
-    numbers_of,
-    of_circle,
-)
 from symkin.codegen.condition_bends import (
     ConditionBend,
     condition_bend,
@@ -32,6 +25,13 @@ from symkin.codegen.condition_bends import (
 from symkin.codegen.formula_guards import free_divisors
 from symkin.codegen.joint_map import Direction, JointMap, Part
 from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.text.angles import (
+    Numbers,
+    by_numbers,
+    number_counts,
+    numbers_of,
+    of_circle,
+)
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
@@ -224,20 +224,30 @@ class ClosedDirection:
         return ca.Function("f", [values], [self._put_in(expression, values)])
 
     def _put_in(self, expression: ca.SX, values: ca.SX) -> ca.SX:
-        roots = [c for c in self._solved[1] if c.root is not None]
-        for one in reversed(roots):
-            expression = ca.substitute(expression, one.root, ca.sqrt(ca.fmax(one.value, 0)))
-        signs = self._signs_known
-        expression = (
+        signs = self.reference_signs
+        expression = self.with_roots(expression, values, lambda d: ca.sqrt(ca.fmax(d, 0)))
+        return (
             ca.substitute(expression, self.signs, ca.SX(ca.DM(signs))) if len(signs) else expression
         )
+
+    def with_roots(
+        self, expression: ca.SX, values: ca.SX, root: Callable[[ca.SX], ca.SX] = ca.sqrt
+    ) -> ca.SX:
+        """An expression of the known numbers, signs and roots over the known `values` and signs."""
+        for one in reversed([c for c in self._solved[1] if c.root is not None]):
+            expression = ca.substitute(expression, one.root, root(one.value))
         numbers = []
         for k, c in enumerate(self.direction.known):
             numbers += [ca.cos(values[k]), ca.sin(values[k])] if c.kind == "angle" else [values[k]]
         return ca.substitute(expression, self.known, ca.vertcat(*numbers))
 
+    @property
+    def numbers(self) -> dict[str, list[Numbers]]:
+        """The numbers of every coordinate over the known numbers, signs and roots."""
+        return self._solved[0]
+
     @cached_property
-    def _signs_known(self) -> np.ndarray:
+    def reference_signs(self) -> np.ndarray:
         """The reference's sign of each choice."""
         found = []
         for part in self.direction.parts:
@@ -351,7 +361,8 @@ class ClosedDirection:
             "least_part": literal(1.0 / 1024.0),
             "sides": indent(self._begin_sides),
             "sides_of_end": indent([f"end[{j}] *= side{j};" for j in self.divisors], 2),
-            "home_signs": ", ".join(literal(float(s)) for s in self._signs_known) or literal(1.0),
+            "home_signs": ", ".join(literal(float(s)) for s in self.reference_signs)
+            or literal(1.0),
         }
 
     @property
@@ -558,12 +569,9 @@ def _coupled(total: AngleSum, read: list[Numbers]) -> Numbers:
     factors = {place: -factor / own for place, factor in total.factors.items() if place != (0, 0)}
     shift = -total.offset / own
     value = sum((factor * read[k].value for (_, k), factor in factors.items()), shift)
-    cosine, sine = ca.cos(shift), ca.sin(shift)
+    circle = ca.cos(shift), ca.sin(shift)
     for (_, k), factor in factors.items():
-        c, s = read[k].cosine, read[k].sine
-        if c is None or s is None or factor != round(factor):
+        if read[k].cosine is None or factor != round(factor):
             return Numbers(value, ca.cos(value), ca.sin(value))
-        s = s if factor > 0 else -s
-        for _ in range(abs(round(factor))):
-            cosine, sine = cosine * c - sine * s, sine * c + cosine * s
-    return Numbers(value, cosine, sine)
+        circle = turned(circle, read[k].circle(), factor)
+    return Numbers(value, *circle)

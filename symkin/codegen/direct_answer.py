@@ -69,9 +69,7 @@ class AnswerText:
             (made.closure.variables[made.closure.slices[c.name]], c.name)
             for c in made.closure.role("pose")
         ]
-        pose = made.geometry.of(
-            ca.vertcat(made.closure.pose.position, made.closure.pose.quaternion)
-        )
+        pose = made.geometry.pose
         return (
             self._distinct(rows),
             ca.vertcat(*sides),

@@ -15,6 +15,7 @@ import numpy as np
 
 from symkin._version import __version__
 from symkin.codegen.cpp_header import cpp_text
+from symkin.codegen.described import check_description
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.linuxcnc import linuxcnc_text
@@ -38,7 +39,7 @@ from symkin.files.written_files import (
     read_manifest,
     refuse_foreign,
 )
-from symkin.model.arm import with_limbs
+from symkin.model.arm import arm_of
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.verb import verb
 
@@ -88,12 +89,6 @@ def write_firmware(
     chosen = Options(
         real, home_relative, geometry, pose, tuple(given), tuple(find), tuple(also), compact
     )
-    if not chosen.is_map:
-        remedy = (
-            "describe the machine by limbs, or map joints to joints by --given and --find (given "
-            "and find in Python)"
-        )
-        mechanism = with_limbs(mechanism, "firmware", remedy)
     return write_folder(mechanism, Path(directory), chosen)
 
 
@@ -106,6 +101,8 @@ def write_folder(
     Raises InputError where that would replace a file that is not symkin's, is another mechanism's,
     or was edited, and where a compiler finds that the code fails its own test.
     """
+    if not options.is_map and mechanism.is_graph:
+        mechanism = arm_of(mechanism) or mechanism
     check_folder(mechanism, folder)
     files = folder_files(mechanism, options, measured)
     run_own_test(mechanism.name, files)
@@ -152,7 +149,9 @@ def folder_files(
     program = build_program(mechanism, options, measured)
     kind = program.kind
     vectors = MapVectors(kind) if isinstance(kind, JointMap) else build_vectors(kind)
-    name = mechanism.name
+    if not isinstance(vectors, MapVectors):
+        check_description(program, vectors)
+    name = program.mechanism.name
     values = program.values | _test_values(program)
     values |= _closed_values(program, values)
     templates = program.kind.templates
@@ -168,7 +167,7 @@ def folder_files(
         "Makefile": fill("Makefile", values),
         "README.md": readme(program),
     }
-    files |= package_files(mechanism, values) if options.package else {}
+    files |= package_files(program.mechanism, values) if options.package else {}
     if options.linuxcnc and not isinstance(vectors, MapVectors):
         files[f"{name}_kins.c"] = linuxcnc_text(program, vectors.home)
     files |= {f"{name}.hpp": cpp_text(program)} if options.cpp else {}

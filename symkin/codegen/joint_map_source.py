@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.circles import number_counts, numbers_at
 from symkin.codegen.closed_direction import ClosedDirection
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.home_sheet import HomeSheet, home_sheet
@@ -21,6 +20,7 @@ from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature
 from symkin.codegen.newton_source import NewtonCode, tolerance_of
 from symkin.codegen.passive_limits import limit_lines
+from symkin.codegen.text.angles import number_counts, numbers_at
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import common_values, copy, farthest, fill
 from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine

@@ -222,7 +222,7 @@ def _branch(program: Program) -> str:
             direct_by_formulas(
                 kind,
                 kind.direct_formulas,
-                implied=kind.mechanism.motion != program.described.motion,
+                implied=kind.mechanism.motion != program.lowered.motion,
             )
         )
     if isinstance(kind, SerialArm) and kind.follows_closed_form:

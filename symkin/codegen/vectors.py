@@ -185,7 +185,9 @@ def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
         bound = _bound(real, size, condition, tolerance)
         rows.append((given, guess, target, inverse, bound))
         if number < JACOBIANS:
-            jacobians.append(_tidy(rates(closure, values), size).ravel())
+            own = rates(closure, values)
+            told = kind.told_rates(own) if isinstance(kind, LimbPlatform) else own
+            jacobians.append(_tidy(told, size).ravel())
     here = rounded_to(real, _tidy(kind.stated(pose_of(closure, home)), seven))
     return rows, jacobians, here, kind.singular_starts
 

@@ -45,6 +45,8 @@ _FIGURES = {
     "SolveResult": ("modes_plot", "figure_of_solve"),
     "Swept": ("sweep_plot", "figure_of_sweep"),
     "Track": ("track_plot", "figure_of_track"),
+    "Transmission": ("transmission_plot", "figure_of_transmission"),
+    "Transmissions": ("transmission_plot", "figure_of_transmissions"),
 }
 """Module and function that draw a result, by the name of its type: the picture of one needs no
 import of the others.

@@ -63,6 +63,9 @@ class Group:
             link_points=(),
             link_meshes=(),
             platform_link=None,
+            platform_position=(0.0, 0.0, 0.0),
+            platform_quaternion=(1.0, 0.0, 0.0, 0.0),
+            motion="spatial",
             example=None,
         )
 

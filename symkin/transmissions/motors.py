@@ -71,8 +71,8 @@ def _read(key: str, names: tuple[str, ...], told: Any) -> np.ndarray:
         numbers = np.asarray(told, dtype=float)
     except (TypeError, ValueError):
         raise InputError(f"{key} = {shown(told)}; numbers are needed") from None
-    if numbers.ndim == 0:
-        numbers = np.full(len(names), float(numbers))
+    if numbers.size == 1:
+        numbers = np.full(len(names), float(numbers.item()))
     pairs = numbers if numbers.ndim == 2 else np.stack([-numbers, numbers], axis=-1)
     if pairs.shape != (len(names), 2) or not np.isfinite(pairs).all():
         raise InputError(

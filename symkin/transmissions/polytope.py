@@ -22,6 +22,12 @@ def zonotope(generators: np.ndarray, middle: np.ndarray) -> np.ndarray:
     return _around(middle + _unique(_corners(generators)))
 
 
+def torque_vertices(slopes: np.ndarray, limits: np.ndarray) -> np.ndarray:
+    """Vertices (k, n) of G^T tau for G = `slopes` (m, n) and tau within limits (m, 2)."""
+    low, high = limits.T
+    return zonotope(slopes * (0.5 * (high - low))[:, None], 0.5 * (high + low) @ slopes)
+
+
 def facets(generators: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Normals d (f, n) of half of a zonotope's facets and their heights (f,): |d x| <= h, each of
     the other half being opposite to one of these.

@@ -16,7 +16,7 @@ from symkin.result import Summary
 from symkin.transmissions.lines import follow_lines
 from symkin.transmissions.linkage import Linkage
 from symkin.transmissions.motors import Motors
-from symkin.transmissions.polytope import facets
+from symkin.transmissions.polytope import facets, torque_vertices
 from symkin.transmissions.states import States, direction
 
 _COUNTS = {1: 201, 2: 33, 3: 9}
@@ -27,6 +27,8 @@ _WIDEST = 2.0 * np.pi
 _ABOUT = 1.0
 """Radians, and sizes, on both sides of the reference where no limits say how far to look."""
 _HALVINGS = 40
+_SAME = 1e-6
+"""Radians, and sizes, by which one configuration is found again."""
 
 
 @dataclass(frozen=True)
@@ -53,9 +55,10 @@ class Survey:
     """Samples of a transmission within all limits: configurations of the reference's mode, at
     which nothing is singular. Angles are in radians.
 
-    `ends` are the two ends of each joint's range. `alone` is the largest torque of each joint
-    (samples, n) in the weaker of its two directions while the others give none, `together` the
-    largest that it gives while others may give any; `rates` the largest rate of each alone.
+    The first sample is the reference. `ends` are the two ends of each joint's range. `alone` is
+    the largest torque of each joint (samples, n) in the weaker of its two directions while the
+    others give none, `together` the largest that it gives while others may give any; `rates` the
+    largest rate of each alone.
     """
 
     states: States
@@ -133,6 +136,10 @@ class Survey:
         at = tuple(self.states.joints[row].tolist())
         return Extreme(float(found[row, k]), at, names[k]), direction(self.linkage.joints, way)
 
+    def torques_at(self, row: int) -> np.ndarray:
+        """The vertices of all joint torques at a sample."""
+        return torque_vertices(self.states.inverse_jacobian[row], self.data.torque_limits)
+
     def smallest(self, joint: int) -> Extreme:
         """The smallest torque of a joint alone over the range."""
         return self._extreme(joint, int(np.argmin(self.alone[:, joint])))
@@ -154,14 +161,15 @@ class Survey:
 
     def summary(self, name: str, notes: Sequence[str]) -> Summary:
         """The table: ranges and torques of each joint; what holds of all of them below."""
-        linkage, out = self.linkage, self._out
-        header = ["joint", "from", "to", "torque alone", "to", "with others", "rate", "to"]
+        linkage, out = self.linkage, self.out
+        header = ["joint", "from", "to", "torque", "least", "most", "with others", "rate", "to"]
         rows, below = [], []
         for i, joint in enumerate(linkage.joints):
             low, high = self.ends[i]
             small, large = self.smallest(i), self.largest(i)
             rates = self.rates[:, i]
             numbers = [
+                self.alone[0, i],
                 small.value,
                 large.value,
                 self.together[:, i].max(),
@@ -200,7 +208,8 @@ class Survey:
         above = [
             f"{name}, driven by {', '.join(linkage.motors)}: {len(self.states.w)} configurations "
             f"within limits, {units}",
-            "torque alone: of one joint, in its weaker direction, the others giving none",
+            "torque and rate: of one joint alone, in its weaker direction, at the reference, at "
+            "least and at most; with others: at most, where they give any",
         ]
         return Summary(
             above, header, rows, [*below, *(f"note: {n}" for n in (*notes, *self.data.notes))]
@@ -211,15 +220,16 @@ class Survey:
         linkage, ratios = self.linkage, self.states.inverse_jacobian
         joints = {}
         for i, name in enumerate(linkage.joints):
-            ends = [{"value": self._out(i, e.value), "by": e.by} for e in self.ends[i]]
+            ends = [{"value": self.out(i, e.value), "by": e.by} for e in self.ends[i]]
             joints[name] = {
                 "from": ends[0],
                 "to": ends[1],
+                "torque_at_reference": float(self.alone[0, i]),
                 "smallest_torque": self._told(self.smallest(i)),
                 "largest_torque": self._told(self.largest(i)),
                 "largest_torque_with_others": float(self.together[:, i].max()),
                 "rate": [float(self.rates[:, i].min()), float(self.rates[:, i].max())],
-                "backlash": None if self.backlash is None else self._out(i, self.backlash[i]),
+                "backlash": None if self.backlash is None else self.out(i, self.backlash[i]),
             }
         weakest = None
         if self.weakest is not None:
@@ -238,37 +248,52 @@ class Survey:
         }
 
     def _told(self, one: Extreme) -> dict[str, Any]:
-        at = {n: self._out(i, one.at[i]) for i, n in enumerate(self.linkage.joints)}
+        at = {n: self.out(i, one.at[i]) for i, n in enumerate(self.linkage.joints)}
         return {"value": one.value, "at": at, "by": one.by}
 
     def _place(self, one: Extreme) -> str:
         return ", ".join(
-            f"{n} = {self._out(i, one.at[i]):.3g}" for i, n in enumerate(self.linkage.joints)
+            f"{n} = {self.out(i, one.at[i]):.3g}" for i, n in enumerate(self.linkage.joints)
         )
 
-    def _out(self, joint: int, value: float) -> float:
+    def out(self, joint: int, value: float) -> float:
+        """A joint's value in the mechanism's unit."""
         mechanism = self.linkage.mechanism
         return mechanism.angle_out(value) if self._joints[joint].is_angular else float(value)
 
 
 def survey(linkage: Linkage, data: Motors) -> Survey:
-    """Sample the range: the motors' where they all have limits, else the joints', else about the
-    reference; what is within all limits and regular is kept.
+    """Sample the range: the joints' where they all have limits, else the motors', else about the
+    reference; what is within all limits, regular, and reached from the reference by motors and by
+    joints alike is kept.
     """
     names, goals = _goals(linkage)
-    w = _followed(linkage, names, goals)
-    within = (linkage.beyond_limits(w) <= 0.0).all(axis=1)
-    states = States(linkage, np.vstack([linkage.reference[None], w[within]]))
+    w, shares = _from_reference(linkage, names, goals)
+    w = w[(shares >= 1.0) & (linkage.beyond_limits(w) <= 0.0).all(axis=1)]
+    others = linkage.joints if names == linkage.motors else linkage.motors
+    if len(linkage.motors) == linkage.mobility:
+        w = w[_is_led_back(linkage, w, others)]
+    states = States(linkage, np.vstack([linkage.reference[None], w]))
     regular = np.isfinite(states.inverse_jacobian).all(axis=(1, 2))
     regular &= np.isfinite(states.jacobian).all(axis=(1, 2))
     kept = States(linkage, states.w[regular])
     return Survey(kept, data, _ends(linkage, kept))
 
 
+def _is_led_back(linkage: Linkage, w: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+    """Whether the values of these coordinates lead to the configurations as well (n,): beyond a
+    dead centre of a motor the joints are those of another one, and no map from joints reaches this.
+    """
+    back, shares = _from_reference(linkage, names, w[:, linkage.places_of(names)])
+    off = np.abs((back - w) / linkage.units).max(axis=1, initial=0.0)
+    return np.asarray((shares >= 1.0) & (off < _SAME))
+
+
 def _goals(linkage: Linkage) -> tuple[tuple[str, ...], np.ndarray]:
     """Names and a grid of values (k, names) that are looked at."""
-    names = linkage.motors if len(linkage.motors) == linkage.mobility else linkage.joints
-    for chosen in (names, linkage.joints):
+    is_square = len(linkage.motors) == linkage.mobility
+    names = linkage.motors if is_square else linkage.joints
+    for chosen in (linkage.joints, names):
         coordinates = linkage.coordinates_of(chosen)
         spans = [_span(c) for c in coordinates]
         if None not in spans:
@@ -293,11 +318,11 @@ def _span(c: Coordinate) -> tuple[float, float] | None:
     return None if wide else c.limits
 
 
-def _followed(linkage: Linkage, names: tuple[str, ...], goals: np.ndarray) -> np.ndarray:
-    """Configurations (k, width) of the goals that the reference's mode reaches."""
-    starts = np.tile(linkage.reference, (len(goals), 1))
-    w, shares = _moved(linkage, names, starts, goals)
-    return w[shares >= 1.0]
+def _from_reference(
+    linkage: Linkage, names: tuple[str, ...], goals: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Configurations (k, width) of goals on the reference's mode, as `_moved` finds them."""
+    return _moved(linkage, names, np.tile(linkage.reference, (len(goals), 1)), goals)
 
 
 def _moved(
@@ -316,7 +341,9 @@ def _moved(
 
 
 def _ends(linkage: Linkage, states: States) -> tuple[tuple[End, End], ...]:
-    """Where each joint's range ends: from the outermost sample on along this joint alone."""
+    """Where each joint's range ends: from the outermost sample on along this joint alone, up to a
+    singularity, or to the first limit before it, found by halving.
+    """
     joints, n = states.joints, len(linkage.joints)
     rows = [k for i in range(n) for k in (joints[:, i].argmin(), joints[:, i].argmax())]
     starts = states.w[rows]
@@ -325,24 +352,25 @@ def _ends(linkage: Linkage, states: States) -> tuple[tuple[End, End], ...]:
     ways = np.zeros((2 * n, n))
     for k in range(2 * n):
         ways[k, k // 2] = reach[k // 2] * (1.0 if k % 2 else -1.0)
-    low, high = np.zeros(2 * n), np.ones(2 * n)
-    beyond = np.full(2 * n, -1)
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        w, shares = _moved(linkage, linkage.joints, starts, begin + middle[:, None] * ways)
-        over = linkage.beyond_limits(w)
-        out = (over > 0.0).any(axis=1)
-        fine = (shares >= 1.0) & ~out
-        if linkage.limited:
-            beyond = np.where(fine, beyond, np.where(out, over.argmax(axis=1), -1))
-        low, high = np.where(fine, middle, low), np.where(fine, high, middle)
+    final, shares = _moved(linkage, linkage.joints, starts, begin + ways)
+    low, high = np.zeros(2 * n), shares.copy()
+    over = linkage.beyond_limits(final)
+    stopped = np.asarray((over > 0.0).any(axis=1))
+    for _ in range(_HALVINGS if stopped.any() else 0):
+        middle = np.where(stopped, 0.5 * (low + high), high)
+        w, _ = _moved(linkage, linkage.joints, starts, begin + middle[:, None] * ways)
+        here = linkage.beyond_limits(w)
+        out = np.asarray((here > 0.0).any(axis=1))
+        over[out] = here[out]
+        starts = np.where(out[:, None], starts, w)
+        low, high = np.where(out, low, middle), np.where(out, middle, high)
+    low = np.where(stopped, low, shares)
     values = begin + low[:, None] * ways
     told = []
     for k in range(2 * n):
-        open_end = high[k] == 1.0
-        by = "the end of what was looked at" if open_end else "a singularity"
-        if not open_end and beyond[k] >= 0:
-            by = f"the limit of {linkage.limited[beyond[k]].name}"
+        by = "a singularity" if shares[k] < 1.0 else "the end of what was looked at"
+        if stopped[k]:
+            by = f"the limit of {linkage.limited[over[k].argmax()].name}"
         told.append(End(float(values[k, k // 2]), by))
     return tuple((told[2 * i], told[2 * i + 1]) for i in range(n))
 

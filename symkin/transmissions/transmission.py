@@ -10,9 +10,13 @@ from typing import Any, overload
 
 import numpy as np
 
+from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.given_by_name import unknown_name
+from symkin.position.given_by_name import Values, unknown_name
+from symkin.position.moved_reference import with_reference_at
+from symkin.position.solution import Solution
+from symkin.position.solve import solve
 from symkin.text import first_of
 from symkin.transmissions.found import Group, group_with, groups_of, with_ranges
 from symkin.transmissions.linkage import Linkage
@@ -42,6 +46,7 @@ def transmission(
     speed_limits: Any = None,
     resolution: Any = None,
     ranges: Mapping[str, Sequence[float]] | None = None,
+    start: Solution | Values | None = None,
 ) -> Transmissions: ...
 @overload
 def transmission(
@@ -54,6 +59,7 @@ def transmission(
     speed_limits: Any = None,
     resolution: Any = None,
     ranges: Mapping[str, Sequence[float]] | None = None,
+    start: Solution | Values | None = None,
 ) -> Transmission: ...
 @verb
 def transmission(
@@ -66,6 +72,7 @@ def transmission(
     speed_limits: Any = None,
     resolution: Any = None,
     ranges: Mapping[str, Sequence[float]] | None = None,
+    start: Solution | Values | None = None,
 ) -> Transmission | Transmissions:
     """The exact map between motors and the joints that they drive by a closed linkage.
 
@@ -74,8 +81,9 @@ def transmission(
     without both every linkage of a robot is found, and a `Transmissions` returned. `inertia` (of a
     motor), `torque_limits`, `speed_limits` and `resolution` are numbers, one for each motor or one
     for all; limits may be pairs (low, high). `ranges` are limits of coordinates, (low, high) by
-    name, in place of the file's. Raises InputError where motors do not decide the joints, or joints
-    the motors.
+    name, in place of the file's. `start`, a solution of `modes` or `solve` or values by name near
+    the reference, is taken in the reference's place: its mode is that which is followed. Raises
+    InputError where motors do not decide the joints, or joints the motors.
 
         >>> import symkin
         >>> linkage = symkin.load("four_bar")
@@ -84,7 +92,7 @@ def transmission(
         ((1, 1), (1, 1, 1))
     """
     require_mechanism(mechanism)
-    mechanism = with_ranges(mechanism, ranges or {})
+    mechanism = with_ranges(_begun(mechanism, start), ranges or {})
     options = {
         "inertia": inertia,
         "torque_limits": torque_limits,
@@ -113,6 +121,18 @@ def transmission(
 
 
 # --- what is found, and what cannot be ------------------------------------------------------------
+
+
+def _begun(mechanism: Mechanism, start: Solution | Values | None) -> Mechanism:
+    """The mechanism with another reference."""
+    if start is None:
+        return mechanism
+    if not isinstance(start, Solution):
+        start = solve(mechanism, given=start).solution
+    if start is None or start.mechanism != mechanism:
+        raise InputError(f"start: the solution is none of {mechanism.name}")
+    closure = build_closure(mechanism, start.partition)
+    return with_reference_at(closure, start.variables)
 
 
 def _all(mechanism: Mechanism, options: dict[str, Any]) -> Transmissions:
@@ -219,7 +239,7 @@ def _checked(robot: str, linkage: Linkage, options: dict[str, Any]) -> Transmiss
             lost = States(linkage, linkage.reference[None]).lost(0)
             raise InputError(
                 f"{robot}: the reference configuration is singular for the {what} "
-                f"{', '.join(names)}: {lost}; give the file another reference"
+                f"{', '.join(names)}: {lost}; give another start (--start NAME=VALUE,...)"
             )
     notes: tuple[str, ...] = ()
     if len(motors) > free:

@@ -19,7 +19,7 @@ from symkin.text import shown
 from symkin.transmissions.lines import follow_lines
 from symkin.transmissions.linkage import Linkage
 from symkin.transmissions.motors import Motors, read_motors
-from symkin.transmissions.polytope import between_planes, zonotope
+from symkin.transmissions.polytope import between_planes, torque_vertices
 from symkin.transmissions.states import States
 from symkin.transmissions.survey import Survey, survey
 
@@ -160,8 +160,7 @@ class Transmission(Result):
             raise SolveError(f"{self.name}: singular there; {states.lost(0)}")
         if kind == "speed":
             return between_planes(g, *own.T)
-        low, high = own.T
-        return zonotope(g * (0.5 * (high - low))[:, None], 0.5 * (high + low) @ g)
+        return torque_vertices(g, own)
 
     # --- the whole range --------------------------------------------------------------------------
 

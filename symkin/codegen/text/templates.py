@@ -68,6 +68,9 @@ def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
         "huge": "HUGE_VALF" if real.name == "float" else "HUGE_VAL",
         "least_norm": real.literal(0.98),
         "most_norm": real.literal(1.0201),
+        "static_own": "",
+        "jacobian": f"{name}_jacobian",
+        "twist": f"{name}_twist",
     }
 
 
