@@ -259,10 +259,18 @@ def _matrices(function, m, j, shape, xp):
     return xp.reshape(found, (*found.shape[:-1], *shape))
 
 
+def _kept(values, xp):
+    """The same values: a product with 1 that compilers do not melt into what reads it, so that they
+    compute it once.
+    """
+    return xp.matmul(values, xp.eye(values.shape[-1]))
+
+
 def _system(function, m, j, xp):
     """The rows and their derivatives."""
     n = len(MOTORS)
-    found = _matrices(function, m, j, (n, n + 1), xp)
+    found = _kept(_matrices(function, m, j, (n * (n + 1),), xp), xp)
+    found = xp.reshape(found, (*found.shape[:-1], n, n + 1))
     return found[..., :1], found[..., 1:]
 
 
@@ -315,7 +323,8 @@ def {found}({given}, guess=None, xp=numpy):
     """
     known, fitted = xp.asarray({given}), guess is None
     columns = _columns(known, xp)
-    start = xp.stack(_{found}_start(xp, *columns), axis=-1) if fitted else xp.asarray(guess)
+    start = xp.asarray(guess) if not fitted else xp.stack(_{found}_start(xp, *columns), axis=-1)
+    start = _kept(start, xp)
     found = start
     for _ in range({steps} if fitted else {steps} + 4):
         rows, slopes = _system(_by_{found}, {values_found}, xp)
