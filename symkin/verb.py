@@ -83,6 +83,10 @@ def _text(value: Any) -> Any:
     return value
 
 
+def _text_or_list(value: Any) -> Any:
+    return value if isinstance(value, str) else list(value)
+
+
 def _path(value: Any) -> Any:
     if not isinstance(os.fspath(value), str):
         raise TypeError("no path of text")
@@ -94,6 +98,8 @@ _READ: dict[str, tuple[str, Callable[[Any], Any]]] = {
     "int": ("a whole number", _whole),
     "float": ("a number", real),
     "str": ("a text", _text),
+    "str | Sequence[str]": ("a text or a list of texts", _text_or_list),
+    "str | Sequence[int]": ("a text or a list of whole numbers", _text_or_list),
     "str | Path": ("a path or a name", _path),
     "Path | str": ("a path", _path),
 }

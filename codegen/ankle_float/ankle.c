@@ -2047,12 +2047,12 @@ ankle_status ankle_track_inverse(const ankle_real found[2], ankle_real joints[2]
 }
 
 /* Copies results that are finite. */
-static ANKLE_SHARED ankle_status ankle_give(const ankle_real result[2], ankle_real given[2])
+static ANKLE_SHARED ankle_status ankle_give(const ankle_real *result, ankle_real *given, int count)
 {
-    const ankle_status status = (ankle_check_finite(result, 2,
+    const ankle_status status = (ankle_check_finite(result, count,
         ANKLE_OK) == ANKLE_OK) ? ANKLE_OK : ANKLE_OUT_OF_RANGE;
     if (status == ANKLE_OK) {
-        for (int i = 0; i < 2; ++i) {
+        for (int i = 0; i < count; ++i) {
             given[i] = result[i];
         }
     }
@@ -2150,16 +2150,625 @@ ankle_status ankle_jacobian(const ankle_real joints[2], const ankle_real found[2
     return status;
 }
 
+/* Derivatives of the rows by the found values, row by row. */
+static void ankle_found_columns(const ankle_inverse_work *w, ankle_real sides[4])
+{
+    (void)w;
+    const ankle_real t0 = -50.0f * w->k[0];
+    const ankle_real t1 = 20.0f * w->k[2];
+    const ankle_real t2 = 35.0f * w->k[3];
+    const ankle_real t3 = t1 + t2;
+    const ankle_real t4 = w->k[1] * t3;
+    const ankle_real t5 = t0 + t4;
+    const ankle_real t6 = -45.0f * w->x[0];
+    const ankle_real t7 = 5.0f * w->x[1];
+    const ankle_real t8 = t6 + t7;
+    const ankle_real t9 = t5 - t8;
+    const ankle_real t10 = -100.0f * t9;
+    const ankle_real t11 = w->k[0] * t3;
+    const ankle_real t12 = 50.0f * w->k[1];
+    const ankle_real t13 = t11 + t12;
+    const ankle_real t14 = 5.0f * w->x[0];
+    const ankle_real t15 = 45.0f * w->x[1];
+    const ankle_real t16 = t14 + t15;
+    const ankle_real t17 = t16 + 250.0f;
+    const ankle_real t18 = t13 - t17;
+    const ankle_real t19 = t18 + t18;
+    const ankle_real t20 = t19 * t3;
+    const ankle_real t21 = t10 + t20;
+    const ankle_real t22 = 0.0019083136f * t21;
+    const ankle_real t23 = t22 * w->k[1];
+    const ankle_real t24 = t9 + t9;
+    const ankle_real t25 = t24 * t3;
+    const ankle_real t26 = 100.0f * t18;
+    const ankle_real t27 = t25 + t26;
+    const ankle_real t28 = 0.0019083136f * t27;
+    const ankle_real t29 = t28 * w->k[0];
+    const ankle_real t30 = t23 - t29;
+    const ankle_real t31 = 20.0f * w->k[1];
+    const ankle_real t32 = t24 * t31;
+    const ankle_real t33 = 35.0f * w->k[2];
+    const ankle_real t34 = -20.0f * w->k[3];
+    const ankle_real t35 = t33 + t34;
+    const ankle_real t36 = w->k[0] * t35;
+    const ankle_real t37 = 1.0f - w->k[0];
+    const ankle_real t38 = t37 * t35;
+    const ankle_real t39 = t36 + t38;
+    const ankle_real t40 = t39 - 40.0f;
+    const ankle_real t41 = 70.0f * t40;
+    const ankle_real t42 = t32 + t41;
+    const ankle_real t43 = 20.0f * w->k[0];
+    const ankle_real t44 = t19 * t43;
+    const ankle_real t45 = t42 + t44;
+    const ankle_real t46 = 0.0019083136f * t45;
+    const ankle_real t47 = t46 * w->k[3];
+    const ankle_real t48 = 35.0f * w->k[1];
+    const ankle_real t49 = t24 * t48;
+    const ankle_real t50 = -40.0f * t40;
+    const ankle_real t51 = t49 + t50;
+    const ankle_real t52 = 35.0f * w->k[0];
+    const ankle_real t53 = t19 * t52;
+    const ankle_real t54 = t51 + t53;
+    const ankle_real t55 = 0.0019083136f * t54;
+    const ankle_real t56 = t55 * w->k[2];
+    const ankle_real t57 = t47 - t56;
+    const ankle_real t58 = -35.0f * w->k[3];
+    const ankle_real t59 = t1 + t58;
+    const ankle_real t60 = w->k[1] * t59;
+    const ankle_real t61 = t0 + t60;
+    const ankle_real t62 = -45.0f * w->x[2];
+    const ankle_real t63 = 5.0f * w->x[3];
+    const ankle_real t64 = t62 + t63;
+    const ankle_real t65 = t61 - t64;
+    const ankle_real t66 = -100.0f * t65;
+    const ankle_real t67 = w->k[0] * t59;
+    const ankle_real t68 = t67 + t12;
+    const ankle_real t69 = 5.0f * w->x[2];
+    const ankle_real t70 = 45.0f * w->x[3];
+    const ankle_real t71 = t69 + t70;
+    const ankle_real t72 = t71 + 180.0f;
+    const ankle_real t73 = t68 - t72;
+    const ankle_real t74 = t73 + t73;
+    const ankle_real t75 = t74 * t59;
+    const ankle_real t76 = t66 + t75;
+    const ankle_real t77 = 0.0019083136f * t76;
+    const ankle_real t78 = t77 * w->k[1];
+    const ankle_real t79 = t65 + t65;
+    const ankle_real t80 = t79 * t59;
+    const ankle_real t81 = 100.0f * t73;
+    const ankle_real t82 = t80 + t81;
+    const ankle_real t83 = 0.0019083136f * t82;
+    const ankle_real t84 = t83 * w->k[0];
+    const ankle_real t85 = t78 - t84;
+    const ankle_real t86 = t79 * t31;
+    const ankle_real t87 = -35.0f * w->k[2];
+    const ankle_real t88 = t87 + t34;
+    const ankle_real t89 = w->k[0] * t88;
+    const ankle_real t90 = t37 * t88;
+    const ankle_real t91 = t89 + t90;
+    const ankle_real t92 = t91 + 40.0f;
+    const ankle_real t93 = -70.0f * t92;
+    const ankle_real t94 = t86 + t93;
+    const ankle_real t95 = t74 * t43;
+    const ankle_real t96 = t94 + t95;
+    const ankle_real t97 = 0.0019083136f * t96;
+    const ankle_real t98 = t97 * w->k[3];
+    const ankle_real t99 = -35.0f * w->k[1];
+    const ankle_real t100 = t79 * t99;
+    const ankle_real t101 = -40.0f * t92;
+    const ankle_real t102 = t100 + t101;
+    const ankle_real t103 = -35.0f * w->k[0];
+    const ankle_real t104 = t74 * t103;
+    const ankle_real t105 = t102 + t104;
+    const ankle_real t106 = 0.0019083136f * t105;
+    const ankle_real t107 = t106 * w->k[2];
+    const ankle_real t108 = t98 - t107;
+    sides[0] = t30;
+    sides[1] = t57;
+    sides[2] = t85;
+    sides[3] = t108;
+}
+
+/* Rates of the joints by those of the found coordinates. */
+ankle_status ankle_inverse_jacobian(const ankle_real joints[2], const ankle_real found[2],
+    ankle_real inverse_jacobian[4])
+{
+    ankle_inverse_work w;
+    ankle_real sides[4];
+    ankle_real rates[4];
+    ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
+    status = ankle_limit_found(status, found);
+    if (status == ANKLE_OK) {
+        ankle_inverse_place(&w, found, joints);
+        ankle_inverse_rows(&w);
+        if (!(ankle_inverse_residual(&w) <= 2.6201146f)) {
+            status = ANKLE_OUT_OF_RANGE; /* no configuration has both */
+        } else if ((ankle_inverse_factor(&w) == 0) && (ankle_inverse_pivoted(&w) == 0)) {
+            status = ANKLE_SINGULAR;
+        } else {
+            ankle_found_columns(&w, sides);
+            for (int j = 0; j < 2; ++j) {
+                for (int i = 0; i < 2; ++i) {
+                    w.f[i] = sides[2 * i + j];
+                }
+                ankle_inverse_solve(&w);
+                rates[0 + j] = w.f[0] * 0.0038166272f;
+                rates[2 + j] = w.f[1] * 0.0038166272f;
+            }
+            status = (ankle_check_finite(rates, 4, ANKLE_OK) == ANKLE_OK)
+                ? ANKLE_OK : ANKLE_SINGULAR;
+        }
+    }
+    if (status == ANKLE_OK) {
+        for (int i = 0; i < 4; ++i) {
+            inverse_jacobian[i] = rates[i];
+        }
+    }
+    return status;
+}
+
+/* Second derivatives of the rows along the motions of two joints each: pair k (k + 1) / 2 + j is of
+ * the joints j <= k, of which each moves the state by its steps. */
+static void ankle_joint_bends(const ankle_direct_work *w, const ankle_real steps[4],
+    ankle_real sides[6])
+{
+    (void)w;
+    (void)steps;
+    const ankle_real t0 = -0.11111111f * w->numbers[0];
+    const ankle_real t1 = t0 - w->numbers[1];
+    const ankle_real t2 = 0.0038166272f * steps[0];
+    const ankle_real t3 = w->x[0] * t2;
+    const ankle_real t4 = w->x[3] * t3;
+    const ankle_real t5 = 0.0038166272f * steps[1];
+    const ankle_real t6 = w->x[2] * t5;
+    const ankle_real t7 = w->x[1] * t6;
+    const ankle_real t8 = t4 + t7;
+    const ankle_real t9 = -6.0111876f * t8;
+    const ankle_real t10 = w->x[2] * t3;
+    const ankle_real t11 = w->x[3] * t5;
+    const ankle_real t12 = w->x[1] * t11;
+    const ankle_real t13 = t10 - t12;
+    const ankle_real t14 = -3.4349644f * t13;
+    const ankle_real t15 = t9 + t14;
+    const ankle_real t16 = w->x[1] * t2;
+    const ankle_real t17 = 8.587411f * t16;
+    const ankle_real t18 = t15 - t17;
+    const ankle_real t19 = t1 * t18;
+    const ankle_real t20 = w->x[1] * w->x[3];
+    const ankle_real t21 = -6.0111876f * t20;
+    const ankle_real t22 = w->x[1] * w->x[2];
+    const ankle_real t23 = -3.4349644f * t22;
+    const ankle_real t24 = t21 + t23;
+    const ankle_real t25 = 8.587411f * w->x[0];
+    const ankle_real t26 = t24 + t25;
+    const ankle_real t27 = -0.11111111f * w->numbers[1];
+    const ankle_real t28 = t27 + w->numbers[0];
+    const ankle_real t29 = t26 * t28;
+    const ankle_real t30 = t19 - t29;
+    const ankle_real t31 = t18 * t1;
+    const ankle_real t32 = t3 * t6;
+    const ankle_real t33 = t2 * t16;
+    const ankle_real t34 = w->x[3] * t33;
+    const ankle_real t35 = t32 - t34;
+    const ankle_real t36 = t6 * t3;
+    const ankle_real t37 = t5 * t11;
+    const ankle_real t38 = w->x[1] * t37;
+    const ankle_real t39 = t36 - t38;
+    const ankle_real t40 = t35 + t39;
+    const ankle_real t41 = -6.0111876f * t40;
+    const ankle_real t42 = t3 * t11;
+    const ankle_real t43 = w->x[2] * t33;
+    const ankle_real t44 = t42 + t43;
+    const ankle_real t45 = t11 * t3;
+    const ankle_real t46 = t5 * t6;
+    const ankle_real t47 = w->x[1] * t46;
+    const ankle_real t48 = t45 + t47;
+    const ankle_real t49 = t44 + t48;
+    const ankle_real t50 = -3.4349644f * t49;
+    const ankle_real t51 = t41 - t50;
+    const ankle_real t52 = t2 * t3;
+    const ankle_real t53 = 8.587411f * t52;
+    const ankle_real t54 = t51 - t53;
+    const ankle_real t55 = t28 * t54;
+    const ankle_real t56 = t31 + t55;
+    const ankle_real t57 = t30 + t56;
+    const ankle_real t58 = -3.0533016f * t37;
+    const ankle_real t59 = 5.343278f * t46;
+    const ankle_real t60 = t58 + t59;
+    const ankle_real t61 = t57 - t60;
+    const ankle_real t62 = 0.18f * w->numbers[0];
+    const ankle_real t63 = 0.02f * w->numbers[1];
+    const ankle_real t64 = t62 - t63;
+    const ankle_real t65 = 47.70784f * t3;
+    const ankle_real t66 = w->x[0] * t6;
+    const ankle_real t67 = w->x[3] * t16;
+    const ankle_real t68 = t66 - t67;
+    const ankle_real t69 = 33.39549f * t68;
+    const ankle_real t70 = t65 + t69;
+    const ankle_real t71 = w->x[2] * t16;
+    const ankle_real t72 = w->x[0] * t11;
+    const ankle_real t73 = t71 + t72;
+    const ankle_real t74 = 19.083136f * t73;
+    const ankle_real t75 = t70 - t74;
+    const ankle_real t76 = t64 * t75;
+    const ankle_real t77 = 47.70784f * w->x[1];
+    const ankle_real t78 = t77 - 238.5392f;
+    const ankle_real t79 = w->x[0] * w->x[3];
+    const ankle_real t80 = 33.39549f * t79;
+    const ankle_real t81 = t78 + t80;
+    const ankle_real t82 = w->x[0] * w->x[2];
+    const ankle_real t83 = 19.083136f * t82;
+    const ankle_real t84 = t81 + t83;
+    const ankle_real t85 = 0.18f * w->numbers[1];
+    const ankle_real t86 = 0.02f * w->numbers[0];
+    const ankle_real t87 = t85 + t86;
+    const ankle_real t88 = t84 * t87;
+    const ankle_real t89 = t76 - t88;
+    const ankle_real t90 = t75 * t64;
+    const ankle_real t91 = t85 + 1.0f;
+    const ankle_real t92 = t91 + t86;
+    const ankle_real t93 = 47.70784f * t33;
+    const ankle_real t94 = t6 * t16;
+    const ankle_real t95 = w->x[0] * t37;
+    const ankle_real t96 = t94 + t95;
+    const ankle_real t97 = t16 * t6;
+    const ankle_real t98 = w->x[3] * t52;
+    const ankle_real t99 = t97 + t98;
+    const ankle_real t100 = t96 + t99;
+    const ankle_real t101 = 33.39549f * t100;
+    const ankle_real t102 = t93 + t101;
+    const ankle_real t103 = w->x[2] * t52;
+    const ankle_real t104 = t16 * t11;
+    const ankle_real t105 = t103 - t104;
+    const ankle_real t106 = w->x[0] * t46;
+    const ankle_real t107 = t11 * t16;
+    const ankle_real t108 = t106 - t107;
+    const ankle_real t109 = t105 + t108;
+    const ankle_real t110 = 19.083136f * t109;
+    const ankle_real t111 = t102 + t110;
+    const ankle_real t112 = t92 * t111;
+    const ankle_real t113 = t90 - t112;
+    const ankle_real t114 = t89 + t113;
+    const ankle_real t115 = t61 + t114;
+    const ankle_real t116 = 0.0038166272f * steps[2];
+    const ankle_real t117 = w->x[0] * t116;
+    const ankle_real t118 = w->x[3] * t117;
+    const ankle_real t119 = 0.0038166272f * steps[3];
+    const ankle_real t120 = w->x[2] * t119;
+    const ankle_real t121 = w->x[1] * t120;
+    const ankle_real t122 = t118 + t121;
+    const ankle_real t123 = -6.0111876f * t122;
+    const ankle_real t124 = w->x[2] * t117;
+    const ankle_real t125 = w->x[3] * t119;
+    const ankle_real t126 = w->x[1] * t125;
+    const ankle_real t127 = t124 - t126;
+    const ankle_real t128 = -3.4349644f * t127;
+    const ankle_real t129 = t123 + t128;
+    const ankle_real t130 = w->x[1] * t116;
+    const ankle_real t131 = 8.587411f * t130;
+    const ankle_real t132 = t129 - t131;
+    const ankle_real t133 = t1 * t132;
+    const ankle_real t134 = t3 * t120;
+    const ankle_real t135 = t2 * t130;
+    const ankle_real t136 = w->x[3] * t135;
+    const ankle_real t137 = t134 - t136;
+    const ankle_real t138 = t6 * t117;
+    const ankle_real t139 = t5 * t125;
+    const ankle_real t140 = w->x[1] * t139;
+    const ankle_real t141 = t138 - t140;
+    const ankle_real t142 = t137 + t141;
+    const ankle_real t143 = -6.0111876f * t142;
+    const ankle_real t144 = t3 * t125;
+    const ankle_real t145 = w->x[2] * t135;
+    const ankle_real t146 = t144 + t145;
+    const ankle_real t147 = t11 * t117;
+    const ankle_real t148 = t5 * t120;
+    const ankle_real t149 = w->x[1] * t148;
+    const ankle_real t150 = t147 + t149;
+    const ankle_real t151 = t146 + t150;
+    const ankle_real t152 = -3.4349644f * t151;
+    const ankle_real t153 = t143 - t152;
+    const ankle_real t154 = t2 * t117;
+    const ankle_real t155 = 8.587411f * t154;
+    const ankle_real t156 = t153 - t155;
+    const ankle_real t157 = t28 * t156;
+    const ankle_real t158 = t133 + t157;
+    const ankle_real t159 = -3.0533016f * t139;
+    const ankle_real t160 = 5.343278f * t148;
+    const ankle_real t161 = t159 + t160;
+    const ankle_real t162 = t158 - t161;
+    const ankle_real t163 = 47.70784f * t117;
+    const ankle_real t164 = w->x[0] * t120;
+    const ankle_real t165 = w->x[3] * t130;
+    const ankle_real t166 = t164 - t165;
+    const ankle_real t167 = 33.39549f * t166;
+    const ankle_real t168 = t163 + t167;
+    const ankle_real t169 = w->x[2] * t130;
+    const ankle_real t170 = w->x[0] * t125;
+    const ankle_real t171 = t169 + t170;
+    const ankle_real t172 = 19.083136f * t171;
+    const ankle_real t173 = t168 - t172;
+    const ankle_real t174 = t64 * t173;
+    const ankle_real t175 = 47.70784f * t135;
+    const ankle_real t176 = t6 * t130;
+    const ankle_real t177 = w->x[0] * t139;
+    const ankle_real t178 = t176 + t177;
+    const ankle_real t179 = t16 * t120;
+    const ankle_real t180 = w->x[3] * t154;
+    const ankle_real t181 = t179 + t180;
+    const ankle_real t182 = t178 + t181;
+    const ankle_real t183 = 33.39549f * t182;
+    const ankle_real t184 = t175 + t183;
+    const ankle_real t185 = w->x[2] * t154;
+    const ankle_real t186 = t16 * t125;
+    const ankle_real t187 = t185 - t186;
+    const ankle_real t188 = w->x[0] * t148;
+    const ankle_real t189 = t11 * t130;
+    const ankle_real t190 = t188 - t189;
+    const ankle_real t191 = t187 + t190;
+    const ankle_real t192 = 19.083136f * t191;
+    const ankle_real t193 = t184 + t192;
+    const ankle_real t194 = t92 * t193;
+    const ankle_real t195 = t174 - t194;
+    const ankle_real t196 = t162 + t195;
+    const ankle_real t197 = t117 * t120;
+    const ankle_real t198 = t116 * t130;
+    const ankle_real t199 = w->x[3] * t198;
+    const ankle_real t200 = t197 - t199;
+    const ankle_real t201 = t120 * t117;
+    const ankle_real t202 = t119 * t125;
+    const ankle_real t203 = w->x[1] * t202;
+    const ankle_real t204 = t201 - t203;
+    const ankle_real t205 = t200 + t204;
+    const ankle_real t206 = -6.0111876f * t205;
+    const ankle_real t207 = t117 * t125;
+    const ankle_real t208 = w->x[2] * t198;
+    const ankle_real t209 = t207 + t208;
+    const ankle_real t210 = t125 * t117;
+    const ankle_real t211 = t119 * t120;
+    const ankle_real t212 = w->x[1] * t211;
+    const ankle_real t213 = t210 + t212;
+    const ankle_real t214 = t209 + t213;
+    const ankle_real t215 = -3.4349644f * t214;
+    const ankle_real t216 = t206 - t215;
+    const ankle_real t217 = t116 * t117;
+    const ankle_real t218 = 8.587411f * t217;
+    const ankle_real t219 = t216 - t218;
+    const ankle_real t220 = t28 * t219;
+    const ankle_real t221 = -3.0533016f * t202;
+    const ankle_real t222 = 5.343278f * t211;
+    const ankle_real t223 = t221 + t222;
+    const ankle_real t224 = t220 - t223;
+    const ankle_real t225 = 47.70784f * t198;
+    const ankle_real t226 = t120 * t130;
+    const ankle_real t227 = w->x[0] * t202;
+    const ankle_real t228 = t226 + t227;
+    const ankle_real t229 = t130 * t120;
+    const ankle_real t230 = w->x[3] * t217;
+    const ankle_real t231 = t229 + t230;
+    const ankle_real t232 = t228 + t231;
+    const ankle_real t233 = 33.39549f * t232;
+    const ankle_real t234 = t225 + t233;
+    const ankle_real t235 = w->x[2] * t217;
+    const ankle_real t236 = t130 * t125;
+    const ankle_real t237 = t235 - t236;
+    const ankle_real t238 = w->x[0] * t211;
+    const ankle_real t239 = t125 * t130;
+    const ankle_real t240 = t238 - t239;
+    const ankle_real t241 = t237 + t240;
+    const ankle_real t242 = 19.083136f * t241;
+    const ankle_real t243 = t234 + t242;
+    const ankle_real t244 = t92 * t243;
+    const ankle_real t245 = t224 - t244;
+    const ankle_real t246 = -0.11111111f * w->numbers[3];
+    const ankle_real t247 = t246 + w->numbers[2];
+    const ankle_real t248 = 6.0111876f * t40;
+    const ankle_real t249 = -3.4349644f * t49;
+    const ankle_real t250 = t248 - t249;
+    const ankle_real t251 = 8.587411f * t52;
+    const ankle_real t252 = t250 - t251;
+    const ankle_real t253 = t247 * t252;
+    const ankle_real t254 = 3.0533016f * t37;
+    const ankle_real t255 = 5.343278f * t46;
+    const ankle_real t256 = t254 + t255;
+    const ankle_real t257 = t253 - t256;
+    const ankle_real t258 = 0.25f * w->numbers[3];
+    const ankle_real t259 = t258 + 1.0f;
+    const ankle_real t260 = 0.027777778f * w->numbers[2];
+    const ankle_real t261 = t259 + t260;
+    const ankle_real t262 = 34.349644f * t33;
+    const ankle_real t263 = -24.04475f * t100;
+    const ankle_real t264 = t262 + t263;
+    const ankle_real t265 = 13.739858f * t109;
+    const ankle_real t266 = t264 + t265;
+    const ankle_real t267 = t261 * t266;
+    const ankle_real t268 = t257 - t267;
+    const ankle_real t269 = 6.0111876f * t8;
+    const ankle_real t270 = -3.4349644f * t13;
+    const ankle_real t271 = t269 + t270;
+    const ankle_real t272 = 8.587411f * t16;
+    const ankle_real t273 = t271 - t272;
+    const ankle_real t274 = -0.11111111f * w->numbers[2];
+    const ankle_real t275 = t274 - w->numbers[3];
+    const ankle_real t276 = t273 * t275;
+    const ankle_real t277 = 6.0111876f * t142;
+    const ankle_real t278 = -3.4349644f * t151;
+    const ankle_real t279 = t277 - t278;
+    const ankle_real t280 = 8.587411f * t154;
+    const ankle_real t281 = t279 - t280;
+    const ankle_real t282 = t247 * t281;
+    const ankle_real t283 = t276 + t282;
+    const ankle_real t284 = 3.0533016f * t139;
+    const ankle_real t285 = 5.343278f * t148;
+    const ankle_real t286 = t284 + t285;
+    const ankle_real t287 = t283 - t286;
+    const ankle_real t288 = 34.349644f * t3;
+    const ankle_real t289 = -24.04475f * t68;
+    const ankle_real t290 = t288 + t289;
+    const ankle_real t291 = 13.739858f * t73;
+    const ankle_real t292 = t290 - t291;
+    const ankle_real t293 = 0.25f * w->numbers[2];
+    const ankle_real t294 = 0.027777778f * w->numbers[3];
+    const ankle_real t295 = t293 - t294;
+    const ankle_real t296 = t292 * t295;
+    const ankle_real t297 = 34.349644f * t135;
+    const ankle_real t298 = -24.04475f * t182;
+    const ankle_real t299 = t297 + t298;
+    const ankle_real t300 = 13.739858f * t191;
+    const ankle_real t301 = t299 + t300;
+    const ankle_real t302 = t261 * t301;
+    const ankle_real t303 = t296 - t302;
+    const ankle_real t304 = t287 + t303;
+    const ankle_real t305 = 6.0111876f * t122;
+    const ankle_real t306 = -3.4349644f * t127;
+    const ankle_real t307 = t305 + t306;
+    const ankle_real t308 = 8.587411f * t130;
+    const ankle_real t309 = t307 - t308;
+    const ankle_real t310 = t275 * t309;
+    const ankle_real t311 = 6.0111876f * t20;
+    const ankle_real t312 = -3.4349644f * t22;
+    const ankle_real t313 = t311 + t312;
+    const ankle_real t314 = 8.587411f * w->x[0];
+    const ankle_real t315 = t313 + t314;
+    const ankle_real t316 = t315 * t247;
+    const ankle_real t317 = t310 - t316;
+    const ankle_real t318 = t309 * t275;
+    const ankle_real t319 = 6.0111876f * t205;
+    const ankle_real t320 = -3.4349644f * t214;
+    const ankle_real t321 = t319 - t320;
+    const ankle_real t322 = 8.587411f * t217;
+    const ankle_real t323 = t321 - t322;
+    const ankle_real t324 = t247 * t323;
+    const ankle_real t325 = t318 + t324;
+    const ankle_real t326 = t317 + t325;
+    const ankle_real t327 = 3.0533016f * t202;
+    const ankle_real t328 = 5.343278f * t211;
+    const ankle_real t329 = t327 + t328;
+    const ankle_real t330 = t326 - t329;
+    const ankle_real t331 = 34.349644f * t117;
+    const ankle_real t332 = -24.04475f * t166;
+    const ankle_real t333 = t331 + t332;
+    const ankle_real t334 = 13.739858f * t171;
+    const ankle_real t335 = t333 - t334;
+    const ankle_real t336 = t295 * t335;
+    const ankle_real t337 = 34.349644f * w->x[1];
+    const ankle_real t338 = t337 - 123.658714f;
+    const ankle_real t339 = -24.04475f * t79;
+    const ankle_real t340 = t338 + t339;
+    const ankle_real t341 = 13.739858f * t82;
+    const ankle_real t342 = t340 + t341;
+    const ankle_real t343 = t258 + t260;
+    const ankle_real t344 = t342 * t343;
+    const ankle_real t345 = t336 - t344;
+    const ankle_real t346 = t335 * t295;
+    const ankle_real t347 = 34.349644f * t198;
+    const ankle_real t348 = -24.04475f * t232;
+    const ankle_real t349 = t347 + t348;
+    const ankle_real t350 = 13.739858f * t241;
+    const ankle_real t351 = t349 + t350;
+    const ankle_real t352 = t261 * t351;
+    const ankle_real t353 = t346 - t352;
+    const ankle_real t354 = t345 + t353;
+    const ankle_real t355 = t330 + t354;
+    sides[0] = t115;
+    sides[1] = t196;
+    sides[2] = t245;
+    sides[3] = t268;
+    sides[4] = t304;
+    sides[5] = t355;
+}
+
+/* Jacobian, if it is asked for, and second derivatives: the same matrix solved for the rows' second
+ * derivatives. */
+ankle_status ankle_second(const ankle_real joints[2], const ankle_real found[2],
+    ankle_real jacobian[4], ankle_real second[8])
+{
+    ankle_direct_work w;
+    ankle_real sides[6];
+    ankle_real rates[4];
+    ankle_real steps[4];
+    ankle_real seconds[6];
+    ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
+    status = ankle_limit_found(status, found);
+    if (status == ANKLE_OK) {
+        ankle_direct_place(&w, joints, found);
+        ankle_direct_rows(&w);
+        if (!(ankle_direct_residual(&w) <= 2.6201146f)) {
+            status = ANKLE_OUT_OF_RANGE; /* no configuration has both */
+        } else if ((ankle_direct_factor(&w) == 0) && (ankle_direct_pivoted(&w) == 0)) {
+            status = ANKLE_SINGULAR;
+        } else {
+            ankle_joint_columns(&w, sides);
+            for (int j = 0; j < 2; ++j) {
+                for (int i = 0; i < 2; ++i) {
+                    w.f[i] = sides[2 * i + j];
+                }
+                ankle_direct_solve(&w);
+                rates[0 + j] = w.f[0] * 0.0038166272f;
+                rates[2 + j] = w.f[1] * 0.0038166272f;
+                steps[2 * j + 0] = w.f[0];
+                steps[2 * j + 1] = w.f[1];
+            }
+            status = (ankle_check_finite(rates, 4, ANKLE_OK) == ANKLE_OK)
+                ? ANKLE_OK : ANKLE_SINGULAR;
+            ankle_joint_bends(&w, steps, sides);
+            for (int j = 0; j < 3; ++j) {
+                for (int i = 0; i < 2; ++i) {
+                    w.f[i] = sides[3 * i + j];
+                }
+                ankle_direct_solve(&w);
+                seconds[0 + j] = w.f[0] * 0.0038166272f;
+                seconds[3 + j] = w.f[1] * 0.0038166272f;
+            }
+            if (ankle_check_finite(seconds, 6, status) != ANKLE_OK) {
+                status = ANKLE_SINGULAR;
+            }
+        }
+    }
+    if (status == ANKLE_OK) {
+        for (int i = 0; (i < 4) && (jacobian != NULL); ++i) {
+            jacobian[i] = rates[i];
+        }
+        for (int i = 0; i < 2; ++i) {
+            for (int k = 0; k < 2; ++k) {
+                for (int j = 0; j <= k; ++j) {
+                    second[4 * i + 2 * j + k] = seconds[3 * i + (k * (k + 1)) / 2 + j];
+                    second[4 * i + 2 * k + j] = second[4 * i + 2 * j + k];
+                }
+            }
+        }
+    }
+    return status;
+}
+
+/* Whether values are from `least` to what products and sums bear. */
+static ankle_status ankle_check_sizes(const ankle_real values[2], ankle_real least)
+{
+    ankle_status status = ankle_check_finite(values, 2, ANKLE_OK);
+    for (int i = 0; (i < 2) && (status == ANKLE_OK); ++i) {
+        status = ((values[i] < least) || (values[i] > 1e+20f)) ? ANKLE_OUT_OF_RANGE : ANKLE_OK;
+    }
+    return status;
+}
+
+/* The largest number, up to 1e+20f, that times each of the effects, which are `apart` from each
+ * other, is within its limit. */
+static ankle_real ankle_alone(const ankle_real *effects, int apart, const ankle_real limits[2])
+{
+    ankle_real most = 1e+20f;
+    for (int j = 0; j < 2; ++j) {
+        const ankle_real effect = fabsf(effects[apart * j]);
+        most = (effect * most > limits[j]) ? (limits[j] / effect) : most;
+    }
+    return most;
+}
+
 /* found_rates = J joint_rates. */
 ankle_status ankle_rates(const ankle_real joints[2], const ankle_real found[2],
     const ankle_real joint_rates[2], ankle_real found_rates[2])
 {
     ankle_real jacobian[4];
-    ankle_status status = ankle_check_finite(joint_rates, 2, ANKLE_OK);
-    for (int i = 0; (i < 2) && (status == ANKLE_OK); ++i) {
-        /* what could overflow in the sums */
-        status = (fabsf(joint_rates[i]) > 1e+20f) ? ANKLE_OUT_OF_RANGE : ANKLE_OK;
-    }
+    ankle_status status = ankle_check_sizes(joint_rates, -1e+20f);
     if (status == ANKLE_OK) {
         status = ankle_jacobian(joints, found, jacobian);
     }
@@ -2171,7 +2780,7 @@ ankle_status ankle_rates(const ankle_real joints[2], const ankle_real found[2],
                 result[i] += jacobian[2 * i + j] * joint_rates[j];
             }
         }
-        status = ankle_give(result, found_rates);
+        status = ankle_give(result, found_rates, 2);
     }
     return status;
 }
@@ -2181,23 +2790,83 @@ ankle_status ankle_torques(const ankle_real joints[2], const ankle_real found[2]
     const ankle_real found_torques[2], ankle_real joint_torques[2])
 {
     ankle_real jacobian[4];
-    ankle_status status = ankle_check_finite(found_torques, 2, ANKLE_OK);
-    for (int i = 0; (i < 2) && (status == ANKLE_OK); ++i) {
-        /* what could overflow in the sums */
-        status = (fabsf(found_torques[i]) > 1e+20f) ? ANKLE_OUT_OF_RANGE : ANKLE_OK;
-    }
+    ankle_status status = ankle_check_sizes(found_torques, -1e+20f);
     if (status == ANKLE_OK) {
         status = ankle_jacobian(joints, found, jacobian);
     }
     if (status == ANKLE_OK) {
         ankle_real result[2];
-        for (int j = 0; j < 2; ++j) {
-            result[j] = 0.0f;
-            for (int i = 0; i < 2; ++i) {
-                result[j] += jacobian[2 * i + j] * found_torques[i];
+        for (int i = 0; i < 2; ++i) {
+            result[i] = 0.0f;
+            for (int j = 0; j < 2; ++j) {
+                result[i] += jacobian[2 * j + i] * found_torques[j];
             }
         }
-        status = ankle_give(result, joint_torques);
+        status = ankle_give(result, joint_torques, 2);
+    }
+    return status;
+}
+
+/* inertia = G^T joint_inertias G with the inverse Jacobian G: the kinetic energy of both sides is
+ * the same. */
+ankle_status ankle_inertia(const ankle_real joints[2], const ankle_real found[2],
+    const ankle_real joint_inertias[2], ankle_real inertia[4])
+{
+    ankle_real inverse_jacobian[4];
+    ankle_status status = ankle_check_sizes(joint_inertias, 0.0f);
+    if (status == ANKLE_OK) {
+        status = ankle_inverse_jacobian(joints, found, inverse_jacobian);
+    }
+    if (status == ANKLE_OK) {
+        ankle_real result[4];
+        for (int i = 0; i < 4; ++i) {
+            result[i] = 0.0f;
+            for (int j = 0; j < 2; ++j) {
+                result[i] += inverse_jacobian[2 * j
+                    + i / 2] * joint_inertias[j] * inverse_jacobian[2 * j + i % 2];
+            }
+        }
+        status = ankle_give(result, inertia, 4);
+    }
+    return status;
+}
+
+/* Largest torque of each found coordinate alone, the others without any, within limits of the
+ * joints. */
+ankle_status ankle_torque_limits(const ankle_real joints[2], const ankle_real found[2],
+    const ankle_real joint_limits[2], ankle_real found_limits[2])
+{
+    ankle_real jacobian[4];
+    ankle_status status = ankle_check_sizes(joint_limits, 0.0f);
+    if (status == ANKLE_OK) {
+        status = ankle_jacobian(joints, found, jacobian);
+    }
+    if (status == ANKLE_OK) {
+        ankle_real result[2];
+        for (int i = 0; i < 2; ++i) {
+            result[i] = ankle_alone(&jacobian[2 * i], 1, joint_limits);
+        }
+        status = ankle_give(result, found_limits, 2);
+    }
+    return status;
+}
+
+/* Largest rate of each found coordinate alone, the others without any, within limits of the
+ * joints. */
+ankle_status ankle_rate_limits(const ankle_real joints[2], const ankle_real found[2],
+    const ankle_real joint_limits[2], ankle_real found_limits[2])
+{
+    ankle_real inverse_jacobian[4];
+    ankle_status status = ankle_check_sizes(joint_limits, 0.0f);
+    if (status == ANKLE_OK) {
+        status = ankle_inverse_jacobian(joints, found, inverse_jacobian);
+    }
+    if (status == ANKLE_OK) {
+        ankle_real result[2];
+        for (int i = 0; i < 2; ++i) {
+            result[i] = ankle_alone(&inverse_jacobian[i], 2, joint_limits);
+        }
+        status = ankle_give(result, found_limits, 2);
     }
     return status;
 }

@@ -24,17 +24,27 @@
  *   inverse: 500 iterations, 81495 add, 111777 mul, 4310 div, 3064 sqrt
  *   track_inverse: 279 add, 348 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 223 mul, 4 div, 1 sqrt
+ *   inverse_jacobian: 183 add, 261 mul, 4 div, 1 sqrt
+ *   second: 310 add, 469 mul, 4 div, 1 sqrt
  *   rates: 160 add, 227 mul, 4 div, 1 sqrt
  *   torques: 160 add, 227 mul, 4 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 17238 inputs, seed 1): instructions, bytes of stack with
+ *   inertia: 197 add, 277 mul, 4 div, 1 sqrt
+ *   torque_limits: 156 add, 227 mul, 8 div, 1 sqrt
+ *   rate_limits: 187 add, 265 mul, 8 div, 1 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18541 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 75980 instructions, 648 stack, 8176 code
+ *   direct: 76185 instructions, 648 stack, 8188 code
  *   track: 1080 instructions, 184 stack, 3464 code
- *   inverse: 90470 instructions, 672 stack, 11204 code
- *   track_inverse: 1010 instructions, 192 stack, 4804 code
- *   jacobian: 765 instructions, 216 stack, 2864 code
- *   rates: 870 instructions, 264 stack, 3048 code
- *   torques: 870 instructions, 264 stack, 3048 code
+ *   inverse: 87360 instructions, 672 stack, 11244 code
+ *   track_inverse: 1005 instructions, 184 stack, 4832 code
+ *   jacobian: 775 instructions, 216 stack, 2884 code
+ *   inverse_jacobian: 795 instructions, 192 stack, 3020 code
+ *   second: 1360 instructions, 432 stack, 4728 code
+ *   rates: 905 instructions, 264 stack, 3128 code
+ *   torques: 905 instructions, 264 stack, 3128 code
+ *   inertia: 1035 instructions, 248 stack, 3292 code
+ *   torque_limits: 935 instructions, 264 stack, 3168 code
+ *   rate_limits: 960 instructions, 240 stack, 3304 code
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */
@@ -132,6 +142,34 @@ ankle_status ankle_rates(const ankle_real joints[ANKLE_JOINTS],
 ankle_status ankle_torques(const ankle_real joints[ANKLE_JOINTS],
     const ankle_real found[ANKLE_FOUND], const ankle_real found_torques[ANKLE_FOUND],
     ankle_real joint_torques[ANKLE_JOINTS]);
+
+/* joint rates = inverse_jacobian * found rates. */
+ankle_status ankle_inverse_jacobian(const ankle_real joints[ANKLE_JOINTS],
+    const ankle_real found[ANKLE_FOUND],
+    ankle_real inverse_jacobian[ANKLE_JOINTS * ANKLE_FOUND]);
+
+/* The Jacobian, which may be NULL, and second[(i * ANKLE_JOINTS + j) * ANKLE_JOINTS + k], the
+ * second derivative of found i by joints j and k: found accelerations = jacobian * joint
+ * accelerations + sum of second * joint_rates[j] * joint_rates[k]. */
+ankle_status ankle_second(const ankle_real joints[ANKLE_JOINTS],
+    const ankle_real found[ANKLE_FOUND],
+    ankle_real jacobian[ANKLE_FOUND * ANKLE_JOINTS],
+        ankle_real second[ANKLE_FOUND * ANKLE_JOINTS * ANKLE_JOINTS]);
+
+/* Row-major: what the joints' inertias (of slides, masses) are at the found coordinates, G^T
+ * joint_inertias G with the inverse Jacobian G. */
+ankle_status ankle_inertia(const ankle_real joints[ANKLE_JOINTS],
+    const ankle_real found[ANKLE_FOUND],
+    const ankle_real joint_inertias[ANKLE_JOINTS], ankle_real inertia[ANKLE_FOUND * ANKLE_FOUND]);
+
+/* The largest torque, and the largest rate, of each found coordinate alone, the others without any,
+ * for which no joint is beyond its own; 1e+20f where no joint bounds it. */
+ankle_status ankle_torque_limits(const ankle_real joints[ANKLE_JOINTS],
+    const ankle_real found[ANKLE_FOUND],
+    const ankle_real joint_limits[ANKLE_JOINTS], ankle_real found_limits[ANKLE_FOUND]);
+ankle_status ankle_rate_limits(const ankle_real joints[ANKLE_JOINTS],
+    const ankle_real found[ANKLE_FOUND],
+    const ankle_real joint_limits[ANKLE_JOINTS], ankle_real found_limits[ANKLE_FOUND]);
 #ifdef __cplusplus
 }
 #endif

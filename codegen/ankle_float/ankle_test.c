@@ -107,15 +107,85 @@ static void rates_all(void)
     }
 }
 
+/* Second derivatives; the inverse Jacobian against the Jacobian; that joints and found coordinates
+ * have the same kinetic energy; that a found torque, and a rate, at its limit has one joint at its
+ * own, and none beyond. */
+static void derivatives_all(void)
+{
+    for (int k = 0; k < ANKLE_VECTOR_JACOBIANS; ++k) {
+        const ankle_real *const joints = ankle_vector_joints[k];
+        const ankle_real *const found = ankle_vector_found[k];
+        ankle_real own[N];
+        ankle_real jacobian[N * N];
+        ankle_real again[N * N];
+        ankle_real inverse[N * N];
+        ankle_real inertia[N * N];
+        ankle_real second[N * N * N];
+        ankle_real torques[N];
+        ankle_real rates[N];
+        double most = 1.0;
+        for (int i = 0; i < N; ++i) {
+            own[i] = (ankle_real)(1 + i);
+        }
+        expect(ankle_jacobian(joints, found, jacobian) == ANKLE_OK, "jacobian", k);
+        expect(ankle_inverse_jacobian(joints, found, inverse) == ANKLE_OK, "inverse_jacobian", k);
+        expect(ankle_second(joints, found, NULL, second) == ANKLE_OK, "second without jacobian", k);
+        expect(ankle_second(joints, found, again, second) == ANKLE_OK, "second", k);
+        expect(ankle_inertia(joints, found, own, inertia) == ANKLE_OK, "inertia", k);
+        expect(ankle_torque_limits(joints, found, own, torques) == ANKLE_OK, "torque_limits", k);
+        expect(ankle_rate_limits(joints, found, own, rates) == ANKLE_OK, "rate_limits", k);
+        for (int i = 0; i < N * N * N; ++i) {
+            most = fmax(most, fabs((double)ankle_vector_seconds[k][i]));
+        }
+        for (int i = 0; i < N * N * N; ++i) {
+            const double off = (double)second[i] - (double)ankle_vector_seconds[k][i];
+            expect(fabs(off) <= 10.0 * 1e-4 * most, "second's entry", i);
+        }
+        for (int i = 0; i < N; ++i) {
+            double torque = 0.0;
+            double rate = 0.0;
+            for (int j = 0; j < N; ++j) {
+                double one = 0.0;
+                double energy = 0.0;
+                double scale = 1.0;
+                for (int l = 0; l < N; ++l) {
+                    one += (double)jacobian[N * i + l] * (double)inverse[N * l + j];
+                    scale += fabs((double)jacobian[N * i + l] * (double)inverse[N * l + j]);
+                    for (int h = 0; h < N; ++h) {
+                        energy += (double)jacobian[N * l + i] * (double)inertia[N * l
+                            + h] * (double)jacobian[N * h + j];
+                        scale += fabs((double)jacobian[N * l + i] * (double)inertia[N * l
+                            + h] * (double)jacobian[N * h + j]);
+                    }
+                }
+                expect(again[N * i + j] == jacobian[N * i + j], "second's jacobian", k);
+                expect(fabs(one - ((i == j) ? 1.0 : 0.0)) <= 10.0 * 1e-4 * scale,
+                    "inverse_jacobian's entry", k);
+                expect(fabs(energy - ((i == j) ? (double)own[i] : 0.0)) <= 10.0 * 1e-4 * scale,
+                    "inertia's entry", k);
+                torque = fmax(torque, fabs((double)jacobian[N * i
+                    + j] * (double)torques[i]) / (double)own[j]);
+                rate = fmax(rate, fabs((double)inverse[N * j
+                    + i] * (double)rates[i]) / (double)own[j]);
+            }
+            expect(fabs(torque - 1.0) <= 1e-4, "torque at its limit", i);
+            expect(fabs(rate - 1.0) <= 1e-4, "rate at its limit", i);
+        }
+    }
+}
+
 /* Every function with one input that it refuses: the status, results untouched, info written. */
 static void refuse(const ankle_real joints[N], const ankle_real found[N], ankle_status wanted,
     int number)
 {
     ankle_real result[N];
     ankle_real jacobian[N * N];
+    ankle_real second[N * N * N];
+    ankle_real ones[N];
     ankle_info info;
     for (int i = 0; i < N; ++i) {
         result[i] = 4.0f;
+        ones[i] = 1.0f;
     }
     info.iterations = 255U;
     expect(ankle_direct(NULL, joints, found, result, &info) == wanted, "direct refuses", number);
@@ -134,6 +204,13 @@ static void refuse(const ankle_real joints[N], const ankle_real found[N], ankle_
     copy(joints, result);
     expect(ankle_rates(joints, found, joints, result) == wanted, "rates refuse", number);
     expect(ankle_torques(joints, found, joints, result) == wanted, "torques refuse", number);
+    expect(ankle_inverse_jacobian(joints, found, jacobian) == wanted, "inverse_jacobian refuses",
+        number);
+    expect(ankle_second(joints, found, jacobian, second) == wanted, "second refuses", number);
+    expect(ankle_inertia(joints, found, ones, jacobian) == wanted, "inertia refuses", number);
+    expect(ankle_torque_limits(joints, found, ones, result) == wanted, "torque_limits refuse",
+        number);
+    expect(ankle_rate_limits(joints, found, ones, result) == wanted, "rate_limits refuse", number);
 }
 
 static void refuse_all(void)
@@ -161,6 +238,19 @@ static void refuse_all(void)
         "direct without a step", 0);
     expect(ankle_inverse(&none, found, joints, joints, &info) == ANKLE_MAX_ITERATIONS,
         "inverse without a step", 0);
+    for (int k = 0; k < 4; ++k) {
+        /* numbers that are no inertias and no limits */
+        ankle_real matrix[N * N];
+        const ankle_status why = (k < 3) ? ANKLE_NONFINITE : ANKLE_OUT_OF_RANGE;
+        copy(ankle_vector_found[0], found);
+        found[0] = (k < 3) ? wrong[k] : -1.0f;
+        expect(ankle_inertia(joints, ankle_vector_found[0], found, matrix) == why,
+            "inertia refuses an inertia", k);
+        expect(ankle_torque_limits(joints, ankle_vector_found[0], found, found) == why,
+            "torque_limits refuse a limit", k);
+        expect(ankle_rate_limits(joints, ankle_vector_found[0], found, found) == why,
+            "rate_limits refuse a limit", k);
+    }
 }
 
 /* Values that no configuration has, and joints and found values beyond their limits: never OK,
@@ -204,6 +294,7 @@ int main(void)
 {
     solve_all();
     rates_all();
+    derivatives_all();
     refuse_all();
     refuse_infeasible();
     (void)printf("ankle: %d cases, %d failures\n", ANKLE_VECTORS, failures);

@@ -150,6 +150,21 @@ static const ankle_real ankle_vector_jacobians[4][4] = {
     { 0x1.53f2f00000000p-2f, 0x1.12fbf40000000p-1f, 0x1.6bd6360000000p-1f, -0x1.587cd80000000p-1f },
 };
 
+static const ankle_real ankle_vector_seconds[4][8] = {
+    { 0x1.1b9fae0000000p-2f, -0x1.188c9e0000000p-3f, -0x1.188c9e0000000p-3f, 0x1.db40ae0000000p-3f,
+        -0x1.6899620000000p-4f, 0x1.fe5c5c0000000p-6f, 0x1.fe5c5c0000000p-6f,
+        0x1.36c95c0000000p-5f },
+    { 0x1.4216fa0000000p-2f, -0x1.353ffe0000000p-3f, -0x1.353ffe0000000p-3f, 0x1.c33fec0000000p-3f,
+        -0x1.8092e80000000p-4f, 0x1.fe32980000000p-5f, 0x1.fe32980000000p-5f,
+        0x1.b836920000000p-8f },
+    { 0x1.d918780000000p-3f, -0x1.314d580000000p-3f, -0x1.314d580000000p-3f, 0x1.38d70e0000000p-2f,
+        -0x1.ec46a20000000p-6f, -0x1.2168b60000000p-5f, -0x1.2168b60000000p-5f,
+        0x1.ba3ec40000000p-5f },
+    { 0x1.8f39aa0000000p-2f, -0x1.68d31c0000000p-3f, -0x1.68d31c0000000p-3f, 0x1.5f81800000000p-3f,
+        -0x1.7836ea0000000p-3f, 0x1.7724160000000p-3f, 0x1.7724160000000p-3f,
+        -0x1.925e4a0000000p-4f },
+};
+
 #define ANKLE_VECTOR_INFEASIBLE_JOINTS 4
 static const ankle_real ankle_vector_infeasible_joints[4][2] = {
     { 0x1.8bcad00000000p-1f, 0x1.0379000000000p+0f },

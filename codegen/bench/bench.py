@@ -3,8 +3,8 @@ README.md.
 
     python codegen/bench/bench.py [--write]
 
-Cold: from home. Warm: within 0.2 mm and 1 mrad of the answer. CasADi's own C: plain_bench.py;
-bytes, stack and worst cases: worst.py.
+Cold: from home. Warm: within 0.2 mm and 1 mrad of the answer. Bytes, stack and worst cases:
+worst.py.
 """
 
 from __future__ import annotations

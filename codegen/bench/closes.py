@@ -38,7 +38,7 @@ from oracle.plain_search import closed_configurations, random_configurations, so
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.errors import InputError, SymkinError
-from symkin.model.arm import with_limbs
+from symkin.machine.limbs import with_limbs
 from symkin.model.mechanism import Mechanism
 from symkin.model.writer import mechanism_to_toml
 

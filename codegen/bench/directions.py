@@ -14,12 +14,12 @@ import numpy as np
 from closes import Machine, asked, built
 from continuation import Walker
 from lines import Lines
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.options import Options
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
+from symkin.codegen.text.c import Real
 from symkin.position.problem import Problem, build_problem
 
 OUT_OF_RANGE = 4

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from directions import OUT_OF_RANGE, Direction
-from symkin.codegen.c_emitter import Real
+from symkin.codegen.text.c import Real
 
 _STEP = 0.03
 """Length of a step from home (rad, or of the size)."""

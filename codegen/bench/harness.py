@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 
 from bench_cases import cases_of
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.folder import write_folder
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.options import Options
 from symkin.codegen.program import Program, build_program
+from symkin.codegen.text.c import Real
 from symkin.formats.load import load
 
 MAIN = """
@@ -66,8 +66,8 @@ int main(void)
 """
 
 
-MAP_KINDS = ("cold", "warm", "back, cold", "back, warm", "track", "track back")
-"""Cases of a map between joints."""
+MAP_KINDS = ("cold", "warm", "back, cold", "back, warm", "track", "track back", "derivatives")
+"""Cases of a map between joints; the last one is the Jacobian and the second derivatives."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def harness_of(source: str, options: Options) -> Harness:
     write_folder(program.described, folder, options)
     (folder / "bench.c").write_text(main_text(program))
     if isinstance(program.kind, JointMap):
-        calls = ("direct", "inverse", "track", "track_inverse")
+        calls = ("direct", "inverse", "track", "track_inverse", "second")
         return Harness(folder, name, tuple(f"{name}_{call}" for call in calls), MAP_KINDS)
     if program.mechanism.serial:
         closed = program.kind.plan is not None  # type: ignore[union-attr] - of a serial arm
@@ -178,15 +178,19 @@ def _map_text(program: Program) -> str:
         const bool cold = (kind == 0) || (kind == 2);
         const {real.type} *const start = back ? (cold ?
           cold_joint_guesses[0] : joint_guesses[k]) : (cold ? cold_guesses[0] : guesses[k]);
+        {real.type} jacobian[{n * n}], second[{n**3}];
         const double (*const expected)[{n}] = back ? expected_joints : expected_found;
         {real.type} result[{n}]; {name}_info info; int status;
         for (int i = 0; i < {n}; ++i) {{ result[i] = start[i]; }}"""
     call = f"""if (kind < 2) {{ status = (int){name}_direct(0, joints[k], start, result, &info); }}
         else if (kind < 4) {{ status = (int){name}_inverse(0, found[k], start, result, &info); }}
         else if (kind == 4) {{ status = (int){name}_track(joints[k], result, &info); }}
-        else {{ status = (int){name}_track_inverse(found[k], result, &info); }}"""
+        else if (kind == 5) {{
+          status = (int){name}_track_inverse(found[k], result, &info); }}
+        else {{ status = (int){name}_second(joints[k], found[k], jacobian, second); }}"""
+    after = f"""if (kind == 6) {{ for (int i = 0; i < {n}; ++i) {{ result[i] = found[k][i]; }} }}"""
     include = f'#include "{name}.h"\n#include <stdbool.h>'
-    return filled(include, tables, prepare, call, n, len(MAP_KINDS), len(cases["joints"]))
+    return filled(include, tables, prepare, call, n, len(MAP_KINDS), len(cases["joints"]), after)
 
 
 def _serial_text(program: Program) -> str:

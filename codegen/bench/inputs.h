@@ -318,12 +318,13 @@ static void end(int function, const char *name, int status, int finite, long num
 static void call_all(const inputs *in, long number)
 {
     const F(config) *const config = in->usual ? NULL : &in->config;
-    real joints[N], found[FOUND], matrix[FOUND * N];
+    real joints[N], found[FOUND], matrix[FOUND * N], second[FOUND * N * N];
     F(info) info;
     int function = 0;
     memset(joints, 0, sizeof joints);
     memset(found, 0, sizeof found);
     memset(matrix, 0, sizeof matrix);
+    memset(second, 0, sizeof second);
     of_finite = inputs_finite(in);
     CALL(direct, all_finite(found, FOUND), config, in->joints, in->found_guess, found, &info);
     CALL(inverse, all_finite(joints, N), config, in->found, in->guess, joints, &info);
@@ -334,6 +335,11 @@ static void call_all(const inputs *in, long number)
     CALL(jacobian, all_finite(matrix, FOUND * N), in->joints, in->found, matrix);
     CALL(rates, all_finite(found, FOUND), in->joints, in->found, in->rates, found);
     CALL(torques, all_finite(joints, N), in->joints, in->found, in->found_rates, joints);
+    CALL(inverse_jacobian, all_finite(matrix, FOUND * N), in->joints, in->found, matrix);
+    CALL(second, all_finite(matrix, FOUND * N) && all_finite(second, FOUND * N * N), in->joints, in->found, matrix, second);
+    CALL(inertia, all_finite(matrix, FOUND * N), in->joints, in->found, in->limits, matrix);
+    CALL(torque_limits, all_finite(found, FOUND), in->joints, in->found, in->limits, found);
+    CALL(rate_limits, all_finite(found, FOUND), in->joints, in->found, in->limits, found);
 }
 #else
 static void call_all(const inputs *in, long number)

@@ -10,10 +10,10 @@ import numpy as np
 from asked import STATUSES, Answers, Asked
 from continuation import Ends, Walker
 from goals import Reach, goals_about
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.options import Options
 from symkin.codegen.program import Kind
 from symkin.codegen.serial_arm import SerialArm
+from symkin.codegen.text.c import Real
 from symkin.model.mechanism import Mechanism
 from symkin.position.canonical import poses_of
 from symkin.position.problem import Problem, build_problem
@@ -105,8 +105,8 @@ class Lines:
         if isinstance(kind, SerialArm):
             joints, pose = kind.samples[0]
             return Starts(*(np.tile(v, (count, 1)) for v in (joints, pose, joints)))
-        # code may be of a motion that the mechanism's joints imply: its home is the reference then
-        alike = len(kind.home_values) == len(problem.closure.reference)
+        # code may be of another machine that the mechanism means: its home is the reference then
+        alike = kind.mechanism == problem.mechanism
         values = kind.home_values if alike else problem.closure.reference
         unknowns = problem.select_values(values, problem.system.unknowns)
         known = problem.select_values(values, problem.known_coordinates)

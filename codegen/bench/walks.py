@@ -33,7 +33,7 @@ from closes import Machine, drawn, late, named
 from directions import HARD, OUT_OF_RANGE, PLAIN, Direction, State, directions, paths_of
 from grazes import Grazes, grazed
 from lines import REGULAR
-from symkin.codegen.c_emitter import Real
+from symkin.codegen.text.c import Real
 from symkin.errors import InputError
 from symkin.formats.load import load
 

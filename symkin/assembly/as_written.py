@@ -9,6 +9,7 @@ import numpy as np
 
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.modes_result import Group, Modes
+from symkin.closure.closure import Closure
 from symkin.machine.lower import Lowered, lowered
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
@@ -20,6 +21,9 @@ from symkin.position.solution import Solution
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.transfer import many_as_written
 from symkin.spatial.pose import Pose
+
+COMPLETE = ("proved", "probability one")
+"""What is said of lists that hold all modes."""
 
 
 def machine_of(mechanism: Mechanism, given: Given) -> Lowered | None:
@@ -36,7 +40,7 @@ def machine_of(mechanism: Mechanism, given: Given) -> Lowered | None:
 
 def is_complete(found: Modes) -> bool:
     """Whether a list is said to hold all modes."""
-    return found.completeness in ("proved", "probability one")
+    return found.completeness in COMPLETE
 
 
 def comes_first(low: Lowered, given: Given) -> bool:
@@ -51,8 +55,8 @@ def given_of_machine(low: Lowered, given: Given) -> Given:
     """The same known values of the machine: joints as they are, a pose in its frame."""
     if _is_pose(low.written, given) and low.machine.motion != low.written.motion:
         pose = Pose(given.values[:3], given.values[3:])
-        there = given_from(low.machine, None, pose if low.turn is None else low.turn @ pose)
-        given = replace(there, echo=given.echo)
+        taken = pose if low.frames is None else low.frames.taken(pose)
+        given = replace(given_from(low.machine, None, taken), echo=given.echo)
         return told_by_name(low.machine, given) if low.machine.is_graph else given
     kind = plain_kind(low.machine, given.names) if given.kind == "given" else None
     if kind is None:
@@ -72,9 +76,7 @@ def as_written(low: Lowered, problem: Problem, given: Given, found: Modes) -> Mo
     listed: Sequence[Solution] = ()
     if len(found):
         own = np.array([mode.variables for mode in found])
-        values = many_as_written(problem.closure, found.problem.closure, own, low)
-        values[:, problem.known_places] = given.values
-        told = checked_solutions(problem, values, given.notes)
+        told = as_checked(low, problem, found.problem.closure, own, given.values, given.notes)
         size = problem.closure.characteristic_length
         if not (told.residual <= CLOSURE_TOLERANCE * size).all():
             return None
@@ -88,6 +90,22 @@ def as_written(low: Lowered, problem: Problem, given: Given, found: Modes) -> Mo
         groups=tuple(_renamed(group, names) for group in found.groups),
         notes=tuple(_told(note, names) for note in found.notes),
     )
+
+
+def as_checked(
+    low: Lowered,
+    problem: Problem,
+    own: Closure,
+    values: np.ndarray,
+    known: np.ndarray,
+    notes: tuple[str, ...] = (),
+) -> SolutionList:
+    """Configurations of the machine, variables of its `own` closure (m, own variables), in the
+    coordinates of the description at its `known` values, with what its rows leave open.
+    """
+    told = many_as_written(problem.closure, own, values, low)
+    told[:, problem.known_places] = known
+    return checked_solutions(problem, told, notes)
 
 
 def _is_pose(mechanism: Mechanism, given: Given) -> bool:

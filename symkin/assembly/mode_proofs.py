@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.assembly.group_roots import GroupRoots, group_paths
+from symkin.assembly.group_roots import GroupRoots
+from symkin.assembly.group_solvers import group_paths
 from symkin.assembly.prover import prover_of
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.system import System
@@ -35,7 +36,7 @@ class PartProofs:
     def radius(self) -> np.ndarray:
         return self.ground[:, 2]
 
-    def of(self, places: np.ndarray) -> PartProofs:
+    def of(self, places: np.ndarray | slice) -> PartProofs:
         """Of some configurations."""
         return PartProofs(self.certified[places], self.ground[places])
 

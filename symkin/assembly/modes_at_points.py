@@ -1,8 +1,9 @@
 """Modes at many points of one problem as arrays: what a sweep asks for.
 
 Points that leave nothing in doubt are found together, block by block (see `plain_modes`) or, where
-the known coordinates are told by name, structure group by structure group (see `by_groups`); all
-others one by one, as `symkin.modes` does.
+the known coordinates are told by name, structure group by structure group (see `by_groups`), of the
+machine that the description means (see `machine_finder`); all others one by one, as `symkin.modes`
+does.
 """
 
 from __future__ import annotations
@@ -15,10 +16,14 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.account import FEW
+from symkin.assembly.as_written import comes_first, given_of_machine, machine_of
 from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.by_groups import FEW, modes_by_groups
+from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.closed_roots import ClosedBlock
-from symkin.assembly.group_roots import STATEMENTS, most_roots, solvers_of
+from symkin.assembly.group_roots import STATEMENTS
+from symkin.assembly.group_solvers import most_roots, solvers_of
+from symkin.assembly.machine_finder import Finder, MachineFinder
 from symkin.assembly.mode_table import (
     COMPLETENESS,
     ModeTable,
@@ -39,7 +44,7 @@ from symkin.errors import InputError, TooManyModesError
 from symkin.numeric.levenberg import Progress
 from symkin.position.determination import determination, refuse_unless_determined
 from symkin.position.given import Given
-from symkin.position.given_by_name import any_given
+from symkin.position.given_by_name import any_given, problem_of
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN
@@ -54,7 +59,7 @@ class ModeFinder:
     problem: Problem
     search: Search
     certify: bool
-    plain: PlainModes | GroupFinder
+    plain: Finder
 
     @property
     def engine(self) -> str:
@@ -192,14 +197,48 @@ def make_finder(
     """The finder of one problem; a start that is not kept yet is computed. Raises InputError where
     the problem has no isolated solutions.
     """
-    mechanism, search = problem.mechanism, Search("continuation", starts, seed, "batched")
+    search = Search("continuation", starts, seed, "batched")
     if problem.kind == "given":
         refuse_unless_determined(problem)
-        return ModeFinder(problem, search, certify, GroupFinder(problem, search))
+    return ModeFinder(
+        problem,
+        search,
+        certify,
+        _of_machine(problem, search, progress) or _own(problem, search, progress),
+    )
+
+
+def _of_machine(
+    problem: Problem, search: Search, progress: Progress | None
+) -> MachineFinder | None:
+    """The finder of the machine that a description means, for values of joints; None where that is
+    the description.
+    """
+    names = tuple(c.name for c in problem.known_coordinates)
+    if any(c.width > 1 for c in problem.known_coordinates) or problem.kind == "inverse":
+        return None
+    # values that tell which of them the machine takes
+    given = Given(problem.kind, np.arange(len(names)), {}, names if problem.kind == "given" else ())
+    low = machine_of(problem.mechanism, given)
+    if low is None or not comes_first(low, given):
+        return None
+    there = given_of_machine(low, given)
+    of_machine = problem_of(low.machine, there)
+    if of_machine.is_explicit:
+        return None
+    own = _own(of_machine, search, progress)
+    return MachineFinder(problem, low, of_machine, tuple(map(int, there.values)), own)
+
+
+def _own(problem: Problem, search: Search, progress: Progress | None) -> PlainModes | GroupFinder:
+    """The finder of a description itself."""
+    mechanism = problem.mechanism
+    if problem.kind == "given":
+        return GroupFinder(problem, search)
     if mechanism.serial and problem.system.freedom > problem.generic_rank:
         raise InputError(
             f"{mechanism.name}: its {len(mechanism.actuated)} joints leave solutions of a pose "
             f"free, so that none is isolated; "
             "sweep over its inputs"
         )
-    return ModeFinder(problem, search, certify, plain_modes(problem, progress))
+    return plain_modes(problem, progress)

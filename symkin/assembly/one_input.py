@@ -12,13 +12,15 @@ from math import prod
 import numpy as np
 
 from symkin.assembly.continuation import by_continuation, lacks_starts
-from symkin.assembly.group_roots import parted_group
+from symkin.assembly.group_solvers import parted_group
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import ground_notes, theorem_notes
 from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.modes_result import Completeness, Modes, sampling
+from symkin.assembly.prover import prover_of
 from symkin.assembly.search import Search
 from symkin.errors import InputError, TooManyModesError
+from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
@@ -88,6 +90,19 @@ def free_unknowns(problem: Problem) -> str | None:
     )
 
 
+def _proved(problem: Problem, solution: Solution) -> Solution:
+    """The pose that a formula gives, certified in balls as any other solution."""
+    (block,) = problem.blocks
+    if unsuitable(problem) is not None:
+        return solution
+    prover, values = prover_of(problem, system_of(problem, block), block), solution.variables[None]
+    knowns, owner = prover.knowns(values[:, problem.known_places]), np.zeros(1, dtype=int)
+    found = prover.proofs(None, values[:, problem.places(block.unknowns)], owner, knowns)
+    certified = bool(found.certified[0])
+    radius = float(found.radius[0]) if certified else None
+    return replace(solution, certified=certified, radius=radius)
+
+
 def _known_without_search(problem: Problem, given: Given, search: Search) -> Modes | None:
     """What needs no search: unknowns that nothing determines, a pose off the motion, the direct
     problem of a serial arm, given values that contradict rows without unknowns.
@@ -119,7 +134,7 @@ def _known_without_search(problem: Problem, given: Given, search: Search) -> Mod
         return Modes(
             problem=problem,
             given=given.echo,
-            modes=(solution,),
+            modes=(_proved(problem, solution),),
             completeness="proved",
             method="forward",
             seed=None,

@@ -12,15 +12,11 @@ import numpy as np
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.checked_roots import BlockRoots, with_proofs
 from symkin.assembly.closed_roots import ClosedBlock
-from symkin.assembly.group_roots import (
-    STATEMENTS,
-    engines_together,
-    most_of_parts,
-    roots_of_parts,
-    solvers_of,
-)
+from symkin.assembly.group_roots import STATEMENTS, engines_together
+from symkin.assembly.group_solvers import most_of_parts, solvers_of
 from symkin.assembly.prover import Prover, prover_of
 from symkin.assembly.search import Search
+from symkin.assembly.tree import roots_of_parts
 from symkin.computed_once import cached_property
 from symkin.homotopy.systems import system_of
 from symkin.numeric.linear_algebra import extreme_singular_values

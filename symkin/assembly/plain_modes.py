@@ -14,7 +14,7 @@ import numpy as np
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.checked_roots import BlockRoots
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
-from symkin.assembly.group_roots import parted_group
+from symkin.assembly.group_solvers import parted_group
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import theorem_notes
 from symkin.assembly.mode_table import (

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.group_roots import parted_group, solvers_of
+from symkin.assembly.group_solvers import parted_group, solvers_of
 from symkin.formats.load import load
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.start_files import SHIPPED, content_of

@@ -238,7 +238,8 @@ class _Fitting:
 
     def _by_lines(self, part: CalibrationProblem, result: Estimate) -> Estimate:
         """Fit an arm with nearly parallel axes by its lines, and go on from there, where its table
-        alone does not explain the readings; the better of both.
+        alone does not explain the readings; the better of both. The table comes first: its prior
+        holds offsets along such axes near the file's, those of lines may be long and cancel.
         """
         arm, m = part.mechanism, part.measurements
         whole = set(dh_names(arm)) <= set(part.names)

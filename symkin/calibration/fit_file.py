@@ -30,6 +30,7 @@ from symkin.calibration.judge.result import Calibration
 from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions
 from symkin.calibration.report import FitReport
 from symkin.errors import InputError
+from symkin.files.euler_columns import SEQUENCES
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.text import first_of, meant, printable
@@ -96,15 +97,14 @@ def fit_file(
     data = replace(data, notes=notes).without_copies()
     data = replace(data, measurements=with_sigmas(mechanism, data, sigmas or {}))
     data, kept_back = _hold_out(data, options["hold_out"], seed)
-    choice, sequence = None, ""
-    if data.open_euler is not None:
-        form = options["residual"]
-        choice = find_sequence(mechanism, data, parameters=names, fixed=fixed, residual=form)
-        sequence = choice.sequence
     placed = [n for n in names if n in MEASURING_FRAMES and n not in fixed]
-    case = Case.of(mechanism, data, sequence, placed)
+    choice, case = None, Case.of(mechanism, data, SEQUENCES[0], placed)
     every: dict[str, Any] = {key: options[key] for key in FitOptions.__annotations__}  # type: ignore[literal-required]
     try:
+        if data.open_euler is not None:
+            form = options["residual"]
+            choice = find_sequence(mechanism, data, parameters=names, fixed=fixed, residual=form)
+            case = Case.of(mechanism, data, choice.sequence, placed)
         fit = calibrate(mechanism, case.measurements, parameters=names, fixed=fixed, **every)
     except InputError as error:
         if mistakes := diagnose(case):
@@ -112,7 +112,7 @@ def fit_file(
         raise InputError(f"{data.path}: {error}") from None
     held_out = None
     if kept_back is not None:
-        held_out = predict_held_out(fit, kept_back.with_sequence(sequence), seed)
+        held_out = predict_held_out(fit, kept_back.with_sequence(case.sequence), seed)
     return FitReport(
         fit=fit,
         data=data.path,

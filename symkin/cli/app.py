@@ -21,6 +21,7 @@ from symkin.cli.describe import list_, show
 from symkin.cli.firmware import firmware
 from symkin.cli.help import HELP_NAMES, Group, add_command
 from symkin.cli.jacobian import jacobian
+from symkin.cli.mode_graph import mode_graph
 from symkin.cli.options import Interrupted
 from symkin.cli.position import modes, solve
 from symkin.cli.singularities import singularities
@@ -174,6 +175,16 @@ add_command(
     [
         "symkin singularities zhao2000",
         "symkin singularities zhao2000 --plane x,y --starts 50 --plot loci.png",
+    ],
+    group=_VELOCITIES,
+)
+add_command(
+    app,
+    mode_graph,
+    "Which modes connect without a singularity.",
+    [
+        "symkin mode-graph zhao2000 --over theta1=70:90,op=100:110 --points 3",
+        "symkin mode-graph four_bar --over crank=0:350 --plot sheets.png",
     ],
     group=_VELOCITIES,
 )

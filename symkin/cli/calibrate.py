@@ -13,8 +13,14 @@ import typer
 
 from symkin.calibration.options import FileOptions
 from symkin.cli.calibrate_design import plan, simulate
-from symkin.cli.calibrate_folder import check_folder, write_fit, write_unfitted
-from symkin.cli.calibrate_options import MEASURES, DataArgument, ForceOption, Sigmas
+from symkin.cli.calibrate_folder import PICTURES, check_folder, write_fit, write_unfitted
+from symkin.cli.calibrate_options import (
+    MEASURES,
+    DataArgument,
+    ForceOption,
+    PicturesOption,
+    Sigmas,
+)
 from symkin.cli.help import HELP_NAMES, OUTPUT, Group, add_command
 from symkin.cli.options import MechArgument
 from symkin.cli.quantities import distance_points, joint_quantities, quantity, tolerances
@@ -53,11 +59,10 @@ def fit(
     ],
     options: FileOptions,
     sigmas: Sigmas,
+    pictures: PicturesOption = False,
     force: ForceOption = False,
 ) -> None:
-    """Identify the geometry: DIR/NAME.toml, report.json, report.md and pictures. Exit status 3: not
-    usable.
-    """
+    """Identify the geometry: DIR/NAME.toml, report.json, report.md. Exit status 3: not usable."""
     from symkin.calibration.data.files import read_measurements
     from symkin.calibration.fit_file import NotFittedError, fit_file
 
@@ -82,25 +87,25 @@ def fit(
             **options,
         )
     except NotFittedError as error:
-        write_unfitted(mechanism, data, error, output)
+        written = write_unfitted(mechanism, data, error, output)
         print(f"{mechanism.name}: {error}")
-        _note_earlier(output, mechanism)
+        _note_earlier(output, mechanism, written)
         raise typer.Exit(3) from None
-    written = write_fit(report, output)
+    written = write_fit(report, output, pictures=pictures)
     print_text(report.summary())
     print("written: " + ", ".join(str(path) for path in written))
     if not report.usable:
         print(f"no mechanism file was written: {report.verdict}")
-        _note_earlier(output, mechanism)
+    _note_earlier(output, mechanism, written)
     raise typer.Exit(0 if report.usable else 3)
 
 
-def _note_earlier(output: Path, mechanism: Mechanism) -> None:
-    """Say which files of the folder an earlier, usable fit has left: they are kept and are not of
-    this fit.
+def _note_earlier(output: Path, mechanism: Mechanism, written: list[Path]) -> None:
+    """Say which files of the folder an earlier fit has left: they are kept and are not of this
+    fit.
     """
-    for left in (output / f"{mechanism.name}.toml", output / "pose_sigma.png"):
-        if left.exists():
+    for left in (output / name for name in (f"{mechanism.name}.toml", *PICTURES)):
+        if left not in written and left.exists():
             print(f"note: {left} is of an earlier fit, not of this one")
 
 

@@ -1,5 +1,5 @@
-"""The folder that `symkin calibrate fit` writes: mechanism, report and pictures, every file whole
-or not at all.
+"""The folder that `symkin calibrate fit` writes: mechanism, report and, where they are asked for,
+pictures; every file whole or not at all.
 """
 
 from __future__ import annotations
@@ -27,10 +27,8 @@ if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
 
 
-_PICTURES, _REPORTS = (
-    ("residuals.png", "parameters.png", "pose_sigma.png"),
-    ("report.json", "report.md"),
-)
+PICTURES = ("residuals.png", "parameters.png", "pose_sigma.png")
+_REPORTS = ("report.json", "report.md")
 _KEY, _REPLACED = "calibration", "replaced"
 """What the manifest of a calibration has, and others have not; and digests of files that a run
 under way replaces.
@@ -65,17 +63,32 @@ def _check_own(folder: Path, mechanism: Mechanism) -> None:
         name: (d, written.get(_REPLACED, {}).get(name))
         for name, d in written.get("files", {}).items()
     }
-    names = [*_PICTURES, *_REPORTS, f"{mechanism.name}.toml", *([] if written else [MANIFEST])]
+    names = [*PICTURES, *_REPORTS, f"{mechanism.name}.toml", *([] if written else [MANIFEST])]
     refuse_foreign(
         folder, foreign_files(folder, names, digests), digests, f"move them away, {remedy}"
     )
 
 
-def write_fit(report: FitReport, folder: Path) -> list[Path]:
-    """Every file whole or not at all; the mechanism and what it says of poses only if it can be
-    used.
+def write_fit(report: FitReport, folder: Path, *, pictures: bool = False) -> list[Path]:
+    """Write every file whole or not at all; the mechanism and what it says of poses only if it can
+    be used.
     """
     from symkin.calibration.fit_file import calibrated_mechanism
+
+    drawn = _drawn(report) if pictures else {}
+    contents = {
+        **drawn,
+        "report.json": report.json_text(),
+        "report.md": report.to_markdown([Path(name) for name in drawn]).encode(),
+    }
+    if report.usable:
+        made = calibrated_mechanism(report)
+        contents[f"{made.name}.toml"] = made.to_toml().encode()
+    return _write_contents(folder, report.fit.mechanism, contents)
+
+
+def _drawn(report: FitReport) -> dict[str, bytes]:
+    """Draw the pictures of a report, by file name."""
     from symkin.plots.calibration_plot import (
         parameter_figure,
         png,
@@ -83,21 +96,10 @@ def write_fit(report: FitReport, folder: Path) -> list[Path]:
         residual_figure,
     )
 
-    pictures = {
-        "residuals.png": png(residual_figure(report.fit)),
-        "parameters.png": png(parameter_figure(report.fit)),
-    }
+    figures = [residual_figure(report.fit), parameter_figure(report.fit)]
     if report.usable:
-        pictures["pose_sigma.png"] = png(pose_sigma_figure(report.fit, report.sigma))
-    contents = {
-        **pictures,
-        "report.json": report.json_text(),
-        "report.md": report.to_markdown([Path(name) for name in pictures]).encode(),
-    }
-    if report.usable:
-        made = calibrated_mechanism(report)
-        contents[f"{made.name}.toml"] = made.to_toml().encode()
-    return _write_contents(folder, report.fit.mechanism, contents)
+        figures.append(pose_sigma_figure(report.fit, report.sigma))
+    return {name: png(figure) for name, figure in zip(PICTURES, figures, strict=False)}
 
 
 def write_unfitted(

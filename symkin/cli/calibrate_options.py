@@ -99,6 +99,15 @@ DistanceOption = Annotated[
         rich_help_panel=READINGS,
     ),
 ]
+PicturesOption = Annotated[
+    bool,
+    typer.Option(
+        "--pictures",
+        help="Draw residuals, changes of parameters and the pose's accuracy (PNG) beside the "
+        "report.",
+        rich_help_panel=OUTPUT,
+    ),
+]
 ForceOption = Annotated[
     bool,
     typer.Option(

@@ -76,7 +76,7 @@ def _check_output(output: Path | None, mech: str) -> None:
     if output is None:
         return
     check_output(output, _SUFFIXES, "close", mech)
-    if output.suffix == ".xml" and Path(mech).suffix.lower() != ".xml":
+    if output.suffix.lower() == ".xml" and Path(mech).suffix.lower() != ".xml":
         raise InputError(
             f"output {str(output)!r}: a keyframe is written into a copy of an MJCF file, and "
             f"{mech} is none; give .toml or .json, or "
@@ -84,10 +84,10 @@ def _check_output(output: Path | None, mech: str) -> None:
         )
 
 
-def _content(mech: str, found: ClosedConfiguration, output: Path) -> str:
-    if output.suffix == ".json":
+def _content(mech: str, found: ClosedConfiguration, output: Path) -> str | bytes:
+    if output.suffix.lower() == ".json":
         return json.dumps(found.to_dict(), allow_nan=False, indent=1) + "\n"
-    if output.suffix == ".xml":
+    if output.suffix.lower() == ".xml":
         from symkin.formats.mjcf import with_keyframe
 
         return with_keyframe(Path(mech), found.joints, found.link_poses)

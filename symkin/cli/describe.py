@@ -64,7 +64,7 @@ def show(
 
         draw_sketch(mechanism, plot, **options)
     if latex:
-        from symkin.codegen.latex import equations
+        from symkin.codegen.text.latex import equations
 
         print(equations(mechanism))
         return

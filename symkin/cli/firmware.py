@@ -111,6 +111,14 @@ def firmware(
         bool,
         typer.Option("--cpp", help="Also a header for C++17 and later.", rich_help_panel=OUTPUT),
     ] = False,
+    ros2: Annotated[
+        bool,
+        typer.Option(
+            "--ros2",
+            help="Also a ROS 2 package: the map as a transmission of ros2_control.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = False,
 ) -> None:
     """Write C99 for controllers: direct and inverse kinematics, Jacobian, test and build files.
 
@@ -126,7 +134,12 @@ def firmware(
     pose = reader.pose(home, "home")
     also = [
         name
-        for name, wanted in (("package", package), ("linuxcnc", linuxcnc), ("cpp", cpp))
+        for name, wanted in (
+            ("package", package),
+            ("linuxcnc", linuxcnc),
+            ("cpp", cpp),
+            ("ros2", ros2),
+        )
         if wanted
     ]
     files = write_firmware(

@@ -73,7 +73,7 @@ def jacobian(
     ] = None,
 ) -> None:
     """Write a symbolic Jacobian in another language: CasADi, C99, NumPy, SymPy or LaTeX."""
-    from symkin.codegen.jacobian_formats import jacobian_text
+    from symkin.codegen.text.jacobians import jacobian_text
     from symkin.files.outputs import write_output
     from symkin.velocity.jacobian import AnyJacobian
     from symkin.velocity.jacobian import jacobian as symbolic

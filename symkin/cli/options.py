@@ -296,7 +296,7 @@ def check_output(output: Path | None, *inputs: Path | str | None) -> None:
         for given in inputs
     ):
         raise InputError(f"-o: {str(output)!r} is read by this command; give another name")
-    if ".toml" in (output.suffix, output.resolve().suffix):
+    if ".toml" in (output.suffix.lower(), output.resolve().suffix.lower()):
         raise InputError(
             f"-o: {str(output)!r} is the name of a mechanism file; give another suffix"
         )

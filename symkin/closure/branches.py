@@ -230,9 +230,10 @@ def _spanned(
     carrying: dict[int, Branch] = {}
     queue: list[tuple[int, int, bool]] = []
 
+    weights = [_unknown_freedom(chain, kept) for chain in chains]
+
     def offer(link: str) -> None:
-        for number, chain in enumerate(chains):
-            weight = _unknown_freedom(chain, kept)
+        for number, (chain, weight) in enumerate(zip(chains, weights, strict=True)):
             if weight is None or number in carrying or link not in chain.ends:
                 continue
             heapq.heappush(queue, (weight, number, chain.ends[0] == link))

@@ -119,11 +119,17 @@ def build_closure(mechanism: Mechanism, partition: Partition = ALL_JOINTS) -> Cl
 
 @lru_cache(maxsize=128)
 def _closure(mechanism: Mechanism, partition: Partition) -> Closure:
+    return _assemble(built_rows(mechanism, partition))
+
+
+@lru_cache(maxsize=16)
+def built_rows(mechanism: Mechanism, partition: Partition) -> RowBuilder:
+    """The builder that has written the rows of a closure, and knows where its links are."""
     builder = RowBuilder(mechanism, partition=partition)
     builder.build_rows()
     if partition.geometry:
         builder.declare_geometry()
-    return _assemble(builder)
+    return builder
 
 
 def numbered_rows(closure: Closure) -> ca.SX:

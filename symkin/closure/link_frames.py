@@ -15,7 +15,7 @@ import numpy as np
 
 from symkin.closure.branches import Branch
 from symkin.closure.chain import Chain, Side
-from symkin.closure.closure import Closure
+from symkin.closure.closure import Closure, built_rows
 from symkin.closure.rows import RowBuilder
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Joint
@@ -56,10 +56,7 @@ class LinkFrames:
 @lru_cache(maxsize=128)
 def link_frames(closure: Closure) -> LinkFrames:
     """The frames of all links, those within limbs ("leg1.1", from the base on) included."""
-    builder = RowBuilder(closure.mechanism, partition=closure.partition)
-    builder.build_rows()
-    if closure.partition.geometry:
-        builder.declare_geometry()
+    builder = built_rows(closure.mechanism, closure.partition)
     sides: dict[str, Side] = {**builder.bodies, **builder.links}
     chains = [
         (branch, (branch.ends[0], *branch.links, branch.ends[1]))

@@ -27,6 +27,8 @@ class ParameterTable:
         return symbol
 
     def vector(self, path: str, value: Sequence[float], letters: str = "xyz") -> ca.SX:
+        if self.bound:
+            return ca.SX(ca.DM([float(v) for v in value]))
         return ca.vertcat(
             *(self.scalar(f"{path}.{k}", v) for k, v in zip(letters, value, strict=True))
         )

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import casadi as ca
+import numpy as np
 
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.rotation import conjugate, multiply, rotate
@@ -111,3 +112,25 @@ def rotate_homogeneous(q: ca.SX, v: ca.SX) -> ca.SX:
     """q v q* for a quaternion of any length: (w^2 - u.u) v + 2 (u.v) u + 2 w u x v."""
     w, u = q[0], q[1:]
     return (w * w - dot(u, u)) * v + 2 * (dot(u, v) * u + w * cross(u, v))
+
+
+_HALF_TURNS = np.eye(4)
+"""Quaternions of which each vector's turned ones add to nothing."""
+
+
+def linear_parts(point: ca.SX, position: ca.SX, quaternion: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """A, R a at R = 1 and b of points A p + R a + b, by the position p and the unit quaternion of
+    R.
+    """
+    turns = [ca.substitute(point, quaternion, ca.SX(ca.DM(q))) for q in _HALF_TURNS]
+    turned = [ca.substitute(w, position, ca.SX.zeros(*position.shape)) for w in turns]
+    still = sum(turned[1:], turned[0]) / len(turned)
+    return ca.simplify(ca.jacobian(point, position)), turned[0] - still, still
+
+
+def weighted_point(point: ca.SX, position: ca.SX, quaternion: ca.SX, pose: PlatformPose) -> ca.SX:
+    """Points A p + R a + b times the weight of a pose in another form."""
+    moved, arm, still = linear_parts(point, position, quaternion)
+    arms = [pose.direction(arm[k : k + 3]) for k in range(0, int(point.shape[0]), 3)]
+    place = pose.point(ca.SX(3, 1)) if int(position.shape[0]) else position
+    return ca.mtimes(moved, place) + ca.vertcat(*arms) + pose.weight * still

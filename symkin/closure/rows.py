@@ -26,6 +26,7 @@ from symkin.closure.cuts import cut_index, middle_turn
 from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.closure.pose_forms import PlatformPose, StudyPose, UnitPose
 from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
+from symkin.closure.written_once import Rows, written_once
 from symkin.errors import MechanismError
 from symkin.model.bar import Bar
 from symkin.model.graph import Coupling
@@ -314,40 +315,65 @@ class RowBuilder(BodyBuilder):
         )
 
     def _cut(self, name: str, element: Element, base: Side, platform: Side) -> None:
-        symbols = self.joints[element.name]
-        size, point, axis = self.mechanism.characteristic_length, symbols.point, symbols.axis
-        gap = base.weight * platform.move(point) - platform.weight * base.move(point)
-        kind = symbols.joint.type
-        if kind in "SRU":
-            self._add(name, "point", ca.vertsplit(gap), ca.vertsplit(gap))
-        if kind == "S":
-            return
-        assert axis is not None  # noqa: S101 - every cut joint but S has an axis
-        if kind == "U":
-            # a universal joint keeps the angle between its two axes; the first is fixed to the link
-            # before it
-            before, after = (base, platform) if element.along else (platform, base)
-            weights = base.weight * platform.weight
-            angle = dot(before.direction(axis), after.direction(symbols.axis2)) - weights * dot(
-                axis, symbols.axis2
-            )
-            self._add(name, "axes' angle", [size * angle], [size * angle])
-            return
-        # e is parallel to the joint's axis: both components normal to it vanish
-        u, v = _normals(axis, symbols.joint.axis)
-        if kind in "CP":
-            # the joint slides along its axis: only the gap across it is held
-            offsets = [dot(base.direction(n), gap) for n in (u, v)]
-            self._add(name, "line", offsets, offsets)
-        e = multiply(conjugate(base.quaternion), platform.quaternion)
-        if kind == "P":
-            full = ca.vertcat(*(platform.direction(n) - base.direction(n) for n in _unit_vectors()))
-            rows = [2 * size * e[i] for i in (1, 2, 3)]
-            self._add(name, "orientation", rows, ca.vertsplit(size * full))
-        else:
-            parallel = platform.direction(axis) - base.direction(axis)
-            rows = [2 * size * dot(e[1:], n) for n in (u, v)]
-            self._add(name, "axis", rows, ca.vertsplit(size * parallel))
+        symbols, size = self.joints[element.name], self.mechanism.characteristic_length
+        cut = _Cut(
+            symbols.joint.type,
+            element.along,
+            symbols.point,
+            symbols.axis,
+            symbols.axis2,
+            0 if symbols.joint.axis is None else int(np.argmin(np.abs(symbols.joint.axis))),
+        )
+        for relation, rows, errors in written_once(_rows_of_cut, cut, base, platform, ca.SX(size)):
+            self._add(name, relation, rows, errors)
+
+
+@dataclass(frozen=True)
+class _Cut:
+    """The joint at which a loop is cut, and the axis of the base frame that its axis is furthest
+    from (`helper`).
+    """
+
+    type: str
+    along: bool
+    point: ca.SX
+    axis: ca.SX | None
+    axis2: ca.SX | None
+    helper: int
+
+
+def _rows_of_cut(cut: _Cut, base: Side, platform: Side, size: ca.SX) -> Rows:
+    """What a joint between two sides constrains."""
+    gap = base.weight * platform.move(cut.point) - platform.weight * base.move(cut.point)
+    found: Rows = []
+    if cut.type in "SRU":
+        found.append(("point", ca.vertsplit(gap), ca.vertsplit(gap)))
+    if cut.type == "S":
+        return found
+    assert cut.axis is not None  # noqa: S101 - every cut joint but S has an axis
+    if cut.type == "U":
+        # a universal joint keeps the angle between its two axes; the first is fixed to the link
+        # before it
+        before, after = (base, platform) if cut.along else (platform, base)
+        weights = base.weight * platform.weight
+        angle = dot(before.direction(cut.axis), after.direction(cut.axis2)) - weights * dot(
+            cut.axis, cut.axis2
+        )
+        return [*found, ("axes' angle", [size * angle], [size * angle])]
+    # e is parallel to the joint's axis: both components normal to it vanish
+    u, v = _normals(cut.axis, cut.helper)
+    if cut.type in "CP":
+        # the joint slides along its axis: only the gap across it is held
+        offsets = [dot(base.direction(n), gap) for n in (u, v)]
+        found.append(("line", offsets, offsets))
+    e = multiply(conjugate(base.quaternion), platform.quaternion)
+    if cut.type == "P":
+        full = ca.vertcat(*(platform.direction(n) - base.direction(n) for n in _unit_vectors()))
+        rows = [2 * size * e[i] for i in (1, 2, 3)]
+        return [*found, ("orientation", rows, ca.vertsplit(size * full))]
+    parallel = platform.direction(cut.axis) - base.direction(cut.axis)
+    rows = [2 * size * dot(e[1:], n) for n in (u, v)]
+    return [*found, ("axis", rows, ca.vertsplit(size * parallel))]
 
 
 @dataclass(frozen=True)
@@ -397,12 +423,12 @@ def _unit_vectors() -> list[ca.SX]:
     return [ca.SX([1, 0, 0]), ca.SX([0, 1, 0]), ca.SX([0, 0, 1])]
 
 
-def _normals(axis: ca.SX, nominal: Sequence[float] | None) -> tuple[ca.SX, ca.SX]:
-    """Two unit vectors that make a right-handed frame with the axis, chosen at its nominal
-    direction.
+def _normals(axis: ca.SX, number: int) -> tuple[ca.SX, ca.SX]:
+    """Two unit vectors that make a right-handed frame with the axis, by an axis of the base frame,
+    which should be far from it.
     """
     helper = [ca.SX(0)] * 3
-    helper[int(np.argmin(np.abs(np.array(nominal))))] = ca.SX(1)
+    helper[number] = ca.SX(1)
     u = cross(ca.vertcat(*helper), axis)
     u = u / ca.sqrt(dot(u, u))
     return u, cross(axis, u)

@@ -17,10 +17,10 @@ from symkin.closed.evaluation import Evaluation, Motion
 from symkin.closed.screws import ArmScrews
 from symkin.closed.steps import Factor, Operand, Word
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import fill
-from symkin.codegen.gathered import gathered
-from symkin.codegen.turns import cosine_and_sine
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.gathered import gathered
+from symkin.codegen.text.templates import fill
+from symkin.codegen.text.turns import cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import multiply
 
@@ -106,12 +106,8 @@ class ArmMotion:
         symbols = [self.halves, ca.SX(0, 1) if pose is None else pose]
         (short,) = gathered([expression], symbols, self.turns)
         snapped = snapped_expression(short, symbols)
-        function = ca.Function("f", symbols, [ca.densify(snapped)], {"cse": True})
-        return Emitter(
-            function,
-            [indexed("u", 2 * len(self.arm)), indexed("x", int(symbols[1].shape[0]))],
-            self.real,
-        )
+        names = [indexed("u", 2 * len(self.arm)), indexed("x", int(symbols[1].shape[0]))]
+        return Emitter.of(self.real, list(zip(symbols, names, strict=True)), snapped)
 
     @property
     def _turned_lines(self) -> list[str]:
@@ -136,26 +132,20 @@ class ArmMotion:
     def jacobian_lines(self) -> list[str]:
         """Statements of the Jacobian of `joints`, row by row."""
         count = len(self.arm)
-        emitter = self.emitter(ca.vec(self.jacobian))
-        stores = [
-            f"jacobian[{count * i + j}] = {emitter.value(0, 6 * j + i)};"
-            for i in range(6)
-            for j in range(count)
-        ]
+        emitter = self.emitter(ca.vec(self.jacobian.T))
         begin = [f"{self.real.type} u[{2 * count}];", f"{self.values['p']}_half_turns(joints, u);"]
-        return [*begin, *emitter.lines, *stores]
+        return [*begin, *emitter.stored(indexed("jacobian", 6 * count))]
 
     @property
     def text(self) -> str:
         """The functions that set half turns from joints, and the pose from half turns."""
-        emitter = self.emitter(self.pose)
-        stores = [f"x[{i}] = {emitter.value(0, i)};" for i in range(7)]
+        pose = self.emitter(self.pose).stored(indexed("x", 7))
         shown = {
             **self.values,
             "turns": 2 * len(self.arm),
             "nn": len(self.arm),
             "turned": indent(self._turned_lines),
-            "pose_lines": indent([*emitter.lines, *stores]),
+            "pose_lines": indent(pose),
         }
         turn = cosine_and_sine(self.real, shown) if self.real.name == "float" and self.turns else ""
         return turn + fill("arm_motion.c", shown)

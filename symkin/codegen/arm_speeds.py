@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from symkin.codegen.c_emitter import Real, indent
-from symkin.codegen.c_templates import fill
 from symkin.codegen.platform_rates import fastest
+from symkin.codegen.text.c import Real, indent
+from symkin.codegen.text.templates import fill
 from symkin.model.joint import Coordinate
 
 _DAMPED_BELOW = 0.02

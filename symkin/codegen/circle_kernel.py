@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snap, snapped_expression
-from symkin.codegen.circles import by_numbers, number_counts, numbers_of
 from symkin.codegen.newton_kernel import Kernel, Meaning, bent_places, listed
+from symkin.codegen.text.angles import by_numbers, number_counts, numbers_of
 from symkin.elimination.polynomial import Monomial, Polynomial, Ring
 from symkin.elimination.rows import NotPolynomialError, polynomial_rows
 from symkin.model.joint import Coordinate
@@ -68,7 +68,7 @@ def circle_kernel(
     state = ca.SX.sym("x", sum(number_counts(system.unknowns)))
     numbers = ca.SX.sym("k", sum(number_counts(known)))
     step = ca.SX.sym("s", system.freedom)
-    tangent, moved = _moves(system.unknowns, state, step, size)
+    tangent, moved = moves(system.unknowns, state, step, size)
     symbols = [
         (system.unknown, numbers_of(system.unknowns, state)),
         (system.known, numbers_of(known, numbers)),
@@ -117,7 +117,7 @@ def _length(expressions: Sequence[ca.SX], symbols: Sequence[ca.SX]) -> int:
     )
 
 
-def _moves(
+def moves(
     coordinates: Sequence[Coordinate], state: ca.SX, step: ca.SX, size: float
 ) -> tuple[ca.SX, ca.SX]:
     """dstate/dstep (numbers, freedom), and the state after a step; angles and turns are moved by

@@ -13,18 +13,18 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import fill
 from symkin.codegen.direct_answer import AnswerText
 from symkin.codegen.direct_formulas import DirectFormulas
 from symkin.codegen.direct_guess import GuessText
 from symkin.codegen.direct_line import LineText
 from symkin.codegen.direct_values import DirectValues
-from symkin.codegen.gathered import gathered
-from symkin.codegen.lifted import lifted
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.newton_kernel import rounded
-from symkin.codegen.turns import angle_of_direction, cosine_and_sine
+from symkin.codegen.text.angles import lifted
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.gathered import gathered
+from symkin.codegen.text.templates import fill
+from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
 
@@ -148,13 +148,12 @@ class ClosedDirectSource:
         guards = [guard.of(discriminants, reaches, divisors) for guard in self.found.guards]
         outputs = [discriminants, ca.vertcat(*unknowns), ca.vertcat(*guards)]
         outputs = gathered(outputs, [self.values.u, formulas.roots], self.values.turns)
-        function = ca.Function("formulas", [self.values.u, formulas.roots], outputs, {"cse": True})
         count = int(formulas.roots.shape[0])
-        emitter = Emitter(
-            function,
-            [indexed("w->u", self.values.count), [f"r{k + 1}" for k in range(count)]],
-            real,
-        )
+        inputs = [
+            (self.values.u, indexed("w->u", self.values.count)),
+            (formulas.roots, [f"r{k + 1}" for k in range(count)]),
+        ]
+        emitter = Emitter.of(real, inputs, *outputs)
         self.values.store_guards(emitter, 2, "guard", of_divisors=True)
         lines, zero, begun = emitter.lines, real.literal(0.0), len(emitter.lines)
         for k in range(count):

@@ -13,17 +13,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from symkin.closure.angle_sums import AngleSum, turned
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import fill
-from symkin.codegen.circles import (
-    AngleSum,
-    Numbers,
-    by_numbers,
-    number_counts,
-    numbers_of,
-    of_circle,
-)
 from symkin.codegen.condition_bends import (
     ConditionBend,
     condition_bend,
@@ -34,6 +25,15 @@ from symkin.codegen.condition_bends import (
 from symkin.codegen.formula_guards import free_divisors
 from symkin.codegen.joint_map import Direction, JointMap, Part
 from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.text.angles import (
+    Numbers,
+    by_numbers,
+    number_counts,
+    numbers_of,
+    of_circle,
+)
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
 from symkin.text import c_comment
@@ -447,19 +447,14 @@ class ClosedDirection:
         conditions = snapped_expression(
             ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions)), symbols
         )
-        function = ca.Function(
-            "f", symbols, [ca.densify(conditions), ca.densify(self._outputs)], {"cse": True}
-        )
         roots = [f"r{k + 1}" for k in range(int(self.roots.shape[0]))]
-        emitter = Emitter(
-            function,
-            [
-                indexed("k", int(self.known.shape[0])),
-                indexed("sign", int(self.signs.shape[0])),
-                roots,
-            ],
-            self.real,
-        )
+        names = [
+            indexed("k", int(self.known.shape[0])),
+            indexed("sign", int(self.signs.shape[0])),
+            roots,
+        ]
+        inputs = list(zip(symbols, names, strict=True))
+        emitter = Emitter.of(self.real, inputs, conditions, self._outputs)
         number = 0
         for j, one in enumerate(self.conditions):
             text = emitter.value(0, j)
@@ -480,10 +475,10 @@ class ClosedDirection:
                 f"const {kind} r{number} = (d{number} > {least}) ? "
                 f"{self.real.call('sqrt')}(d{number}) : {literal(0.0)};"
             )
-        stores = [f"x[{i}] = {emitter.value(1, i)};" for i in range(int(self._outputs.shape[0]))]
-        if not self.conditions:
-            emitter.lines.append(f"d[0] = {literal(1.0)};")
-        return [*emitter.lines, *stores]
+        count = int(self._outputs.shape[0])
+        lines = emitter.stored(indexed("x", count), 1)
+        ones = [] if self.conditions else [f"d[0] = {literal(1.0)};"]
+        return [*lines[: len(lines) - count], *ones, *lines[len(lines) - count :]]
 
     @property
     def _told_lines(self) -> list[str]:
@@ -510,14 +505,14 @@ class ClosedDirection:
         expressions = [
             snapped_expression(ca.vertcat(ca.SX(0, 1), *part), inputs) for part in (told, divisors)
         ]
-        function = ca.Function("f", inputs, [ca.densify(e) for e in expressions], {"cse": True})
         literal, count = self.real.literal, len(told)
         names = [
             indexed("k", int(self.known.shape[0])),
             indexed("x", int(self.state.shape[0])),
             indexed("sign", count),
         ]
-        emitter = Emitter(function, [*names, [f"r{k + 1}" for k in range(count)]], self.real)
+        names.append([f"r{k + 1}" for k in range(count)])
+        emitter = Emitter.of(self.real, list(zip(inputs, names, strict=True)), *expressions)
         place = 0
         for k in range(count):
             text = emitter.value(0, k)
@@ -574,12 +569,9 @@ def _coupled(total: AngleSum, read: list[Numbers]) -> Numbers:
     factors = {place: -factor / own for place, factor in total.factors.items() if place != (0, 0)}
     shift = -total.offset / own
     value = sum((factor * read[k].value for (_, k), factor in factors.items()), shift)
-    cosine, sine = ca.cos(shift), ca.sin(shift)
+    circle = ca.cos(shift), ca.sin(shift)
     for (_, k), factor in factors.items():
-        c, s = read[k].cosine, read[k].sine
-        if c is None or s is None or factor != round(factor):
+        if read[k].cosine is None or factor != round(factor):
             return Numbers(value, ca.cos(value), ca.sin(value))
-        s = s if factor > 0 else -s
-        for _ in range(abs(round(factor))):
-            cosine, sine = cosine * c - sine * s, sine * c + cosine * s
-    return Numbers(value, cosine, sine)
+        circle = turned(circle, read[k].circle(), factor)
+    return Numbers(value, *circle)

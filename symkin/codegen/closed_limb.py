@@ -16,11 +16,11 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indented_by_braces, indexed
-from symkin.codegen.c_templates import fill
 from symkin.codegen.formula_guards import RESOLVED
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.text.c import Emitter, Real, indent, indented_by_braces, indexed
+from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
 from symkin.text import c_comment
@@ -155,13 +155,12 @@ class LimbFormulas:
             snapped_expression(ca.densify(part), [known, roots])
             for part in (self._discriminants, results, divisors)
         ]
-        function = ca.Function("limb", [known, roots], outputs, {"cse": True})
         count = int(roots.shape[0])
-        emitter = Emitter(
-            function,
-            [indexed("c", int(known.shape[0])), [f"r{k + 1}" for k in range(count)]],
-            self.real,
-        )
+        inputs = [
+            (known, indexed("c", int(known.shape[0]))),
+            (roots, [f"r{k + 1}" for k in range(count)]),
+        ]
+        emitter = Emitter.of(self.real, inputs, *outputs)
         name, zeros = (
             self.made.name.upper(),
             [f"{array}[{i}] = {self.real.literal(0.0)};" for i in range(int(results.shape[0]))],
@@ -239,13 +238,11 @@ class LimbFormulas:
         """
         system, capital = self.block.system, self.made.name.upper()
         errors = snapped_expression(ca.densify(system.errors), [system.unknown, system.known])
-        function = ca.Function("rows", [system.unknown, system.known], [errors], {"cse": True})
-        emitter = Emitter(
-            function,
-            [indexed("x", system.width), indexed("c", int(system.known.shape[0]))],
-            self.real,
-            prefix="e",
-        )
+        inputs = [
+            (system.unknown, indexed("x", system.width)),
+            (system.known, indexed("c", int(system.known.shape[0]))),
+        ]
+        emitter = Emitter.of(self.real, inputs, errors, prefix="e")
         texts = [emitter.value(0, i) for i in range(int(errors.shape[0]))]
         closes = " && ".join(f"({self.real.call('fabs')}({text}) <= within)" for text in texts)
         return [
@@ -292,11 +289,11 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
         sides = snapped_expression(
             ca.densify(formulas.sides(written.signs)), [system.unknown, system.known]
         )
-        function = ca.Function("sides", [system.unknown, system.known], [sides], {"cse": True})
         inputs = [
-            [text for c in part for text in names[c.name]] for part in (system.unknowns, known)
+            (symbols, [text for c in part for text in names[c.name]])
+            for symbols, part in ((system.unknown, system.unknowns), (system.known, known))
         ]
-        emitter = Emitter(function, inputs, made.real, prefix=f"{block.name}_t")
+        emitter = Emitter.of(made.real, inputs, sides, prefix=f"{block.name}_t")
         tests = []
         for k, name in enumerate(formulas.names):
             text = emitter.value(0, k)

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import casadi as ca
 
 from symkin.closed.evaluation import Evaluation
-from symkin.codegen.c_emitter import indent
-from symkin.codegen.c_templates import fill
 from symkin.codegen.closed_line import WAY, ClosedLine, LimitCheck
 from symkin.codegen.joint_ranges import range_of
+from symkin.codegen.text.c import indent
+from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
 

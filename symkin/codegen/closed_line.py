@@ -22,10 +22,10 @@ from symkin.closed.evaluation import Evaluation, Motion
 from symkin.closed.plan import Plan
 from symkin.closed.steps import Carry, Step
 from symkin.codegen.arm_motion import ArmMotion
-from symkin.codegen.c_emitter import Emitter, Real, indent
-from symkin.codegen.c_templates import fill
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.newton_kernel import rounded_up
+from symkin.codegen.text.c import Emitter, Real, indent
+from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import multiply
 from symkin.text import c_comment

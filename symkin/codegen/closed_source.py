@@ -19,10 +19,10 @@ from symkin.closed.geometry import across
 from symkin.closed.plan import Plan
 from symkin.closed.steps import TOOL, Factor, Operand, Step, Word
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indented_by_braces, indexed
-from symkin.codegen.c_templates import fill
 from symkin.codegen.newton_source import NewtonCode
-from symkin.codegen.turns import angle_of_direction, rough_sine
+from symkin.codegen.text.c import Emitter, Real, indent, indented_by_braces, indexed
+from symkin.codegen.text.templates import fill
+from symkin.codegen.text.turns import angle_of_direction, rough_sine
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.text import c_comment
@@ -139,12 +139,13 @@ class ClosedCode:
 
     @cached_property
     def _emitter(self) -> Emitter:
-        symbols = [self._pose, self._signs, self._near]
-        function = ca.Function("f", symbols, [ca.densify(self._outputs)], {"cse": True})
         signs = [f"sign{i}" for i in range(len(self.plan.branches))]
-        return Emitter(
-            function, [indexed("x", 7), signs, indexed("near", 2 * len(signs))], self.real
-        )
+        inputs = [
+            (self._pose, indexed("x", 7)),
+            (self._signs, signs),
+            (self._near, indexed("near", 2 * len(signs))),
+        ]
+        return Emitter.of(self.real, inputs, self._outputs)
 
     # --- text -------------------------------------------------------------------------------------
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from symkin.codegen.c_templates import fill
 from symkin.codegen.program import Program
+from symkin.codegen.text.templates import fill
 
 _KEYWORDS = frozenset(
     [
@@ -179,6 +179,75 @@ _PLATFORM = (
         "The largest factor, up to 1, that keeps the limits of joint rates.",
     ),
 )
+_TOGETHER = "view<joint_count> joints, view<joint_count> at"
+_MAP = (
+    _Wrapped(
+        "direct",
+        "view<joint_count> joints, view<joint_count> guess, const config *settings = nullptr",
+        "joint_values",
+        f"settings, joints.data(), guess.data(), {_ARRAY}, &found.details",
+        "The found values that the machine reaches from the guess.",
+    ),
+    _Wrapped(
+        "inverse",
+        "view<joint_count> at, view<joint_count> guess, const config *settings = nullptr",
+        "joint_values",
+        f"settings, at.data(), guess.data(), {_ARRAY}, &found.details",
+        "The joints that the machine reaches from the guess when the found values are these.",
+    ),
+    _Wrapped(
+        "track",
+        "view<joint_count> joints, const joint_values &last",
+        "joint_values",
+        f"joints.data(), {_ARRAY}, &found.details",
+        "One step from the last found values; details.residual is the predicted error, to be "
+        "compared with track_limit.",
+    ),
+    _Wrapped(
+        "track_inverse",
+        "view<joint_count> at, const joint_values &last",
+        "joint_values",
+        f"at.data(), {_ARRAY}, &found.details",
+        "One step from the last joints to those of the found values.",
+    ),
+    *(
+        _Wrapped(name, _TOGETHER, "matrix", f"joints.data(), at.data(), {_ARRAY}", comment)
+        for name, comment in (
+            ("jacobian", "Row-major: found rates = jacobian * joint rates."),
+            ("inverse_jacobian", "Row-major: joint rates = inverse jacobian * found rates."),
+        )
+    ),
+    _Wrapped(
+        "second",
+        _TOGETHER,
+        "derivatives",
+        "joints.data(), at.data(), found.value.jacobian.data(), found.value.second.data()",
+        "Jacobian, and second derivatives of each found value by each two joints.",
+    ),
+    *(
+        _Wrapped(
+            name,
+            f"{_TOGETHER}, view<joint_count> {given}",
+            result,
+            f"joints.data(), at.data(), {given}.data(), {_ARRAY}",
+            comment,
+        )
+        for name, given, result, comment in (
+            ("rates", "joint_rates", "joint_values", "Found rates of joint rates."),
+            ("torques", "found_torques", "joint_values", "Joint torques that hold found ones."),
+            ("inertia", "joint_inertias", "matrix", "The joints' inertias at the found values."),
+            ("torque_limits", "joint_limits", "joint_values", "Largest found torques, each alone."),
+            ("rate_limits", "joint_limits", "joint_values", "Largest found rates, each alone."),
+        )
+    ),
+)
+_DERIVATIVES = """using matrix = std::array<real, joint_count * joint_count>;
+struct derivatives {
+    matrix jacobian;
+    std::array<real, joint_count * joint_count * joint_count> second;
+};"""
+_TWIST = """using twist_values = std::array<real, 6>;
+using matrix = std::array<real, 6 * joint_count>;"""
 _ARM = (
     _Wrapped(
         "direct",
@@ -222,12 +291,14 @@ def cpp_text(program: Program) -> str:
     """NAME.hpp."""
     name, serial = program.mechanism.name, program.mechanism.serial
     struct = program.options.geometry == "struct"
-    functions = [
-        f for f in (_ARM if serial else _PLATFORM) if f"{name}_{f.name}(" in program.header
-    ]
+    is_map = program.options.is_map
+    wrapped = _MAP if is_map else _ARM if serial else _PLATFORM
+    functions = [f for f in wrapped if f"{name}_{f.name}(" in program.header]
     shown = program.values | {
         "namespace": f"{name}_kinematics" if name in _KEYWORDS else name,
         "functions": "\n".join(_function(name, f, struct=struct) for f in functions),
+        "pose": "" if is_map else f"using pose = ::{name}_pose;",
+        "arrays": _DERIVATIVES if is_map else _TWIST,
         "geometry_type": f"using geometry = ::{name}_geometry;" if struct else "",
         "limit": f"inline constexpr real track_limit = {name.upper()}_TRACK_LIMIT;"
         if f"{name.upper()}_TRACK_LIMIT" in program.header
@@ -240,7 +311,7 @@ def cpp_text(program: Program) -> str:
 def _function(name: str, wrapped: _Wrapped, *, struct: bool) -> str:
     """One function."""
     first, passed = ("const geometry &numbers, ", "&numbers, ") if struct else ("", "")
-    begun = {"track": "last", "line": "true"}.get(wrapped.name)
+    begun = {"track": "last", "track_inverse": "last", "line": "true"}.get(wrapped.name)
     begin = f"\n    found.value = {begun};" if begun else ""
     return f"""/// {wrapped.comment}
 [[nodiscard]] inline outcome<{wrapped.result}> {wrapped.name}({first}{wrapped.takes}) noexcept

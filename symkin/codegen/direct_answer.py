@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Emitter, indent, indexed
 from symkin.codegen.closed_limb import BESIDE, READ_AGAIN, LimbFormulas, side_lines
 from symkin.codegen.direct_values import DirectValues
-from symkin.codegen.gathered import gathered
-from symkin.codegen.lifted import Generators, NotLiftedError, lifted
 from symkin.codegen.newton_source import tuning_of
+from symkin.codegen.text.angles import Generators, NotLiftedError, lifted
+from symkin.codegen.text.c import Emitter, indent, indexed
+from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
 
 _SMALL_SHARE = 1.0 / 64
@@ -69,9 +69,7 @@ class AnswerText:
             (made.closure.variables[made.closure.slices[c.name]], c.name)
             for c in made.closure.role("pose")
         ]
-        pose = made.geometry.of(
-            ca.vertcat(made.closure.pose.position, made.closure.pose.quaternion)
-        )
+        pose = made.geometry.pose
         return (
             self._distinct(rows),
             ca.vertcat(*sides),

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from symkin.codegen.c_emitter import Emitter, indexed
 from symkin.codegen.closed_limb import LimbFormulas
 from symkin.codegen.direct_values import DirectValues
 from symkin.codegen.formula_guards import RESOLVED
-from symkin.codegen.gathered import gathered
-from symkin.codegen.lifted import Generators, lifted
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.pose_coordinates import off_motion, restricted
+from symkin.codegen.text.angles import Generators, lifted
+from symkin.codegen.text.c import Emitter, indexed
+from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 
@@ -92,9 +92,9 @@ class GuessText:
     ) -> list[str]:
         real, name = self.values.real, self.values.made.name.upper()
         outputs = gathered(parts, [x, roots], [])
-        function = ca.Function("guess", [x, roots], outputs, {"cse": True})
         count = int(roots.shape[0])
-        emitter = Emitter(function, [indexed("x", 7), [f"r{k + 1}" for k in range(count)]], real)
+        inputs = [(x, indexed("x", 7)), (roots, [f"r{k + 1}" for k in range(count)])]
+        emitter = Emitter.of(real, inputs, *outputs)
         tests = []
         for k in range(count):
             text, limit = emitter.value(0, k), real.literal(rounded(limits[k]))

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from symkin.codegen.c_emitter import Emitter, Real
 from symkin.codegen.direct_formulas import DirectFormulas, Guard
-from symkin.codegen.lifted import Generators
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.text.angles import Generators
+from symkin.codegen.text.c import Emitter, Real
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System

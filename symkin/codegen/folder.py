@@ -14,19 +14,21 @@ import casadi as ca
 import numpy as np
 
 from symkin._version import __version__
-from symkin.codegen.c_emitter import Real, indent
-from symkin.codegen.c_templates import fill
 from symkin.codegen.cpp_header import cpp_text
+from symkin.codegen.described import check_description
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_vectors import MapVectors
-from symkin.codegen.line_width import narrowed
 from symkin.codegen.linuxcnc import linuxcnc_text
 from symkin.codegen.options import Options
 from symkin.codegen.own_test import run_own_test
 from symkin.codegen.package import package_files
 from symkin.codegen.program import Program, build_program, is_closed
 from symkin.codegen.readme import readme
+from symkin.codegen.ros2 import ros2_files
 from symkin.codegen.serial_arm import SerialArm
+from symkin.codegen.text.c import Real, indent
+from symkin.codegen.text.templates import fill
+from symkin.codegen.text.width import narrowed
 from symkin.codegen.vectors import Vectors, build_vectors
 from symkin.errors import InputError
 from symkin.files.outputs import write_output
@@ -37,7 +39,7 @@ from symkin.files.written_files import (
     read_manifest,
     refuse_foreign,
 )
-from symkin.model.arm import with_limbs
+from symkin.model.arm import arm_of
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.verb import verb
 
@@ -56,7 +58,7 @@ def write_firmware(
     home: Sequence[float] | None = None,
     given: Sequence[str] = (),
     find: Sequence[str] = (),
-    also: Collection[Literal["package", "linuxcnc", "cpp"]] = (),
+    also: Collection[Literal["package", "linuxcnc", "cpp", "ros2"]] = (),
     compact: bool = False,
 ) -> list[Path]:
     """Write C99 for controllers into a folder and return its files: direct and inverse kinematics,
@@ -69,8 +71,9 @@ def write_firmware(
     and `find` name joint coordinates, as many of each as the mobility: the code is then the map
     from one to the other and back, of any mechanism, graphs and files of robots too, with Jacobian,
     rates and torques. `also` asks for more files: "package" (PlatformIO, Arduino, Zephyr),
-    "linuxcnc" (a kinematics component), "cpp" (a header for C++17). `compact` asks for the least
-    code, at some cost of instructions. Where a C compiler is at hand the code's own test is
+    "linuxcnc" (a kinematics component), "cpp" (a header for C++17), "ros2" (of a map: a package
+    with a transmission of ros2_control). `compact` asks for the least code, at some cost of
+    instructions. Where a C compiler is at hand the code's own test is
     compiled and run first. Raises InputError for a mechanism that no code can be written for,
     options that do not fit it, code that fails its own test, and a folder that holds files of
     somebody else.
@@ -86,12 +89,6 @@ def write_firmware(
     chosen = Options(
         real, home_relative, geometry, pose, tuple(given), tuple(find), tuple(also), compact
     )
-    if not chosen.is_map:
-        remedy = (
-            "describe the machine by limbs, or map joints to joints by --given and --find (given "
-            "and find in Python)"
-        )
-        mechanism = with_limbs(mechanism, "firmware", remedy)
     return write_folder(mechanism, Path(directory), chosen)
 
 
@@ -104,6 +101,8 @@ def write_folder(
     Raises InputError where that would replace a file that is not symkin's, is another mechanism's,
     or was edited, and where a compiler finds that the code fails its own test.
     """
+    if not options.is_map and mechanism.is_graph:
+        mechanism = arm_of(mechanism) or mechanism
     check_folder(mechanism, folder)
     files = folder_files(mechanism, options, measured)
     run_own_test(mechanism.name, files)
@@ -150,7 +149,9 @@ def folder_files(
     program = build_program(mechanism, options, measured)
     kind = program.kind
     vectors = MapVectors(kind) if isinstance(kind, JointMap) else build_vectors(kind)
-    name = mechanism.name
+    if not isinstance(vectors, MapVectors):
+        check_description(program, vectors)
+    name = program.mechanism.name
     values = program.values | _test_values(program)
     values |= _closed_values(program, values)
     templates = program.kind.templates
@@ -166,10 +167,11 @@ def folder_files(
         "Makefile": fill("Makefile", values),
         "README.md": readme(program),
     }
-    files |= package_files(mechanism, values) if options.package else {}
+    files |= package_files(program.mechanism, values) if options.package else {}
     if options.linuxcnc and not isinstance(vectors, MapVectors):
         files[f"{name}_kins.c"] = linuxcnc_text(program, vectors.home)
     files |= {f"{name}.hpp": cpp_text(program)} if options.cpp else {}
+    files |= ros2_files(kind, values) if options.ros2 and isinstance(kind, JointMap) else {}
     files = {
         file: narrowed(text) if file.endswith((".c", ".h", ".hpp")) else text
         for file, text in files.items()

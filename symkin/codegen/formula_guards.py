@@ -38,9 +38,10 @@ formulas that are used.
 """
 _PER_NUMBER = 4.0
 """Roundings of each known value that stand for those inside the formulas."""
-_LOST = 100.0
-"""Multiple of the roundings of known values by which answers may be off: two digits. A limb whose
-hinge is all but perpendicular to its slide, as a calibrated one is, loses more.
+_LOST = 30.0
+"""Multiple of the roundings of known values by which answers may be off: a digit and a half. A limb
+whose hinge is all but perpendicular to its slide, as a calibrated one is, loses more: given a pose
+that the mechanism takes but for rounding, its formulas would pass on that rounding so enlarged.
 """
 _SHARE = 0.9
 """Share of the configurations at which that must hold: beside a dead centre no formula is firm."""
@@ -72,7 +73,7 @@ def keeps_digits(
     epsilon: float,
 ) -> bool:
     """Whether roundings of values (n, width) of the known coordinates leave the rows of the
-    formulas' answers well within their bound, and the answers where they are to two digits.
+    formulas' answers well within their bound, and the answers where they are to a digit and a half.
     """
     size, rng = form.system.characteristic_length, np.random.default_rng(12)
     rounding = _PER_NUMBER * epsilon

@@ -11,13 +11,17 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.codegen.c_emitter import Real
+from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
+from symkin.machine.motion import Frames
 from symkin.model.names import identifiers
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
+from symkin.spatial.rotation import conjugate, multiply
 
+_ROUNDING = 1e-15
+"""Of numbers of a rotation."""
 _LARGEST = 100.0
 """Sizes of the machine, beyond which a float's rounding of a length is above a hundred times the
 rounding of the machine's own.
@@ -26,10 +30,13 @@ rounding of the machine's own.
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """The parameters p of a closure: none of them symbols where `at_run_time` is false."""
+    """The parameters p of a closure: none of them symbols where `at_run_time` is false. Poses are
+    told in the `frames` of a description (None: in those of the closure).
+    """
 
     closure: Closure
     at_run_time: bool
+    frames: Frames | None = None
 
     @property
     def symbols(self) -> ca.SX:
@@ -39,6 +46,42 @@ class Geometry:
     def values(self) -> np.ndarray:
         """Nominal numbers in the order of the symbols."""
         return self.closure.parameter_values if self.at_run_time else np.zeros(0)
+
+    @cached_property
+    def rotation(self) -> np.ndarray | None:
+        """The matrix that turns vectors as they are told into those of the closure, whose numbers
+        are 0 and 1 where they are so to rounding.
+        """
+        return None if self.frames is None else _exact(self.frames.base.rotation)
+
+    @property
+    def home(self) -> np.ndarray:
+        """The quaternion at the reference as it is told, of a machine with frames of its own."""
+        assert self.frames is not None  # noqa: S101 - the caller has looked
+        return _exact(self.frames.told(self.closure.mechanism.reference_pose).quaternion)
+
+    @cached_property
+    def pose(self) -> ca.SX:
+        """Position and quaternion of the platform as they are told, over the pose coordinates."""
+        pose, rotation = self.closure.pose, self.rotation
+        if rotation is None:
+            return self.of(ca.vertcat(pose.position, pose.quaternion))
+        # a machine with frames of its own moves in a plane, about whose normal the platform turns
+        gamma = next(c for c in self.closure.role("pose") if c.is_angular)
+        half = 0.5 * self.closure.variables[self.closure.slices[gamma.name]]
+        of_sine = _exact(multiply(np.array([0.0, *rotation[2]]), self.home))
+        quaternion = ca.cos(half) * ca.DM(self.home) + ca.sin(half) * ca.DM(of_sine)
+        return self.of(ca.vertcat(ca.mtimes(ca.DM(rotation.T), pose.position), quaternion))
+
+    def change(self, quaternion: ca.SX) -> ca.SX:
+        """The turn from the reference to a quaternion as it is told, about axes of the closure: of
+        a machine with frames of its own.
+        """
+        columns = []
+        for unit in np.eye(4):
+            turn = multiply(unit, conjugate(self.home))
+            columns.append([turn[0], *(self.rotation @ turn[1:])])
+        return ca.mtimes(ca.DM(_exact(np.array(columns).T)), quaternion)
 
     @cached_property
     def members(self) -> list[str]:
@@ -109,6 +152,11 @@ class Geometry:
                 "",
             ]
         )
+
+
+def _exact(numbers: np.ndarray) -> np.ndarray:
+    """Numbers of rotations that are 0, 1 or -1 to rounding so to the last digit."""
+    return np.where(np.abs(numbers - np.round(numbers)) <= _ROUNDING, np.round(numbers), numbers)
 
 
 def finite_check(name: str, numbers: Sequence[str], real: Real) -> str:

@@ -20,12 +20,13 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snap
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.direct_formulas import DirectFormulas
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.limbwise import Held
 from symkin.codegen.options import Options
 from symkin.codegen.pose_coordinates import COLUMNS
+from symkin.codegen.text.c import Real
+from symkin.machine.motion import Frames
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
@@ -50,12 +51,14 @@ _AXES_ALONE = ("translation", "schoenflies", "planar")
 """Motions whose twists are axes of the base, wherever the platform is."""
 
 
-def limb_platform(mechanism: Mechanism, options: Options, real: Real) -> LimbPlatform:
-    """The platform to write code for: of its implied motion where that is watched, else as
-    described.
+def limb_platform(
+    mechanism: Mechanism, options: Options, real: Real, frames: Frames | None = None
+) -> LimbPlatform:
+    """The platform to write code for, whose poses are told in these frames: of its implied motion
+    where that is watched, else as described.
     """
-    described = LimbPlatform(mechanism, options, real)
-    if options.geometry == "struct":
+    described = LimbPlatform(mechanism, options, real, frames=frames)
+    if options.geometry == "struct" or mechanism.motion != "spatial":
         return described
     motion = implied_motion(mechanism)
     if motion not in _AXES_ALONE:

@@ -14,14 +14,15 @@ from typing import ClassVar, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Real
+from symkin.closure.angle_sums import AngleSum
 from symkin.codegen.circle_kernel import CircleKernel, circle_kernel, shortened
-from symkin.codegen.circles import AngleSum, numbers_at, sum_of_angles
 from symkin.codegen.formula_guards import is_firm
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.options import Options
 from symkin.codegen.passive_limits import PassiveLimit, passive_limits
 from symkin.codegen.samples import Configuration, followed
+from symkin.codegen.text.angles import numbers_at, sum_of_angles
+from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
 from symkin.errors import InputError

@@ -14,7 +14,14 @@ $(c - s h,\ s + c h) / \sqrt{1 + h^2}$, so that no trigonometry is left in its l
 
 Rates: $F_X \dot X + F_x \dot x = -F_q \dot q$, so that $\dot X = J \dot q$ with $J$ the rows of $X$
 in $-[F_X\ F_x]^{-1} F_q$. Torques: the power of both sides is the same,
-$\tau_q \cdot \dot q = \tau_X \cdot \dot X$ for all $\dot q$, so that $\tau_q = J^T \tau_X$."""
+$\tau_q \cdot \dot q = \tau_X \cdot \dot X$ for all $\dot q$, so that $\tau_q = J^T \tau_X$.
+
+Second derivatives: with $D_j$ the derivative along $q_j$ and the unknowns' motion with it, the rows
+once more differentiated give $[F_X\ F_x]\, (X, x)_{jk} = -D_k D_j F$: the same matrix, solved for
+other sides. The inverse Jacobian $G$ comes in the same way from the inverse direction. Motors of
+inertias $I$ are $G^T I G$ at the found coordinates, since $\dot q^T I \dot q = \dot X^T G^T I G
+\dot X$. A found torque alone asks $J_{ij} \tau_i$ of joint $j$: its limit is $\min_j L_j /
+|J_{ij}|$, that of a rate $\min_j L_j / |G_{ji}|$."""
 
 _HARMONIC = r"""Where an angle stands alone in $A \cos t + B \sin t + C = 0$, $N = A^2 + B^2$ and
 $r = \sqrt{N - C^2}$ give $(\cos t, \sin t) = (-A C \mp B r,\ -B C \pm A r) / N$; a configuration is

@@ -9,20 +9,21 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import common_values, copy, farthest, fill
-from symkin.codegen.circles import number_counts, numbers_at
 from symkin.codegen.closed_direction import ClosedDirection
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.home_sheet import HomeSheet, home_sheet
 from symkin.codegen.joint_map import Direction, JointMap
-from symkin.codegen.joint_map_rates import MapRates, step_columns
+from symkin.codegen.joint_map_derivatives import step_columns
+from symkin.codegen.joint_map_rates import LARGEST, MapRates, step_text
 from symkin.codegen.joint_map_values import MapValues, places_among
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature
 from symkin.codegen.newton_source import NewtonCode, tolerance_of
 from symkin.codegen.passive_limits import limit_lines
-from symkin.codegen.turns import angle_of_direction, cosine_and_sine
+from symkin.codegen.text.angles import number_counts, numbers_at
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import common_values, copy, farthest, fill
+from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.text import c_comment
@@ -187,6 +188,7 @@ class JointMapSource:
             "minus_half": literal(-0.5),
             "half_turn": literal(np.pi),
             "farthest": literal(farthest(made.size, (0.0, 0.0, 0.0))),
+            "largest": literal(LARGEST),
         }
 
     @cached_property
@@ -211,7 +213,7 @@ class JointMapSource:
         parts += [self._state_text(made.inverse), self._state_text(made.direct)]
         parts += [self._away_text(d) for d in (made.direct, made.inverse)]
         parts += [self._direction_text(made.direct), self._direction_text(made.inverse)]
-        parts += [fill("map_give.c", self._common), MapRates(made, self._common).text]
+        parts += [fill("map_give.c", self._common), MapRates(self.numbers, self._common).text]
         body = "".join(parts)
         return fill("info.c", self._common) + self._tools(body) + body
 
@@ -371,7 +373,7 @@ class JointMapSource:
         sheet = self.home_sheets.get(direction.name)
         if sheet is None:
             return [*line, *self._other_lines(direction, "w.x")]
-        columns = step_columns(direction, self._wanted(direction), self.real, self.made.size)
+        columns = step_columns(direction, self._wanted(direction), self.made.size)
         return [
             "/* near the reference configuration by one step of Newton's method from polynomials "
             "*/",
@@ -384,8 +386,8 @@ class JointMapSource:
             "    if (near_home) {",
             f"        {k}_solve(&w);",
             *(
-                f"        other[{i}] = {out}[{i}] + w.f[{column}]{scale};"
-                for i, (column, scale) in enumerate(columns)
+                f"        other[{i}] = {out}[{i}] + {step_text(self.real, *place)};"
+                for i, place in enumerate(columns)
             ),
             f"        near_home = ({k}_apply_step(&w) <= "
             f"{literal((_ROUGH * sheet.error * made.size) ** 2)});",

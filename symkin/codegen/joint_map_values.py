@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from symkin.codegen.c_templates import FARTHEST
-from symkin.codegen.circles import number_counts
 from symkin.codegen.joint_map import JointMap
+from symkin.codegen.text.angles import number_counts
+from symkin.codegen.text.templates import FARTHEST
 from symkin.model.joint import Coordinate
 
 

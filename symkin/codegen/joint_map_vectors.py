@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.joint_map import JointMap, map_configurations
+from symkin.codegen.joint_map_derivatives import second_derivatives
 from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.refused_vectors import infeasible_values, joints_past
 from symkin.codegen.samples import Configuration
+from symkin.codegen.text.c import Real
 from symkin.codegen.vectors import COUNT, JACOBIANS, rounded_to
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
@@ -174,6 +175,16 @@ class MapVectors:
         )
 
     @cached_property
+    def seconds(self) -> np.ndarray:
+        """Second derivatives (count, n * n * n) of the same cases."""
+        return np.array(
+            [
+                np.round(second_derivatives(self.made, case.values), 9).ravel() + 0.0
+                for case in self.cases[:JACOBIANS]
+            ]
+        )
+
+    @cached_property
     def bounds(self) -> np.ndarray:
         """Error allowed of each case, as a length: what rounding and the tolerance leave of the
         rows, times the larger condition.
@@ -201,7 +212,8 @@ class MapVectors:
             f"#define {prefix}_VECTOR_JACOBIANS {len(self.jacobians)}",
             "",
         ]
-        for label, table in [*self.tables.items(), ("jacobians", self.jacobians)]:
+        derivatives = [("jacobians", self.jacobians), ("seconds", self.seconds)]
+        for label, table in [*self.tables.items(), *derivatives]:
             rows = [
                 f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }}," for row in table
             ]

@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from symkin.codegen.c_emitter import Real, indent
-from symkin.codegen.c_templates import FARTHEST, fill
+from symkin.codegen.text.c import Real, indent
+from symkin.codegen.text.templates import FARTHEST, fill
 from symkin.model.joint import Coordinate
 
 

@@ -18,7 +18,6 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.direct_formulas import DirectFormulas, direct_formulas
 from symkin.codegen.formula_guards import free_divisors, is_firm, keeps_digits
 from symkin.codegen.geometry import Geometry
@@ -31,10 +30,12 @@ from symkin.codegen.passive_reach import PassiveReach, passive_reaches
 from symkin.codegen.pose_coordinates import restricted
 from symkin.codegen.pose_core import PoseCore, pose_core
 from symkin.codegen.samples import Configuration, configurations
+from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
 from symkin.elimination.implied_rows import unit_of
 from symkin.errors import InputError
+from symkin.machine.motion import Frames
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.model.scaling import scaled
@@ -90,6 +91,8 @@ class LimbPlatform:
     real: Real
     held: Held | None = None
     """How its limbs hold it in its motion, where the line has to be watched for that."""
+    frames: Frames | None = None
+    """The frames in which poses are told; None: those of the mechanism."""
     templates: ClassVar[str] = "parallel"
     is_redundant: ClassVar[bool] = False
     zero: ClassVar[float] = 0.0
@@ -118,7 +121,7 @@ class LimbPlatform:
 
     @cached_property
     def geometry(self) -> Geometry:
-        return Geometry(self.closure, self.options.geometry == "struct")
+        return Geometry(self.closure, self.options.geometry == "struct", self.frames)
 
     @cached_property
     def actuated(self) -> tuple[Coordinate, ...]:
@@ -212,7 +215,9 @@ class LimbPlatform:
             limbs = [block.system for block in self._closure_blocks]
             return direct_formulas(self.direct, limbs, self.samples, self.held)
         unit = unit_of(size)
-        twin = LimbPlatform(scaled(self.mechanism, 1.0 / unit), self.options, self.real)
+        twin = LimbPlatform(
+            scaled(self.mechanism, 1.0 / unit), self.options, self.real, frames=self.frames
+        )
         if self.held is not None:
             twin = replace(twin, held=self.held.in_unit(1.0 / unit, self.direct, twin.direct))
         found = twin.direct_formulas
@@ -357,8 +362,16 @@ class LimbPlatform:
         return self.closure.reference
 
     def stated(self, pose: Pose) -> np.ndarray:
-        """The seven numbers by which generated code knows a pose."""
-        return np.array([*pose.position, *pose.quaternion])
+        """The seven numbers by which generated code tells a pose of the mechanism."""
+        told = pose if self.frames is None else self.frames.told(pose)
+        return np.array([*told.position, *told.quaternion])
+
+    def told_rates(self, rates: np.ndarray) -> np.ndarray:
+        """Joint rates by the twist (n, 6) of the mechanism as generated code tells them."""
+        rotation = self.geometry.rotation
+        if rotation is None:
+            return rates
+        return np.hstack([rates[:, :3] @ rotation, rates[:, 3:] @ rotation])
 
     def inverse_at(self, numbers: np.ndarray, near: np.ndarray) -> np.ndarray:
         """Joint values at a pose as stated, from a configuration near it."""

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.codegen.closed_direct_source import ClosedDirectSource
 from symkin.codegen.closed_limb import BESIDE, branch_text, closed_limb_text
 from symkin.codegen.formula_guards import feasible_error
@@ -30,8 +28,10 @@ from symkin.codegen.platform_rates import (
     rates_functions,
     square_twist,
 )
-from symkin.codegen.pose_coordinates import pose_coordinates_text, pose_text
+from symkin.codegen.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
 from symkin.codegen.pose_target import core_target
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
@@ -93,8 +93,10 @@ class LimbPlatformSource:
                 "\n",
                 self._inverse,
                 "\n",
+                self._turned("jacobian"),
                 rates_functions(made.mechanism, real, values),
                 self._twist,
+                self._turned("twist"),
             ]
         )
 
@@ -167,8 +169,33 @@ class LimbPlatformSource:
             "minus_half": literal(-0.5),
             **self._passive_checks,
             "within": f", {self.real.type} within" if self._checks_rows else "",
+            **self._names,
             "feasible": self._within(self._feasible),
         }
+
+    @property
+    def _names(self) -> dict[str, str]:
+        """The functions of rates in the machine's own frame: those that are called, or parts of
+        them where the base frame is another one.
+        """
+        if self.made.frames is None:
+            return {}
+        names = {part: f"{self.name}_own_{part}" for part in ("jacobian", "twist")}
+        return {**names, "static_own": "static "}
+
+    def _turned(self, part: str) -> str:
+        """The function of rates in the base frame, where this is not the machine's own."""
+        rotation, literal = self.made.geometry.rotation, self.real.literal
+        if rotation is None:
+            return ""
+        columns, lines = COLUMNS[self.made.mechanism.motion], list[str]()
+        for k in range(6):
+            own = [(c, float(rotation[c % 3, k % 3])) for c in columns if c // 3 == k // 3]
+            terms = [f"{literal(v)} * a[{c}]" for c, v in own if v != 0.0]
+            lines.append(f"b[{k}] = {' + '.join(terms) or literal(0.0)};")
+        depth = 3 if part == "jacobian" else 2
+        shown = {"own": self._names[part], "turned_row": indent(lines, depth)}
+        return fill(f"turned_{part}.c", self._common | shown)
 
     @property
     def _passive_checks(self) -> dict[str, str]:

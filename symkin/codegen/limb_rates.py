@@ -6,15 +6,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
-from symkin.codegen.c_emitter import Emitter, Real, indexed
-from symkin.codegen.c_templates import copy
 from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.pose_coordinates import COLUMNS
+from symkin.codegen.text.c import Emitter, Real, indexed
+from symkin.codegen.text.templates import copy
 from symkin.model.names import identifiers
 from symkin.numeric.system import System
 from symkin.text import c_comment
@@ -138,23 +136,21 @@ class LimbRates:
         """
         made, system = self.made, block.system
         columns, there = COLUMNS[made.mechanism.motion], self.places(block)[0][1]
-        inputs = [system.unknown, system.known, made.geometry.symbols]
-        function = ca.Function("rod", inputs, [ca.densify(block.sides)], {"cse": True})
-        names = [["0"], indexed("c", int(system.known.shape[0])), made.geometry.names]
-        emitter = Emitter(function, names, self.real, prefix=self.prefix(block))
-        texts = [emitter.value(0, j) for j in range(len(columns))]
-        stores = [
-            f"jacobian[{6 * there + c}] = {text};" for c, text in zip(columns, texts, strict=True)
+        inputs = [
+            (system.unknown, ["0"]),
+            (system.known, indexed("c", int(system.known.shape[0]))),
+            (made.geometry.symbols, made.geometry.names),
         ]
+        emitter = Emitter.of(self.real, inputs, block.sides, prefix=self.prefix(block))
+        lines = emitter.stored([f"jacobian[{6 * there + c}]" for c in columns])
         if not emitter.divisions:
-            return [*emitter.lines, *stores]
+            return lines
         # where the rod has no length there is no direction
         first, length = emitter.divisions[0]
-        guarded = [*emitter.lines[first:], *stores]
         return [
-            *emitter.lines[:first],
+            *lines[:first],
             f"if ({length} > {self.real.literal(0.0)}) {{",
-            *("    " + line for line in guarded),
+            *("    " + line for line in lines[first:]),
             "} else {",
             f"    status = {self.name.upper()}_SINGULAR;",
             "}",

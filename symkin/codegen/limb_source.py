@@ -9,12 +9,12 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import fill
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.newton_kernel import Kernel, curvature, quaternion_place
 from symkin.codegen.newton_source import NewtonCode
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import fill
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 
@@ -109,19 +109,12 @@ def _closes_on_the_way(
 
 def _side_lines(block: LimbBlock, kernel: Kernel, geometry: list[str], real: Real) -> list[str]:
     """Statements of the right-hand sides of the joint rates, row by row."""
-    function = ca.Function(
-        "sides", [kernel.state, kernel.known, kernel.geometry], [block.sides], {"cse": True}
-    )
-    names = [
-        indexed("w->x", int(kernel.state.shape[0])),
-        indexed("w->k", int(kernel.known.shape[0])),
-        geometry,
+    inputs = [
+        (kernel.state, indexed("w->x", int(kernel.state.shape[0]))),
+        (kernel.known, indexed("w->k", int(kernel.known.shape[0]))),
+        (kernel.geometry, geometry),
     ]
-    emitter, freedom = Emitter(function, names, real), int(block.sides.shape[1])
-    entries = [
-        f"sides[{freedom * i + j}] = {emitter.entry(i, j)};"
-        for i in range(kernel.m)
-        for j in range(freedom)
-    ]
-    unread = not any("w->" in line for line in [*emitter.lines, *entries])
-    return [*emitter.lines, *(["(void)w;"] if unread else []), *entries]
+    count = kernel.m * int(block.sides.shape[1])
+    lines = Emitter.of(real, inputs, ca.vec(block.sides.T)).stored(indexed("sides", count))
+    unread = not any("w->" in line for line in lines)
+    return [*lines[:-count], *(["(void)w;"] if unread else []), *lines[-count:]]

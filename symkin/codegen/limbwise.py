@@ -18,8 +18,8 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.lifted import Generators, lifted
 from symkin.codegen.samples import Configuration
+from symkin.codegen.text.angles import Generators, lifted
 from symkin.elimination.closed_form import ClosedForm, closed_form
 from symkin.elimination.implied_rows import plain, pose_rows
 from symkin.model.joint import Coordinate, units_of

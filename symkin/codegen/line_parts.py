@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from symkin.codegen.c_emitter import Real, indent, indexed
 from symkin.codegen.newton_kernel import Kernel
+from symkin.codegen.text.c import Real, indent, indexed
 
 LONGEST_TURN = 1.0
 """Largest turn of a known value in a part of the line (rad): within it the middle stands for all

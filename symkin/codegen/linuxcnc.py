@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.codegen.c_emitter import indent
-from symkin.codegen.c_templates import fill
 from symkin.codegen.joint_map import JointMap
+from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.program import Program
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
+from symkin.codegen.text.c import indent
+from symkin.codegen.text.templates import fill
 from symkin.errors import InputError
 
 _LONGEST_PIN = 47
@@ -45,7 +46,9 @@ def linuxcnc_text(program: Program, home: np.ndarray) -> str:
     unit = program.mechanism.length_unit
     mm, units = _MM[unit], [c.is_angular for c in program.mechanism.actuated]
     pins, serial = _pins(program), isinstance(program.kind, SerialArm)
-    motion = "spatial" if serial else program.mechanism.motion
+    kind = program.kind
+    is_turned = isinstance(kind, LimbPlatform) and kind.frames is not None
+    motion = "spatial" if serial or is_turned else program.mechanism.motion
     moved = {"planar": (0, 1), "spherical": ()}.get(motion, (0, 1, 2))
     shown = program.values | {
         "mm": repr(mm),

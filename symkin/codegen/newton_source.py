@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import common_values, copy, copy_loop, fill
 from symkin.codegen.line_parts import LONGEST_TURN, LineParts
 from symkin.codegen.linear_solver import GUARD, LinearSolver, factor_calls, linear_solver
 from symkin.codegen.newton_kernel import Kernel, rounded
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import common_values, copy, copy_loop, fill
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
 

@@ -1,5 +1,5 @@
-"""Bound what a call of generated C takes: iterations and operations, by reading the C that was
-written.
+"""Bound what a call of generated C takes: iterations and operations, by the text that was written,
+templates included.
 
 Every loop ends after a number of passes that its text tells: between two numbers, or as many as a
 config allows. A call takes at most the sum of its statements, the larger side of each choice, and
@@ -11,10 +11,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-
-from symkin.codegen.c_reader import CFunction, Statement, Tokens, closing, functions_of, parts
 
 USUAL_ITERATIONS = 100
 """What a call without a config may take (NAME_MAX_STEPS)."""
@@ -23,13 +21,19 @@ LARGEST_ITERATIONS = 255
 ITERATIONS = "iterations"
 _ARITHMETIC = {"+": "additions", "-": "additions", "*": "multiplications", "/": "divisions"}
 _COUNTED = ("sqrt", "sin", "cos", "atan2")
-_FREE = ("fabs",)
+_COLUMNS = (*dict.fromkeys(_ARITHMETIC.values()), *_COUNTED)
 _TYPE = re.compile(
     r"(const|static|int|unsigned|double|float|bool|void|return|\w+_(t|real|pose|config|info|work|status|geometry))$"
 )
 _NAME = re.compile(r"[A-Za-z_]\w*$")
-_WHOLE = re.compile(r"(\d+)[uUlL]*$")
+_LEFT_OUT = re.compile(r"/\*.*?\*/|^[ \t]*#(?:\\\n|[^\n])*", re.S | re.M)
+_TOKEN = re.compile(
+    r"0[xX][0-9a-fA-F.]+(?:[pP][-+]?\d+)?[a-zA-Z]*|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?[a-zA-Z]*|[A-Za-z_]\w*|"
+    r"->|\+\+|--|<<|>>|&&|\|\||[-+*/%<>=!&|^]=|\S"
+)
+_CLOSING = {"(": ")", "[": "]", "{": "}"}
 
+Tokens = tuple[str, ...]
 Count = Counter[str]
 Known = Mapping[str, int]
 
@@ -56,22 +60,147 @@ def bounds(source: str, iterations: int) -> dict[str, Bound | None]:
     """The bound of each function that others can call, for a config with these iterations; None
     where the text does not tell it.
     """
-    counter = _Counter(functions_of(source), iterations)
-    found: dict[str, Bound | None] = {}
-    for function in counter.functions.values():
-        if function.is_public:
-            try:
-                count = counter.call(function.name, {})
-            except NotDerivedError:
-                found[function.name] = None
-            else:
-                operations = {
-                    key: count[key]
-                    for key in (*dict.fromkeys(_ARITHMETIC.values()), *_COUNTED)
-                    if count[key]
-                }
-                found[function.name] = Bound(count[ITERATIONS], operations)
+    functions = {f.name: f for f in _functions(source)}
+    counter = _Counter(functions, iterations)
+    return {name: counter.bound(name) for name, f in functions.items() if f.is_public}
+
+
+# --- text -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Function:
+    """A function's name, the names of its parameters, whether other files can call it, and its
+    body.
+    """
+
+    name: str
+    parameters: tuple[str, ...]
+    is_public: bool
+    body: Tokens
+
+
+def _functions(source: str) -> Iterator[_Function]:
+    """The functions that a file defines, in its order."""
+    tokens = tuple(_TOKEN.findall(_LEFT_OUT.sub(" ", source)))
+    begin = k = 0
+    while k < len(tokens):
+        end = _closing(tokens, k) if tokens[k] == "{" else k
+        if end > k and tokens[k - 1] == ")":
+            opening = tokens.index("(", begin)
+            names = [
+                [t for t in _cut(part, "[")[0] if _NAME.match(t)]
+                for part in _parts(tokens[opening + 1 : k - 1], ",")
+            ]
+            yield _Function(
+                tokens[opening - 1],
+                tuple(n[-1] for n in names),
+                "static" not in tokens[begin:opening],
+                tokens[k + 1 : end],
+            )
+            begin = end + 1
+        if tokens[end] == ";":
+            begin = end + 1
+        k = end + 1
+
+
+def _closing(tokens: Tokens, k: int) -> int:
+    """Where the bracket at k closes."""
+    depth, opening = 0, tokens[k]
+    for at in range(k, len(tokens)):
+        depth += (tokens[at] == opening) - (tokens[at] == _CLOSING[opening])
+        if depth == 0:
+            return at
+    raise ValueError(f"C text: {opening!r} is not closed")
+
+
+def _parts(tokens: Tokens, mark: str) -> list[Tokens]:
+    """A list's parts between marks outside brackets."""
+    found: list[Tokens] = []
+    begin = k = 0
+    while k < len(tokens):
+        if tokens[k] == mark:
+            found.append(tokens[begin:k])
+            begin = k + 1
+        elif tokens[k] in _CLOSING:
+            k = _closing(tokens, k)
+        k += 1
+    return [*found, tokens[begin:]] if tokens else []
+
+
+def _cut(tokens: Tokens, sign: str) -> tuple[Tokens, Tokens]:
+    """What stands before and after a sign outside brackets; nothing after where there is none."""
+    found = _parts(tokens, sign)
+    return (found[0], found[1]) if len(found) == 2 else (tokens, ())
+
+
+def _conjuncts(tokens: Tokens) -> list[Tokens]:
+    """The parts of a condition that all hold, without their brackets."""
+    whole = _bare(tokens)
+    found = _parts(whole, "&&")
+    return [whole] if len(found) == 1 else [inner for part in found for inner in _conjuncts(part)]
+
+
+def _bare(tokens: Tokens) -> Tokens:
+    """Without brackets around all of it, casts and stars before it."""
+    while tokens:
+        end = _closing(tokens, 0) if tokens[0] == "(" else -1
+        if end == len(tokens) - 1:
+            tokens = tokens[1:-1]
+        elif end > 0 and all(_TYPE.match(t) for t in tokens[1:end]):
+            tokens = tokens[end + 1 :]
+        elif tokens[0] == "*":
+            tokens = tokens[1:]
+        else:
+            break
+    return tokens
+
+
+@dataclass(frozen=True)
+class _Statement:
+    """A statement by the word that leads it, "" of a plain one: its head, or all of it, and what it
+    leads to.
+    """
+
+    word: str
+    head: Tokens
+    body: Tokens = ()
+    other: Tokens = ()
+
+
+def _statements(tokens: Tokens) -> list[_Statement]:
+    """The statements of a block, one after the other."""
+    found, at = [], 0
+    while at < len(tokens):
+        statement, at = _statement(tokens, at)
+        found.append(statement)
     return found
+
+
+def _statement(tokens: Tokens, at: int) -> tuple[_Statement, int]:
+    """The statement that begins at a place, and where the next one does."""
+    word = tokens[at]
+    if word == "{":
+        end = _closing(tokens, at)
+        return _Statement("{", (), tokens[at + 1 : end]), end + 1
+    if word in ("do", "switch", "goto", "case", "continue"):
+        raise ValueError(f"C text: {word!r} is not read here")
+    if word not in ("if", "while", "for"):
+        end = at
+        while tokens[end] != ";":
+            end = 1 + (_closing(tokens, end) if tokens[end] in _CLOSING else end)
+        return _Statement("", tokens[at:end]), end + 1
+    end = _closing(tokens, at + 1)
+    _, after = _statement(tokens, end + 1)
+    body, other = tokens[end + 1 : after], Tokens()
+    if word == "if" and tokens[after : after + 1] == ("else",):
+        begin = after + 1
+        _, after = _statement(tokens, begin)
+        other = tokens[begin:after]
+    return _Statement(word, tokens[at + 2 : end], body, other), after
+
+
+# --- counts ---------------------------------------------------------------------------------------
 
 
 @dataclass
@@ -80,11 +209,20 @@ class _Counter:
     with.
     """
 
-    functions: dict[str, CFunction]
+    functions: dict[str, _Function]
     iterations: int
     _counts: dict[tuple[str, tuple[tuple[str, int], ...]], Count] = field(default_factory=dict)
     _active: list[str] = field(default_factory=list)
+    _read: dict[Tokens, list[_Statement]] = field(default_factory=dict)
     _plain: dict[Tokens, Count] = field(default_factory=dict)
+
+    def bound(self, name: str) -> Bound | None:
+        """The bound of a call; None where the text does not tell it."""
+        try:
+            count = self.call(name, {})
+        except NotDerivedError:
+            return None
+        return Bound(count[ITERATIONS], {key: count[key] for key in _COLUMNS if count[key]})
 
     def call(self, name: str, known: Known) -> Count:
         """What a call takes whose parameters are these whole numbers; of a config, its
@@ -94,69 +232,69 @@ class _Counter:
         if name in self._active:
             raise NotDerivedError(f"{name} calls itself")
         numbers = {key: value for key, value in known.items() if key in function.parameters}
-        if "config" in function.parameters and "config" not in numbers:
-            numbers["config"] = _Allowed(self.iterations)
+        if "config" in function.parameters:
+            numbers.setdefault("config", _Allowed(self.iterations))
         key = (name, tuple(sorted(numbers.items())))
         if key not in self._counts:
             self._active.append(name)
-            self._counts[key] = self._block(function.body, dict(numbers))
+            self._counts[key] = self._block(function.body, numbers)
             self._active.pop()
         return self._counts[key]
 
-    def _block(self, statements: tuple[Statement, ...], known: dict[str, int]) -> Count:
-        total: Count = Counter()
-        for statement in statements:
-            total += self._statement(statement, known)
-        return total
+    def _statements(self, tokens: Tokens) -> list[_Statement]:
+        if tokens not in self._read:
+            self._read[tokens] = _statements(tokens)
+        return self._read[tokens]
 
-    def _statement(self, statement: Statement, known: dict[str, int]) -> Count:
-        if statement.kind == "plain":
-            self._learn(statement.head[0], known)
-            return self._expression(statement.head[0], known)
-        if statement.kind == "if":
-            sides = self._block(statement.body, dict(known)) | self._block(
-                statement.other, dict(known)
-            )
-            return self._expression(statement.head[0], known) + sides
-        return self._loop(statement, known)
+    def _block(self, tokens: Tokens, known: Known) -> Count:
+        """The sum of statements; what they tell of whole numbers stays within them."""
+        total, own = Count(), dict(known)
+        for statement in self._statements(tokens):
+            head = statement.head
+            match statement.word:
+                case "":
+                    self._learn(head, own)
+                    total += self._expression(head, own)
+                case "{":
+                    total += self._block(statement.body, own)
+                case "if":
+                    sides = self._block(statement.body, own) | self._block(statement.other, own)
+                    total += self._expression(head, own) + sides
+                case _:
+                    total += self._loop(statement, own)
+        return total
 
     # --- loops ------------------------------------------------------------------------------------
 
-    def _loop(self, loop: Statement, known: dict[str, int]) -> Count:
-        if loop.kind == "for" and loop.head[0]:
-            return self._counted_loop(loop, known)
-        passes, test = (
-            (self._passes_while(loop, known), loop.head[0])
-            if loop.kind == "while"
-            else (self._passes_broken(loop, known), ())
-        )
-        inside = self._block(loop.body, dict(known)) + self._expression(test, known)
-        total = _times(inside, int(passes) + (loop.kind == "for")) + self._expression(test, known)
+    def _loop(self, loop: _Statement, known: Known) -> Count:
+        head = _parts(loop.head, ";")
+        if loop.word == "for" and head[0]:
+            return self._counted_loop(head, loop.body, known)
+        passes, test = self._passes(loop, known), Count()
+        if loop.word == "while":
+            test = self._expression(loop.head, known)
+        inside = self._block(loop.body, known) + test
+        total = _times(inside, int(passes) + (loop.word == "for")) + test
         total[ITERATIONS] += int(passes) if isinstance(passes, _Allowed) else 0
         return total
 
-    def _counted_loop(self, loop: Statement, known: dict[str, int]) -> Count:
+    def _counted_loop(self, head: list[Tokens], body: Tokens, known: Known) -> Count:
         """Of a loop from a number to another by one: its variable takes each value, on which inner
         loops may depend.
         """
-        declared, _, begin = _cut(loop.head[0], "=")
-        name, condition = declared[-1], loop.head[1]
-        first, down = self._whole(begin, known), "--" in loop.head[2]
-        ends = [
-            end
-            for part in _conjuncts(condition)
-            if (end := self._end(part, name, known)) is not None
-        ]
+        declared, begin = _cut(head[0], "=")
+        name, first, down = declared[-1], self._whole(begin, known), "--" in head[2]
+        found = (self._end(part, name, known) for part in _conjuncts(head[1]))
+        ends = [end for end in found if end is not None]
         if first is None or not ends:
-            raise NotDerivedError(f"for ({' '.join(condition)})")
+            raise NotDerivedError(f"for ({' '.join(head[1])})")
         values = range(first, max(ends) - 1, -1) if down else range(first, min(ends) + 1)
-        test = self._expression(condition, known)
-        if name not in _deciding(loop.body):
-            return _times(self._block(loop.body, dict(known)) + test, len(values)) + test
-        total = Counter(test)
-        for value in values:
-            total += self._block(loop.body, {**known, name: value}) + test
-        return total
+        test = self._expression(head[1], known)
+        inner = any(t in ("for", "while") or t in self.functions for t in body)
+        if not inner or name not in body:
+            return _times(self._block(body, known) + test, len(values)) + test
+        passes = (self._block(body, {**known, name: value}) + test for value in values)
+        return sum(passes, start=Count(test))
 
     def _end(self, part: Tokens, name: str, known: Known) -> int | None:
         """The last value of a variable for which a part of a condition holds."""
@@ -165,49 +303,41 @@ class _Counter:
         end = self._whole(part[2:], known)
         return None if end is None else end - (part[1] == "<")
 
-    def _passes_while(self, loop: Statement, known: Known) -> int:
-        """Of `while (count < most)` whose body counts up: `most`."""
-        for part in _conjuncts(loop.head[0]):
-            counter, sign, most = _cut(part, "<")
+    def _passes(self, loop: _Statement, known: Known) -> int:
+        """Of `while (count < most)`, or of `for (;;)` that breaks at `count >= most`, whose body
+        counts up: `most`.
+        """
+        body = self._statements(loop.body)
+        inner = self._statements(body[0].body) if body and body[0].word == "{" else body
+        counted = [_bare(s.head[1:]) for s in inner if s.word == "" and s.head[:1] == ("++",)]
+        limits = [_cut(part, "<") for part in _conjuncts(loop.head) if loop.word == "while"]
+        limits += [_cut(s.head, ">=") for s in inner if s.word == "if" and _breaks(s.body)]
+        for counter, most in limits:
             limit = self._whole(most, known)
-            if sign and limit is not None and _counts_up(loop.body, counter):
+            if limit is not None and _bare(counter) in counted:
                 return limit
-        raise NotDerivedError(f"while ({' '.join(loop.head[0])})")
-
-    def _passes_broken(self, loop: Statement, known: Known) -> int:
-        """Of `for (;;)` that breaks at `count >= most` and counts up: `most`."""
-        for statement in loop.body:
-            if (
-                statement.kind == "if"
-                and statement.body
-                and statement.body[-1].head == (("break",),)
-            ):
-                counter, sign, most = _cut(statement.head[0], ">=")
-                limit = self._whole(most, known)
-                if sign and limit is not None and _counts_up(loop.body, counter):
-                    return limit
-        raise NotDerivedError("for (;;)")
+        raise NotDerivedError(f"{loop.word} ({' '.join(loop.head)})")
 
     # --- numbers and expressions ------------------------------------------------------------------
 
     def _learn(self, tokens: Tokens, known: dict[str, int]) -> None:
         """Keeps what a declaration says of a whole number or of a config."""
-        declared, sign, value = _cut(tokens, "=")
-        if not sign or "const" not in declared or not _NAME.match(declared[-1]):
+        declared, value = _cut(tokens, "=")
+        if not value or "const" not in declared or not _NAME.match(declared[-1]):
             return
+        found = None
         if any(t.endswith("_config") for t in declared):
             inside = value[0] == "{"
-            limit = (
-                self._whole(parts(value[1:-1], ",")[1], known)
+            found = (
+                self._whole(_parts(value[1:-1], ",")[1], known)
                 if inside
                 else self._of_config(value, known)
             )
-            if limit is not None:
-                known[declared[-1]] = _Allowed(limit)
+            found = None if found is None else _Allowed(found)
         elif any(t in ("int", "uint8_t") for t in declared):
             found = self._whole(value, known)
-            if found is not None:
-                known[declared[-1]] = found
+        if found is not None:
+            known[declared[-1]] = found
 
     def _of_config(self, tokens: Tokens, known: Known) -> int | None:
         """The most iterations of the configs that an expression may stand for."""
@@ -216,25 +346,25 @@ class _Counter:
     def _whole(self, tokens: Tokens, known: Known) -> int | None:
         """The largest value of a whole number, None where the text does not tell it."""
         tokens = _bare(tokens)
-        if len(tokens) == 3 and tokens[1:] == ("->", "max_iterations"):
-            return known.get(tokens[0])
-        if len(tokens) == 3 and tokens[1] in ("+", "-", "*"):
-            a, b = self._whole(tokens[:1], known), self._whole(tokens[2:], known)
-            if a is None or b is None:
-                return None
-            return {"+": a + b, "-": a - b, "*": a * b}[tokens[1]]
-        if len(tokens) > 2 and tokens[0] in self.functions and tokens[1] == "(":
-            return self._returned(tokens, known)
-        if len(tokens) != 1:
-            return None
-        number = _WHOLE.match(tokens[0])
-        if number:
-            return int(number[1])
-        return USUAL_ITERATIONS if tokens[0].endswith("_MAX_STEPS") else known.get(tokens[0])
+        match tokens:
+            case (config, "->", "max_iterations"):
+                return known.get(config)
+            case (first, "+" | "-" | "*" as sign, last):
+                a, b = self._whole((first,), known), self._whole((last,), known)
+                if a is None or b is None:
+                    return None
+                return {"+": a + b, "-": a - b, "*": a * b}[sign]
+            case (name, "(", *_) if name in self.functions:
+                return self._returned(tokens, known)
+            case (word,):
+                if number := re.match(r"(\d+)[uUlL]*$", word):
+                    return int(number[1])
+                return USUAL_ITERATIONS if word.endswith("_MAX_STEPS") else known.get(word)
+        return None
 
     def _returned(self, tokens: Tokens, known: Known) -> int | None:
         """The largest number that a function returns which counts up from 0 to what it returns."""
-        last = self.functions[tokens[0]].body[-1].head[0]
+        last = self._statements(self.functions[tokens[0]].body)[-1].head
         if len(last) != 2 or last[0] != "return":
             return None
         return self.call(tokens[0], self._arguments(tokens, 0, known))[f"++{last[1]}"] or None
@@ -247,117 +377,60 @@ class _Counter:
         for k, token in enumerate(tokens):
             if token in self.functions and tokens[k + 1 : k + 2] == ("(",):
                 called = self.call(token, self._arguments(tokens, k, known))
-                total = total + Counter(
-                    {key: n for key, n in called.items() if not key.startswith("++")}
-                )
+                total = total + Counter({n: c for n, c in called.items() if n[0] != "+"})
         return total
 
     def _arguments(self, tokens: Tokens, k: int, known: Known) -> dict[str, int]:
         """What a call hands on of whole numbers and configs."""
-        given = parts(tokens[k + 2 : closing(tokens, k + 1)], ",")
+        given = _parts(tokens[k + 2 : _closing(tokens, k + 1)], ",")
         found: dict[str, int] = {}
         for name, value in zip(self.functions[tokens[k]].parameters, given, strict=False):
-            number = (
-                self._of_config(value, known) if name == "config" else self._whole(value, known)
-            )
+            is_config = name == "config"
+            number = self._of_config(value, known) if is_config else self._whole(value, known)
             if number is not None:
-                found[name] = _Allowed(number) if name == "config" else number
+                found[name] = _Allowed(number) if is_config else number
         return found
 
 
-def _operations(tokens: Tokens, functions: Mapping[str, CFunction]) -> Count:
+def _operations(tokens: Tokens, functions: Collection[str]) -> Count:
     """Operations of an expression, without the functions of the file that it calls."""
     total: Count = Counter()
     k = 0
     while k < len(tokens):
-        token, before = tokens[k], tokens[k - 1] if k else ""
+        token = tokens[k]
+        called = tokens[k + 1 : k + 2] == ("(",) and _NAME.match(token) and not _TYPE.match(token)
         if token == "[":
-            k = closing(tokens, k)
-        elif token[0] in _ARITHMETIC and token not in ("++", "--", "->"):
-            if token.endswith("=") or _is_operand(before, tokens[:k]):
-                total[_ARITHMETIC[token[0]]] += 1
+            k = _closing(tokens, k)
         elif token == "++":
             total[f"++{tokens[-1]}"] += 1
-        elif (
-            tokens[k + 1 : k + 2] == ("(",)
-            and _NAME.match(token)
-            and token not in functions
-            and not _TYPE.match(token)
-        ):
+        elif token[0] in _ARITHMETIC and token not in ("--", "->"):
+            if token.endswith("=") or _is_operand(tokens[:k]):
+                total[_ARITHMETIC[token[0]]] += 1
+        elif called and token not in functions:
             name = token.removesuffix("f")
             if name in _COUNTED:
                 total[name] += 1
-            elif name not in _FREE and token not in ("sizeof",):
+            elif name != "fabs" and token != "sizeof":
                 raise NotDerivedError(f"{token} is called")
         k += 1
     return total
 
 
-def _is_operand(token: str, before: Tokens) -> bool:
+def _is_operand(before: Tokens) -> bool:
     """Whether what stands before a sign is a value, so that the sign has two sides."""
+    token = before[-1] if before else ""
     if token == ")":
-        opening = len(before) - 1
-        depth = 0
-        while True:
-            depth += (before[opening] == ")") - (before[opening] == "(")
-            if depth == 0:
-                break
-            opening -= 1
-        inside = before[opening + 1 : -1]
+        # brackets read from their end
+        end = _closing(tuple({"(": ")", ")": "("}.get(t, t) for t in reversed(before)), 0)
+        inside = before[len(before) - end : -1]
         return not inside or not all(_TYPE.match(t) or t == "*" for t in inside)
     return bool(token == "]" or re.match(r"[\w.]", token)) and not _TYPE.match(token)
 
 
+def _breaks(body: Tokens) -> bool:
+    """Whether a block ends by leaving its loop."""
+    return body[-3:] == ("break", ";", "}")
+
+
 def _times(count: Count, factor: int) -> Count:
     return Counter({key: n * factor for key, n in count.items()})
-
-
-def _cut(tokens: Tokens, sign: str) -> tuple[Tokens, Tokens, Tokens]:
-    """What stands before and after a sign outside brackets; nothing after where there is none."""
-    found = parts(tokens, sign)
-    return (found[0], (sign,), found[1]) if len(found) == 2 else (tokens, (), ())
-
-
-def _conjuncts(tokens: Tokens) -> list[Tokens]:
-    """The parts of a condition that all hold, without their brackets."""
-    whole = _bare(tokens)
-    found = parts(whole, "&&")
-    return [whole] if len(found) == 1 else [inner for part in found for inner in _conjuncts(part)]
-
-
-def _bare(tokens: Tokens) -> Tokens:
-    """Without brackets around all of it, casts and stars before it."""
-    while tokens:
-        end = closing(tokens, 0) if tokens[0] == "(" else -1
-        if end == len(tokens) - 1:
-            tokens = tokens[1:-1]
-        elif end > 0 and all(_TYPE.match(t) for t in tokens[1:end]):
-            tokens = tokens[end + 1 :]
-        elif tokens[0] == "*":
-            tokens = tokens[1:]
-        else:
-            break
-    return tokens
-
-
-def _counts_up(body: tuple[Statement, ...], counter: Tokens) -> bool:
-    """Whether each pass counts a variable up."""
-    name = _bare(counter)
-    return any(
-        s.kind == "plain" and s.head[0][:1] == ("++",) and _bare(s.head[0][1:]) == name
-        for s in body
-    )
-
-
-def _deciding(body: tuple[Statement, ...]) -> set[str]:
-    """Names on which loops and calls in a body may depend."""
-    found: set[str] = set()
-    for statement in body:
-        if statement.kind == "plain":
-            found |= set(statement.head[0]) if "(" in statement.head[0] else set()
-        else:
-            found |= {
-                t for part in statement.head for t in part if statement.kind != "if" or "(" in part
-            }
-        found |= _deciding(statement.body) | _deciding(statement.other)
-    return found

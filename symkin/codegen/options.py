@@ -17,7 +17,8 @@ class Options:
     home. `geometry`: numbers in the code, or a struct that is given with each call. `home`: the
     platform's pose about which the order of pivots is chosen and test poses lie (x, y, z, qw, qx,
     qy, qz). `given`, `find`: names of the coordinates of a map between joints. `also`: more files,
-    for package managers, LinuxCNC or C++. `compact`: the least code, at some cost of instructions.
+    for package managers, LinuxCNC, C++ or ROS 2. `compact`: the least code, at some cost of
+    instructions.
     """
 
     real: Literal["float", "double"] = "double"
@@ -26,7 +27,7 @@ class Options:
     home: tuple[float, ...] | None = None
     given: tuple[str, ...] = ()
     find: tuple[str, ...] = ()
-    also: tuple[Literal["package", "linuxcnc", "cpp"], ...] = ()
+    also: tuple[Literal["package", "linuxcnc", "cpp", "ros2"], ...] = ()
     compact: bool = False
 
     @property
@@ -40,6 +41,10 @@ class Options:
     @property
     def cpp(self) -> bool:
         return "cpp" in self.also
+
+    @property
+    def ros2(self) -> bool:
+        return "ros2" in self.also
 
     @property
     def is_map(self) -> bool:
@@ -66,10 +71,15 @@ class Options:
                 f"{mechanism.name}: a map between joints has its geometry in the code; leave "
                 f"--geometry struct out"
             )
-        if self.is_map and (self.linuxcnc or self.cpp):
+        if self.is_map and self.linuxcnc:
             raise InputError(
-                f"{mechanism.name}: --linuxcnc and --cpp need poses; a map between joints has "
-                f"none: leave them out"
+                f"{mechanism.name}: --linuxcnc needs poses; a map between joints has none: leave "
+                f"it out"
+            )
+        if self.ros2 and (not self.is_map or self.real != "double"):
+            raise InputError(
+                f"{mechanism.name}: --ros2 writes a transmission between joints: it needs --given, "
+                f"--find and --real double"
             )
         if self.linuxcnc and (self.real != "double" or self.home_relative):
             raise InputError(

@@ -7,7 +7,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from symkin.codegen.c_templates import fill
+from symkin.codegen.text.templates import fill
 from symkin.model.mechanism import Mechanism
 
 _URL = "https://pypi.org/project/symkin"

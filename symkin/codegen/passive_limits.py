@@ -18,9 +18,9 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.closure.link_poses import reading_expressions
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.joint_ranges import range_of
+from symkin.codegen.text.c import Emitter, Real
 from symkin.model.joint import Coordinate
 from symkin.text import c_comment
 
@@ -174,17 +174,15 @@ def limit_lines(
     exist; `variables` are C text of the closure's variables.
     """
     closure = geometry.closure
-    size, inputs = closure.characteristic_length, [closure.variables, geometry.symbols]
+    size = closure.characteristic_length
     compared = [limit.compared(real, size) for limit in limits]
     outputs = snapped_expression(
-        ca.densify(ca.vertcat(*(part for parts in compared for part in parts))), inputs
+        ca.densify(ca.vertcat(*(part for parts in compared for part in parts))),
+        [closure.variables, geometry.symbols],
     )
-    function = ca.Function("passive", inputs, [outputs], {"cse": True})
-    emitter, place, tests = (
-        Emitter(function, [variables, geometry.names], real, prefix="l"),
-        0,
-        list[str](),
-    )
+    inputs = [(closure.variables, variables), (geometry.symbols, geometry.names)]
+    emitter = Emitter.of(real, inputs, outputs, prefix="l")
+    place, tests = 0, list[str]()
     for limit, parts in zip(limits, compared, strict=True):
         texts = [emitter.value(0, place + i) for i in range(len(parts))]
         place += len(parts)

@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.formula_guards import RESOLVED
 from symkin.codegen.limbwise import given_coordinates, passive_system
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.samples import Configuration
+from symkin.codegen.text.c import Real
 from symkin.elimination.closed_form import ClosedForm, closed_form
 from symkin.numeric.system import System
 from symkin.position.problem import Problem

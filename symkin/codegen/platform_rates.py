@@ -4,14 +4,12 @@ feed that keeps speed limits.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import copy, fill
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.linear_solver import singular_condition
@@ -20,6 +18,8 @@ from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.pose_kernel import PoseKernel
 from symkin.codegen.pose_target import core_target
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import copy, fill
 from symkin.model.mechanism import Mechanism
 
 _FASTEST = 1e6
@@ -114,18 +114,18 @@ def core_twist(
         )
         text = code.work + code.functions + code.target + code.linear.text
     rows = ca.substitute(kernel.rows, kernel.known, core.target)
-    change = ca.densify(
-        snapped_expression(ca.jtimes(rows, core.joints, rates), [kernel.state, core.joints, rates])
+    change = snapped_expression(
+        ca.jtimes(rows, core.joints, rates), [kernel.state, core.joints, rates]
     )
-    function = ca.Function("sides", [kernel.state, core.joints, rates], [change], {"cse": True})
     state = indexed("w->x", int(kernel.state.shape[0]))
-    emitter = Emitter(function, [state, indexed("w->at", nq), indexed("rates", nq)], made.real)
-    sides = [f"w->f[{i}] = {emitter.value(0, i)};" for i in range(kernel.m)]
-    function = ca.Function(
-        "twist", [kernel.state, kernel.step], [ca.densify(core.twist)], {"cse": True}
-    )
-    stores = Emitter(function, [state, indexed("w->f", kernel.n)], made.real)
-    of_twist = [f"twist[{i}] = {stores.value(0, i)};" for i in range(6)]
+    inputs = [
+        (kernel.state, state),
+        (core.joints, indexed("w->at", nq)),
+        (rates, indexed("rates", nq)),
+    ]
+    sides = Emitter.of(made.real, inputs, change).stored(indexed("w->f", kernel.m))
+    inputs = [(kernel.state, state), (kernel.step, indexed("w->f", kernel.n))]
+    twist = Emitter.of(made.real, inputs, core.twist).stored(indexed("twist", 6))
     aim = [f"{k}_set_target(w, w->at, {made.real.literal(1.0)});", f"{k}_rows(w);"]
     if driver is kernel and kernel.reads_known:
         aim += copy("w->k0", "w->k", int(kernel.known.shape[0]))
@@ -133,10 +133,10 @@ def core_twist(
         "k": k,
         "into": "w->at",
         "state": indent([*copy("w->x", "c", len(state)), *aim], 2),
-        "sides": indent([*emitter.lines, *sides], 3),
+        "sides": indent(sides, 3),
         "singular_there": singular_condition(kernel, k, "w", "", compact=made.options.compact),
         "nf": kernel.n,
-        "store": indent([*stores.lines, *of_twist], 2),
+        "store": indent(twist, 2),
     }
     return text + fill("closure_twist.c", {**values, **shown})
 
@@ -158,17 +158,13 @@ def _side_lines(made: LimbPlatform, kernel: Kernel) -> list[str]:
         ca.jtimes(kernel.rows, kernel.known, rates),
         [kernel.state, kernel.known, kernel.geometry, rates],
     )
-    inputs = [kernel.state, kernel.known, kernel.geometry, rates]
-    function = ca.Function("sides", inputs, [ca.densify(change)], {"cse": True})
-    names: list[Sequence[str]] = [
-        indexed("w->x", int(kernel.state.shape[0])),
-        indexed("w->k", int(kernel.known.shape[0])),
-        made.geometry.names,
-        indexed("rates", len(made.actuated)),
+    inputs = [
+        (kernel.state, indexed("w->x", int(kernel.state.shape[0]))),
+        (kernel.known, indexed("w->k", int(kernel.known.shape[0]))),
+        (kernel.geometry, made.geometry.names),
+        (rates, indexed("rates", len(made.actuated))),
     ]
-    emitter = Emitter(function, names, made.real)
-    texts = [emitter.value(0, i) for i in range(kernel.m)]
-    return [*emitter.lines, *(f"w->f[{i}] = {text};" for i, text in enumerate(texts))]
+    return Emitter.of(made.real, inputs, change).stored(indexed("w->f", kernel.m))
 
 
 def _stores(made: LimbPlatform, kernel: Kernel) -> list[str]:

@@ -8,9 +8,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.geometry import Geometry
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.spatial.rotation import conjugate, multiply
 
 COLUMNS: dict[str, tuple[int, ...]] = {
@@ -45,18 +45,22 @@ def restricted(geometry: Geometry, x: ca.SX) -> Restricted:
     """The seven numbers of a pose as the platform's motion takes them."""
     closure = geometry.closure
     reference, size = _reference(geometry), closure.characteristic_length
+    if geometry.rotation is None:
+        delta = multiply(x[3:], conjugate(reference[3:]))
+    else:
+        delta = geometry.change(x[3:])
+        x, reference = (ca.mtimes(ca.DM(geometry.rotation), p[:3]) for p in (x, reference))
     away = [x[i] - reference[i] for i in range(3)]
-    delta = multiply(x[3:], conjugate(reference[3:]))
     # of a turn about z the quaternion is (cos a/2, 0, 0, sin a/2); its other components are the
     # tilt
     half = (delta[0], delta[3])
     tilt = [2 * size * delta[1], 2 * size * delta[2]]
     return {
-        "spatial": Restricted([x[i] for i in range(7)], None, []),
+        "spatial": Restricted(ca.vertsplit(x), None, []),
         "schoenflies": Restricted([x[i] for i in range(3)], half, tilt),
         "planar": Restricted([x[0], x[1]], half, [*tilt, away[2]]),
         "translation": Restricted([x[i] for i in range(3)], None, [*tilt, 2 * size * delta[3]]),
-        "spherical": Restricted([x[i] for i in range(3, 7)], None, away),
+        "spherical": Restricted(ca.vertsplit(x)[3:], None, away),
     }[closure.mechanism.motion]
 
 
@@ -114,8 +118,7 @@ def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
     """NAME_pose_from_coordinates: the pose of pose coordinates."""
     closure = geometry.closure
     symbols = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in closure.role("pose")))
-    pose = geometry.of(ca.vertcat(closure.pose.position, closure.pose.quaternion))
-    expression = snapped_expression(pose, [symbols, geometry.symbols])
+    expression = snapped_expression(geometry.pose, [symbols, geometry.symbols])
     function = ca.Function(
         "p", [symbols, geometry.symbols], [ca.densify(expression)], {"cse": True}
     )
@@ -150,8 +153,7 @@ def off_motion(geometry: Geometry, real: Real) -> float:
 
 
 def _reference(geometry: Geometry) -> ca.SX:
-    """Position and unit quaternion of the platform at the reference configuration."""
+    """Position and unit quaternion of the platform at the reference configuration, as told."""
     closure = geometry.closure
-    pose = geometry.of(ca.vertcat(closure.pose.position, closure.pose.quaternion))
-    at = ca.substitute(pose, closure.variables, ca.SX(ca.DM(closure.reference)))
+    at = ca.substitute(geometry.pose, closure.variables, ca.SX(ca.DM(closure.reference)))
     return snapped_expression(ca.densify(at), [geometry.symbols])

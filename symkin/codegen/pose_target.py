@@ -4,10 +4,8 @@ values of joint values.
 
 from __future__ import annotations
 
-import casadi as ca
-
-from symkin.codegen.c_emitter import Emitter, Real, indexed
 from symkin.codegen.pose_kernel import PoseKernel
+from symkin.codegen.text.c import Emitter, Real, indexed
 
 
 def core_target(made: PoseKernel, real: Real) -> list[str]:
@@ -15,15 +13,12 @@ def core_target(made: PoseKernel, real: Real) -> list[str]:
     once.
     """
     count = int(made.joints.shape[0])
-    function = ca.Function("target", [made.joints], [made.target], {"cse": True})
-    emitter = Emitter(function, [indexed("q", count)], real)
-    stores = [f"w->k[{i}] = {emitter.value(0, i)};" for i in range(int(made.target.shape[0]))]
+    emitter = Emitter.of(real, [(made.joints, indexed("q", count))], made.target)
     return [
         f"{real.type} q[{count}];",
         f"for (int i = 0; i < {count}; ++i) {{",
         f"    q[i] = (part < {real.literal(1.0)}) ? (w->at[i] + part * (to[i] - w->at[i])) : "
         f"to[i];",
         "}",
-        *emitter.lines,
-        *stores,
+        *emitter.stored(indexed("w->k", int(made.target.shape[0]))),
     ]

@@ -10,8 +10,6 @@ from textwrap import wrap
 from typing import Any
 
 from symkin.codegen.arm_speeds import arm_speeds_header
-from symkin.codegen.c_emitter import Real
-from symkin.codegen.c_templates import fill
 from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.geometry import finite_check
 from symkin.codegen.home_pose import home_pose
@@ -28,8 +26,12 @@ from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.rod_platform_source import RodSource
 from symkin.codegen.serial_arm import ArmSource, SerialArm
+from symkin.codegen.text.c import Real
+from symkin.codegen.text.templates import fill
 from symkin.codegen.worst_case import WorstCase
 from symkin.errors import InputError
+from symkin.machine.limbs import with_limbs
+from symkin.machine.lower import Lowered, lowered_limbs
 from symkin.model.mechanism import Mechanism
 from symkin.model.names import check_c_name, cmake_target
 from symkin.model.oddities import degrees_question
@@ -48,11 +50,13 @@ _SOURCES: dict[
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """Source and header of a mechanism, and what the other files of its folder are made from. The
-    kind's mechanism may be of a declared motion where the `described` one is of an implied one.
+    """Source and header of a mechanism, and what the other files of its folder are made from.
+    `lowered` is the machine that the `described` one means; the kind's may be of a declared motion
+    where that one's is implied.
     """
 
     described: Mechanism
+    lowered: Mechanism
     kind: Kind
     source: str
     header: str
@@ -79,9 +83,10 @@ def build_program(
     """Everything that is compiled, as text; `measured`: figures of a processor, stated where they
     are those of this code.
     """
-    check_c_name(mechanism.name)
-    options.check(mechanism)
-    kind = _kind(mechanism, options)
+    low = _lowered(mechanism, options)
+    check_c_name(low.machine.name)
+    options.check(low.machine)
+    described, kind = low.written, _kind(low, options)
     if options.compact and not kind.can_be_compact:
         raise InputError(
             f"{mechanism.name}: its code has nothing that --compact would shorten (it replaces an "
@@ -92,18 +97,18 @@ def build_program(
     kind.check()
     if not isinstance(kind, RodPlatform | JointMap):
         kind.geometry.check(kind.real)
-    begin = fill("begin.c", source.values | _header_values(kind, source.code, [], mechanism.digest))
+    begin = fill("begin.c", source.values | _header_values(kind, source.code, [], described.digest))
     text = (
         begin
-        + finite_check(mechanism.name, _numbers_of_struct(kind), kind.real)
+        + finite_check(kind.name, _numbers_of_struct(kind), kind.real)
         + source.text.rstrip()
         + "\n"
     )
-    worst = WorstCase.of(mechanism.name, text, measured)
+    worst = WorstCase.of(kind.name, text, measured)
     values = source.values | _header_values(
-        kind, source.code, worst.header_lines(), mechanism.digest
+        kind, source.code, worst.header_lines(), described.digest
     )
-    if mechanism.serial:
+    if low.machine.serial:
         values["speeds"] = arm_speeds_header(mechanism.characteristic_length, values)
     else:
         values["speeds"] = fill(
@@ -115,7 +120,8 @@ def build_program(
     )
     values["declarations"] = fill(f"{kind.templates}.h", values)
     return Program(
-        described=mechanism,
+        described=described,
+        lowered=low.machine,
         kind=kind,
         source=text,
         header=fill("header.h", values),
@@ -125,8 +131,25 @@ def build_program(
     )
 
 
-def _kind(mechanism: Mechanism, options: Options) -> Kind:
-    """Which of the three kinds a mechanism is."""
+def _lowered(mechanism: Mechanism, options: Options) -> Lowered:
+    """The machine to write code for: a map between joints, an arm, and numbers that are given with
+    each call are of the machine as it is described.
+    """
+    if options.is_map:
+        return Lowered(mechanism, mechanism, None, ())
+    remedy = (
+        "describe the machine by limbs, or map joints to joints by --given and --find (given and "
+        "find in Python)"
+    )
+    limbs = with_limbs(mechanism, "firmware", remedy)
+    if limbs.serial or options.geometry == "struct":
+        return Lowered(limbs, limbs, None, ())
+    return lowered_limbs(mechanism)
+
+
+def _kind(low: Lowered, options: Options) -> Kind:
+    """Which of the three kinds a machine is."""
+    mechanism = low.machine
     real = Real(options.real, f"{mechanism.name}_real")
     if options.is_map:
         return JointMap(mechanism, options, real)
@@ -134,7 +157,7 @@ def _kind(mechanism: Mechanism, options: Options) -> Kind:
         return SerialArm(mechanism, options, real)
     if is_rod_platform(mechanism):
         return RodPlatform(mechanism, options, home_pose(mechanism, options.home), real)
-    return limb_platform(mechanism, options, real)
+    return limb_platform(mechanism, options, real, low.frames)
 
 
 def _header_values(

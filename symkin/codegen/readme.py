@@ -7,12 +7,12 @@ from __future__ import annotations
 from symkin.codegen.direct_readme import direct_by_formulas
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_readme import map_branch, map_chapter
-from symkin.codegen.latex import equations
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.pose_readme import rows_over_the_pose
 from symkin.codegen.program import Program, is_closed
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
+from symkin.codegen.text.latex import equations
 from symkin.model.file import shipped, shipped_names
 from symkin.model.mechanism import Mechanism
 from symkin.model.oddities import degrees_question
@@ -222,7 +222,7 @@ def _branch(program: Program) -> str:
             direct_by_formulas(
                 kind,
                 kind.direct_formulas,
-                implied=kind.mechanism.motion != program.described.motion,
+                implied=kind.mechanism.motion != program.lowered.motion,
             )
         )
     if isinstance(kind, SerialArm) and kind.follows_closed_form:

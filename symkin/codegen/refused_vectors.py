@@ -21,6 +21,7 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System, constant_rows, split_blocks
 from symkin.position.problem import Problem
 from symkin.position.solution import pose_of
+from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
 
 MOST = 6
@@ -44,9 +45,9 @@ def infeasible_poses(kind: LimbPlatform, cases: Sequence[Configuration]) -> np.n
     closure = inverse.closure
     size, rng = closure.characteristic_length, np.random.default_rng(31)
     for case in cases[:2]:
-        stated = kind.stated(pose_of(closure, case.values))
+        pose = pose_of(closure, case.values)
         found += [
-            _moved(stated, column, 0.01, size)
+            kind.stated(_moved(pose, column, 0.01, size))
             for column in range(6)
             if column not in COLUMNS[kind.mechanism.motion]
         ][:2]
@@ -73,16 +74,14 @@ def infeasible_poses(kind: LimbPlatform, cases: Sequence[Configuration]) -> np.n
     return np.array(found).reshape(-1, 7)
 
 
-def _moved(pose: np.ndarray, column: int, step: float, size: float) -> np.ndarray:
+def _moved(pose: Pose, column: int, step: float, size: float) -> Pose:
     """A pose moved along, or turned about, an axis of the base."""
-    moved = pose.copy()
+    position, turn = np.array(pose.position), np.array([1.0, 0.0, 0.0, 0.0])
     if column < 3:
-        moved[column] += step * size
-        return moved
-    turn = np.array([np.cos(0.5 * step), 0.0, 0.0, 0.0])
-    turn[column - 2] = np.sin(0.5 * step)
-    moved[3:] = np.asarray(multiply(turn, pose[3:])).ravel()
-    return moved
+        position[column] += step * size
+    else:
+        turn[0], turn[column - 2] = np.cos(0.5 * step), np.sin(0.5 * step)
+    return Pose(position, np.asarray(multiply(turn, pose.quaternion)).ravel())
 
 
 def _is_open_in_a_limb(

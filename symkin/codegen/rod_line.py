@@ -16,9 +16,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from symkin.codegen.c_emitter import Real
-from symkin.codegen.c_templates import fill
 from symkin.codegen.joint_ranges import Range
+from symkin.codegen.text.c import Real
+from symkin.codegen.text.templates import fill
 
 _LEAST_PART = 2.0**-10
 """Shortest part, of what is left of a line, that is looked at: nearer to a limit than that is not

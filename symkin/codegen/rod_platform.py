@@ -10,10 +10,10 @@ from typing import ClassVar
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Real, indexed
 from symkin.codegen.newton_kernel import Kernel, curvature
 from symkin.codegen.options import Options
 from symkin.codegen.rod_kernel import Rods, rod_geometry, rod_kernel
+from symkin.codegen.text.c import Real, indexed
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply

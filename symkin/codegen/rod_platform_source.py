@@ -10,16 +10,6 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snap
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import (
-    FARTHEST,
-    common_values,
-    copy,
-    copy_loop,
-    farthest,
-    fill,
-    normalise_pose,
-)
 from symkin.codegen.joint_ranges import Range, range_functions
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import Kernel
@@ -28,6 +18,16 @@ from symkin.codegen.platform_rates import rates_functions, square_twist
 from symkin.codegen.rod_kernel import Rods, rod_vectors
 from symkin.codegen.rod_line import rod_line
 from symkin.codegen.rod_platform import RodPlatform, sampled
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import (
+    FARTHEST,
+    common_values,
+    copy,
+    copy_loop,
+    farthest,
+    fill,
+    normalise_pose,
+)
 from symkin.computed_once import cached_property
 from symkin.spatial.backend import cross, dot
 

@@ -18,8 +18,6 @@ from symkin.closed.screws import arm_screws
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.arm_speeds import arm_error, arm_speeds
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill, normalise_pose
 from symkin.codegen.closed_limits import limit_check
 from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
@@ -30,6 +28,15 @@ from symkin.codegen.linear_solver import is_unrolled
 from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
 from symkin.codegen.newton_source import NewtonCode, tolerance_of
 from symkin.codegen.options import Options
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import (
+    FARTHEST,
+    common_values,
+    copy,
+    farthest,
+    fill,
+    normalise_pose,
+)
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
@@ -433,29 +440,24 @@ class ArmSource:
     def _emitter(self, expression: ca.SX, joints: str) -> Emitter:
         """Emitter of a dense function of the joints, whose C name is given."""
         arm = self.arm
-        function = ca.Function(
-            "f", [arm.joints, arm.geometry.symbols], [ca.densify(expression)], {"cse": True}
-        )
-        return Emitter(function, [indexed(joints, len(arm.actuated)), arm.geometry.names], arm.real)
+        inputs = [
+            (arm.joints, indexed(joints, len(arm.actuated))),
+            (arm.geometry.symbols, arm.geometry.names),
+        ]
+        return Emitter.of(arm.real, inputs, expression)
 
     @property
     def _forward(self) -> str:
         """NAME_forward: the tool's pose of joint values."""
         if self.motion is not None:
             return self.motion.text
-        emitter = self._emitter(self.arm.pose, "q")
-        stores = [f"x[{i}] = {emitter.value(0, i)};" for i in range(7)]
-        return fill("forward.c", self.values | {"forward": indent([*emitter.lines, *stores])})
+        lines = self._emitter(self.arm.pose, "q").stored(indexed("x", 7))
+        return fill("forward.c", self.values | {"forward": indent(lines)})
 
     @property
     def _jacobian_lines(self) -> list[str]:
         """Statements of the Jacobian, row by row."""
         if self.motion is not None:
             return self.motion.jacobian_lines
-        emitter, nq = self._emitter(self.arm.jacobian, "joints"), len(self.arm.actuated)
-        stores = [
-            f"jacobian[{nq * i + j}] = {emitter.value(0, 6 * j + i)};"
-            for i in range(6)
-            for j in range(nq)
-        ]
-        return [*emitter.lines, *stores]
+        emitter = self._emitter(ca.vec(self.arm.jacobian.T), "joints")
+        return emitter.stored(indexed("jacobian", 6 * len(self.arm.actuated)))

@@ -16,14 +16,15 @@ import casadi as ca
 import numpy as np
 
 from symkin._version import __version__
-from symkin.codegen.expression import Python, module_functions, write
+from symkin.codegen.text.languages import ARRAY_NAMES, python_language
+from symkin.codegen.text.printer import Printer
 from symkin.codegen.transmission_rows import Formula, TransmissionRows
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.text import docstring_line
 from symkin.transmissions.transmission_result import Transmission
 
-_XP = module_functions("xp", {})
+_XP = python_language("xp", ARRAY_NAMES, "t")
 _DEGREES = {1: 12, 2: 6, 3: 4}
 """Degree of the fitted start by so many motors; of more it is 2."""
 _MOST_STEPS = 10
@@ -156,18 +157,19 @@ def _turning(transmission: Transmission, names: Sequence[str]) -> tuple[float, .
 
 def _function(name: str, arguments: list[tuple[ca.SX, str]], values: ca.SX) -> list[str]:
     """A function of numbers or arrays that returns a tuple."""
-    names = [f"{prefix}{k}" for symbol, prefix in arguments for k in range(symbol.shape[0])]
+    names = [[f"{prefix}{k}" for k in range(symbol.shape[0])] for symbol, prefix in arguments]
     function = ca.Function("f", [s for s, _ in arguments], [ca.densify(values)], {"cse": True})
-    definitions, entries = write(function, names, Python(_XP, "t"))
-    depends = ca.which_depends(
-        ca.densify(ca.vec(values)), ca.vertcat(*(x for x, _ in arguments)), 1, True
-    )
-    shaped = [e if d else f"{e} + 0.0 * {names[-1]}" for e, d in zip(entries, depends, strict=True)]
+    printer = Printer(function, names, _XP)
+    entries = [printer.value(0, k) for k in range(function.numel_out(0))]
+    symbols = ca.vertcat(*(symbol for symbol, _ in arguments))
+    depends = ca.which_depends(ca.densify(ca.vec(values)), symbols, 1, True)
+    like = names[-1][-1]
+    shaped = [e if d else f"{e} + 0.0 * {like}" for e, d in zip(entries, depends, strict=True)]
     return [
         "",
         "",
-        f"def {name}({', '.join(['xp', *names])}):",
-        *(f"    {temporary} = {text}" for temporary, text in definitions),
+        f"def {name}({', '.join(['xp', *(n for part in names for n in part)])}):",
+        *(f"    {line}" for line in printer.lines),
         "    return (",
         *(f"        {entry}," for entry in shaped),
         "    )",

@@ -7,18 +7,20 @@ formulas give the motors, R = m - f(j), and where they give the joints, R = j - 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.closed_direction import ClosedDirection
 from symkin.codegen.joint_map import Direction, JointMap
 from symkin.codegen.options import Options
+from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.elimination.implied_rows import PointRow, implied_rows
+from symkin.elimination.product_rows import ProductRow
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import independent_rows
@@ -118,7 +120,7 @@ class TransmissionRows:
     # --- implied rows -----------------------------------------------------------------------------
 
     @cached_property
-    def _implied(self) -> tuple[PointRow, ...]:
+    def _implied(self) -> tuple[PointRow | ProductRow, ...]:
         """What each loop says without the joints that it alone holds, where that is enough."""
         problem = self.linkage.problem
         closure, ends = problem.closure, {*self.linkage.motors, *self.linkage.joints}
@@ -131,7 +133,7 @@ class TransmissionRows:
             held.setdefault(source.limb, set()).update(
                 c.name for c in closure.coordinates if line[closure.slices[c.name]].any()
             )
-        found: list[PointRow] = []
+        found: list[PointRow | ProductRow] = []
         for branch, names in held.items():
             others = set().union(*(n for b, n in held.items() if b != branch))
             found += implied_rows(closure, branch, names - ends - others)
@@ -154,7 +156,7 @@ class TransmissionRows:
     def _coordinates(self, names: set[str]) -> list[Coordinate]:
         return [c for c in self.linkage.problem.closure.coordinates if c.name in names]
 
-    def _independent(self, rows: list[PointRow]) -> list[int]:
+    def _independent(self, rows: Sequence[PointRow | ProductRow]) -> list[int]:
         if not rows:
             return []
         closure = self.linkage.problem.closure
@@ -166,7 +168,7 @@ class TransmissionRows:
         matrix = np.asarray(slopes(self.linkage.reference)).reshape(len(rows), -1)
         return sorted(independent_rows(matrix, range(len(rows)), 1e-6))
 
-    def _scaled(self, rows: list[PointRow]) -> ca.SX:
+    def _scaled(self, rows: Sequence[PointRow | ProductRow]) -> ca.SX:
         size = self.linkage.size
         return ca.vertcat(*(r.row / (2 * size * size if r.is_sphere else size) for r in rows))
 

@@ -11,7 +11,6 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.codegen.c_emitter import Real
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.pose_coordinates import COLUMNS
@@ -19,6 +18,7 @@ from symkin.codegen.refused_vectors import infeasible_poses, joints_past
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.samples import Configuration, configurations
 from symkin.codegen.serial_arm import NEARLY, SerialArm, closed_misfit
+from symkin.codegen.text.c import Real
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
@@ -185,7 +185,9 @@ def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
         bound = _bound(real, size, condition, tolerance)
         rows.append((given, guess, target, inverse, bound))
         if number < JACOBIANS:
-            jacobians.append(_tidy(rates(closure, values), size).ravel())
+            own = rates(closure, values)
+            told = kind.told_rates(own) if isinstance(kind, LimbPlatform) else own
+            jacobians.append(_tidy(told, size).ravel())
     here = rounded_to(real, _tidy(kind.stated(pose_of(closure, home)), seven))
     return rows, jacobians, here, kind.singular_starts
 

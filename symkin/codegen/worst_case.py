@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any
 
-from symkin.codegen.line_width import WIDTH, narrowed
 from symkin.codegen.operation_bound import LARGEST_ITERATIONS, USUAL_ITERATIONS, Bound, bounds
+from symkin.codegen.text.width import WIDTH, narrowed
 from symkin.files.written_files import digest
 
 _SHORT = {"additions": "add", "multiplications": "mul", "divisions": "div"}

@@ -25,9 +25,10 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure, random_values
-from symkin.closure.pose_forms import PlatformPose
+from symkin.closure.pose_forms import PlatformPose, linear_parts, weighted_point
 from symkin.closure.snapping import snap
 from symkin.elimination.polynomial import Monomial, Polynomial, Ring
+from symkin.elimination.product_rows import Normal, ProductRow, multipliers
 from symkin.elimination.rows import NotPolynomialError, polynomial_rows
 from symkin.elimination.sums import product
 from symkin.elimination.workspace import Workspace
@@ -46,10 +47,6 @@ _CANCELLED = 1e-13
 """Share of the largest coefficient below which one is what rounding leaves of others that
 cancel.
 """
-
-
-_HALF_TURNS = np.eye(4)
-"""Quaternions of which each vector's turned ones add to nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,24 +71,18 @@ class PointRow:
         """The row times the weight of a pose in another form, where w by the `position` p and the
         unit `quaternion` of R is A p + R a + b.
         """
-        turns = [ca.substitute(self.point, quaternion, ca.SX(ca.DM(q))) for q in _HALF_TURNS]
-        turned = [ca.substitute(w, position, ca.SX.zeros(*position.shape)) for w in turns]
-        still = sum(turned[1:], turned[0]) / len(turned)
-        arm, moved = turned[0] - still, ca.simplify(ca.jacobian(self.point, position))
-        count = int(self.point.shape[0])
-        if self.is_sphere and not moved.is_zero():
+        if not self.is_sphere:
+            w = weighted_point(self.point, position, quaternion, pose)
+            return ca.dot(self.of, w) - pose.weight * self.level
+        moved, arm, still = linear_parts(self.point, position, quaternion)
+        if not moved.is_zero():
             # w moves with the position itself, or against it
             sign = moved[0, 0]
             squared = pose.squared_distance(sign * arm, sign * (self.of - still))
             return squared - pose.weight * self.level
-        arms = [pose.direction(arm[k : k + 3]) for k in range(0, count, 3)]
-        if self.is_sphere:
-            gap = still - self.of
-            rest = ca.sumsqr(gap) + ca.sumsqr(arm) - self.level
-            return pose.weight * rest + 2 * ca.dot(gap, arms[0])
-        place = pose.point(ca.SX(3, 1)) if int(position.shape[0]) else position
-        w = ca.mtimes(moved, place) + ca.vertcat(*arms) + pose.weight * still
-        return ca.dot(self.of, w) - pose.weight * self.level
+        gap = still - self.of
+        rest = ca.sumsqr(gap) + ca.sumsqr(arm) - self.level
+        return pose.weight * rest + 2 * ca.dot(gap, pose.direction(arm))
 
 
 def pose_rows(system: System, poses: np.ndarray, lost: int | None = None) -> list[PointRow] | None:
@@ -110,9 +101,12 @@ def pose_rows(system: System, poses: np.ndarray, lost: int | None = None) -> lis
     return points if len(points) == lacking else None
 
 
-def implied_rows(closure: Closure, branch: str, gone: Collection[str]) -> list[PointRow]:
+def implied_rows(
+    closure: Closure, branch: str, gone: Collection[str]
+) -> list[PointRow | ProductRow]:
     """What a branch of a closure says without the joints `gone`, which no other branch holds: of
-    its vectors w + f = 0 the planes in which they lie together and the sphere of each.
+    its vectors w + f = 0 the planes in which they lie together and the sphere of each; of each
+    with the angle that a universal joint keeps their product (see `product_rows`).
 
     Joints whose terms multiply those of joints that go stand in f, all others in w. Rows that
     follow from each other, and rows that say nothing, are among them.
@@ -138,19 +132,59 @@ def implied_rows(closure: Closure, branch: str, gone: Collection[str]) -> list[P
         point=ca.vertcat(*(limb.point for limb in kept)),
     )
     spheres = [limb.sphere() for limb in kept]
-    return [*together.all_planes(), *(sphere for sphere in spheres if sphere is not None)]
+    products = [
+        row
+        for angle in _errors_of(closure, branch, "axes' angle")
+        for limb in kept
+        for row in _products_of(closure, limb, angle, [*moved, *factors])
+    ]
+    return [*together.all_planes(), *(s for s in spheres if s is not None), *products]
+
+
+def _products_of(
+    closure: Closure, limb: _Limb, angle: ca.SX, joints: Sequence[int]
+) -> list[ProductRow]:
+    """The products of a limb's point with a direction that an angle holds."""
+    system, _ = _part(closure, angle, joints)
+    depends = np.array(ca.which_depends(angle, closure.variables, 1, False), dtype=bool)
+    others = [c for k, c in enumerate(closure.coordinates) if k not in joints]
+    held = [c for c in others if depends[closure.slices[c.name]].any()]
+    if [c.kind for c in held] != ["quaternion"]:
+        return []
+    quaternion = closure.variables[closure.slices[held[0].name]]
+    normal = Normal.of(replace(system, known=quaternion), limb.ring, quaternion)
+    if normal is None:
+        return []
+    found = multipliers(limb.ring, limb.rows, limb.factors[-1], normal)
+    return [
+        ProductRow(
+            limb.point,
+            by,
+            ca.vertcat(*(limb.expression(part, 1) for part in level)),
+            quaternion,
+            normal.turn,
+            normal.still,
+        )
+        for by, level in found
+    ]
+
+
+def _errors_of(closure: Closure, branch: str, relation: str) -> list[ca.SX]:
+    """The checks of a relation that a branch keeps, one by one."""
+    errors = closure.bound(closure.errors)
+    return [
+        errors[k, 0]
+        for k, source in enumerate(closure.error_sources)
+        if source.limb == branch and source.relation == relation
+    ]
 
 
 def _vectors(closure: Closure, branch: str) -> list[ca.SX]:
     """Gaps between points and between directions that a branch closes, three numbers each."""
-    errors, found = closure.bound(closure.errors), list[ca.SX]()
+    found = list[ca.SX]()
     for relation in _OF_VECTORS:
-        own = [
-            k
-            for k, source in enumerate(closure.error_sources)
-            if source.limb == branch and source.relation == relation
-        ]
-        found += [errors[own[k : k + 3], 0] for k in range(0, len(own), 3)]
+        own = _errors_of(closure, branch, relation)
+        found += [ca.vertcat(*own[k : k + 3]) for k in range(0, len(own), 3)]
     return found
 
 
@@ -292,7 +326,7 @@ class _Limb:
         )
 
     @property
-    def _factors(self) -> list[list[Monomial]]:
+    def factors(self) -> list[list[Monomial]]:
         """Terms that factors of rows may have: the number alone, then those in the rows of the
         joints that stay.
         """
@@ -327,7 +361,7 @@ class _Limb:
 
     def planes(self, most: int) -> list[PointRow]:
         """Planes in which the point lies, at most so many."""
-        for monomials in self._factors:
+        for monomials in self.factors:
             polynomials = self._products(monomials)
             matrix = self._bound(polynomials)
             null = _null_space(matrix, len(polynomials))
@@ -338,7 +372,7 @@ class _Limb:
     def all_planes(self) -> list[PointRow]:
         """Planes in which the point lies, multiples of each other among them."""
         found = []
-        for monomials in self._factors:
+        for monomials in self.factors:
             polynomials = self._products(monomials)
             null = _null_space(self._bound(polynomials), len(polynomials))
             found += [self._plane(factors, monomials, polynomials) for factors in null]
@@ -351,14 +385,14 @@ class _Limb:
         return PointRow(
             self.point,
             self._vector(factors, monomials, 0),
-            self._expression(self._free(level), 1),
+            self.expression(self._free(level), 1),
             is_sphere=False,
         )
 
     def sphere(self) -> PointRow | None:
         """The sphere on which the point lies."""
         squares = _sum((1.0, self.ring.product(row, row)) for row in self.rows)
-        for monomials in self._factors:
+        for monomials in self.factors:
             polynomials = [squares, *(p.times(2.0) for p in self._products(monomials))]
             matrix = self._bound(polynomials)
             if not len(matrix):
@@ -387,7 +421,7 @@ class _Limb:
         return PointRow(
             self.point,
             self._vector(factors, monomials, 1),
-            self._expression(level, 2),
+            self.expression(level, 2),
             is_sphere=True,
         )
 
@@ -405,9 +439,9 @@ class _Limb:
             )
             for j in range(len(self.rows))
         ]
-        return ca.vertcat(*(self._expression(part, power) for part in parts))
+        return ca.vertcat(*(self.expression(part, power) for part in parts))
 
-    def _expression(self, polynomial: Polynomial, power: int) -> ca.SX:
+    def expression(self, polynomial: Polynomial, power: int) -> ca.SX:
         return expression_of(self.ring, polynomial, self.system.unknown, self.unit, power)
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
+from symkin.closure.angle_sums import AngleSum, combined
 from symkin.closure.expression_graph import walk
 from symkin.elimination.polynomial import Monomial, Polynomial, Ring, add_term
 from symkin.numeric.system import System
@@ -22,17 +23,7 @@ class NotPolynomialError(Exception):
     """Rows hold an unknown in another way than by polynomials in lengths, cosines and sines."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Angle:
-    """A sum of unknown angles with factors, and a known offset."""
-
-    factors: dict[int, float]
-    offset: ca.SX
-
-
-_Value = Polynomial | _Angle
-_FACTORS = {ca.OP_NEG: -1.0, ca.OP_TWICE: 2.0}
-"""Operations that multiply an angle."""
+_Value = Polynomial | AngleSum
 
 
 def polynomial_rows(
@@ -66,16 +57,18 @@ class _Factors:
     ring: Ring
     found: dict[int, set[float]] = field(default_factory=dict)
 
-    def input(self, number: int, nonzero: int) -> _Angle | float | None:
+    def input(self, number: int, nonzero: int) -> AngleSum | float | None:
         if number == 0 and self.ring.unknowns[nonzero].is_angular:
-            return _Angle({nonzero: 1.0}, ca.SX(0))
+            return AngleSum.of(nonzero)
         return None
 
-    def constant(self, number: float) -> _Angle | float | None:
+    def constant(self, number: float) -> AngleSum | float | None:
         return number
 
-    def operation(self, op: int, operands: list[_Angle | float | None]) -> _Angle | float | None:
-        angles = [v for v in operands if isinstance(v, _Angle)]
+    def operation(
+        self, op: int, operands: list[AngleSum | float | None]
+    ) -> AngleSum | float | None:
+        angles = [v for v in operands if isinstance(v, AngleSum)]
         if not angles:
             return None
         if op in (ca.OP_SIN, ca.OP_COS):
@@ -83,7 +76,7 @@ class _Factors:
                 self.found.setdefault(unknown, set()).add(abs(factor))
             return None
         # what is known beside angles matters only where it is a constant factor
-        return _combined(op, [_Angle({}, ca.SX(0)) if v is None else v for v in operands])
+        return _combined(op, [AngleSum({}, ca.SX(0)) if v is None else v for v in operands])
 
     def output(self, number: int, nonzero: int, value: object) -> None:
         """Nothing is kept."""
@@ -98,35 +91,14 @@ def _halved(function: ca.Function, ring: Ring) -> set[int]:
     return {unknown for unknown, found in factors.found.items() if 0.5 in found}
 
 
-def _combined(op: int, operands: Sequence[_Angle | float]) -> _Angle:
+def _combined(op: int, operands: Sequence[AngleSum | float]) -> AngleSum:
     """The sum of angles that an operation makes of others. Raises NotPolynomialError where it makes
     something else.
     """
-    first, *others = operands
-    if not others and isinstance(first, _Angle) and op in _FACTORS:
-        return _scaled(first, _FACTORS[op])
-    second = others[0] if others else None
-    if op == ca.OP_MUL and isinstance(first, _Angle) and isinstance(second, float):
-        return _scaled(first, second)
-    if op == ca.OP_MUL and isinstance(first, float) and isinstance(second, _Angle):
-        return _scaled(second, first)
-    if op not in (ca.OP_ADD, ca.OP_SUB) or second is None:
+    found = combined(op, operands)
+    if found is None:
         raise NotPolynomialError
-    sign = 1.0 if op == ca.OP_ADD else -1.0
-    a, b = (v if isinstance(v, _Angle) else _Angle({}, ca.SX(v)) for v in (first, second))
-    factors = dict(a.factors)
-    for unknown, factor in b.factors.items():
-        factors[unknown] = factors.get(unknown, 0.0) + sign * factor
-    return _Angle(
-        {unknown: factor for unknown, factor in factors.items() if factor},
-        a.offset + sign * b.offset,
-    )
-
-
-def _scaled(angle: _Angle, factor: float) -> _Angle:
-    return _Angle(
-        {unknown: factor * f for unknown, f in angle.factors.items()}, factor * angle.offset
-    )
+    return found
 
 
 @dataclass
@@ -144,7 +116,7 @@ class _Reader:
         if number == 1:
             return self.ring.constant(self.system.known[nonzero])
         if self.ring.unknowns[nonzero].is_angular:
-            return _Angle({nonzero: 1.0}, ca.SX(0))
+            return AngleSum.of(nonzero)
         return self.ring.generator(self.ring.places[nonzero][0])
 
     def constant(self, number: float) -> _Value:
@@ -152,24 +124,24 @@ class _Reader:
 
     def output(self, number: int, nonzero: int, value: _Value) -> None:
         if number == 0:
-            if isinstance(value, _Angle):
+            if isinstance(value, AngleSum):
                 raise NotPolynomialError
             self.found[nonzero] = value
 
     def operation(self, op: int, operands: list[_Value]) -> _Value:
-        if any(isinstance(v, _Angle) for v in operands):
+        if any(isinstance(v, AngleSum) for v in operands):
             return self._of_angles(op, operands)
         return self._of_polynomials(op, [v for v in operands if isinstance(v, Polynomial)])
 
     def _of_angles(self, op: int, operands: Sequence[_Value]) -> _Value:
-        if op in (ca.OP_SIN, ca.OP_COS) and isinstance(operands[0], _Angle):
+        if op in (ca.OP_SIN, ca.OP_COS) and isinstance(operands[0], AngleSum):
             cosine, sine = self._cosine_and_sine(operands[0])
             return sine if op == ca.OP_SIN else cosine
         return _combined(
-            op, [v if isinstance(v, _Angle) else self._factor(op, v) for v in operands]
+            op, [v if isinstance(v, AngleSum) else self._factor(op, v) for v in operands]
         )
 
-    def _factor(self, op: int, value: Polynomial) -> _Angle | float:
+    def _factor(self, op: int, value: Polynomial) -> AngleSum | float:
         """A number beside angles: a constant factor, or something known that is added."""
         known = self.ring.scalar(value)
         if known is None:
@@ -178,9 +150,9 @@ class _Reader:
             if not known.is_constant():
                 raise NotPolynomialError
             return float(known)
-        return _Angle({}, known)
+        return AngleSum({}, known)
 
-    def _cosine_and_sine(self, angle: _Angle) -> tuple[Polynomial, Polynomial]:
+    def _cosine_and_sine(self, angle: AngleSum) -> tuple[Polynomial, Polynomial]:
         """By the addition theorems, from those of the offset."""
         cosine, sine = (
             self.ring.constant(ca.cos(angle.offset)),

@@ -42,7 +42,7 @@ def check_output(
     written, and one that would replace what is read. Raises InputError.
     """
     output = Path(path)
-    if output.suffix not in suffixes:
+    if output.suffix.lower() not in suffixes:
         raise InputError(
             f"output {str(path)!r} has another suffix than {', '.join(suffixes)}, which {verb} "
             f"writes"

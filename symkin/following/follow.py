@@ -90,6 +90,13 @@ class Branch:
         return all(block.system.is_square for block in self.blocks)
 
     @property
+    def proves_pieces(self) -> bool:
+        """Whether the way from each of the `places` to the next one is proved."""
+        return self.formula or (
+            self.is_square and all(place.radius is not None for place in self.places)
+        )
+
+    @property
     def proved(self) -> bool:
         """Whether rows are as many as unknowns, and proofs lead to the end."""
         if self.formula:

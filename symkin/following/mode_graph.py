@@ -1,8 +1,9 @@
 """Find which assembly modes connect without a singularity, over a slice of one or two inputs: a
 graph of modes at grid points.
 
-At each point of a grid all modes are enumerated; each mode is followed along the grid's edges (see
-`track`). Modes that a path without singularity joins are of one sheet. Two modes of one input on
+At each point of a grid all modes are enumerated; each mode is followed along the grid's lines (see
+`track`), whose pieces between neighbouring points are the graph's edges.
+Modes that a path without singularity joins are of one sheet. Two modes of one input on
 one sheet are joined by a path that leaves the input and comes back to it on the other mode: it goes
 round a cusp of the singularity locus (Innocenti and Parenti-Castelli 1998). The graph says only
 what the grid's edges show: a finer grid can join more, and never parts what is joined.
@@ -13,7 +14,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -21,9 +22,10 @@ import numpy as np
 from symkin.assembly.modes import modes
 from symkin.assembly.modes_result import Modes
 from symkin.errors import InputError
+from symkin.following.follow import Branch
 from symkin.following.meeting_modes import mode_number
-from symkin.following.track import track
-from symkin.following.track_result import Track
+from symkin.following.track import branch_from
+from symkin.following.trajectory import make_trajectory
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.given import Joints, given_from
@@ -34,6 +36,8 @@ from symkin.verb import verb
 
 _MOST_POINTS = 10_000
 """Grid points at most."""
+_BATCH = 256
+"""Inputs whose modes are found together."""
 
 Node = tuple[int, int]
 """A grid point's number (row-major, the first axis slowest; the chosen input is the last one) and a
@@ -176,7 +180,7 @@ def mode_graph(
     along each. `joints` is the chosen input, in file order or by name, and holds the other joints
     (default: the example's, else the reference's); or `given`, values of any coordinates by name,
     as many as the mobility, of which the axes are then one or two. Joint limits are left out of
-    account. `progress` is called with the points and edges done and their number. Raises
+    account. `progress` is called with the points and lines done and their number. Raises
     InputError.
 
         >>> from symkin import Joint, Limb, Mechanism, mode_graph
@@ -199,27 +203,24 @@ def mode_graph(
     names, chosen = _chosen_input(mechanism, joints, given)
     pair = _checked(mechanism, axes, n, names)
     inputs = _grid(names, pair, n, chosen)
-    found = []
-    for k, row in enumerate(inputs):
-        found.append(modes(mechanism, given=dict(zip(names, row.tolist(), strict=True))))
+    lines = _lines(n, inputs, pair, names)
+    total, found = len(inputs) + len(lines), list[Modes]()
+    for first in range(0, len(inputs), _BATCH):
+        columns = dict(zip(names, inputs[first : first + _BATCH].T.tolist(), strict=True))
+        found += modes(mechanism, given=columns)
         if progress is not None:
-            progress(k + 1, 2 * len(inputs))
+            progress(len(found), total)
     edges: list[tuple[Node, Node]] = []
     certified, stopped, unmatched = True, 0, 0
-    for a, b in _grid_edges(n, inputs, pair, names):
-        path = dict(zip(names, inputs[[a, b]].T.tolist(), strict=True))
-        for k, mode in enumerate(found[a]):
-            followed = track(mechanism, given=path, start=mode, limits=False, name_modes=False)
-            joined = _number_at_end(followed, found[b]) if followed.reached else None
-            stopped, unmatched = (
-                stopped + (not followed.reached),
-                unmatched + (followed.reached and joined is None),
-            )
-            if joined is not None:
-                edges.append(((a, k), (b, joined)))
-                certified = certified and followed.certified
+    for done, line in enumerate(lines, start=len(inputs) + 1):
+        for branch, nodes_along in _followed_along(mechanism, names, inputs, found, line):
+            joined = [(a, b) for a, b in pairwise(nodes_along) if a is not None and b is not None]
+            edges += joined
+            stopped += branch.ending != "reached"
+            unmatched += nodes_along.count(None)
+            certified = certified and (branch.proves_pieces or not joined)
         if progress is not None:
-            progress(len(inputs) + a + 1, 2 * len(inputs))
+            progress(done, total)
     nodes = [(p, k) for p, modes_there in enumerate(found) for k in range(len(modes_there))]
     return ModeGraph(
         mechanism=mechanism,
@@ -236,10 +237,31 @@ def mode_graph(
     )
 
 
-def _number_at_end(followed: Track, there: Modes) -> int | None:
-    """Number of the mode in a list that the end of a track is."""
-    problem, end = followed.problem, followed.end
-    return mode_number(problem, there, problem.select_values(end.values, problem.system.unknowns))
+def _followed_along(
+    mechanism: Mechanism,
+    names: Sequence[str],
+    inputs: np.ndarray,
+    found: Sequence[Modes],
+    line: Sequence[int],
+) -> Iterator[tuple[Branch, list[Node | None]]]:
+    """Each branch along a line of points, from the first point at which it is one of the modes
+    found, and its node at each point that it reaches, None where the list lacks it.
+    """
+    reached: set[Node] = set()
+    for place, point in enumerate(line[:-1]):
+        for k, mode in enumerate(found[point]):
+            if (point, k) in reached:
+                continue
+            ahead = line[place:]
+            path = dict(zip(names, inputs[list(ahead)].T.tolist(), strict=True))
+            trajectory = make_trajectory(mechanism, given=path, limits=False)
+            branch = branch_from(mode, trajectory, limits=False)
+            nodes: list[Node | None] = [(point, k)]
+            for other, there in zip(ahead[1:], branch.places[1:], strict=False):
+                number = mode_number(trajectory.problem, found[other], there.unknown)
+                nodes.append(None if number is None else (other, number))
+            reached |= {node for node in nodes if node is not None}
+            yield branch, nodes
 
 
 def _chosen_input(
@@ -305,20 +327,20 @@ def _grid(names: tuple[str, ...], axes: tuple[Axis, ...], n: int, chosen: np.nda
     return inputs
 
 
-def _grid_edges(
+def _lines(
     n: int, inputs: np.ndarray, axes: tuple[Axis, ...], names: tuple[str, ...]
-) -> Iterator[tuple[int, int]]:
-    """The grid's edges, then one from the chosen input to the nearest grid point."""
-    for k in range(len(inputs) - 1):
-        if (k + 1) % n:
-            yield k, k + 1
-        if len(axes) == 2 and k + n < len(inputs) - 1:
-            yield k, k + n
+) -> list[tuple[int, ...]]:
+    """The grid's lines along each axis, then the one from the chosen input to the nearest grid
+    point.
+    """
+    grid = np.arange(len(inputs) - 1).reshape(-1, n)
+    lines = [*grid, *grid.T] if len(axes) == 2 else [*grid]
     columns = [names.index(axis.name) for axis in axes]
     away = np.abs(inputs[:-1, columns] - inputs[-1, columns]) / [
         axis.high - axis.low for axis in axes
     ]
-    yield len(inputs) - 1, int(np.argmin(away.sum(axis=1)))
+    nearest = int(np.argmin(away.sum(axis=1)))
+    return [*(tuple(line.tolist()) for line in lines), (len(inputs) - 1, nearest)]
 
 
 def _sheets(nodes: list[Node], edges: list[tuple[Node, Node]]) -> tuple[frozenset[Node], ...]:

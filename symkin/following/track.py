@@ -113,6 +113,19 @@ def _track(
     if mode is None:
         return _not_begun(trajectory, problem, "; ".join(notes))
     trajectory = replace(trajectory, notes=(*trajectory.notes, *notes))
+    branch = branch_from(mode, trajectory, limits=limits, progress=progress)
+    return _result(trajectory, problem, branch, name_modes)
+
+
+def branch_from(
+    mode: Solution,
+    trajectory: Trajectory,
+    *,
+    limits: bool,
+    progress: Callable[[int, int], None] | None = None,
+) -> Branch:
+    """Follow the branch of a mode of the path's first sample."""
+    problem = trajectory.problem
     unknown = problem.select_values(
         variables_elsewhere(problem.closure, mode), problem.system.unknowns
     )
@@ -123,13 +136,11 @@ def _track(
         or limit is not None
     ):
         first = PathPoint(0, 0.0, unknown, radius=None)
-        branch = Branch(
+        return Branch(
             [first], first, (), ending="singular" if limit is None else "limit", limit=limit
         )
-    else:
-        go = evaluate_formula if is_formula(problem, trajectory) else follow
-        branch = go(problem, trajectory, unknown, watch, progress)
-    return _result(trajectory, problem, branch, name_modes)
+    go = evaluate_formula if is_formula(problem, trajectory) else follow
+    return go(problem, trajectory, unknown, watch, progress)
 
 
 # --- the start ------------------------------------------------------------------------------------

@@ -100,7 +100,7 @@ def _moved_joint(entry: LinkJoint, closed: Closed) -> tuple[Joint, Sequence[str]
     coordinate.
     """
     joint, (carrier, link), placed = entry.joint, entry.links, closed.placed
-    changes: dict[str, Any] = {"point": tuple(placed.point(carrier, np.array(joint.point))[0])}
+    changes: dict[str, Any] = {"point": tuple(placed.point(carrier, np.array(joint.point)))}
     if joint.axis is not None:
         changes["axis"] = tuple(placed.rotations[carrier] @ np.array(joint.axis))
     if joint.axis2 is not None:

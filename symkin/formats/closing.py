@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.formats.closure_rows import ROWS, closure_rows, coupling_rows
+from symkin.formats.closure_rows import ROWS, constraint_rows
 from symkin.formats.robot import Robot
 from symkin.formats.tree_motion import Placed, State, Step, Tree
 from symkin.spatial.pose import Pose
@@ -30,6 +30,12 @@ _ROUNDING = 1e-14
 """Of the size: loops of a file that stay open by less are left as they are."""
 _ITERATIONS = 300
 """Steps of one search; those that arrive take 10 to 100."""
+_MOST_DAMPING = 1e8
+"""Damping (singular values of lengths) at which a step that makes nothing smaller ends a search."""
+_FELT = 1e-4
+"""Share of the rows' values that steps can change, below which a search is at a local minimum: a
+millionth of a percent of their squares is left to gain.
+"""
 _STALLED = 25
 """Steps in a row that shrink the gap by less than a tenth, after which a search has ended at a
 local minimum.
@@ -221,7 +227,7 @@ def _single(tree: Tree) -> np.ndarray:
 
 
 def _singular_values(tree: Tree, state: State) -> np.ndarray:
-    _, jacobian = constraint_rows(tree, state)
+    jacobian = constraint_rows(tree).rates(state)
     if min(jacobian.shape) == 0:
         return np.zeros(0)
     values = np.linalg.svd(jacobian / _scales(tree), compute_uv=False)
@@ -235,27 +241,9 @@ def row_count(robot: Robot) -> int:
 
 def misfits(tree: Tree, state: State) -> dict[str, float]:
     """What each closure and coupling leaves open (metres), by its name."""
-    return {name: float(np.linalg.norm(values)) for name, (values, _) in _parts(tree, state)}
-
-
-def constraint_rows(tree: Tree, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """All rows of closures and couplings at a state, and their derivative by the freedoms of the
-    tree.
-    """
-    parts = [rows for _, rows in _parts(tree, state)]
-    values = [values for values, _ in parts]
-    rates = [rates for _, rates in parts]
-    return np.concatenate([np.zeros(0), *values]), np.concatenate(
-        [np.zeros((0, tree.freedom)), *rates]
-    )
-
-
-def _parts(tree: Tree, state: State) -> Iterator[tuple[str, tuple[np.ndarray, np.ndarray]]]:
-    placed = tree.placed(state)
-    for closure in tree.robot.closures:
-        yield closure.name, closure_rows(closure, placed, tree.size)
-    for coupling in tree.robot.couplings:
-        yield f"coupling of {coupling.joint}", coupling_rows(coupling, tree, state)
+    rows = constraint_rows(tree)
+    values = rows.values(state)
+    return {name: float(np.linalg.norm(values[place])) for name, place in rows.places}
 
 
 # --- searches -------------------------------------------------------------------------------------
@@ -283,36 +271,45 @@ def _random_starts(tree: Tree, rng: np.random.Generator) -> Iterator[State]:
 
 
 def _searched(tree: Tree, start: State) -> State:
-    """Minimise the squares of all rows: (J^T J + l^2 1) d = -J^T F, in lengths."""
-    state, scales = start, _scales(tree)
-    values, jacobian = constraint_rows(tree, state)
-    if not values.size or not tree.freedom:
-        return state
-    cost, damping, mark, since = float(np.linalg.norm(values)), 0.1, np.inf, 0
+    """Minimise the squares of all rows: (J^T J + l^2 1) d = -J^T F, in lengths, until they are
+    rounding or none of F is felt by J: a local minimum.
+    """
+    state, scales, rows = start, _scales(tree), constraint_rows(tree)
+    values, slopes, damping = rows.values(state), _Slopes(rows.rates(state) / scales), 0.1
+    mark, since = np.inf, 0
     for _ in range(_ITERATIONS):
-        if cost == 0.0 or since > _STALLED or damping > 1e8:
+        cost, felt = float(np.linalg.norm(values)), slopes.felt(values)
+        mark, since = (cost, 0) if cost < 0.9 * mark else (mark, since + 1)
+        done = cost <= _ROUNDING * tree.size or np.linalg.norm(felt) <= _FELT * cost
+        if done or since > _STALLED:
             break
-        step = _damped_step(values, jacobian / scales, damping)
-        trial = tree.moved(state, step / scales)
-        trial_values, trial_jacobian = constraint_rows(tree, trial)
-        trial_cost = float(np.linalg.norm(trial_values))
-        if trial_cost < cost:
-            state, values, jacobian, cost = trial, trial_values, trial_jacobian, trial_cost
-            damping = max(0.2 * damping, 1e-10)
-        else:
-            if cost <= _ROUNDING * tree.size:
+        while damping < _MOST_DAMPING:
+            trial = tree.moved(state, slopes.step(felt, damping) / scales)
+            trial_values = rows.values(trial)
+            if np.linalg.norm(trial_values) < cost:
                 break
             damping *= 5.0
-        mark, since = (cost, 0) if cost < 0.9 * mark else (mark, since + 1)
+        else:
+            break
+        state, values = trial, trial_values
+        slopes, damping = _Slopes(rows.rates(state) / scales), max(0.2 * damping, 1e-10)
     return state
 
 
-def _damped_step(values: np.ndarray, jacobian: np.ndarray, damping: float) -> np.ndarray:
-    """By singular values, so that directions that no row feels are left alone."""
-    u, s, vt = np.linalg.svd(jacobian, full_matrices=False)
-    floor = 1e-12 * max(float(s[0]), 1e-300)
-    gains = np.where(s > floor, s / (s**2 + damping**2), 0.0)
-    return np.asarray(-(vt.T @ (gains * (u.T @ values))))
+class _Slopes:
+    """A derivative by its singular values, so that directions that no row feels are left alone."""
+
+    def __init__(self, jacobian: np.ndarray) -> None:
+        u, s, vt = np.linalg.svd(jacobian, full_matrices=False)
+        kept = s > 1e-12 * max(s[:1], default=0.0)
+        self.u, self.s, self.vt = u[:, kept], s[kept], vt[kept]
+
+    def felt(self, values: np.ndarray) -> np.ndarray:
+        """What steps can change of values."""
+        return np.asarray(values @ self.u)
+
+    def step(self, felt: np.ndarray, damping: float) -> np.ndarray:
+        return np.asarray(-(felt * self.s / (self.s**2 + damping**2)) @ self.vt)
 
 
 def _nearest(tree: Tree, state: State) -> State:
@@ -321,7 +318,7 @@ def _nearest(tree: Tree, state: State) -> State:
     far = float(np.linalg.norm(scales * tree.between(state, tree.own)))
     for _ in range(_NEAREST_STEPS):
         back = scales * tree.between(state, tree.own)
-        free = back - _felt(constraint_rows(tree, state)[1] / scales, back)
+        free = back - _felt(constraint_rows(tree).rates(state) / scales, back)
         if share < 1e-3 or np.linalg.norm(free) <= 1e-9 * tree.size:
             break
         trial = _searched(tree, tree.moved(state, share * free / scales))

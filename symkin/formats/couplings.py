@@ -46,16 +46,14 @@ def mimic_of(coupling: Coupling, mechanism: str, format_name: str) -> tuple[str,
     """The joint that another follows on a line, factor and offset. Raises MechanismError for a
     coupling that is no such line, which a format without polynomials and sums cannot hold.
     """
-    if (coupling.polynomial is not None and len(coupling.polynomial) > 2) or len(
-        coupling.names
-    ) != 1:
+    line = coupling.line
+    if line is None or len(line) != 1:
         raise MechanismError(
             f"{mechanism}: the coupling of {coupling.joint!r} is no line of one other joint, which "
             f"is what {format_name} holds as mimic; "
             "MJCF (.xml) holds it"
         )
-    offset, factor = coupling.polynomial or (coupling.offset, coupling.terms[0][1])
-    return coupling.names[0], factor, offset
+    return (*line[0], coupling.constant)
 
 
 def _circle(begin: str, told: Mapping[str, ToldCoupling]) -> list[str]:

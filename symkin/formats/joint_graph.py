@@ -29,6 +29,8 @@ Direction = tuple[float, float, float]
 Z: Direction = (0.0, 0.0, 1.0)
 _COINCIDE = 1e-6
 """Metres and radians: frames that are this near are one to the digits that files hold."""
+_NO_DIRECTION = 1e-9
+"""Sine of the angle to the z axis below which a vector tells no direction across it."""
 _EXCHANGED = {"1": "2", "2": "1"}
 """Coordinates of a universal joint that the mechanism has from its other link."""
 _SQUARE = 1e-6
@@ -145,9 +147,11 @@ def frame_along(z: Sequence[float], x: Sequence[float] | None = None) -> Pose:
     is given.
     """
     third = np.asarray(z, dtype=float) / np.linalg.norm(z)
-    near = np.eye(3)[int(np.argmin(np.abs(third)))] if x is None else np.asarray(x, dtype=float)
-    if x is None and third[2] == 1.0:
+    near = np.eye(3)[int(np.argmin(np.abs(third)))]
+    if third[2] == 1.0:
         near = np.array([1.0, 0.0, 0.0])
+    if x is not None and np.linalg.norm(np.cross(third, x)) > _NO_DIRECTION:
+        near = np.asarray(x, dtype=float)
     first = near - third * (near @ third)
     first = first / np.linalg.norm(first)
     return Pose.from_matrix(np.column_stack([first, np.cross(third, first), third]), np.zeros(3))

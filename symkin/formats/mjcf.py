@@ -24,7 +24,7 @@ from symkin.formats.mjcf_reader import Reader
 from symkin.formats.packages import Packages
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot, refuse_too_many
-from symkin.formats.xml_text import Element, read_xml
+from symkin.formats.xml_text import Element, end_of_root, read_text, read_xml
 from symkin.spatial.pose import Pose
 from symkin.text import printable
 
@@ -46,12 +46,13 @@ def read_mjcf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
 
 def with_keyframe(
     path: Path, joints: Mapping[str, float | Sequence[float]], poses: Mapping[str, Pose]
-) -> str:
-    """The text of an MJCF file with one more keyframe, "closed": the values of its joints, and
-    poses of links that hang on no joint.
+) -> bytes:
+    """The content of an MJCF file, in its own encoding, with one more keyframe, "closed": the
+    values of its joints, and poses of links that hang on no joint.
     """
     reader = _reader(path)
-    text = path.read_text(encoding="utf-8-sig")
+    content = read_text(path)
+    end = end_of_root(content, str(path))
     used = {e.attributes.get("name", "") for e in reader.compiled.root.walk() if e.tag == "key"}
     name = next(
         name
@@ -59,11 +60,10 @@ def with_keyframe(
         if (name := "closed" if k == 1 else f"closed_{k}") not in used
     )
     numbers = " ".join(repr(float(value) + 0.0) for value in reader.positions(joints, poses))
-    before, _, after = text.rpartition("</mujoco")
-    return (
-        f'{before}  <keyframe>\n    <key name="{name}" qpos="{numbers}"/>\n  </keyframe>\n'
-        f"</mujoco{after}"
-    )
+    if not numbers:
+        raise InputError(f"{path} has no joint whose value a keyframe could hold; give a .json")
+    frame = f'  <keyframe>\n    <key name="{name}" qpos="{numbers}"/>\n  </keyframe>\n'
+    return content[:end] + frame.encode() + content[end:]
 
 
 def _reader(path: Path, read: ReadOptions = AS_IT_IS) -> Reader:

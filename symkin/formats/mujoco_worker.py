@@ -67,16 +67,20 @@ def work(task: dict[str, Any]) -> dict[str, Any]:
         spec = mujoco.MjSpec.from_file(task["path"])
         meshes, of_geoms = _plain(mujoco, spec)
         model = spec.compile()
+        if max(model.nbody, model.njnt, model.neq, model.nu) > MOST_BODIES:
+            return {
+                "error": (
+                    f"the model has more than {MOST_BODIES} bodies, joints, constraints or "
+                    f"actuators"
+                )
+            }
+        told = _told(mujoco, model)
+    except UnicodeDecodeError as error:
+        return {"error": f"the name {error.object!r} is not UTF-8; write the file in UTF-8"}
     except (ValueError, RuntimeError, KeyError, mujoco.FatalError) as error:
         return {"error": str(error).replace(*_NO_NAME)}
-    if max(model.nbody, model.njnt, model.neq, model.nu) > MOST_BODIES:
-        return {
-            "error": (
-                f"the model has more than {MOST_BODIES} bodies, joints, constraints or actuators"
-            )
-        }
     shown = [(int(geom.id), mesh) for geom, mesh in of_geoms]
-    return _told(mujoco, model) | {"meshes": meshes, "mesh_of_geom": shown}
+    return told | {"meshes": meshes, "mesh_of_geom": shown}
 
 
 def _plain(mujoco: Any, spec: Any) -> tuple[list[dict[str, Any]], list[tuple[Any, str]]]:

@@ -1,5 +1,5 @@
-"""Where the links of a robot's tree are for given joint values, and the screw of every freedom:
-products of exponentials, in numbers.
+"""Where the links of a robot's tree are for given joint values: products of exponentials, in
+numbers and in CasADi's expressions.
 
 A joint is one or two steps (a turn, a slide, a screw) or a ball; a link that hangs on no joint
 moves freely, as a ball and three slides. The state of a ball is its unit quaternion, of every other
@@ -8,16 +8,18 @@ step a number.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import casadi as ca
 import numpy as np
 
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.robot import Robot
 from symkin.model.joint import BASE, Joint
+from symkin.spatial.backend import Array, is_casadi
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import (
     matrix_from_quaternion,
@@ -51,14 +53,14 @@ class Step:
     def freedom(self) -> int:
         return 3 if self.kind == "ball" else 1
 
-    def displacement(self, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def displacement(self, value: Array) -> tuple[Array, Array]:
         """Rotation and translation of its value: a number, or the quaternion of a ball."""
         if self.kind == "ball":
             turn = matrix_from_quaternion(value)
             return turn, self.point - turn @ self.point
-        amount = float(value[0]) - self.zero
+        amount = value[0] - self.zero
         if self.kind == "slide":
-            return _AXES, amount * self.axis
+            return ca.SX.eye(3) if is_casadi(value) else _AXES, amount * self.axis
         turn = matrix_from_quaternion(quaternion_from_axis_angle(self.axis, amount))
         return turn, self.point - turn @ self.point + self.lead * amount * self.axis
 
@@ -101,33 +103,21 @@ State = tuple[np.ndarray, ...]
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """Where all links are displaced to from the file's configuration (`rotations`, `translations`),
-    and the twists (6, freedoms: angular velocity, velocity at the origin) of all freedoms;
-    `moved_by` tells which of them move a link.
-    """
+    """Where all links are displaced to from the file's configuration, numbers or expressions."""
 
-    rotations: Mapping[str, np.ndarray]
-    translations: Mapping[str, np.ndarray]
-    twists: np.ndarray
-    moved_by: Mapping[str, np.ndarray]
+    rotations: Mapping[str, Array]
+    translations: Mapping[str, Array]
 
     def displacement(self, link: str) -> Pose:
         return Pose.from_matrix(self.rotations[link], self.translations[link])
 
-    def point(self, link: str, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """A point of a link and its derivative (3, freedoms)."""
-        at = self.rotations[link] @ point + self.translations[link]
-        rates = self.twists[3:] + np.cross(self.twists[:3], at, axisa=0, axisc=0)
-        return at, rates * self.moved_by[link]
+    def point(self, link: str, point: np.ndarray) -> Array:
+        """Where a point of a link is."""
+        return self.rotations[link] @ point + self.translations[link]
 
-    def direction(self, link: str, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """A direction of a link and its derivative (3, freedoms)."""
-        at = self.rotations[link] @ direction
-        return at, np.cross(self.twists[:3], at, axisa=0, axisc=0) * self.moved_by[link]
-
-    def spin(self, link: str) -> np.ndarray:
-        """A link's angular velocity for each freedom (3, freedoms)."""
-        return np.asarray(self.twists[:3] * self.moved_by[link])
+    def direction(self, link: str, direction: np.ndarray) -> Array:
+        """A direction of a link."""
+        return self.rotations[link] @ direction
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,22 +241,18 @@ class Tree:
                 found[place] = b - a
         return found
 
-    def placed(self, state: State) -> Placed:
-        """All links and twists at a state."""
-        rotations, translations = {BASE: _AXES}, {BASE: np.zeros(3)}
-        moved_by = {BASE: np.zeros(self.freedom, dtype=bool)}
-        twists = np.zeros((6, self.freedom))
+    def placed(self, state: Sequence[Array]) -> Placed:
+        """All links at a state."""
+        symbolic = is_casadi(*state)
+        rotations: dict[str, Array] = {BASE: ca.SX.eye(3) if symbolic else _AXES}
+        translations: dict[str, Array] = {BASE: ca.SX.zeros(3) if symbolic else np.zeros(3)}
         for carrier, link, numbers in self.chains:
             turn, shift = rotations[carrier], translations[carrier]
-            moves = moved_by[carrier].copy() if numbers else moved_by[carrier]
             for k in numbers:
-                step, place = self.steps[k], self.places[k]
-                twists[:, place] = _twists(step, turn, shift)
-                moves[place] = True
-                own_turn, own_shift = step.displacement(state[k])
+                own_turn, own_shift = self.steps[k].displacement(state[k])
                 turn, shift = turn @ own_turn, turn @ own_shift + shift
-            rotations[link], translations[link], moved_by[link] = turn, shift, moves
-        return Placed(rotations, translations, twists, moved_by)
+            rotations[link], translations[link] = turn, shift
+        return Placed(rotations, translations)
 
 
 def _free_steps(link: str, frame: Pose) -> list[Step]:
@@ -277,14 +263,3 @@ def _free_steps(link: str, frame: Pose) -> list[Step]:
         for name, axis in zip("xyz", _AXES, strict=True)
     ]
     return [*slides, Step(f"{link}.turn", "ball", point, np.zeros(3))]
-
-
-def _twists(step: Step, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
-    """Twists (6, freedom) of a step in the base frame, what carries it displaced by a rotation and
-    a translation.
-    """
-    if step.kind == "slide":
-        return np.concatenate([np.zeros(3), turn @ step.axis])[:, None]
-    axes = turn if step.kind == "ball" else (turn @ step.axis)[:, None]
-    at = turn @ step.point + shift
-    return np.concatenate([axes, np.cross(at, axes, axisb=0, axisc=0) + step.lead * axes])

@@ -8,6 +8,8 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from symkin.formats.couplings import ToldCoupling
 from symkin.formats.joint_graph import Direction, GraphJoint, Z, frame_along
 from symkin.formats.sdf_joint import sdf_axis, sdf_type
@@ -250,6 +252,12 @@ class _Reader:
         first, second = (
             frame if axis is None else frame @ frame_along(axis) for _, frame, axis in ends
         )
+        (_, _, told), (_, frame, other) = ends
+        if kind == "P" and other is not None and told != other and set(links) <= self.zero.keys():
+            # two axes tell no angle about them, which a slide holds: it is that of the file
+            there = self.zero[links[0]] @ first
+            back = (self.zero[links[1]] @ frame).inverse()
+            second = frame @ frame_along(other, back.turn(there.turn(np.array([1.0, 0.0, 0.0]))))
         axis = Z if _has_axis(kind) else None
         return GraphJoint(
             element.attribute("name") if "name" in element.attributes else f"loop{element.line}",

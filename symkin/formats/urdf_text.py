@@ -9,11 +9,13 @@ Masses are plain: they have no meaning for the kinematics.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 
 import numpy as np
 
 from symkin.formats.couplings import mimic_of
 from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Parts, Whole, parts_text
+from symkin.formats.serial_form import NO_DRIVES, Drive
 from symkin.formats.written_tree import Carried, Form, WrittenTree, written_tree
 from symkin.formats.xml_written import Element, document, element, inside
 from symkin.formats.zero_frames import closing_frames, xyz_rpy, zero_displacements
@@ -35,11 +37,11 @@ _MASS, _INERTIA = 0.1, 1e-3
 """Kilograms and kilogram square metres of every link: any that are not zero do."""
 
 
-def urdf_text(mechanism: Mechanism) -> str:
-    """The URDF file of a mechanism, with its loops. Raises MechanismError for what URDF cannot
-    hold.
+def urdf_text(mechanism: Mechanism, drives: Mapping[str, Drive] = NO_DRIVES, told: str = "") -> str:
+    """The URDF file of a mechanism, with its loops; `drives`: what drives joints, `told`: more for
+    the comment at the head. Raises MechanismError for what URDF cannot hold.
     """
-    return _Text(written_tree(mechanism, _FORMS["loop"])).document()
+    return _Text(written_tree(mechanism, _FORMS["loop"]), drives).document(told)
 
 
 def urdf_and_yaml(mechanism: Mechanism) -> tuple[str, str]:
@@ -53,8 +55,10 @@ def urdf_and_yaml(mechanism: Mechanism) -> tuple[str, str]:
 class _Text:
     """The elements of the file."""
 
-    def __init__(self, tree: WrittenTree, *, beside: bool = False) -> None:
-        self.tree, self.beside = tree, beside
+    def __init__(
+        self, tree: WrittenTree, drives: Mapping[str, Drive] = NO_DRIVES, *, beside: bool = False
+    ) -> None:
+        self.tree, self.drives, self.beside = tree, drives, beside
         self.carried = tree.one_by_one()
         moved = zero_displacements(self.carried)
         places = {BASE: np.zeros(3)}
@@ -68,7 +72,7 @@ class _Text:
         self.reference = {link: moved[link].inverse() @ frame for link, frame in self.zero.items()}
         self.closing: list[tuple[str, str, str]] = []
 
-    def document(self) -> str:
+    def document(self, told: str = "") -> str:
         graph, parts = self.tree.graph, self.tree.parts
         root = element("robot", name=graph.name)
         root.set("xmlns:symkin", NAMESPACE)
@@ -89,7 +93,8 @@ class _Text:
         reference = {joint.name: joint.zero for joint in self.tree.joints if joint.zero}
         inside(root, JOINTS_TAG, parts_text(parts.at(reference)))
         return document(
-            root, f"{graph.name}, written by symkin: metres and radians; masses have no meaning"
+            root,
+            f"{graph.name}, written by symkin: metres and radians; masses have no meaning{told}",
         )
 
     def yaml(self) -> str:
@@ -131,9 +136,13 @@ class _Text:
         at = self.zero[entry.carrier].inverse() @ self.zero[entry.link]
         inside(made, "origin", xyz=at.position, rpy=[0, 0, 0])
         inside(made, "axis", xyz=self.moved[entry.carrier].turn(np.array(joint.axis)))
+        drive = self.drives.get(joint.name, Drive())
+        effort, velocity = drive.effort or 1.0, drive.speed or 1.0
         if kind != "continuous":
             low, high = joint.limits or _UNBOUNDED
-            inside(made, "limit", lower=low, upper=high, effort=1, velocity=1)
+            inside(made, "limit", lower=low, upper=high, effort=effort, velocity=velocity)
+        elif joint.name in self.drives:
+            inside(made, "limit", effort=effort, velocity=velocity)
         if coupling is not None:
             self._mimic(made, coupling)
 

@@ -90,7 +90,7 @@ class WrittenTree:
         for entry in self.carried:
             carrier = entry.carrier
             for joint in entry.joints[:-1]:
-                link = _fresh(f"{joint.name}.link", taken)
+                link = fresh_name(f"{joint.name}.link", taken)
                 found.append(Carried(carrier, link, (joint,)))
                 carrier = link
             found.append(Carried(carrier, entry.link, entry.joints[-1:]))
@@ -158,17 +158,19 @@ class _Writer:
 
     def _add_rod(self, rod: LinkRod) -> None:
         """A rod as links between spherical joints, a slide between them where it is actuated."""
-        ends = [_fresh(end.path, self.names) for end in (rod.bar.start, rod.bar.end)]
+        ends = [fresh_name(end.path, self.names) for end in (rod.bar.start, rod.bar.end)]
         first, second = Joint(ends[0], "S", rod.start), Joint(ends[1], "S", rod.end)
         if not rod.actuated:
-            link = _fresh(rod.name, self.links)
+            link = fresh_name(rod.name, self.links)
             self.entries += [
                 LinkJoint(first, (rod.links[0], link)),
                 LinkJoint(second, (link, rod.links[1])),
             ]
             self.wholes.append(Whole(rod.name, "rod", (ends[0], ends[1]), rod.length or 0.0))
             return
-        near, far = (_fresh(f"{rod.name}.{word}", self.links) for word in ("cylinder", "piston"))
+        near, far = (
+            fresh_name(f"{rod.name}.{word}", self.links) for word in ("cylinder", "piston")
+        )
         along = (
             np.subtract(rod.end, rod.start) if rod.reference_length else np.array([0.0, 0.0, 1.0])
         )
@@ -234,14 +236,14 @@ class _Writer:
         if joint.type in ("U", "C") and not self._carries(joint):
             made, number = self._parts_of(joint)
             if self._closes(made[1]) and not {part.name for part in made} & self.coupled:
-                middle = _fresh(f"{made[0].name}.link", self.links)
+                middle = fresh_name(f"{made[0].name}.link", self.links)
                 inside.append(LinkJoint(made[0], (first, middle)))
                 self.wholes.append(
                     Whole(joint.name, joint.type, (made[0].name, made[1].name), number)
                 )
                 return LinkJoint(made[1], (middle, second))
-        leaf = _fresh(f"{joint.name}.leaf", self.links)
-        weld = _fresh(f"{joint.name}.weld", self.names)
+        leaf = fresh_name(f"{joint.name}.leaf", self.links)
+        weld = fresh_name(f"{joint.name}.weld", self.names)
         inside.append(LinkJoint(joint, (first, leaf)))
         self.wholes.append(Whole(joint.name, joint.type, (joint.name, weld), joint.pitch))
         return LinkJoint(Joint(weld, "weld", joint.point), (leaf, second))
@@ -308,13 +310,13 @@ class _Writer:
                     Joint(second, kind, point, other, actuated=driven),
                 ], 0.0
             case "S":
-                words = [_fresh(f"{name}.{word}", self.names) for word in "xyz"]
+                words = [fresh_name(f"{name}.{word}", self.names) for word in "xyz"]
                 return [
                     Joint(word, "R", point, axis)
                     for word, axis in zip(words, np.eye(3).tolist(), strict=True)
                 ], 0.0
             case "H":
-                slide = _fresh(f"{name}.slide", self.names)
+                slide = fresh_name(f"{name}.slide", self.names)
                 lead = joint.pitch / (2.0 * math.pi)
                 self.couplings.append(Coupling(slide, {name: lead}, -lead * joint.zero))
                 return [
@@ -338,7 +340,7 @@ def _is_plain(joint: Joint) -> bool:
     )
 
 
-def _fresh(name: str, taken: set[str]) -> str:
+def fresh_name(name: str, taken: set[str]) -> str:
     """A name near this one that nothing has, which is then taken."""
     number, found = 2, name
     while found in taken:

@@ -188,6 +188,13 @@ def parse_xml(content: bytes, file: str, *roots: str) -> Element:
     return root
 
 
+def end_of_root(content: bytes, file: str) -> int:
+    """Where the end tag of an XML text's first element begins, in bytes."""
+    builder = _Builder(file)
+    builder.root(content)
+    return builder.last_end
+
+
 class _Builder:
     """What the parser tells, as a tree of elements."""
 
@@ -195,6 +202,7 @@ class _Builder:
         self.file = file
         self.open: list[tuple[Element, list[str]]] = []
         self.first: Element | None = None
+        self.last_end = 0
         self.parser = expat.ParserCreate()
         self.parser.buffer_text = True
         self.parser.StartElementHandler = self._start
@@ -237,6 +245,7 @@ class _Builder:
             )
 
     def _end(self, _tag: str) -> None:
+        self.last_end = self.parser.CurrentByteIndex
         element, texts = self.open.pop()
         element.text = "".join(texts)
 

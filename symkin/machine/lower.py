@@ -12,23 +12,23 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from symkin.computed_once import lru_cache
-from symkin.machine.motion import with_own_motion
+from symkin.machine.limbs import limbs_of
+from symkin.machine.motion import Frames, with_own_motion, without_guides
 from symkin.machine.universal import Reading, with_universal_joints
 from symkin.model.arm import arm_of
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
-from symkin.spatial.pose import Pose
 
 
 @dataclass(frozen=True, eq=False)
 class Lowered:
-    """The machine of a description: its base frame turned by `turn` (None: as it is), and what
+    """The machine of a description, its frames (None: those of the description), and what
     coordinates of the description read that it has not.
     """
 
     written: Mechanism
     machine: Mechanism
-    turn: Pose | None
+    frames: Frames | None
     readings: tuple[Reading, ...]
 
 
@@ -44,9 +44,22 @@ def lowered(
     if arm is not None and {c.name for c in arm.coordinates} >= {c.name for c in bare.coordinates}:
         return Lowered(mechanism, arm, None, ())
     plain = mechanism if bare.is_graph else bare
-    placed, turn = with_own_motion(plain, declare=pose or not plain.is_graph)
+    placed, frames = with_own_motion(plain, declare=pose or not plain.is_graph)
     machine, readings = with_universal_joints(placed, kept)
-    return None if machine is mechanism else Lowered(mechanism, machine, turn, readings)
+    return None if machine is mechanism else Lowered(mechanism, machine, frames, readings)
+
+
+@lru_cache(maxsize=128)
+def lowered_limbs(mechanism: Mechanism) -> Lowered:
+    """The machine of a description as limbs, whose passive joints are told where they have limits
+    only: a graph that is limbs is these, and a limb that does nothing but guide the platform in its
+    motion is gone.
+    """
+    limbs = limbs_of(mechanism) if mechanism.is_graph else mechanism
+    placed, frames = with_own_motion(limbs or mechanism, declare=True)
+    kept = frozenset(c.name for c in mechanism.coordinates if c.limits is not None)
+    machine, readings = with_universal_joints(without_guides(placed), kept)
+    return Lowered(mechanism, machine, frames, readings)
 
 
 def _without_points(mechanism: Mechanism) -> Mechanism:

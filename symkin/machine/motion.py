@@ -5,7 +5,8 @@ into that of x and y, or about a point.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -13,21 +14,46 @@ from symkin.closure.branches import chains_of, edges_of
 from symkin.model.displaced import displaced
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Joint
-from symkin.model.limb import RodLimb
-from symkin.model.mechanism import Mechanism
+from symkin.model.limb import AnyLimb, RodLimb
+from symkin.model.mechanism import Mechanism, Motion
 from symkin.spatial.pose import Pose
 
 _ALIGNED = 1e-12
 """Sine of the angle off parallel and off normal of axes that are it, and distance, over the size,
 of an axis from a point of it: rounding.
 """
+_SPREAD = 1e-3
+"""Smallest singular value of unit directions of slides that go everywhere, and length, over the
+size, of a way in a plane that tells a direction there.
+"""
 _Z = np.array([0.0, 0.0, 1.0])
+_AS_BASE = (1.0, 0.0, 0.0, 0.0)
+"""Quaternion of a frame along that of the base."""
 
 
-def with_own_motion(mechanism: Mechanism, *, declare: bool) -> tuple[Mechanism, Pose | None]:
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """The frames of a machine that stands otherwise than its description: poses are turned by
+    `base` into its base frame, and `platform` is the described platform frame in its own.
+    """
+
+    base: Pose
+    platform: Pose
+
+    def told(self, pose: Pose) -> Pose:
+        """A pose of the machine as the description has it."""
+        return self.base.inverse() @ pose @ self.platform
+
+    def taken(self, pose: Pose) -> Pose:
+        """A pose of the description as the machine has it."""
+        return self.base @ pose @ self.platform.inverse()
+
+
+def with_own_motion(mechanism: Mechanism, *, declare: bool) -> tuple[Mechanism, Frames | None]:
     """The machine with z normal to the plane in which its joints leave the platform to move, or all
-    links; and the turn of the base frame, None where there is none. With `declare` the platform's
-    motion is declared.
+    links, and with a platform frame that is along that of the base at the reference; None in place
+    of the frames where they are those of the description. With `declare` the platform's motion is
+    declared.
     """
     if mechanism.motion != "spatial" or mechanism.serial:
         return mechanism, None
@@ -37,10 +63,53 @@ def with_own_motion(mechanism: Mechanism, *, declare: bool) -> tuple[Mechanism, 
     if normal is None:
         about = declare and any(_is_about(mechanism, chain) for chain in chains)
         return replace(mechanism, motion="spherical") if about else mechanism, None
-    turn = _turn_to_z(normal)
-    placed = mechanism if turn is None else _aligned(displaced(mechanism, turn))
+    turn = _turn_to_z(mechanism, normal)
+    placed, frames = (mechanism, None) if turn is None else _placed(mechanism, turn)
     known = declare and of_platform is not None
-    return replace(placed, motion="planar") if known else placed, turn
+    return replace(placed, motion="planar") if known else placed, frames
+
+
+def without_guides(mechanism: Mechanism) -> Mechanism:
+    """The machine without limbs of passive joints that leave the platform all of its motion and
+    nothing else, in place of which the motion is declared; itself where nothing else carries it.
+    """
+    guides = {limb.name: _guided(mechanism, limb) for limb in mechanism.limbs}
+    motion = mechanism.motion
+    if motion == "spatial":
+        motion = next((m for m in guides.values() if m == "translation"), motion)
+    left = [limb for limb in mechanism.limbs if guides[limb.name] != motion or motion == "spatial"]
+    if not left or len(left) == len(mechanism.limbs):
+        return mechanism
+    return replace(mechanism, limbs=left, motion=motion)
+
+
+def _guided(mechanism: Mechanism, limb: AnyLimb) -> Motion:
+    """The motion whose every pose a limb lets the platform take, and no other pose; "spatial" where
+    it is no such limb.
+    """
+    joints = limb.joints
+    if isinstance(limb, RodLimb) or limb.rods or any(not _is_idle(joint) for joint in joints):
+        return "spatial"
+    types = "".join(joint.type for joint in joints)
+    slides = np.array([joint.axis for joint in joints if joint.type == "P"]).reshape(-1, 3)
+    spread = np.linalg.svd(slides, compute_uv=False)
+    free = len(slides) and len(slides) <= 3 and spread[-1] > _SPREAD
+    if types in ("PPR", "RPP") and free and _is_along_z(_normal(joints)):
+        return "planar"
+    if types == "PPP" and free:
+        return "translation"
+    if types == "S" and _is_about(mechanism, joints):
+        return "spherical"
+    return "spatial"
+
+
+def _is_idle(joint: Joint) -> bool:
+    """Whether a joint is neither driven nor stopped."""
+    return not joint.actuated and joint.limits is None
+
+
+def _is_along_z(axis: np.ndarray | None) -> bool:
+    return axis is not None and float(np.linalg.norm(np.cross(axis, _Z))) <= _ALIGNED
 
 
 def _chains_to_platform(mechanism: Mechanism) -> Iterator[list[Joint] | None]:
@@ -99,34 +168,77 @@ def _passes(joint: Joint, centre: np.ndarray, near: float) -> bool:
     return joint.type == "R" and float(np.linalg.norm(np.cross(joint.axis, away))) <= near  # type: ignore[arg-type]
 
 
-def _turn_to_z(normal: np.ndarray) -> Pose | None:
-    """The shortest turn that makes an axis that of z; None where it is that."""
+def _turn_to_z(mechanism: Mechanism, normal: np.ndarray) -> Pose | None:
+    """The turn that makes an axis that of z, None where it is z already; x is the direction, of a
+    slide or from a point to another, by which most coordinates of joints are zero, those on the
+    base first: zeros keep equations short.
+    """
     up = normal if normal[2] >= 0.0 else -normal
-    if float(np.linalg.norm(np.cross(up, _Z))) <= _ALIGNED:
+    if _is_along_z(up):
         return None
-    # w = cos, v = sin of half the angle times the axis, both times 2 cos of half the angle
-    quaternion = np.array([1.0 + up[2], *np.cross(up, _Z)])
-    return Pose(np.zeros(3), quaternion / np.linalg.norm(quaternion))
+    edges = [(edge.ends, edge.elements[0].part) for edge in edges_of(mechanism)]
+    joints = [part for _, part in edges if isinstance(part, Joint)]
+    on_base = [part for ends, part in edges if isinstance(part, Joint) and BASE in ends]
+    told, first = (_vectors(parts, mechanism.characteristic_length) for parts in (joints, on_base))
+    ways = [*told, *(b - a for a, b in combinations(told, 2)), *np.eye(3)]
+    in_plane = [way - (way @ up) * up for way in ways]
+    directions = [way / n for way in in_plane if (n := np.linalg.norm(way)) > _SPREAD]
+    x = max(directions, key=lambda x: [_zeros(v, x, np.cross(up, x)) for v in (first, told)])
+    return Pose.from_matrix(np.array([x, np.cross(up, x), up]), np.zeros(3))
+
+
+def _vectors(joints: Sequence[Joint], size: float) -> list[np.ndarray]:
+    """Directions of slides and places, over the size."""
+    slides = [np.array(joint.axis) for joint in joints if joint.type == "P"]
+    return [*slides, *(np.array(joint.point) / size for joint in joints)]
+
+
+def _zeros(vectors: Sequence[np.ndarray], x: np.ndarray, y: np.ndarray) -> int:
+    """How many coordinates are zero."""
+    return int(np.count_nonzero(np.abs(np.array(vectors) @ np.array([x, y]).T) <= _ALIGNED))
+
+
+def _placed(mechanism: Mechanism, turn: Pose) -> tuple[Mechanism, Frames]:
+    """The machine turned, its platform frame along that of the base."""
+    turned = displaced(mechanism, turn)
+    if mechanism.platform_link is None and not mechanism.limbs:
+        return _aligned(turned), Frames(turn, Pose(np.zeros(3), _AS_BASE))
+    own = Pose(np.zeros(3), turned.reference_pose.quaternion)
+    limbs = [_with_rods(limb, own) for limb in turned.limbs]
+    return (
+        _aligned(replace(turned, limbs=limbs, platform_quaternion=_AS_BASE)),
+        Frames(turn, own),
+    )
+
+
+def _with_rods(limb: AnyLimb, own: Pose) -> AnyLimb:
+    """The limb with the ends of its rods in a platform frame of which the former is `own`."""
+    if isinstance(limb, RodLimb):
+        return replace(limb, platform=own.apply(np.array(limb.platform)).tolist())
+    rods = [replace(rod, platform=own.apply(np.array(rod.platform)).tolist()) for rod in limb.rods]
+    return replace(limb, rods=rods)
 
 
 def _aligned(mechanism: Mechanism) -> Mechanism:
-    """The machine with axes that are along z, or slides normal to it, to rounding so to the last
-    digit.
-    """
+    """The machine with numbers of joints that are zero to rounding so to the last digit."""
+    near = _ALIGNED * mechanism.characteristic_length
     limbs = [
         limb
         if isinstance(limb, RodLimb)
-        else replace(limb, joints=[_exact(joint) for joint in limb.joints])
+        else replace(limb, joints=[_exact(joint, near) for joint in limb.joints])
         for limb in mechanism.limbs
     ]
-    entries = [LinkJoint(_exact(entry.joint), entry.links) for entry in mechanism.link_joints]
-    return replace(mechanism, limbs=limbs, link_joints=entries)
+    entries = [LinkJoint(_exact(entry.joint, near), entry.links) for entry in mechanism.link_joints]
+    home = _zeroed(mechanism.platform_position, near)
+    return replace(mechanism, limbs=limbs, link_joints=entries, platform_position=home)
 
 
-def _exact(joint: Joint) -> Joint:
+def _exact(joint: Joint, near: float) -> Joint:
+    point = _zeroed(joint.point, near)
     if joint.axis is None or joint.type not in ("R", "P"):
-        return joint
-    x, y, z = joint.axis
-    if np.hypot(x, y) <= _ALIGNED:
-        return replace(joint, axis=(0.0, 0.0, np.sign(z)))
-    return replace(joint, axis=(x, y, 0.0)) if abs(z) <= _ALIGNED else joint
+        return replace(joint, point=point)
+    return replace(joint, point=point, axis=_zeroed(joint.axis, _ALIGNED))
+
+
+def _zeroed(numbers: Sequence[float], near: float) -> list[float]:
+    return [0.0 if abs(c) <= near else c for c in numbers]

@@ -11,11 +11,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from symkin.errors import InputError
 from symkin.model.graph import LinkJoint, LinkRod
 from symkin.model.joint import BASE, Joint
 from symkin.model.limb import Limb, RodLimb
-from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.model.mechanism import Mechanism
 from symkin.model.names import identifier
 
 _ARM_JOINTS = ("R", "P", "H")
@@ -26,25 +25,6 @@ digits.
 _USUAL = (0.0, 0.5, math.sqrt(0.5), 1.0)
 """Numbers of quaternions of whole and half right angles."""
 _Part: TypeAlias = LinkJoint | LinkRod | Limb | RodLimb
-
-
-def with_limbs(mechanism: Mechanism, verb: str, instead: str) -> Mechanism:
-    """The mechanism, or the arm that a graph is, for a verb that takes limbs between a base and a
-    platform. Raises InputError for other graphs; `instead` says what is taken for them.
-    """
-    require_mechanism(mechanism)
-    found = arm_of(mechanism) if mechanism.is_graph else mechanism
-    if found is None:
-        arm = (
-            "; of an arm, name the tool's link by [platform] link, of a robot's file by --platform "
-            "LINK"
-        )
-        raise InputError(
-            f"{mechanism.name} is a graph of links and joints, and {verb} takes limbs between a "
-            f"base and a platform, and serial arms; "
-            f"{instead}{arm if mechanism.platform_link is None else ''}"
-        )
-    return found
 
 
 def arm_of(graph: Mechanism) -> Mechanism | None:

@@ -46,7 +46,8 @@ class Example:
 
     `joints` (actuated values in file order), `pose` (x, y, z, qw, qx, qy, qz) or `given` (pairs of
     a coordinate's name and its value); `start` is where a solve begins: a pose with `joints`, else
-    actuated values. Whether they fit is checked by the Mechanism that holds them.
+    actuated values. Raises MechanismError for a number that is not finite; whether they fit is
+    checked by the Mechanism that holds them.
 
     >>> import symkin
     >>> symkin.load("zhang2009").example.joints[:3]
@@ -57,6 +58,13 @@ class Example:
     pose: tuple[float, ...] | None = None
     given: tuple[tuple[str, float], ...] | None = None
     start: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        for key in ("joints", "pose", "start"):
+            for k, value in enumerate(getattr(self, key) or ()):
+                finite(value, f"example.{key}[{k}]")
+        for name, value in self.given or ():
+            finite(value, f"example.given.{name}")
 
 
 @dataclass(frozen=True)
@@ -480,8 +488,7 @@ def _check_example(mechanism: Mechanism, example: Example) -> None:
             *(c.name for c in mechanism.coordinates if c.kind != "quaternion"),
             *POSE_CONDITIONS,
         )
-        for name, value in example.given:
-            finite(value, f"example.given.{name}")
+        for name, _ in example.given:
             if name not in allowed:
                 raise MechanismError(
                     f"example.given.{name}: no coordinate has this name{meant(name, allowed)}; "

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from symkin.numeric.linear_algebra import part_by_part
 from symkin.numeric.newton import Rows
 
 Progress = Callable[[int, int], None]
@@ -43,7 +45,7 @@ def levenberg_marquardt(
     it meets NaN.
     """
     points = starts.copy()
-    count, freedom = len(points), system.freedom
+    count = len(points)
     values, jacobians = system.linearise(points, known)
     cost = np.linalg.norm(values, axis=1)
     damping = np.full(count, 0.1)
@@ -56,7 +58,8 @@ def levenberg_marquardt(
     for iteration in range(1, max_iterations + 1):  # noqa: B007 - the last value is reported
         if active.size == 0:
             break
-        step = _damped_steps(values[active], jacobians[active], damping[active], freedom)
+        solve = partial(_damped_steps, damping=damping[active])
+        step = part_by_part(solve, jacobians[active], values[active])
         trial = system.move(points[active], step)
         trial_values, trial_jacobians = system.linearise(
             trial, known[active] if known.ndim == 2 else known
@@ -84,17 +87,20 @@ def levenberg_marquardt(
     return Batch(points, largest, converged, iteration)
 
 
-def _damped_steps(
-    values: np.ndarray, jacobians: np.ndarray, damping: np.ndarray, freedom: int
-) -> np.ndarray:
+def _damped_steps(jacobians: np.ndarray, values: np.ndarray, damping: np.ndarray) -> np.ndarray:
+    """Steps d (n, columns) with (J^T J + l^2 I) d = -J^T F; of parts of n matrices, as many after
+    each other, l (n,) is that of their matrix.
+    """
+    freedom = jacobians.shape[2]
     transposed = jacobians.transpose(0, 2, 1)
     normal = transposed @ jacobians
     diagonal = normal[:, range(freedom), range(freedom)]
+    damping = np.repeat(damping, len(jacobians) // len(damping))
     normal[:, range(freedom), range(freedom)] += (
         damping**2 + 1e-13 * np.max(diagonal, axis=1, initial=0.0) + 1e-30
     )[:, None]
     try:
         steps = np.linalg.solve(normal, -(transposed @ values[:, :, None]))
     except np.linalg.LinAlgError:
-        return np.zeros(values.shape[:1] + (freedom,))
+        return np.zeros((len(values), freedom))
     return np.asarray(steps[:, :, 0])

@@ -8,11 +8,69 @@ singular.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from math import prod
 
 import numpy as np
 
 from symkin.numeric.tolerances import GRAM_CONDITION, NO_MOTION, ROUNDED_STEP, WELL_CONDITIONED
+
+_LARGE = 64
+"""Columns from which on a matrix is looked at for parts that share neither rows nor columns."""
+
+
+def diagonal_parts(matrices: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Rows (k, r) and columns (k, c) of k parts of one shape, for each shape, of a stack (n, rows,
+    columns) of block diagonal matrices whose rows and columns stand in any order; none where the
+    matrices are small or have one part only.
+    """
+    columns = matrices.shape[2]
+    if columns < _LARGE:
+        return []
+    held, holds = np.nonzero((matrices != 0.0).any(axis=0))
+    label, changed = np.arange(columns), True
+    while changed:
+        # each row and its columns take the least label among them
+        least = np.full(matrices.shape[1], columns)
+        np.minimum.at(least, held, label[holds])
+        before = label.copy()
+        np.minimum.at(label, holds, least[held])
+        changed = bool((label != before).any())
+    owner = np.full(matrices.shape[1], -1)
+    owner[held] = label[holds]
+    shapes: dict[tuple[int, int], list[tuple[np.ndarray, np.ndarray]]] = {}
+    parts = np.unique(label)
+    for rows, own in zip(_places(owner, parts), _places(label, parts), strict=True):
+        shapes.setdefault((len(rows), len(own)), []).append((rows, own))
+    if len(parts) == 1:
+        return []
+    return [
+        (np.array([rows for rows, _ in same]), np.array([own for _, own in same]))
+        for same in shapes.values()
+    ]
+
+
+def _places(labels: np.ndarray, parts: np.ndarray) -> list[np.ndarray]:
+    """The places of each of some labels, rising."""
+    order = np.argsort(labels, kind="stable")
+    return np.split(order, np.searchsorted(labels[order], parts))[1:]
+
+
+def part_by_part(
+    solve: Callable[[np.ndarray, np.ndarray], np.ndarray], matrices: np.ndarray, values: np.ndarray
+) -> np.ndarray:
+    """What `solve` makes of matrices (n, rows, columns) and values (n, rows): n vectors (columns,),
+    those of block diagonal matrices part by part.
+    """
+    parts = diagonal_parts(matrices)
+    if not parts:
+        return solve(matrices, values)
+    found = np.zeros((len(matrices), matrices.shape[2]))
+    for rows, columns in parts:
+        own = matrices[:, rows[:, :, None], columns[:, None, :]]
+        solved = solve(own.reshape(-1, *own.shape[2:]), values[:, rows].reshape(-1, rows.shape[1]))
+        found[:, columns] = solved.reshape(len(matrices), *columns.shape)
+    return found
 
 
 def singular_values(matrices: np.ndarray) -> np.ndarray:
@@ -22,17 +80,27 @@ def singular_values(matrices: np.ndarray) -> np.ndarray:
     finite = np.isfinite(matrices).all(axis=(-2, -1))
     if not finite.all():
         matrices = np.where(finite[..., None, None], matrices, 0.0)
-    return np.asarray(np.linalg.svd(matrices, compute_uv=False))
+    stack = matrices.reshape(prod(matrices.shape[:-2]), *matrices.shape[-2:])
+    parts = diagonal_parts(stack)
+    if not parts:
+        return np.asarray(np.linalg.svd(matrices, compute_uv=False))
+    found = [
+        np.linalg.svd(stack[:, rows[:, :, None], columns[:, None, :]], compute_uv=False)
+        for rows, columns in parts
+    ]
+    least = min(matrices.shape[-2:])
+    every = np.hstack([np.zeros((len(stack), least)), *(v.reshape(len(stack), -1) for v in found)])
+    return np.sort(every, axis=1)[:, ::-1][:, :least].reshape(*matrices.shape[:-2], least)
 
 
 def conditions(jacobians: np.ndarray) -> np.ndarray:
     """Largest over smallest of the min(rows, columns) singular values of each matrix (n, rows,
     columns); infinite where the smallest vanishes (see `NO_MOTION`) or entries are not finite, 1
-    where there are no rows and no columns.
+    where there are no rows or no columns.
     """
     count, rows, columns = jacobians.shape
     if min(rows, columns) == 0:
-        return np.full(count, 1.0 if rows * columns == 0 else np.inf)
+        return np.ones(count)
     return condition_of(extreme_singular_values(jacobians))
 
 
@@ -49,6 +117,8 @@ def extreme_singular_values(matrices: np.ndarray) -> np.ndarray:
     """
     if not len(matrices):
         return np.zeros((0, 2))
+    if diagonal_parts(matrices):
+        return singular_values(matrices)[:, [0, -1]]
     found = np.sqrt(np.maximum(_squared_extremes(matrices), 0.0))
     doubtful = np.flatnonzero(~(found[:, 0] < GRAM_CONDITION * found[:, 1]))
     if doubtful.size:
@@ -77,9 +147,14 @@ def least_squares_steps(
     """The shortest d (n, columns) that make |J d + F| least, for J (n, rows, columns) and F (n,
     rows); singular values below a share of the largest are cut.
     """
-    count, rows, columns = jacobians.shape
-    if min(count, rows, columns) == 0:
-        return np.zeros((count, columns))
+    if min(jacobians.shape) == 0:
+        return np.zeros((len(jacobians), jacobians.shape[2]))
+    return part_by_part(lambda j, f: _least_squares_steps(j, f, cut_below), jacobians, values)
+
+
+def _least_squares_steps(jacobians: np.ndarray, values: np.ndarray, cut_below: float) -> np.ndarray:
+    if not jacobians.shape[1]:
+        return np.zeros((len(jacobians), jacobians.shape[2]))
     steps, regular = _regular_steps(jacobians, values)
     if not regular.all():
         cut = ~regular
@@ -89,26 +164,29 @@ def least_squares_steps(
 
 
 def _regular_steps(jacobians: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Steps by elimination, or by QR where rows are more than columns, and where these are as good
-    as any.
+    """Steps by elimination, or by QR where rows are more than columns or fewer, and where these are
+    as good as any.
     """
     count, rows, columns = jacobians.shape
-    none = np.zeros((count, columns)), np.zeros(count, dtype=bool)
-    if rows < columns:
-        return none
-    right = values[:, :, None]
+    right, basis = values[:, :, None], None
     if rows > columns:
         q, jacobians = np.linalg.qr(jacobians)
         right = q.transpose(0, 2, 1) @ right
+    elif rows < columns:
+        # the shortest step is one of the rows' span
+        basis, triangle = np.linalg.qr(jacobians.transpose(0, 2, 1))
+        jacobians = triangle.transpose(0, 2, 1)
     try:
         inverses = np.linalg.inv(jacobians)
     except np.linalg.LinAlgError:
-        return none
+        return np.zeros((count, columns)), np.zeros(count, dtype=bool)
     # |J| |J^-1| in the Frobenius norm is at least the condition, at most `columns` times it
     size = np.einsum("nij,nij->n", jacobians, jacobians) * np.einsum(
         "nij,nij->n", inverses, inverses
     )
-    return -(inverses @ right)[:, :, 0], size < WELL_CONDITIONED**2
+    steps = -(inverses @ right)
+    steps = steps if basis is None else basis @ steps
+    return steps[:, :, 0], size < WELL_CONDITIONED**2
 
 
 def null_space(matrix: np.ndarray, tolerance: float, *, relative: bool = False) -> np.ndarray:
@@ -117,6 +195,9 @@ def null_space(matrix: np.ndarray, tolerance: float, *, relative: bool = False) 
     """
     if not len(matrix):
         return np.eye(matrix.shape[1])
+    parts = diagonal_parts(matrix[None])
+    if parts:
+        return _null_space_of_parts(matrix, parts, tolerance, relative=relative)
     _, singular, right = np.linalg.svd(matrix)
     bound = (
         tolerance * max(float(singular[0]), float(np.finfo(float).tiny))
@@ -124,6 +205,24 @@ def null_space(matrix: np.ndarray, tolerance: float, *, relative: bool = False) 
         else tolerance
     )
     return np.asarray(right[int(np.sum(singular > bound)) :])
+
+
+def _null_space_of_parts(
+    matrix: np.ndarray,
+    parts: list[tuple[np.ndarray, np.ndarray]],
+    tolerance: float,
+    *,
+    relative: bool,
+) -> np.ndarray:
+    if relative:
+        tolerance *= max(float(singular_values(matrix)[0]), float(np.finfo(float).tiny))
+    found = [np.zeros((0, matrix.shape[1]))]
+    for rows, columns in parts:
+        for own, places in zip(rows, columns, strict=True):
+            left = null_space(matrix[np.ix_(own, places)], tolerance)
+            found.append(np.zeros((len(left), matrix.shape[1])))
+            found[-1][:, places] = left
+    return np.vstack(found)
 
 
 def independent_rows(space: np.ndarray, order: Iterable[int], least: float) -> list[int]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.numeric.linear_algebra import singular_values
 from symkin.numeric.tolerances import RANK_TOLERANCE
 
 _CLEAR, _CLEAR_GAP = 1e-4, 1e6
@@ -35,7 +36,7 @@ class Rank:
         """Count the singular values above a share of the largest."""
         if min(matrix.shape) == 0 or not np.all(np.isfinite(matrix)):
             return Rank(0, float("inf"))
-        s = np.linalg.svd(matrix, compute_uv=False)
+        s = singular_values(matrix)
         kept = int(np.sum(s > share * max(float(s[0]), float(np.finfo(float).tiny))))
         dropped = float(s[kept]) if kept < len(s) else 0.0
         least = float(s[kept - 1] / s[0]) if kept else 1.0

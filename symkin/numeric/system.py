@@ -15,11 +15,14 @@ import numpy as np
 
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
-from symkin.numeric.linear_algebra import conditions
+from symkin.numeric.linear_algebra import condition_of, extreme_singular_values
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.newton import Polished, polish
 from symkin.numeric.tolerances import ROUNDED_COMPONENT
 from symkin.spatial.rotation import multiply, wrapped
+
+_AT_ONCE = 2_000_000
+"""Entries of Jacobians that are held at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,11 +105,24 @@ class System:
         errors = self._checked(z, known)[0]
         return np.asarray(np.max(np.abs(errors), axis=(1, 2), initial=0.0))
 
+    def extremes(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Largest and smallest (n, 2) of the min(rows, freedom) singular values of dF/dd; few
+        points at a time, since the Jacobians of a large system hold millions of numbers.
+        """
+        rows = int(self.rows.shape[0])
+        if min(rows, self.freedom) == 0:
+            return np.ones((len(z), 2))
+        each = max(1, _AT_ONCE // (rows * self.freedom))
+        every = np.broadcast_to(known, (len(z), known.shape[-1]))
+        parts = [slice(i, i + each) for i in range(0, len(z), each)]
+        found = [extreme_singular_values(self.linearise(z[p], every[p])[1]) for p in parts]
+        return np.concatenate([np.zeros((0, 2)), *found])
+
     def conditions(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Largest over smallest (n,) of the min(rows, freedom) singular values of dF/dd; infinite
-        at a singularity.
+        at a singularity, 1 where there are no rows or no unknowns.
         """
-        return conditions(self.linearise(z, known)[1])
+        return condition_of(self.extremes(z, known))
 
     def polish_many(self, z: np.ndarray, known: np.ndarray, steps: int = 8) -> Polished:
         """Gauss-Newton on all rows from each point, until its step no longer shrinks the rows."""

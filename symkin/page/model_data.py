@@ -15,7 +15,7 @@ from symkin.assembly.modes import modes
 from symkin.assembly.modes_result import Modes
 from symkin.closure.closure import Closure, random_values
 from symkin.closure.link_frames import LinkFrames, link_frames
-from symkin.codegen.js_text import javascript
+from symkin.codegen.text.javascript import javascript
 from symkin.errors import NoConfigurationError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
@@ -29,6 +29,8 @@ _MOST_ROOTS = 200
 """Complex solutions that the page follows at most."""
 _PLACES = 12
 """Other values at which modes are found beforehand."""
+_SAMPLED_PLACES = 2
+"""The same where modes are found from random starts, which cost a hundred times as much."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +167,8 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
     follows = (len(here) if count is None else count) <= _MOST_ROOTS
     over_complex = complex_solutions(problem, solution) if follows else ()
     is_whole = not known or not follows or count in (len(here), len(over_complex))
-    places = [] if is_whole else _elsewhere(problem, known, names, _PLACES)
+    count_elsewhere = _PLACES if found.starts is None else _SAMPLED_PLACES
+    places = [] if is_whole else _elsewhere(problem, known, names, count_elsewhere, found.starts)
     elsewhere = [
         mode.variables.tolist()
         for place in places
@@ -184,19 +187,23 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
 
 
 def _elsewhere(
-    problem: Problem, known: Sequence[Coordinate], names: Mapping[str, float], places: int
+    problem: Problem,
+    known: Sequence[Coordinate],
+    names: Mapping[str, float],
+    places: int,
+    starts: int | None = None,
 ) -> list[Modes]:
     """Modes at other values: complex solutions that no loop leads to from those of the start may be
-    real there.
+    real there. Where those of the start were found from random `starts`, these are shared among
+    all places.
     """
     mechanism, rng = problem.mechanism, np.random.default_rng(5)
     rows = [[_near(mechanism, c, names[c.name], rng) for c in known] for _ in range(places)]
     columns = {c.name: [row[k] for row in rows] for k, c in enumerate(known)}
-    found: Any = (
-        modes(mechanism, joints=rows)
-        if problem.kind == "direct"
-        else modes(mechanism, given=columns)
-    )
+    given: dict[str, Any] = {"joints": rows} if problem.kind == "direct" else {"given": columns}
+    if starts:
+        given["starts"] = starts // places
+    found: Any = modes(mechanism, **given)
     return list(found)
 
 

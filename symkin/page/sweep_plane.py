@@ -60,7 +60,7 @@ def view_of_sweep(
         "names": list(part.ranges),
         "units": [axis[1] for axis in (part.x, part.y) if axis is not None],
         "ranges": [list(ends) for ends in part.ranges.values()],
-        "held": _held(space.mechanism, attributes, part.cuts),
+        "held": ", ".join([*part.fixed, *held_texts(attributes)]),
         "pose": _numbers(told["pose"]) if "pose" in told else None,
         "curves": []
         if curves is None
@@ -114,22 +114,6 @@ def _single_values(mechanism: Mechanism, told: Mapping[str, Any]) -> dict[str, f
 
 def _numbers(pose: Pose) -> list[float]:
     return [*map(float, pose.position), *map(float, pose.quaternion)]
-
-
-def _held(mechanism: Mechanism, attributes: Mapping[str, Any], cuts: Mapping[str, float]) -> str:
-    """What stands while the plane's two coordinates change: swept coordinates that are cut, then
-    those that are not swept.
-    """
-    lengths = {"x", "y", "z"} | {c.name for c in mechanism.coordinates if not c.is_angular}
-    units = {
-        name: mechanism.length_unit if name in lengths else mechanism.angle_unit for name in cuts
-    }
-    return ", ".join(
-        [
-            *(f"{name} = {value:.5g} {units[name]}" for name, value in cuts.items()),
-            *held_texts(attributes),
-        ]
-    )
 
 
 def _cells(part: MapSlice, title: str, *, is_condition: bool) -> dict[str, Any]:

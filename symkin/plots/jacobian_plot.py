@@ -11,11 +11,13 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.plots.style import COLOURS, drawing
+from symkin.position.given_by_name import given_coordinates
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
 from symkin.singularities.configuration import configuration
 from symkin.text import matplotlib_text
 from symkin.velocity.jacobian import Jacobian, Values
+from symkin.velocity.jacobian_names import TWIST
 from symkin.velocity.rates import RateJacobian
 
 if TYPE_CHECKING:
@@ -99,14 +101,14 @@ def _matrix_figure(jacobian: Jacobian | RateJacobian, matrix: np.ndarray, title:
 
 
 def _weights(jacobian: Jacobian | RateJacobian, names: Sequence[str]) -> list[float]:
-    """The size for each angle or part of a quaternion, 1 for each length."""
-    lengths = {
-        "vx",
-        "vy",
-        "vz",
-        "x",
-        "y",
-        "z",
-        *(c.name.removeprefix("pose.") for c in jacobian.closure.coordinates if c.kind == "length"),
-    }
-    return [1.0 if name in lengths else jacobian.mechanism.characteristic_length for name in names]
+    """The size for each angle or part of a quaternion, 1 for each length; a joint may have the name
+    of a pose's coordinate or of a twist's.
+    """
+    mechanism = jacobian.mechanism
+    if names == TWIST:
+        lengths = set(TWIST[:3])
+    elif jacobian.kind == "analytic" and names is jacobian.rows:
+        lengths = {"x", "y", "z"}
+    else:
+        lengths = {name for name, c in given_coordinates(mechanism).items() if c.kind == "length"}
+    return [1.0 if name in lengths else mechanism.characteristic_length for name in names]

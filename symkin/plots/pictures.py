@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from symkin.errors import InputError
 from symkin.plots.picture_file import check_picture_path, write_picture
+from symkin.verb import read_as
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,29 +24,10 @@ def draw(result: object, path: Path | str | None = None, **options: Any) -> Figu
     anything is drawn.
     """
     target = None if path is None else check_picture_path(path)
-    try:
-        figure = figure_of(result, **options)
-    except TypeError as error:
-        if "unexpected keyword argument" not in str(error):
-            raise
-        wrong = str(error).rsplit("'", 2)[-2]
-        raise InputError(
-            f"plot: {wrong!r} is no option of the picture of a "
-            f"{type(result).__name__}{_taken(result)}"
-        ) from None
+    figure = figure_of(result, **options)
     if target is not None:
         write_picture(figure, target)
     return figure
-
-
-def _taken(result: object) -> str:
-    """What the picture of a result takes, for a message."""
-    names = [
-        name
-        for name, p in signature(_function(result)).parameters.items()
-        if p.kind is p.KEYWORD_ONLY or p.default is not p.empty
-    ]
-    return f"; allowed: {', '.join(names)}" if names else ", which takes none"
 
 
 _FIGURES = {
@@ -72,8 +54,21 @@ import of the others.
 
 
 def figure_of(result: object, **options: Any) -> Figure:
-    """The figure of a result, by its type."""
-    figure: Figure = _function(result)(result, **options)
+    """The figure of a result, by its type. Raises InputError for options that it does not take."""
+    function = _function(result)
+    kinds = {
+        name: str(p.annotation)
+        for name, p in signature(function).parameters.items()
+        if p.kind is p.KEYWORD_ONLY or p.default is not p.empty
+    }
+    wrong = next((name for name in options if name not in kinds), None)
+    if wrong is not None:
+        taken = f"; allowed: {', '.join(kinds)}" if kinds else ", which takes none"
+        raise InputError(
+            f"plot: {wrong!r} is no option of the picture of a {type(result).__name__}{taken}"
+        )
+    told = {name: read_as(kinds[name], f"plot: {name}", v) for name, v in options.items()}
+    figure: Figure = function(result, **told)
     return figure
 
 

@@ -60,7 +60,7 @@ def convert(
         text, beside = urdf_and_yaml(found)
         write_output(output.with_suffix(".yaml"), beside)
     else:
-        text = _WRITERS[output.suffix](found)
+        text = _WRITERS[output.suffix.lower()](found)
     write_output(output, text)
     return output
 
@@ -71,7 +71,7 @@ def _check_loops(output: Path, loops: str) -> None:
     """
     if loops not in LOOPS:
         raise InputError(f"loops = {not_among(loops, LOOPS)}")
-    if output.suffix != ".urdf":
+    if output.suffix.lower() != ".urdf":
         if loops != LOOPS[0]:
             raise InputError(
                 f"loops = {loops!r} is a form of URDF, and {str(output)!r} is none; leave it out"

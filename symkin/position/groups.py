@@ -24,7 +24,9 @@ import numpy as np
 from symkin.closure.closure import Closure, random_values
 from symkin.computed_once import lru_cache
 from symkin.elimination.implied_rows import PointRow, implied_rows
+from symkin.elimination.product_rows import ProductRow
 from symkin.model.joint import Coordinate
+from symkin.numeric.linear_algebra import diagonal_parts, singular_values
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
@@ -97,7 +99,7 @@ def _decomposed(problem: Problem) -> tuple[Problem, ...]:
     return tuple(found)
 
 
-def _implied_rows(group: Problem) -> list[PointRow]:
+def _implied_rows(group: Problem) -> list[PointRow | ProductRow]:
     """What each branch of a group says without the joints that no other branch holds, of one
     floating body at most, which is unknown.
     """
@@ -122,7 +124,7 @@ def _implied_rows(group: Problem) -> list[PointRow]:
     return found
 
 
-def _with_implied(problem: Problem, implied: Sequence[PointRow]) -> Problem:
+def _with_implied(problem: Problem, implied: Sequence[PointRow | ProductRow]) -> Problem:
     """The same problem with implied rows behind its own."""
     size, system = problem.closure.characteristic_length, problem.system
     more = [row.row / (2 * size) if row.is_sphere else row.row for row in implied]
@@ -196,9 +198,18 @@ def _stacked(closure: Closure, coordinates: Sequence[Coordinate]) -> ca.SX:
 
 
 def _coordinates_in(rows: ca.SX, closure: Closure) -> set[str]:
-    """Names of the coordinates on which rows depend."""
-    depends = np.array(ca.which_depends(rows, closure.variables, 1, False), dtype=bool)
-    return _held(depends[None, :], closure)[0]
+    """Names of the coordinates that rows hold."""
+    owners = _owners(closure)
+    held = (owners.get(symbol.element_hash()) for symbol in ca.symvar(rows))
+    return {name for name in held if name is not None}
+
+
+@lru_cache(maxsize=128)
+def _owners(closure: Closure) -> dict[int, str]:
+    """The coordinate of each symbol of a closure's variables."""
+    names = [c.name for c in closure.coordinates for _ in range(c.width)]
+    symbols = ca.vertsplit(closure.variables)
+    return {s.element_hash(): name for s, name in zip(symbols, names, strict=True)}
 
 
 def dependence_of(rows: ca.SX, closure: Closure) -> np.ndarray:
@@ -298,6 +309,22 @@ def _independent_rows(problem: Problem) -> np.ndarray:
     jacobian = _closed_jacobian(problem)
     sources = [problem.closure.row_sources[place].limb for place in problem.places_of_rows]
     sources += [f"implied {k}" for k in range(len(problem.implied))]
+    largest = float(singular_values(jacobian)[0]) or 1.0 if jacobian.size else 1.0
+    kept = list[int]()
+    for rows, columns in diagonal_parts(jacobian[None]) or [_whole(jacobian)]:
+        for own, places in zip(rows, columns, strict=True):
+            part = jacobian[np.ix_(own, places)] / largest
+            kept += own[_spanning(part, [sources[k] for k in own])].tolist()
+    return np.array(sorted(kept), dtype=int)
+
+
+def _whole(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    rows, columns = matrix.shape
+    return np.arange(rows)[None], np.arange(columns)[None]
+
+
+def _spanning(jacobian: np.ndarray, sources: Sequence[str]) -> list[int]:
+    """Rows, of a matrix whose largest singular value is 1 at most, that span all of them."""
     groups: dict[str, list[int]] = {}
     for k, name in enumerate(sources):
         groups.setdefault(name, []).append(k)
@@ -305,20 +332,19 @@ def _independent_rows(problem: Problem) -> np.ndarray:
         name: int(np.any(jacobian[rows] != 0.0, axis=0).sum()) for name, rows in groups.items()
     }
     basis, kept = np.zeros((0, jacobian.shape[1])), list[int]()
-    largest = float(np.linalg.norm(jacobian, 2)) or 1.0
     for name in sorted(groups, key=lambda n: width[n]):
         left = {k: jacobian[k] - basis.T @ (basis @ jacobian[k]) for k in groups[name]}
         while left:
             best = max(left, key=lambda k: float(np.linalg.norm(left[k])))
             length = float(np.linalg.norm(left[best]))
-            if length <= RANK_TOLERANCE * largest:
+            if length <= RANK_TOLERANCE:
                 break
             unit = left.pop(best) / length
             unit -= basis.T @ (basis @ unit)
             unit /= np.linalg.norm(unit)
             basis, kept = np.vstack([basis, unit]), [*kept, best]
             left = {k: row - unit * (unit @ row) for k, row in left.items()}
-    return np.array(sorted(kept), dtype=int)
+    return kept
 
 
 def _matching(holds: np.ndarray) -> list[int] | None:

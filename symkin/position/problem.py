@@ -17,6 +17,7 @@ from symkin.closure.closure import Closure, build_closure, numbered_rows, random
 from symkin.closure.partition import ALL_JOINTS, POSE_COORDINATES, Partition
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.implied_rows import PointRow
+from symkin.elimination.product_rows import ProductRow
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
@@ -39,7 +40,7 @@ class Problem:
     system: System
     known_coordinates: tuple[Coordinate, ...]
     row_places: tuple[int, ...] | None = None
-    implied: tuple[PointRow, ...] = ()
+    implied: tuple[PointRow | ProductRow, ...] = ()
 
     @property
     def mechanism(self) -> Mechanism:

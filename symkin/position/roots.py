@@ -337,16 +337,13 @@ def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:
     multiple root it comes back).
     """
     _, jacobian = system.linearise_one(z, known)
-    return any(
-        _closes_beside(system, z, d, known) for d in lost_directions(jacobian, MULTIPLE_ROOT_SHARE)
+    lost = np.array(lost_directions(jacobian, MULTIPLE_ROOT_SHARE)).reshape(-1, system.freedom)
+    here, size = features(system, z[None]), system.characteristic_length
+    begin = system.move(np.repeat(z[None], len(lost), axis=0), 1e-3 * size * lost)
+    end = system.polish_many(begin, known, steps=30).points
+    closed = system.residuals(end, known) <= CLOSED_CONFIGURATION * size
+    moved, stepped = (
+        np.max(np.abs(features(system, points) - here), axis=1, initial=0.0)
+        for points in (end, begin)
     )
-
-
-def _closes_beside(system: System, z: np.ndarray, direction: np.ndarray, known: np.ndarray) -> bool:
-    here = features(system, z[None])
-    begin = system.move(z[None], 1e-3 * system.characteristic_length * direction[None])
-    end = system.polish(begin[0], known, steps=30)
-    if system.residual(end, known) > CLOSED_CONFIGURATION * system.characteristic_length:
-        return False
-    moved = np.max(np.abs(features(system, end[None]) - here))
-    return bool(moved > 0.1 * np.max(np.abs(features(system, begin) - here)))
+    return bool(np.any(closed & (moved > 0.1 * stepped)))

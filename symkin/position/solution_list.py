@@ -11,7 +11,7 @@ from typing import overload
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.numeric.linear_algebra import conditions, extreme_singular_values
+from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.root_checks import NEARLY_SINGULAR, are_double
 from symkin.numeric.tolerances import SINGULAR_CONDITION
 from symkin.position.canonical import canonical, poses_of
@@ -109,28 +109,26 @@ def checked_solutions(
     unknown, known = values[:, problem.unknown_places], values[:, problem.known_places]
     inside, untried = within_limits(closure, values), np.full(len(values), -1)
     position, quaternion = poses_of(closure, values)
-    jacobians = system.linearise(unknown, known)[1]
+    extremes = system.extremes(unknown, known)
     return SolutionList(
         closure=closure,
         values=values,
         position=position,
         quaternion=quaternion,
         residual=system.residuals(unknown, known),
-        condition=conditions(jacobians),
+        condition=condition_of(extremes),
         within_limits=untried if inside is None else inside.astype(int),
         certified=untried,
         radius=np.full(len(values), np.nan),
-        double=_double(problem, values, jacobians),
+        double=_double(problem, values, extremes),
         notes=notes,
     )
 
 
-def _double(problem: Problem, values: np.ndarray, jacobians: np.ndarray) -> np.ndarray:
+def _double(problem: Problem, values: np.ndarray, extremes: np.ndarray) -> np.ndarray:
     """Which solutions (m,) stand for two or more in some block."""
     found = np.zeros(len(values), dtype=bool)
-    if not min(jacobians.shape):
-        return found
-    suspect = np.flatnonzero(extreme_singular_values(jacobians)[:, 1] < NEARLY_SINGULAR)
+    suspect = np.flatnonzero(extremes[:, 1] < NEARLY_SINGULAR)
     near = values[suspect]
     for part in (
         (structure_groups(problem) if problem.kind == "given" else [problem])

@@ -12,6 +12,7 @@ from symkin.closure.closure import Closure, build_closure
 from symkin.closure.link_poses import LinkPoses, link_poses
 from symkin.closure.tilt_torsion import tilt_and_torsion
 from symkin.machine.lower import Lowered
+from symkin.machine.motion import Frames
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.position.canonical import poses_of
 from symkin.position.given import poses_coordinates
@@ -50,11 +51,14 @@ def many_as_written(
     read = _read(own, links, values)
     read |= {r.name: read[r.of] + r.zero for r in lowered.readings if r.of in read}
     pose = Pose(*(part.T for part in poses_of(own, values)))
-    if lowered.turn is not None:
-        turn = Pose(lowered.turn.position[:, None], lowered.turn.quaternion[:, None])
-        back = turn.inverse()
-        links = LinkPoses({link: back @ at @ turn for link, at in links.poses.items()})
-        pose = back @ pose
+    if lowered.frames is not None:
+        base, platform = (
+            Pose(p.position[:, None], p.quaternion[:, None])
+            for p in (lowered.frames.base, lowered.frames.platform)
+        )
+        told = Frames(base, base)
+        links = LinkPoses({link: told.told(at) for link, at in links.poses.items()})
+        pose = Frames(base, platform).told(pose)
     return _filled(closure, links, read, (pose.position, pose.quaternion))
 
 

@@ -22,14 +22,18 @@ _NOTES = {
 @dataclass(frozen=True, eq=False)
 class Motors:
     """Inertias (m,), limits (m, 2) and resolutions (m,) of motors, the last in radians or the
-    length unit; `notes` say what was not told and is 1.
+    length unit; `untold` is 1 where it has a unit, and `notes` say so.
     """
 
     inertias: np.ndarray
     torque_limits: np.ndarray
     speed_limits: np.ndarray
     resolutions: np.ndarray | None
-    notes: tuple[str, ...]
+    untold: tuple[str, ...]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        return tuple(_NOTES[key] for key in self.untold)
 
 
 def read_motors(names: tuple[str, ...], told: Mapping[str, Any]) -> Motors:
@@ -48,7 +52,7 @@ def read_motors(names: tuple[str, ...], told: Mapping[str, Any]) -> Motors:
         known["torque_limits"],
         known["speed_limits"],
         None if values["resolution"] is None else known["resolution"][:, 1],
-        tuple(text for key, text in _NOTES.items() if told.get(key) is None),
+        tuple(key for key in _NOTES if told.get(key) is None),
     )
 
 

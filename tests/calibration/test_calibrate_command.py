@@ -58,11 +58,14 @@ def changed(path, target, change):
 @pytest.mark.slow
 @pytest.mark.usefixtures("rasterised")
 def test_a_fit_gives_a_mechanism_that_modes_takes(capsys, tmp_path, data):
-    """Simulate, fit, modes: exit 0, seven files, the corrected mechanism nearer to the truth in
-    poses than the nominal one.
+    """Simulate, fit, modes: exit 0, seven files with pictures and four without, the corrected
+    mechanism nearer to the truth in poses than the nominal one.
     """
-    out = tmp_path / "out"
-    status, said, _ = run(capsys, "calibrate", "fit", "ren2008", data, "-o", out)
+    plain, out = tmp_path / "plain", tmp_path / "out"
+    assert run(capsys, "calibrate", "fit", "ren2008", data, "-o", plain)[0] == 0
+    assert {p.name for p in plain.iterdir()} == {n for n in FILES if not n.endswith(".png")}
+    assert ".png" not in (plain / "report.md").read_text()
+    status, said, _ = run(capsys, "calibrate", "fit", "ren2008", data, "-o", out, "--pictures")
     assert status == 0
     assert {p.name for p in out.iterdir()} == FILES
     assert said.startswith("ren2008: believable")
@@ -446,9 +449,14 @@ def test_the_mechanism_that_was_given_is_not_overwritten(capsys, tmp_path, data)
 
 @pytest.mark.slow
 def test_other_content_of_the_folder_stays(capsys, tmp_path, data):
-    """A folder with other files keeps them."""
+    """A folder with other files keeps them, and pictures of an earlier fit are said to be so."""
+    fit = ("calibrate", "fit", "ren2008", data, "-o", tmp_path)
     (tmp_path / "notes.txt").write_text("mine")
-    assert run(capsys, "calibrate", "fit", "ren2008", data, "-o", tmp_path)[0] == 0
+    status, said, _ = run(capsys, *fit, "--pictures")
+    assert (status, "of an earlier fit" in said) == (0, False)
+    said = run(capsys, *fit)[1]
+    assert said.count("is of an earlier fit") == 3
+    assert f"note: {tmp_path / 'residuals.png'} is of an earlier fit" in said
     assert (tmp_path / "notes.txt").read_text() == "mine"
     assert {p.name for p in tmp_path.iterdir()} >= FILES
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]

@@ -80,7 +80,7 @@ def test_plan_simulate_fit(capsys, tmp_path):
         *kinds,
     )
     assert status == 0
-    status, said, _ = run(capsys, "calibrate", "fit", nominal, data, "-o", out)
+    status, said, _ = run(capsys, "calibrate", "fit", nominal, data, "-o", out, "--pictures")
     assert (status, "four_bar: believable" in said) == (0, True)
     assert "link coupler" in said
     assert {f.name for f in out.iterdir()} >= {

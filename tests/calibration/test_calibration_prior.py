@@ -78,6 +78,26 @@ def test_the_estimate_is_what_readings_and_prior_ask_for(name):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("seed", in_gate([0, 1, 2], [0]))
+def test_noise_moves_nothing_that_readings_do_not_tell(seed):
+    """An arm whose three parallel axes may share their offsets in any way: in the directions that
+    the readings do not tell the change from the file's geometry is none, whatever the noise.
+    """
+    nominal, rng = symkin.load("ur5e"), np.random.default_rng(seed)
+    true, noise = built(nominal, 1e-3, rng), 1e-4
+    made, groups = random_postures(nominal, true, 40, rng), np.full(40, -1)
+    stated = Noise(position=noise * nominal.characteristic_length, orientation=noise)
+    data = simulate_readings(true, made, groups, ("pose",), stated, rng)
+    problem, state = (fit := calibrate(nominal, data, outliers="ignore")).problem, fit.state
+    change = (state.p - problem.model.nominal) / problem.model.scales / problem.prior
+    _, told, right = np.linalg.svd(state.linearised.matrix * problem.prior)
+    silent = right[told < 0.1]
+    assert len(silent) == 2
+    assert np.max(np.abs(silent @ change)) < 1e-6
+    assert np.max(np.abs(change)) > 0.1
+
+
+@pytest.mark.slow
 def test_steps_follow_bent_valleys():
     """A delta built a per cent off its file: what its poses hardly tell lies along valleys that
     bend; a fit that goes straight ahead in them is not at the minimum after sixty steps.

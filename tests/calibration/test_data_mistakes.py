@@ -212,6 +212,16 @@ def test_a_mistake_of_euler_angles_is_named_by_its_rule(poses: Measurements, mis
     assert_named(case_of_angles(poses, sequence, "ZYX", spoil), mistake, words)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("hopeless", ["ZYX", "XYX", "ZYZ", "YXZ", "xzy"])
+def test_a_unit_is_named_whichever_sequence_was_found(poses: Measurements, hopeless: str) -> None:
+    """Where no sequence is named, radians under degrees fit all about equally badly: the unit is
+    named whichever of them was taken.
+    """
+    case = case_of_angles(poses, "ZYX", hopeless, np.radians)
+    assert "radians taken for degrees" in diagnose(replace(case, sought=True))[0]
+
+
 def case_of_angles(m: Measurements, sequence: str, header: str, spoil) -> Case:
     """Angles of a sequence, spoilt, and read in that of the header."""
     angles = spoil(np.array(euler_from_quaternion(m.orientation.T, sequence))).T

@@ -47,8 +47,8 @@ def exchange(criterion, seed=0):
 
 @pytest.mark.parametrize("criterion", CRITERIA)
 def test_gains_are_differences_of_the_criterion(criterion):
-    """The gain of adding a candidate, and C after adding it, are those of the inverse computed
-    anew.
+    """The gain of adding a candidate, and C after adding or removing one, are those of the inverse
+    computed anew.
     """
     choice = exchange(criterion)
     chosen = list(range(9))
@@ -58,6 +58,7 @@ def test_gains_are_differences_of_the_criterion(criterion):
         more = choice.covariance([*chosen, k])
         assert gains[k] == pytest.approx(choice.value(c) - choice.value(more), rel=1e-8, abs=1e-10)
         np.testing.assert_allclose(choice.updated(c, k), more, atol=1e-10)
+        np.testing.assert_allclose(choice.without(more, [*chosen, k], 9), c, atol=1e-10)
 
 
 @pytest.mark.parametrize("criterion", CRITERIA)
@@ -81,6 +82,17 @@ def test_readings_of_any_precision_are_judged(criterion, precision):
         assert {k % 3 for k in choice.improve(begun, {-1})} == {0, 1, 2}
     c = choice.covariance([0, 1])
     np.testing.assert_allclose(np.linalg.eigvalsh(c)[-2:], 1e4, rtol=1e-6)
+
+
+@pytest.mark.parametrize("criterion", CRITERIA)
+def test_a_greedy_choice_begins_with_what_is_kept(criterion):
+    """Kept candidates stay, and each allowed wedge has one at least."""
+    choice = exchange(criterion, 7)
+    kept = [4, 7, 10]  # all on wedge 1
+    chosen = choice.greedy(8, {0, 1}, kept)
+    assert chosen[:3] == kept
+    assert len(set(chosen)) == 8
+    assert {k % 3 for k in chosen} == {0, 1}
 
 
 @pytest.mark.parametrize("criterion", CRITERIA)

@@ -58,6 +58,28 @@ more = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
 sys.exit(more > 100 and f"{more:.0f} MB more for a table of a million rows")
 """
 
+LOOPS = """
+import resource, sys, time
+import numpy as np
+import symkin
+rng, joints = np.random.default_rng(0), []
+for k in range(250):
+    base, crank, rocker = (size + rng.uniform(-0.2, 0.2) for size in (4.0, 1.0, 2.5))
+    a = np.array([10.0 * k, 0.0])
+    points = (a, a + [0.0, crank], a + [base, rocker], a + [base, 0.0])
+    ends = (("base", f"crank{k}"), (f"crank{k}", f"coupler{k}"), (f"coupler{k}", f"rocker{k}"),
+            ("base", f"rocker{k}"))
+    for name, point, links in zip("abcd", points, ends):
+        joint = symkin.Joint(f"{name}{k}", "R", (*point, 0), (0, 0, 1), actuated=name == "a")
+        joints.append(symkin.LinkJoint(joint, links))
+machine = symkin.Mechanism("loops", link_joints=joints)
+begin = time.process_time()
+assert symkin.modes(machine, given={f"a{k}": 0.1 for k in range(250)}).count == 2**250
+spent = time.process_time() - begin
+peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+sys.exit((spent > 10 or peak > 1000) and f"250 loops: {spent:.0f} s, {peak:.0f} MB")
+"""
+
 
 def interrupts(count: int, seed: int) -> Iterator[str]:
     """Ctrl-C at random moments of three commands: one sentence and status 130, or all done."""
@@ -85,6 +107,11 @@ def small_stacks(_count: int, _seed: int) -> Iterator[str]:
     yield from _script(CHAIN)
 
 
+def many_loops(_count: int, _seed: int) -> Iterator[str]:
+    """A thousand joints in 250 loops within 10 s of one processor and 1 GB."""
+    yield from _script(LOOPS)
+
+
 def large_tables(_count: int, _seed: int) -> Iterator[str]:
     """A million rows of twenty columns within 100 MB beside the arrays."""
     yield from _script(TABLE)
@@ -104,7 +131,7 @@ def _script(code: str) -> Iterator[str]:
 
 
 PARTS: dict[str, Callable[[int, int], Iterator[str]]] = {
-    part.__name__: part for part in (interrupts, small_stacks, large_tables)
+    part.__name__: part for part in (interrupts, small_stacks, many_loops, large_tables)
 }
 
 

@@ -56,15 +56,17 @@ MACHINES = {
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
 @pytest.mark.parametrize("name", in_gate(MACHINES, ["delta"]))
 def test_lines_from_all_over_the_workspace(name, real):
-    """A quarter of the guesses beside a fold: what is OK is what a walk in many points reaches, and
-    nearly all regular lines are.
+    """From home, from answers and from guesses beside the folds at which lines stopped: what is OK
+    is what a fine walk reaches, and nearly all regular lines are.
     """
     tools.compiler("gcc")
-    lines = tools.bench_module("closed_lines")
-    found = lines.study(MACHINES[name](), real, 900, lines.Reach(0.3, 1.5), 150, 5)
-    assert found.wrong == 0
-    assert found.regular > 300
-    assert found.good > 0.96 * found.regular
+    branches = tools.bench_module("branches")
+    found = branches.study(
+        MACHINES[name](), Options(real), 300, branches.Reach(0.3, 1.5), seed=5, legs=2
+    )
+    assert not found.said
+    assert found.regular.sum() > 100
+    assert found.ok_of_regular > 96.0
 
 
 @pytest.mark.parametrize("name", in_gate(MACHINES, ["3-TRT + SPS", "delta"]))

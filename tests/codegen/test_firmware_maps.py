@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 
 import casadi as ca
+import mpmath as mp
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -181,6 +182,103 @@ def test_jacobians_are_differences_of_the_map(compiled, key):
         assert np.isclose(torques @ moved[1], held[1] @ rates, rtol=1e-9)
 
 
+def _ankle_gaps(motors, angles):
+    """How much longer each rod of the shipped ankle is than at the reference, squared, of motor and
+    ankle angles in 50 digits, by the vectors of ankle.toml.
+    """
+    (pitch, roll), gaps = angles, []
+    for motor, y, z, end in ((motors[0], 40, 250, 35), (motors[1], -40, 180, -35)):
+        c, s = mp.cos(motor), mp.sin(motor)
+        tip = (-45 * c + 5 * s, mp.mpf(y), z + 45 * s + 5 * c)
+        across, up = end * mp.cos(roll) - 20 * mp.sin(roll), end * mp.sin(roll) + 20 * mp.cos(roll)
+        held = (
+            -50 * mp.cos(pitch) + up * mp.sin(pitch),
+            across,
+            50 * mp.sin(pitch) + up * mp.cos(pitch),
+        )
+        squares = sum((a - b) ** 2 for a, b in zip(tip, held, strict=True))
+        gaps.append(squares - (5**2 + (y - end) ** 2 + (z - 15) ** 2))
+    return gaps
+
+
+def test_second_derivatives_are_differences_to_ten_digits(compiled):
+    """Of the ankle, Jacobian and second derivatives are central differences of the angles at which
+    rods keep their lengths, in 50 digits; the inverse Jacobian and the reflected inertia follow
+    from them.
+    """
+    code, rng = compiled("ankle", "double"), np.random.default_rng(17)
+    with mp.workdps(50):
+        step = mp.mpf(10) ** -12
+        for sample in map_configurations(code.made, 4, 7, 0.1, 0.4):
+            motors = [float(v) for v in next(_values(code.made, sample))]
+            near = [float(v) for v in list(_values(code.made, sample))[1]]
+
+            def angles(a, b, motors=motors, near=near):
+                moved = (motors[0] + a * step, motors[1] + b * step)
+                found = mp.findroot(lambda *x: _ankle_gaps(moved, x), near, tol=1e-90)
+                return np.array(list(found), dtype=object)
+
+            at = {(a, b): angles(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1)}
+            first = np.array([at[1, 0] - at[-1, 0], at[0, 1] - at[0, -1]]).T / (2 * step)
+            mixed = (at[1, 1] - at[1, -1] - at[-1, 1] + at[-1, -1]) / (4 * step**2)
+            second = [
+                [at[1, 0] - 2 * at[0, 0] + at[-1, 0], mixed * step**2],
+                [mixed * step**2, at[0, 1] - 2 * at[0, 0] + at[0, -1]],
+            ]
+            second = np.moveaxis(np.array(second), 2, 0) / step**2
+            found = [float(v) for v in at[0, 0]]
+            jacobian, bends = code.array([0.0] * 4), code.array([0.0] * 8)
+            numbers = code.array(motors), code.array(found)
+            assert code._call("second", *numbers, jacobian, bends) == 0
+            wanted, inverse = first.astype(float), np.linalg.inv(first.astype(float))
+            np.testing.assert_allclose(np.reshape(jacobian, (2, 2)), wanted, rtol=0, atol=1e-10)
+            np.testing.assert_allclose(
+                np.reshape(bends, (2, 2, 2)), second.astype(float), rtol=0, atol=1e-10
+            )
+            status, back = code.apply("inverse_jacobian", motors, found, count=4)
+            assert status == 0
+            np.testing.assert_allclose(back.reshape(2, 2), inverse, rtol=0, atol=1e-10)
+            inertias = rng.uniform(0.1, 2.0, 2)
+            status, reflected = code.apply("inertia", motors, found, inertias, count=4)
+            assert status == 0
+            np.testing.assert_allclose(
+                reflected.reshape(2, 2), inverse.T @ np.diag(inertias) @ inverse, atol=1e-9
+            )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("key", in_gate(MAPS, ["G1 ankle"]))
+def test_second_derivatives_are_differences_of_the_jacobian(compiled, key):
+    """Central differences of NAME_jacobian along the map, of passive joints too; limits of torque
+    and rate put one joint at its own.
+    """
+    code = compiled(key, "double")
+    made, n, h = code.made, code.n, 1e-5
+    for sample in map_configurations(made, 5, 12, 0.1, 0.3):
+        given, found = _values(made, sample)
+        matrix, bends = code.array([0.0] * n**2), code.array([0.0] * n**3)
+        assert code._call("second", code.array(given), code.array(found), matrix, bends) == 0
+        matrix, bends = np.reshape(matrix, (n, n)), np.reshape(bends, (n, n, n))
+        for j in range(n):
+            ends = []
+            for sign in (1.0, -1.0):
+                moved = given + sign * h * np.eye(n)[j]
+                status, there = code.solve("direct", moved, found)
+                assert status == 0
+                status, flat = code.apply("jacobian", moved, there, count=n**2)
+                assert status == 0
+                ends.append(flat.reshape(n, n))
+            difference = (ends[0] - ends[1]) / (2 * h)
+            scale = 1 + np.abs(bends).max()
+            np.testing.assert_allclose(bends[:, :, j], difference, rtol=0, atol=1e-4 * scale)
+        own = np.arange(1.0, n + 1)
+        for name, effects in (("torque", matrix), ("rate", np.linalg.inv(matrix).T)):
+            status, limits = code.apply(f"{name}_limits", given, found, own)
+            assert status == 0
+            shares = np.abs(effects) * limits[:, None] / own
+            np.testing.assert_allclose(shares.max(axis=1), 1.0, rtol=1e-9)
+
+
 def _walked(problem, z, begin, end, steps):
     """The unknowns after the straight line of known values, point by point; None where a point has
     no configuration, is singular or lies far from the one before.
@@ -298,6 +396,7 @@ int main(void)
         float c[2] = { number(), number() };
         float out[2];
         float matrix[4];
+        float second[8];
         ankle_info info;
         ankle_config config = { number(), (uint8_t)(number() > 0.0f ? 20 : 0), number() };
         int bad = 0;
@@ -312,6 +411,21 @@ int main(void)
             bad = bad || !isfinite(matrix[2]) || !isfinite(matrix[3]);
         }
         if (ankle_torques(a, b, c, out) == ANKLE_OK) {
+            bad = bad || !isfinite(out[0]) || !isfinite(out[1]);
+        }
+        if (ankle_second(a, b, matrix, second) == ANKLE_OK) {
+            for (int i = 0; i < 8; ++i) {
+                bad = bad || !isfinite(second[i]) || !isfinite(matrix[i / 2]);
+            }
+        }
+        if (ankle_inertia(a, b, c, matrix) == ANKLE_OK) {
+            bad = bad || !isfinite(matrix[0]) || !isfinite(matrix[1]);
+            bad = bad || !isfinite(matrix[2]) || !isfinite(matrix[3]);
+        }
+        if (ankle_torque_limits(a, b, c, out) == ANKLE_OK) {
+            bad = bad || !isfinite(out[0]) || !isfinite(out[1]);
+        }
+        if (ankle_rate_limits(a, b, c, out) == ANKLE_OK) {
             bad = bad || !isfinite(out[0]) || !isfinite(out[1]);
         }
         if (ankle_rates(a, b, c, out) == ANKLE_OK) {

@@ -216,20 +216,43 @@ CPP = {
     return pose && again && near && all.count == 8 && m::branch_count == 8 &&
       std::abs(again.value[2] - 1.3) < 1e-9
         && std::abs(near.value[4] - 0.8) < 1e-9 ? 0 : 1;""",
+    "ankle": """
+    namespace m = ankle;
+    const m::joint_values joints{0.1, -0.2}, ones{1.0, 1.0};
+    const auto found = m::direct(joints, m::joint_values{});
+    const auto back = m::inverse(found.value, m::joint_values{});
+    const auto step = m::track(joints, found.value);
+    const auto again = m::track_inverse(found.value, joints);
+    const auto both = m::second(joints, found.value);
+    const auto jacobian = m::jacobian(joints, found.value);
+    const auto inverse = m::inverse_jacobian(joints, found.value);
+    const auto inertia = m::inertia(joints, found.value, ones);
+    const auto torques = m::torque_limits(joints, found.value, ones);
+    const auto rates = m::rate_limits(joints, found.value, ones);
+    const auto moved = m::rates(joints, found.value, ones);
+    const auto held = m::torques(joints, found.value, ones);
+    return found && back && step && again && both && inertia && torques && rates && moved && held
+        && std::abs(back.value[1] + 0.2) < 1e-9 && both.value.jacobian == jacobian.value
+        && std::abs(jacobian.value[0] * inverse.value[0] + jacobian.value[1] * inverse.value[2]
+            - 1.0) < 1e-9
+        && m::direct(ones, m::joint_values{9e9, 0}).state == m::status::out_of_range ? 0 : 1;""",
 }
+MAP = {"given": ("upper_motor", "lower_motor"), "find": ("ankle.1", "ankle.2")}
 
 
-@pytest.mark.parametrize("name", in_gate(CPP, ["zhang2009"]))
+@pytest.mark.parametrize("name", in_gate(CPP, ["zhang2009", "ankle"]))
 def test_cpp_header(name, tmp_path):
     """With g++ and clang++, as C++17 and C++20, with all warnings as errors: the same answers and
     statuses.
     """
-    struct = (
+    options = (
         {"geometry": "struct", "home": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}
         if name == "zhang2009"
+        else MAP
+        if name == "ankle"
         else {}
     )
-    write_folder(symkin.load(name), tmp_path, Options("double", also=("cpp",), **struct))
+    write_folder(symkin.load(name), tmp_path, Options("double", also=("cpp",), **options))
     (tmp_path / "user.cpp").write_text(
         f'#include "{name}.hpp"\n#include <cmath>\nint main()\n{{{CPP[name]}\n}}\n'
     )

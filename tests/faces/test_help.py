@@ -95,7 +95,7 @@ def test_examples_run(
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        ("symkin mod", ["modes"]),
+        ("symkin mod", ["modes", "mode-graph"]),
         ("symkin modes zhao", ["zhao2000", "zhao2000_links", "zhao_mine.toml"]),
         ("symkin modes other", []),
         ("symkin modes zhao2000 --method m", ["multistart"]),

@@ -654,6 +654,7 @@ def test_reports_of_calibrations_are_text(tmp_path, capsys):
         str(data),
         "-o",
         str(folder / "out"),
+        "--pictures",
         "--parameters",
         "q1.point.*",
     )

@@ -918,6 +918,16 @@ def test_a_value_out_of_reach_is_not_called_singular(open_page: Callable[..., An
         assert "singular" not in found["stop"]["sentence"]
 
 
+def test_a_cut_joint_has_its_own_unit_whatever_its_name(tmp_path: Path) -> None:
+    pytest.importorskip("zarr")
+    text = symkin.load("spherical_wrist").to_toml().replace('"motor1"', '"x"')
+    grid = {"x": [0.0, 10.0], "motor2": [0.0, 5.0, 10.0], "motor3": [0.0, 5.0, 10.0]}
+    swept = symkin.sweep(inside.parse(text), grid, tmp_path / "map", workers=0)
+    plane = swept.view(slices={"x": 10.0}).plane
+    assert plane is not None
+    assert plane["held"] == "x = 10 deg"
+
+
 def test_a_planar_map_of_poses_tells_its_angle(tmp_path: Path) -> None:
     pytest.importorskip("zarr")
     machine, ends = three_rrr("planar"), [-5.0, 0.0, 5.0]

@@ -14,6 +14,7 @@ from helpers.inside import (
     chosen_numbers,
     figure_of_modes,
     left_out,
+    parse,
     pieces,
     ranges_text,
     shown_numbers,
@@ -213,6 +214,37 @@ def test_of_crossing_lines_the_nearer_is_over():
         assert len(others) == 1
         assert others[0][1] < axes[2] @ piece.over
         assert others[0][0] < piece.nearness
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"views": 3}, "views = 3; a text or a list of texts is needed"),
+        ({"modes": 3}, "modes = 3; a text or a list of whole numbers is needed"),
+        ({"names": 3}, "names = 3; a text is needed"),
+        ({"most": "3"}, "most = '3'; a whole number is needed"),
+        ({"colour": 3}, "'colour' is no option .*; allowed: modes, most, names, views"),
+    ],
+)
+def test_options_of_another_type_are_one_sentence(options, sentence):
+    with pytest.raises(InputError, match=f"^plot: {sentence}"):
+        modes_of("zhao2000").plot(**options)
+
+
+def test_names_change_no_colour_of_a_jacobian():
+    """Angles are shaded times the size, whatever a joint is called: also as a pose's coordinate or
+    a twist's is.
+    """
+    text = symkin.load("four_bar").to_toml()
+    other = symkin.load("zhao2000").to_toml()
+    shades = []
+    for crank, pin, theta in (("crank", "follower_pin", "theta1"), ("vx", "x", "vy")):
+        bar = parse(text.replace('"crank"', f'"{crank}"').replace('"follower_pin"', f'"{pin}"'))
+        platform = parse(other.replace('"theta1"', f'"{theta}"'))
+        rates = symkin.jacobian(bar, of=[pin], by=[crank]), symkin.jacobian(platform, "direct")
+        shades.append([np.array(j.plot().axes[0].images[0].get_array()) for j in rates])
+    for before, after in zip(*shades, strict=True):
+        np.testing.assert_array_equal(before, after)
 
 
 def test_commands_take_the_options(tmp_path, capsys):

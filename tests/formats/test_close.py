@@ -230,6 +230,47 @@ def test_the_keyframe_that_is_written(
             np.testing.assert_allclose(pose.position, data.body(link).xpos, atol=1e-10)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])
+def test_the_keyframe_stands_in_the_model_whatever_follows_it(
+    encoding: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A comment that speaks of the end is left as it is, and the file keeps its bytes."""
+    import mujoco
+
+    path, output = open_four_bar(tmp_path, 0.6), tmp_path / "closed.XML"
+    text = f'<?xml version="1.0" encoding="{encoding}"?>\n{path.read_text(encoding="utf-8")}'
+    content = f"{text}\n<!-- \xe9: the end of </mujoco> -->\n".encode(encoding)
+    path.write_bytes(content)
+    assert run(capsys, "close", str(path), "-o", str(output))[0] == 0
+    written = output.read_bytes()
+    assert written.endswith(content[content.index(b"</mujoco>") :])
+    assert written.startswith(content[: content.index(b"</mujoco>")])
+    assert mujoco.MjModel.from_xml_path(str(output)).nkey == 1
+
+
+def test_names_that_the_compiler_cannot_tell(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = open_four_bar(tmp_path, 0.6)
+    text = path.read_text(encoding="utf-8").replace('"thigh"', '"\xe9paule"')
+    declared = f'<?xml version="1.0" encoding="latin-1"?>\n{text}'
+    path.write_bytes(declared.encode("latin-1"))
+    status, _, err = run(capsys, "close", str(path), "-o", str(tmp_path / "closed.xml"))
+    assert status == 2
+    assert "is not UTF-8; write the file in UTF-8" in err
+
+
+def test_a_file_without_joints_takes_no_keyframe(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, output = tmp_path / "empty.xml", tmp_path / "closed.xml"
+    path.write_text('<mujoco model="m"/>', encoding="utf-8")
+    status, _, err = run(capsys, "close", str(path), "-o", str(output))
+    assert status == 2
+    assert "no joint whose value a keyframe could hold" in err
+    assert not output.exists()
+
+
 @pytest.mark.parametrize(
     "name", ["four_bar", "ankle", "zhang2009", "zhao2000", "gluon_6l3", "delta_parallelograms"]
 )

@@ -4,6 +4,7 @@ symkin has them, its loops closed there.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -80,6 +81,24 @@ def test_joints_that_follow_two_others(name: str, tmp_path: Path) -> None:
     ):
         symkin.convert(name, tmp_path / "written.urdf")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("suffix", [".URDF", ".sdf"])
+def test_a_line_is_one_however_it_is_written(suffix: str, tmp_path: Path) -> None:
+    """A polynomial whose higher coefficients are 0 is a mimic of a factor and an offset; capitals
+    in a suffix mean the same format.
+    """
+    gripper = symkin.load("parallel_gripper")
+    (gears,) = (c for c in gripper.couplings if len(c.terms) == 1)
+    ((of, factor),) = gears.terms
+    line = symkin.Coupling(gears.joint, of, polynomial=[gears.offset, factor, 0.0, 0.0])
+    written = replace(gripper, couplings=[line])
+    paths = [
+        symkin.convert(mechanism, tmp_path / f"{k}{suffix}")
+        for k, mechanism in enumerate((gripper, written))
+    ]
+    first, second = (path.read_text(encoding="utf-8") for path in paths)
+    assert first == second
 
 
 def test_loops_beside_the_file(tmp_path: Path) -> None:

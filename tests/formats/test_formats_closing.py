@@ -118,11 +118,10 @@ def test_derivatives_are_finite_differences(kind: str) -> None:
     tree, state, rng = found.tree, found.state, np.random.default_rng(1)
     if kind != "H":
         state = tree.moved(state, 0.3 * rng.normal(size=tree.freedom))
-    _, jacobian = constraint_rows(tree, state)
+    rows = constraint_rows(tree)
+    jacobian = rows.rates(state)
     for k, unit in enumerate(np.eye(tree.freedom)):
-        ahead, behind = (
-            constraint_rows(tree, tree.moved(state, sign * 1e-6 * unit))[0] for sign in (1, -1)
-        )
+        ahead, behind = (rows.values(tree.moved(state, sign * 1e-6 * unit)) for sign in (1, -1))
         np.testing.assert_allclose((ahead - behind) / 2e-6, jacobian[:, k], atol=2e-8 * tree.size)
 
 
@@ -149,7 +148,7 @@ def test_the_nearest_closed_configuration(kind: str) -> None:
     assert found.open_by > 0.01
     scales = np.where(found.tree.angular, found.tree.size, 1.0)
     way = scales * found.tree.between(found.tree.own, found.state)
-    _, s, vt = np.linalg.svd(constraint_rows(found.tree, found.state)[1] / scales)
+    _, s, vt = np.linalg.svd(constraint_rows(found.tree).rates(found.state) / scales)
     free = vt[int(np.sum(s > 1e-8 * s[0])) :]
     assert np.linalg.norm(free @ way) <= 1e-3 * np.linalg.norm(way)
 

@@ -11,7 +11,7 @@ import pytest
 
 from helpers.inside import Robot, read_urdf
 from helpers.robot_files import closure_misfit, displaced, poses_at
-from symkin import SymkinError
+from symkin import Pose, SymkinError
 
 TREE = """
   <link name="ground"/> <link name="crank"/> <link name="rod"/> <link name="rocker"/>
@@ -104,6 +104,37 @@ def test_a_joint_of_sdf_within_gazebo_closes_a_loop(tmp_path: Path) -> None:
     assert closure.type == "R"
     assert np.allclose(np.asarray(closure.first.position), [0, 5, 0])
     assert closure_misfit(closure, displaced(robot, {"a": 0.0, "b": 0.0, "c": 0.0})) < 1e-15
+
+
+@pytest.mark.parametrize("form", ["constraint", "loop"])
+def test_a_slide_told_by_an_axis_on_either_link_is_closed_where_the_file_is(
+    form: str, tmp_path: Path
+) -> None:
+    """Two axes leave the angle about them open: it is that of the links at zero, wherever the
+    frames of these are turned to. Along the slide the loop stays closed, across it does not.
+    """
+    turn = (0.4, -0.7, 1.1)
+    x, y, z = Pose.from_euler((0.0, 0.0, 0.0), turn, "xyz").inverse().turn(np.array([1.0, 0, 0]))
+    origin = f'xyz="1 0 0" rpy="{turn[0]} {turn[1]} {turn[2]}"'
+    inside = f"""<link name="ground"/><link name="cart"/><link name="block"/>
+      <joint name="s" type="prismatic"><parent link="ground"/><child link="cart"/>
+        <axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+      <joint name="t" type="prismatic"><parent link="cart"/><child link="block"/>
+        <origin {origin}/><axis xyz="0 1 0"/>
+        <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>"""
+    if form == "constraint":
+        inside += f"""<constraint name="d" type="prismatic"><parent link="ground"/>
+          <parent_origin xyz="1 0 0"/><child link="block"/>
+          <parent_axis xyz="1 0 0"/><child_axis xyz="{x} {y} {z}"/></constraint>"""
+    else:
+        inside += f"""<loop name="d" type="prismatic">
+          <predecessor link="ground"><origin xyz="1 0 0"/><axis xyz="1 0 0"/></predecessor>
+          <successor link="block"><axis xyz="{x} {y} {z}"/></successor></loop>"""
+    robot = read(tmp_path, inside)
+    (closure,) = robot.closures
+    assert closure.type == "P"
+    assert closure_misfit(closure, displaced(robot, {"s": 0.3, "t": 0.0})) < 1e-12
+    assert closure_misfit(closure, displaced(robot, {"s": 0.0, "t": 0.3})) > 0.01
 
 
 def test_closures_join_what_no_joint_does(tmp_path: Path) -> None:

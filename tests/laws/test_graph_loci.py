@@ -4,15 +4,17 @@ ankle and the four-bar.
 
 from __future__ import annotations
 
+import json
 import math
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import symkin
 from helpers import samples
-from helpers.command_line import run_json
+from helpers.command_line import run, run_json
 from symkin import InputError
 
 MOTORS = (
@@ -201,6 +203,23 @@ def test_modes_of_a_crank_rocker_never_meet_over_the_crank() -> None:
         True,
         0,
     )
+
+
+def test_the_command_tells_the_same_graph(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The command's JSON is that of the verb, and its picture a file; a range that is none is one
+    sentence.
+    """
+    picture = tmp_path / "sheets.png"
+    words = ["mode-graph", "four_bar", "--over", "crank=0:350", "--points", "4"]
+    status, out, _ = run(capsys, *words, "--json", "--plot", picture)
+    graph = symkin.mode_graph(symkin.load("four_bar"), [("crank", 0.0, 350.0)], 4)
+    assert (status, json.loads(out)) == (0, graph.to_dict())
+    assert picture.stat().st_size > 1000
+    status, _, err = run(capsys, "mode-graph", "four_bar", "--over", "crank=0")
+    assert (status, err.count("\n")) == (2, 1)
+    assert "--over: 'crank=0' is no range; NAME=LOW:HIGH is needed" in err
 
 
 def test_modes_over_the_follower_end_at_the_cranks_dead_point(tmp_path) -> None:

@@ -16,6 +16,7 @@ from helpers.gate import in_gate
 from helpers.graph_twin import graph_twin
 from helpers.inside import (
     HomogeneousPose,
+    ProductRow,
     StudyPose,
     any_given,
     build_problem,
@@ -25,7 +26,9 @@ from helpers.inside import (
     problem_of,
     structure_groups,
 )
+from helpers.moved_points import three_upu
 from helpers.samples import rus, three_rps, three_rrr
+from helpers.spellings import three_ruu
 from symkin import Joint, Limb, Mechanism, RodLimb
 
 Z = (0.0, 0.0, 1.0)
@@ -105,10 +108,15 @@ MACHINES = {
     "tricept of revolutes": lambda: tricept(True),
     "6-RUS": lambda: rus(6),
     "level graph": lambda: graph_twin(level_platform(220.0)),
+    "3-UPU": three_upu,
+    "3-RUU": lambda: replace(three_ruu(), motion="spatial"),
 }
 
 
-@pytest.mark.parametrize("name", in_gate(list(MACHINES), ["3-RRR", "agile graph", "tricept"]))
+GATE = ["3-RRR", "agile graph", "tricept", "3-RUU"]
+
+
+@pytest.mark.parametrize("name", in_gate(list(MACHINES), GATE))
 def test_implied_rows_hold_wherever_the_closure_does(name):
     """They vanish at closed configurations to rounding, and hold no joint that a later part finds;
     the parts' unknowns are those of the group, each once.
@@ -131,9 +139,11 @@ def test_implied_rows_hold_wherever_the_closure_does(name):
             assert np.max(np.abs(rows), initial=0.0) < 1e-9 * closure.characteristic_length
 
 
-@pytest.mark.parametrize("name", ["3-RPS", "6-RUS", "agile"])
+@pytest.mark.parametrize("name", ["3-RPS", "6-RUS", "agile", "3-UPU", "3-RUU"])
 def test_implied_rows_of_a_body_are_the_same_in_every_form_of_its_pose(name):
-    """In Study coordinates, or of a quaternion of any length, each is the row times the weight."""
+    """In Study coordinates, or of a quaternion of any length, each is the row times the weight, one
+    that multiplies two places of the body times its square.
+    """
     problem = group_of(MACHINES[name]())
     closure, rng = problem.closure, np.random.default_rng(1)
     names = [*(f"pose.{axis}" for axis in "xyz"), "pose.quaternion"]
@@ -157,7 +167,8 @@ def test_implied_rows_of_a_body_are_the_same_in_every_form_of_its_pose(name):
                 shown = row.weighted(place, turn, pose)
                 other = ca.Function("f", [closure.variables, e, g], [shown])
                 weighted = float(other(at, scale * q, dual))
-                assert weighted == pytest.approx(scale**2 * plain, rel=1e-9, abs=1e-9)
+                weight = scale**4 if isinstance(row, ProductRow) else scale**2
+                assert weighted == pytest.approx(weight * plain, rel=1e-9, abs=1e-9)
 
 
 # --- one machine, however it is written -----------------------------------------------------------
@@ -167,6 +178,8 @@ SPELLINGS = {
     "agile": (8, lambda: [agile_eye(), replace(agile_eye(), motion="spherical")]),
     "tricept": (192, lambda: [tricept(False), tricept(True)]),
     "6-RUS": (40 * 2**6, lambda: [rus(6)]),
+    "3-UPU": (78 * 2**3, lambda: [three_upu()]),
+    "3-RUU": (84 * 2**3, lambda: [replace(three_ruu(), motion="spatial")]),
 }
 
 
@@ -204,6 +217,33 @@ def _plain_pose(pose) -> tuple[float, ...]:
     return tuple(np.round([*pose.position, *np.outer(q, q)[np.triu_indices(4)]], 7).tolist())
 
 
+def test_the_leg_of_a_three_upu_lies_in_the_plane_of_its_outer_axes():
+    """(b x w) . a = 0 but for a factor: the only row of each limb beside its sphere."""
+    machine, rng = three_upu(), np.random.default_rng(0)
+    group = group_of(machine)
+    slices, variables = group.closure.slices, group.closure.variables
+    (pose, *_) = implied_parts(group)
+    products = [row for row in pose.implied if isinstance(row, ProductRow)]
+    assert (len(products), len(pose.implied)) == (3, 6)
+    rows = ca.Function("f", [variables], [ca.vertcat(*(row.row for row in products))])
+    ratios = []
+    for _ in range(3):
+        values, q = rng.normal(size=int(variables.shape[0])), rng.normal(size=4)
+        values[slices["pose.quaternion"]] = q / np.linalg.norm(q)
+        position = np.concatenate([values[slices[f"pose.{c}"]] for c in "xyz"])
+        rotation = np.asarray(symkin.Pose((0, 0, 0), q / np.linalg.norm(q)).matrix)[:3, :3]
+        wanted = []
+        for limb in machine.limbs:
+            foot, axis, head = (
+                np.array(n)
+                for n in (limb.joints[0].point, limb.joints[0].axis, limb.joints[2].point)
+            )
+            w = position + rotation @ (head - np.array(machine.platform_position)) - foot
+            wanted.append(np.cross(axis, w) @ (rotation @ axis))
+        ratios.append(np.asarray(rows(values)).ravel() / np.array(wanted))
+    np.testing.assert_allclose(ratios[1:], [ratios[0]] * 2, rtol=1e-7)
+
+
 @pytest.mark.slow
 @pytest.mark.long
 def test_a_platform_that_can_lie_on_its_face_has_these_modes_too():
@@ -234,7 +274,7 @@ def test_a_certified_mode_is_so_of_all_rows_of_its_block():
 
 def test_more_combinations_than_are_listed_are_refused(monkeypatch):
     """The parts' solutions are multiplied only as far as shows that they are too many."""
-    for module in (inside.group_roots, inside.by_groups):
+    for module in (inside.tree, inside.by_groups):
         monkeypatch.setattr(module, "MOST_MODES", 10)
     with pytest.raises(symkin.SymkinError, match="10 modes that are listed"):
         symkin.modes(graph_twin(tricept(False)))

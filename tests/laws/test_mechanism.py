@@ -249,6 +249,14 @@ def test_an_example_that_cannot_be_taken_is_refused():
         Mechanism("sample", [rod], example=Example(joints=(3.0, 4.0)))
 
 
+@pytest.mark.parametrize("key", ["joints", "pose", "start", "given"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_an_example_of_numbers_that_are_none_is_refused(key, value):
+    numbers = (("leg", value),) if key == "given" else (0.0, value)
+    place = "given.leg" if key == "given" else f"{key}[1]"
+    refused_in_one_line(lambda: Example(**{key: numbers}), [f"example.{place}", "not finite"])
+
+
 def test_a_rod_whose_ends_meet_at_the_reference_is_refused():
     """Its length would be read off the reference, where it is zero."""
     limb = Limb(

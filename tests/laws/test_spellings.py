@@ -4,11 +4,12 @@ places of its links. The campaign of the same name asks more machines, and what 
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import symkin
 from helpers.gate import in_gate
-from helpers.inside import lowered
+from helpers.inside import COMPLETENESS, any_given, lowered, make_finder, problem_of
 from helpers.samples import Z, readme_five_bar
 from helpers.spellings import MACHINES, lacking, named, spellings
 from symkin import Joint, Limb, LinkJoint, Mechanism
@@ -46,6 +47,35 @@ def test_all_spellings_have_one_answer(tmp_path, name, direction, names) -> None
     for other in places[1:]:
         for pair in ((places[0], other), (other, places[0])):
             assert not lacking(*pair, (len(found[0]), len(found[0])))
+
+
+@pytest.mark.parametrize("spelling", ["limbs", "graph, turned", "MJCF"])
+def test_a_sweep_finds_the_modes_of_each_point(tmp_path, spelling) -> None:
+    """As many as `modes` lists, with the same joints, complete and proved as there; none out of
+    reach.
+    """
+    machine = MACHINES["3-RPR"]()
+    [told] = named(list(spellings(machine, tmp_path)), [spelling])
+    mechanism = told.mechanism
+    names = [c.name for c in mechanism.actuated]
+    scale = np.array([[0.0, 0.05, -0.05, 9.0]]) * mechanism.characteristic_length
+    values = [machine.values[n] * told.factor for n in names] + scale.T * [[1.0, -0.5, 0.3]]
+    inputs = [dict(zip(names, row, strict=True)) for row in values.tolist()]
+    problem = problem_of(mechanism, any_given(mechanism, joints=inputs[0]))
+    table = make_finder(problem, starts=100, seed=0, certify=True).enumerate(
+        [{"joints": one} for one in inputs]
+    )
+    listed = symkin.modes(mechanism, joints=inputs)
+    assert table.count.tolist() == [len(found) for found in listed]
+    assert table.count[0] > 0 == table.count[-1]
+    assert [COMPLETENESS[k] for k in table.completeness[:-1]] == [
+        found.completeness for found in listed[:-1]
+    ]
+    modes = [mode for found in listed for mode in found]
+    assert table.certified.tolist() == [int(mode.certified) for mode in modes]
+    size = mechanism.characteristic_length
+    assert np.abs(table.position - [m.position for m in modes]).max() < 1e-9 * size
+    assert table.residual.max() < 1e-9 * size
 
 
 def test_the_coordinates_of_the_file_are_told() -> None:
@@ -103,3 +133,13 @@ def test_a_pose_off_the_plane_has_no_modes() -> None:
     assert symkin.modes(machine, pose=near)
     near[2] += 5.0
     assert not symkin.modes(machine, pose=near)
+
+
+@pytest.mark.parametrize("spelling", ["DH", "limbs, turned", "limbs, 1e+06", "graph"])
+def test_the_pose_of_an_arm_is_certified(tmp_path, spelling) -> None:
+    """As a solution of its closure, whether the pose is an unknown or follows from the links."""
+    machine = MACHINES["UR arm"]()
+    [arm] = named(list(spellings(machine, tmp_path)), [spelling])
+    found = arm.modes(machine, inverse=False)
+    assert (len(found), found.completeness, found[0].certified) == (1, "proved", True)
+    assert found[0].radius < 1e-9 * arm.mechanism.characteristic_length

@@ -13,7 +13,7 @@ from helpers.inside import (
     build_problem,
     closed_configurations,
     complex_normal,
-    group_roots,
+    group_solvers,
     known_values,
     link_poses,
     make_solution,
@@ -26,7 +26,7 @@ from helpers.inside import (
     vectorise,
 )
 
-group_paths = group_roots.group_paths.__wrapped__
+group_paths = group_solvers.group_paths.__wrapped__
 HEAD = 'format = 1\nname = "bars"\nlength_unit = "mm"\nangle_unit = "deg"\n'
 
 
@@ -71,9 +71,9 @@ def drawn(seed: int) -> symkin.Mechanism:
 def _empty_cache(tmp_path, monkeypatch):
     monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path))
     # as in a process that has not met these blocks
-    monkeypatch.setattr(group_roots, "group_paths", group_paths)
+    monkeypatch.setattr(group_solvers, "group_paths", group_paths)
     # blocks that have a closed form take their paths here
-    monkeypatch.setattr(group_roots, "closed_block", lambda _group, _number: None)
+    monkeypatch.setattr(group_solvers, "closed_block", lambda _group, _number: None)
 
 
 # --- the polynomials ------------------------------------------------------------------------------
@@ -124,7 +124,7 @@ def test_a_dyad_is_never_searched_twice(monkeypatch):
         structure, "_searched", lambda system: searched.append(system) or search(system)
     )
     monkeypatch.setattr(
-        group_roots, "start_of", lambda *_: pytest.fail("the block's own roots were sought")
+        group_solvers, "start_of", lambda *_: pytest.fail("the block's own roots were sought")
     )
     for seed in (1, 2, 3):
         (group,) = groups(drawn(seed))
@@ -140,7 +140,7 @@ def test_shared_roots_give_the_modes_that_own_ones_give(seed, monkeypatch):
     """Modes of random four-bars, from the structure's roots and from the mechanism's own."""
     mechanism = drawn(10 + seed)
     shared = symkin.modes(mechanism, joints=[7.0 * seed])
-    monkeypatch.setattr(group_roots, "structure_of", lambda *_: None)
+    monkeypatch.setattr(group_solvers, "structure_of", lambda *_: None)
     own = symkin.modes(mechanism, joints=[7.0 * seed])
     assert (len(shared), shared.complex_count, shared.completeness) == (
         len(own),
@@ -223,7 +223,7 @@ def test_a_platform_on_a_platform_is_held_by_six_distances():
         system = system_of(group, group.blocks[0])
         found = structure_of(group, system)
         assert found is not None
-        paths = group_roots.group_paths(group)
+        paths = group_solvers.group_paths(group)
         assert paths is not None
         assert paths.most_roots == 40
 

@@ -253,7 +253,8 @@ def test_choices_on_the_command_line(capsys, tmp_path):
 
 def test_a_part_with_too_many_modes_names_the_remedy(monkeypatch):
     """A ladder of four-bars, each driven by the one before: the modes double with every rung."""
-    monkeypatch.setattr(inside.by_groups, "MOST_MODES", 3)
+    for module in (inside.tree, inside.by_groups):
+        monkeypatch.setattr(module, "MOST_MODES", 3)
     mechanism = symkin.load("jansen_leg")
     with pytest.raises(symkin.SymkinError, match="--choose"):
         symkin.modes(mechanism, given={"crank": 40})

@@ -3,9 +3,9 @@ least.
 
 Each candidate adds K whitened rows a = (A_i, -B_i at its wedge's columns) in the unknowns
 (parameters, two inclinations for each wedge): M = M_0 + sum a^T a, C = M^-1, M_0 a weak prior.
-Adding one candidate changes C by a matrix of rank K (Woodbury), so that a criterion for all
-candidates is a few small products. (Where one is removed C is made anew: of one that alone tells
-something, a difference would be rounding.) What is made least:
+Adding or removing one candidate changes C by a matrix of rank K (Woodbury), so that a criterion for
+all candidates is a few small products. (Where one is removed that almost alone tells something C is
+made anew: a difference would be rounding.) What is made least:
 
   I, A    trace(Q C)        Q the mean of squared pose slopes, or 1 for the parameters
   D       log det of C's part for the parameters
@@ -16,15 +16,19 @@ Source: Fedorov, Theory of optimal experiments, 1972; Atkinson, Donev, Optimum e
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 Criterion = Literal["D", "A", "I"]
-_MAX_WEDGE_SETS = 60
-"""Sets of wedges that are tried before no further exchange of wedges begins."""
-
+_MAX_WEDGE_EXCHANGES = 5
+"""Wedges that are exchanged for others, one after the other, at most."""
+_LEAST_LEFT = 0.05
+"""Share of the information along a candidate's rows that the others must hold for C without it to
+be a difference.
+"""
 
 CRITERIA: tuple[Criterion, ...] = ("D", "A", "I")
 
@@ -76,6 +80,9 @@ class ExchangeSearch:
         self.rows = candidates.extended(wedges)
         self.q = np.zeros((self.rows.shape[2],) * 2)
         self.q[: self.width, : self.width] = np.eye(self.width) if criterion == "A" else q
+        values, vectors = np.linalg.eigh(self.q)
+        told = values > 1e-15 * values[-1]
+        self._root = vectors[:, told] * np.sqrt(values[told])
 
     def covariance(self, chosen: list[int]) -> np.ndarray:
         """Return C (P + 2 W) of chosen candidates, by a QR decomposition of their rows: squares of
@@ -96,7 +103,7 @@ class ExchangeSearch:
     def gains(self, c: np.ndarray, index: np.ndarray) -> np.ndarray:
         """Return by how much the criterion falls when one of the candidates of `index` is added."""
         rows = self.rows[index]
-        spread = rows @ c
+        spread = (rows.reshape(-1, len(c)) @ c).reshape(rows.shape)
         inner = spread @ rows.transpose(0, 2, 1) + np.eye(rows.shape[1])
         if self.criterion == "D":
             part = spread[:, :, : self.width]
@@ -106,8 +113,18 @@ class ExchangeSearch:
                 @ part.transpose(0, 2, 1)
             )
             return np.asarray(np.linalg.slogdet(inner)[1] - np.linalg.slogdet(inner - share)[1])
-        weight = spread @ self.q @ spread.transpose(0, 2, 1)
-        return np.asarray(np.trace(np.linalg.solve(inner, weight), axis1=1, axis2=2))
+        moved = (spread.reshape(-1, len(c)) @ self._root).reshape(*rows.shape[:2], -1)
+        weight = moved @ moved.transpose(0, 2, 1)
+        return np.asarray(np.sum(np.linalg.inv(inner) * weight, axis=(1, 2)))
+
+    def without(self, c: np.ndarray, chosen: list[int], place: int) -> np.ndarray:
+        """Return C after one of the chosen candidates is removed."""
+        rows = self.rows[chosen[place]]
+        spread = rows @ c
+        inner = np.eye(len(rows)) - spread @ rows.T
+        if not np.linalg.eigvalsh(inner)[0] > _LEAST_LEFT:
+            return self.covariance(chosen[:place] + chosen[place + 1 :])
+        return np.asarray(c + spread.T @ np.linalg.solve(inner, spread))
 
     def updated(self, c: np.ndarray, k: int) -> np.ndarray:
         """Return C after one candidate is added."""
@@ -116,14 +133,16 @@ class ExchangeSearch:
         inner = np.eye(len(rows)) + spread @ rows.T  # Woodbury: (M + a^T a)^-1
         return np.asarray(c - spread.T @ np.linalg.solve(inner, spread))
 
-    def greedy(self, count: int, allowed: set[int]) -> list[int]:
-        """Choose candidates one by one, each the best to add; none twice. A wedge's first
-        configuration says nothing yet, so that each wedge is given one to begin with, as far as two
-        of each can be had.
+    def greedy(self, count: int, allowed: set[int], kept: Sequence[int] = ()) -> list[int]:
+        """Choose candidates beside those that are kept one by one, each the best to add; none
+        twice. A wedge's first configuration says nothing yet, so that each wedge is given one to
+        begin with, as far as two of each can be had.
         """
-        index = np.flatnonzero(np.isin(self.candidates.wedge, list(allowed)))
+        wedge = self.candidates.wedge
+        index = np.flatnonzero(np.isin(wedge, list(allowed)))
         begun = sorted(allowed)[: count // 2] if self.wedges else []
-        chosen = [int(np.argmax(self.candidates.wedge == wedge)) for wedge in begun]
+        new = [int(np.argmax(wedge == w)) for w in begun if w not in wedge[list(kept)]]
+        chosen = [*kept, *new][:count]
         c = self.covariance(chosen)
         for _ in range(count - len(chosen)):
             gains = self.gains(c, index)
@@ -139,9 +158,9 @@ class ExchangeSearch:
         chosen = list(chosen)
         index = np.flatnonzero(np.isin(self.candidates.wedge, list(allowed)))
         for _ in range(passes):
-            changed = False
+            changed, c = False, self.covariance(chosen)
             for place, old in enumerate(chosen):
-                without = self.covariance(chosen[:place] + chosen[place + 1 :])
+                without = self.without(c, chosen, place)
                 gains = self.gains(without, index)
                 gains[np.isin(index, chosen[:place] + chosen[place + 1 :])] = -np.inf
                 best = int(index[np.argmax(gains)])
@@ -149,6 +168,7 @@ class ExchangeSearch:
                     self.gains(without, np.array([old]))[0]
                 ):
                     chosen[place], changed = best, True
+                    c = self.updated(without, best)
             if not changed:
                 break
         return chosen
@@ -157,34 +177,34 @@ class ExchangeSearch:
         """Choose the wedges when only `groups` of them may be used: the best of three
         beginnings (those that a choice among all uses most, least, the first), then one exchanged
         for another while that helps. A set is worth what a greedy choice with one pass of exchanges
-        makes of it.
+        makes of it; a set with one wedge exchanged keeps the configurations on the others.
         """
         if not self.wedges:
             return {-1}
-        everything = set(range(self.wedges))
-        groups = max(groups, 1)
+        everything, groups = set(range(self.wedges)), max(groups, 1)
         if len(everything) <= groups:
             return everything
-        worth: dict[frozenset[int], float] = {}
 
-        def value(wedges: set[int]) -> float:
-            key = frozenset(wedges)
-            if key not in worth:
-                worth[key] = self.value(
-                    self.covariance(self.improve(self.greedy(count, wedges), wedges, passes=1))
-                )
-            return worth[key]
+        def choice(wedges: set[int], kept: Sequence[int] = ()) -> tuple[float, list[int]]:
+            chosen = self.greedy(count, wedges, kept)
+            if not kept:
+                chosen = self.improve(chosen, wedges, passes=1)
+            return self.value(self.covariance(chosen)), chosen
 
         used = self.candidates.wedge[self.greedy(count, everything)]
         most = np.argsort(-np.bincount(used, minlength=self.wedges), kind="stable")
         ends = (most, most[::-1], range(self.wedges))
-        best = min((set(list(map(int, end))[:groups]) for end in ends), key=value)
-        improved = True
-        while improved and len(worth) < _MAX_WEDGE_SETS:
+        sets = [set(list(map(int, end))[:groups]) for end in ends]
+        (worth, chosen), best = min(((choice(s), s) for s in sets), key=lambda t: t[0][0])
+        for _ in range(_MAX_WEDGE_EXCHANGES):
             trials = [
-                best - {out} | {new} for out in sorted(best) for new in sorted(everything - best)
+                (choice(now, [k for k in chosen if self.candidates.wedge[k] != out])[0], now)
+                for out in sorted(best)
+                for now in (best - {out} | {new} for new in sorted(everything - best))
             ]
-            trial = min(trials, key=value)
-            improved = value(trial) < value(best)
-            best = trial if improved else best
+            trial = min(trials, key=lambda t: t[0])[1]
+            found = choice(trial)
+            if not found[0] < worth:
+                break
+            (worth, chosen), best = found, trial
         return best

@@ -345,7 +345,7 @@ class _Task:
         for scale in _REFINEMENT_SCALES:
             pool = self._with_neighbours(pool, scale)
             local = self._search(self.reduced(self.candidates(pool.configurations, pool.wedge)))
-            pool = pool.take(np.array(local.improve(list(range(self.count)), allowed)))
+            pool = pool.take(np.array(local.improve(list(range(self.count)), allowed, passes=2)))
         return pool
 
     def _drawn(self) -> _Pool:

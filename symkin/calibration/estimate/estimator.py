@@ -35,6 +35,7 @@ from symkin.calibration.estimate.configurations import (
     whole_poses,
 )
 from symkin.calibration.estimate.linear import (
+    UNTOLD,
     WELL_TOLD,
     Linear,
     prior_weight,
@@ -66,7 +67,7 @@ _FIRST_DAMPING, _DAMPING_INCREASE, _DAMPING_DECREASE, _MAX_DAMPING = 1.0, 10.0, 
 """Damping (in weights of the prior) after the first step that failed, its factors after one that
 fails and one that does not, and the damping at which no step is left.
 """
-_MAX_UNSHRUNK_STEPS, _CONVERGED_STEP = 4, 1e-13
+_MAX_UNSHRUNK_STEPS, _CONVERGED_STEP = 8, 1e-13
 """Most steps without the prior, and their length, of the size, at which they end."""
 _GOOD_GAIN, _POOR_GAIN, _POOR_INCREASE = 0.75, 0.5, 4.0
 """Share of what the linear model promised from which on there is less damping, that below which
@@ -325,22 +326,24 @@ class _Search:
         return here > _LEFTOVER_TOLERANCE * self._size or self._cost(trial, weight) < before
 
     def _unshrink(self) -> None:
-        """Take the last steps: without the prior in the directions that readings tell by far, with
-        it in the others.
+        """Take the last steps: without the prior in the directions that readings tell by far,
+        without the readings in those that they do not tell, with both in the others.
         """
         last = np.inf
         for _ in range(_MAX_UNSHRUNK_STEPS):
             linear = Linear.of(self.problem, self.state, self.widened)
             weight = prior_weight(self.problem, self.state, linear)
             told = linear.told(weight)
-            well = told.ratios > WELL_TOLD
+            well, silent = told.ratios > WELL_TOLD, told.inner[:, told.ratios < UNTOLD]
             free, rest = told.inner[:, well], told.inner[:, ~well]
             y = -free @ (told.gains[well] * ((linear.jacobian @ free).T @ linear.residuals))
             solver = _Damped(linear, weight)
-            y += rest @ np.linalg.lstsq(solver.matrix @ rest, solver.right, rcond=None)[0]
+            matrix = solver.matrix.copy()
+            matrix[: len(silent)] -= linear.jacobian @ silent @ silent.T
+            y += rest @ np.linalg.lstsq(matrix @ rest, solver.right, rcond=None)[0]
             step = linear.particular + linear.basis @ y
             length = float(np.max(np.abs(step), initial=0.0)) / self._size
-            if not _CONVERGED_STEP < length < 0.5 * last:
+            if not _CONVERGED_STEP < length < 0.9 * last:
                 return
             trial = restored_after(self.move, self.state, step)
             if trial is None or not np.array_equal(

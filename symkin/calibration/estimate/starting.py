@@ -17,7 +17,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from symkin.assembly.modes import modes_at_need
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.parameters import with_parameters
 from symkin.calibration.estimate.configurations import (
@@ -239,6 +238,8 @@ def _all_modes(
     """List the unknowns (k, width) of all real modes of the geometry p at the joint readings of
     some configurations, and the numbers of these (k,).
     """
+    from symkin.assembly.modes import modes_at_need  # half of the imports, and rarely needed
+
     model, values = problem.model, dict(zip(problem.names, p, strict=True))
     mechanism = with_parameters(replace(problem.mechanism, example=None), values)
     closure, count = build_closure(mechanism, model.closure.partition), len(mechanism.actuated)

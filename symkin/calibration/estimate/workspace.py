@@ -190,7 +190,8 @@ class Workspace:
         if self.carried and not held:
             rows, freedom = self.solver.rows_and_unknowns
             redundant = (
-                f"; {rows} rows for {freedom} unknowns close at special geometry alone"
+                f"; {rows} rows for {freedom} unknowns close at special geometry alone: check it, "
+                f"or name fewer joints as actuated"
                 if rows > freedom
                 else ""
             )

@@ -110,8 +110,7 @@ def find_sequence(mechanism: Mechanism, data: DataFile, **options: Any) -> Seque
     starts = sorted((s for s in starts if s[1].solved.any()), key=lambda s: s[1].misfit)
     if not starts:
         raise InputError(
-            f"{data.path}: no Euler sequence leads to a fit; check units and the order of the "
-            f"columns"
+            "no Euler sequence leads to a fit; check units and the order of the columns"
         )
     fitted: list[tuple[tuple[str, ...], Trial]] = []
     undetermined = False
@@ -124,7 +123,7 @@ def find_sequence(mechanism: Mechanism, data: DataFile, **options: Any) -> Seque
             break
     if undetermined or not fitted:
         raise InputError(
-            f"{data.path}: {len(data.measurements)} postures have no more readings than there are "
+            f"{len(data.measurements)} postures have no more readings than there are "
             f"parameters, so that every Euler sequence fits: name the sequence in the header "
             f"(euler_ZYX_1[deg], ...), hold parameters, or add postures"
         )

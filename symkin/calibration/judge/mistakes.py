@@ -25,6 +25,7 @@ from symkin.calibration.judge.euler_sequence import describe_sequence, equal_seq
 from symkin.calibration.judge.statistics import rms_of_better_part
 from symkin.calibration.judge.trials import NO_TRIAL, Start, Trial, begin
 from symkin.errors import SymkinError
+from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.rotation import wrapped
 from symkin.text import first_of
@@ -94,7 +95,8 @@ class Stage(Enum):
 @dataclass(frozen=True, eq=False)
 class Case:
     """What the rules look at: readings of a mechanism, parameters that are unknown frames, and
-    Euler angles (n, 3) as they stand with the sequence in which they are read.
+    Euler angles (n, 3) as they stand with the sequence in which they are read, and whether this was
+    sought, so that any other may be meant.
     """
 
     mechanism: Mechanism
@@ -102,14 +104,16 @@ class Case:
     frames: tuple[str, ...] = ()
     euler: np.ndarray | None = None
     sequence: str = ""
+    sought: bool = False
 
     @staticmethod
     def of(
         mechanism: Mechanism, data: DataFile, sequence: str = "", frames: Sequence[str] = ()
     ) -> Case:
         """Make the case of a file; `sequence` is that of Euler angles whose header names none."""
-        named = data.sequence or sequence
-        return Case(mechanism, data.with_sequence(sequence), tuple(frames), data.euler, named)
+        named, sought = data.sequence or sequence, data.open_euler is not None
+        readings = data.with_sequence(sequence)
+        return Case(mechanism, readings, tuple(frames), data.euler, named, sought)
 
     def start(self, measurements: Measurements | None = None) -> Start:
         """Begin a trial of other readings in place of these."""
@@ -200,11 +204,13 @@ def _sentences(case: Case, stage: Stage) -> list[str]:
     if not judged:
         return []
     as_read, unit = case.trial(), case.mechanism.length_unit
-    tried = sorted(((case.trial(m), text) for text, m in judged), key=lambda t: t[0].score)
+    tried: dict[str, Trial] = {}
+    for trial, text in sorted(((case.trial(m), t) for t, m in judged), key=lambda t: t[0].score):
+        tried.setdefault(text, trial)
     return [
         f"{text}: the misfit at the nominal geometry would fall from {as_read.score**0.5:.3g} to "
         f"{trial.score**0.5:.3g} {unit} (angles times the size)"
-        for trial, text in tried
+        for text, trial in tried.items()
         if trial.better_than(as_read)
     ]
 
@@ -376,6 +382,14 @@ def _euler(case: Case) -> Iterator[Block]:
 
     if case.euler is not None and sequence:
         yield Block(sequence, [True] * 3, case.euler, put, range(3), "the Euler angles")
+
+
+def _euler_of_any_sequence(case: Case) -> Iterator[Block]:
+    """Euler angles in the sequence named; where none was, in each that differs: in a wrong unit all
+    fit badly, and which fits least badly says nothing.
+    """
+    for sequence in SEQUENCES if case.sought else [case.sequence]:
+        yield from _euler(replace(case, sequence=sequence))
 
 
 def _find(
@@ -626,7 +640,12 @@ RULES = (
             ("angles of joints in radians", Stage.CORRECTION, _kinds_of_joints, _in_radians),
             ("positions in another unit", Stage.CORRECTION, _positions, _in_another_unit),
             ("distances in another unit", Stage.CORRECTION, _distances, _in_another_unit),
-            ("Euler angles in another unit", Stage.CORRECTION, _euler, _in_another_unit),
+            (
+                "Euler angles in another unit",
+                Stage.CORRECTION,
+                _euler_of_any_sequence,
+                _in_another_unit,
+            ),
             ("the sign of an encoder reversed", Stage.CORRECTION, _encoders, _reversed),
             ("two encoders exchanged", Stage.CORRECTION, _encoders, _exchanged),
             ("a reading in another unit", Stage.CORRECTION, _readings, _in_another_unit),

@@ -1,5 +1,5 @@
 /* The twist of joint rates: the closure's linear system at the pose. */
-@{p}_status @{p}_twist(@{gp}const @{p}_pose *pose, const @{real} rates[@{nq}], @{real} twist[6])
+@{static_own}@{p}_status @{twist}(@{gp}const @{p}_pose *pose, const @{real} rates[@{nq}], @{real} twist[6])
 {
     @{k}_work work;
     @{k}_work *const w = &work;

@@ -18,7 +18,7 @@
 namespace @{namespace} {
 
 using real = ::@{p}_real;
-using pose = ::@{p}_pose;
+@{pose}
 using config = ::@{p}_config;
 using info = ::@{p}_info;
 @{geometry_type}
@@ -29,8 +29,7 @@ inline constexpr config usual_config = {@{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX
 @{limit}
 
 using joint_values = std::array<real, joint_count>;
-using twist_values = std::array<real, 6>;
-using matrix = std::array<real, 6 * joint_count>;
+@{arrays}
 
 #if __cplusplus >= 202002L
 template <std::size_t count> using view = std::span<const real, count>;

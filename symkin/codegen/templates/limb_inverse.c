@@ -22,7 +22,7 @@
 }
 
 /* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand sides. */
-@{p}_status @{p}_jacobian(@{gp}const @{p}_pose *pose, @{real} rates[@{nq} * 6])
+@{static_own}@{p}_status @{jacobian}(@{gp}const @{p}_pose *pose, @{real} rates[@{nq} * 6])
 {
     @{real} c[@{nc}];
     @{real} jacobian[@{nq} * 6] = { @{zero} };

@@ -29,3 +29,24 @@
 /* joint_torques = transposed jacobian * found_torques: the joints' torques (of slides, forces) that hold those of the found ones. */
 @{p}_status @{p}_torques(const @{p}_real joints[@{P}_JOINTS], const @{p}_real found[@{P}_FOUND], const @{p}_real found_torques[@{P}_FOUND],
     @{p}_real joint_torques[@{P}_JOINTS]);
+
+/* joint rates = inverse_jacobian * found rates. */
+@{p}_status @{p}_inverse_jacobian(const @{p}_real joints[@{P}_JOINTS], const @{p}_real found[@{P}_FOUND],
+    @{p}_real inverse_jacobian[@{P}_JOINTS * @{P}_FOUND]);
+
+/* The Jacobian, which may be NULL, and second[(i * @{P}_JOINTS + j) * @{P}_JOINTS + k], the second derivative of found i by joints j and k:
+ * found accelerations = jacobian * joint accelerations + sum of second * joint_rates[j] * joint_rates[k]. */
+@{p}_status @{p}_second(const @{p}_real joints[@{P}_JOINTS], const @{p}_real found[@{P}_FOUND],
+    @{p}_real jacobian[@{P}_FOUND * @{P}_JOINTS], @{p}_real second[@{P}_FOUND * @{P}_JOINTS * @{P}_JOINTS]);
+
+/* Row-major: what the joints' inertias (of slides, masses) are at the found coordinates, G^T joint_inertias G with the inverse Jacobian
+ * G. */
+@{p}_status @{p}_inertia(const @{p}_real joints[@{P}_JOINTS], const @{p}_real found[@{P}_FOUND],
+    const @{p}_real joint_inertias[@{P}_JOINTS], @{p}_real inertia[@{P}_FOUND * @{P}_FOUND]);
+
+/* The largest torque, and the largest rate, of each found coordinate alone, the others without any, for which no joint is beyond its
+ * own; @{largest} where no joint bounds it. */
+@{p}_status @{p}_torque_limits(const @{p}_real joints[@{P}_JOINTS], const @{p}_real found[@{P}_FOUND],
+    const @{p}_real joint_limits[@{P}_JOINTS], @{p}_real found_limits[@{P}_FOUND]);
+@{p}_status @{p}_rate_limits(const @{p}_real joints[@{P}_JOINTS], const @{p}_real found[@{P}_FOUND],
+    const @{p}_real joint_limits[@{P}_JOINTS], @{p}_real found_limits[@{P}_FOUND]);

@@ -1,9 +1,9 @@
 /* Copies results that are finite. */
-static @{SHARED} @{p}_status @{p}_give(const @{real} result[@{nq}], @{real} given[@{nq}])
+static @{SHARED} @{p}_status @{p}_give(const @{real} *result, @{real} *given, int count)
 {
-    const @{p}_status status = (@{p}_check_finite(result, @{nq}, @{P}_OK) == @{P}_OK) ? @{P}_OK : @{P}_OUT_OF_RANGE;
+    const @{p}_status status = (@{p}_check_finite(result, count, @{P}_OK) == @{P}_OK) ? @{P}_OK : @{P}_OUT_OF_RANGE;
     if (status == @{P}_OK) {
-        for (int i = 0; i < @{nq}; ++i) {
+        for (int i = 0; i < count; ++i) {
             given[i] = result[i];
         }
     }

@@ -93,14 +93,77 @@ static void rates_all(void)
     }
 }
 
+/* Second derivatives; the inverse Jacobian against the Jacobian; that joints and found coordinates have the same kinetic energy; that a
+ * found torque, and a rate, at its limit has one joint at its own, and none beyond. */
+static void derivatives_all(void)
+{
+    for (int k = 0; k < @{P}_VECTOR_JACOBIANS; ++k) {
+        const @{p}_real *const joints = @{p}_vector_joints[k];
+        const @{p}_real *const found = @{p}_vector_found[k];
+        @{p}_real own[N];
+        @{p}_real jacobian[N * N];
+        @{p}_real again[N * N];
+        @{p}_real inverse[N * N];
+        @{p}_real inertia[N * N];
+        @{p}_real second[N * N * N];
+        @{p}_real torques[N];
+        @{p}_real rates[N];
+        double most = 1.0;
+        for (int i = 0; i < N; ++i) {
+            own[i] = (@{p}_real)(1 + i);
+        }
+        expect(@{p}_jacobian(joints, found, jacobian) == @{P}_OK, "jacobian", k);
+        expect(@{p}_inverse_jacobian(joints, found, inverse) == @{P}_OK, "inverse_jacobian", k);
+        expect(@{p}_second(joints, found, NULL, second) == @{P}_OK, "second without jacobian", k);
+        expect(@{p}_second(joints, found, again, second) == @{P}_OK, "second", k);
+        expect(@{p}_inertia(joints, found, own, inertia) == @{P}_OK, "inertia", k);
+        expect(@{p}_torque_limits(joints, found, own, torques) == @{P}_OK, "torque_limits", k);
+        expect(@{p}_rate_limits(joints, found, own, rates) == @{P}_OK, "rate_limits", k);
+        for (int i = 0; i < N * N * N; ++i) {
+            most = fmax(most, fabs((double)@{p}_vector_seconds[k][i]));
+        }
+        for (int i = 0; i < N * N * N; ++i) {
+            const double off = (double)second[i] - (double)@{p}_vector_seconds[k][i];
+            expect(fabs(off) <= 10.0 * @{jacobian_bound} * most, "second's entry", i);
+        }
+        for (int i = 0; i < N; ++i) {
+            double torque = 0.0;
+            double rate = 0.0;
+            for (int j = 0; j < N; ++j) {
+                double one = 0.0;
+                double energy = 0.0;
+                double scale = 1.0;
+                for (int l = 0; l < N; ++l) {
+                    one += (double)jacobian[N * i + l] * (double)inverse[N * l + j];
+                    scale += fabs((double)jacobian[N * i + l] * (double)inverse[N * l + j]);
+                    for (int h = 0; h < N; ++h) {
+                        energy += (double)jacobian[N * l + i] * (double)inertia[N * l + h] * (double)jacobian[N * h + j];
+                        scale += fabs((double)jacobian[N * l + i] * (double)inertia[N * l + h] * (double)jacobian[N * h + j]);
+                    }
+                }
+                expect(again[N * i + j] == jacobian[N * i + j], "second's jacobian", k);
+                expect(fabs(one - ((i == j) ? 1.0 : 0.0)) <= 10.0 * @{jacobian_bound} * scale, "inverse_jacobian's entry", k);
+                expect(fabs(energy - ((i == j) ? (double)own[i] : 0.0)) <= 10.0 * @{jacobian_bound} * scale, "inertia's entry", k);
+                torque = fmax(torque, fabs((double)jacobian[N * i + j] * (double)torques[i]) / (double)own[j]);
+                rate = fmax(rate, fabs((double)inverse[N * j + i] * (double)rates[i]) / (double)own[j]);
+            }
+            expect(fabs(torque - 1.0) <= @{jacobian_bound}, "torque at its limit", i);
+            expect(fabs(rate - 1.0) <= @{jacobian_bound}, "rate at its limit", i);
+        }
+    }
+}
+
 /* Every function with one input that it refuses: the status, results untouched, info written. */
 static void refuse(const @{p}_real joints[N], const @{p}_real found[N], @{p}_status wanted, int number)
 {
     @{p}_real result[N];
     @{p}_real jacobian[N * N];
+    @{p}_real second[N * N * N];
+    @{p}_real ones[N];
     @{p}_info info;
     for (int i = 0; i < N; ++i) {
         result[i] = @{four};
+        ones[i] = @{one};
     }
     info.iterations = 255U;
     expect(@{p}_direct(NULL, joints, found, result, &info) == wanted, "direct refuses", number);
@@ -119,6 +182,11 @@ static void refuse(const @{p}_real joints[N], const @{p}_real found[N], @{p}_sta
     copy(joints, result);
     expect(@{p}_rates(joints, found, joints, result) == wanted, "rates refuse", number);
     expect(@{p}_torques(joints, found, joints, result) == wanted, "torques refuse", number);
+    expect(@{p}_inverse_jacobian(joints, found, jacobian) == wanted, "inverse_jacobian refuses", number);
+    expect(@{p}_second(joints, found, jacobian, second) == wanted, "second refuses", number);
+    expect(@{p}_inertia(joints, found, ones, jacobian) == wanted, "inertia refuses", number);
+    expect(@{p}_torque_limits(joints, found, ones, result) == wanted, "torque_limits refuse", number);
+    expect(@{p}_rate_limits(joints, found, ones, result) == wanted, "rate_limits refuse", number);
 }
 
 static void refuse_all(void)
@@ -143,6 +211,16 @@ static void refuse_all(void)
     copy(@{p}_vector_found[0], found);
     expect(@{p}_direct(&none, joints, found, found, &info) == @{P}_MAX_ITERATIONS, "direct without a step", 0);
     expect(@{p}_inverse(&none, found, joints, joints, &info) == @{P}_MAX_ITERATIONS, "inverse without a step", 0);
+    for (int k = 0; k < 4; ++k) {
+        /* numbers that are no inertias and no limits */
+        @{p}_real matrix[N * N];
+        const @{p}_status why = (k < 3) ? @{P}_NONFINITE : @{P}_OUT_OF_RANGE;
+        copy(@{p}_vector_found[0], found);
+        found[0] = (k < 3) ? wrong[k] : -@{one};
+        expect(@{p}_inertia(joints, @{p}_vector_found[0], found, matrix) == why, "inertia refuses an inertia", k);
+        expect(@{p}_torque_limits(joints, @{p}_vector_found[0], found, found) == why, "torque_limits refuse a limit", k);
+        expect(@{p}_rate_limits(joints, @{p}_vector_found[0], found, found) == why, "rate_limits refuse a limit", k);
+    }
 }
 
 /* Values that no configuration has, and joints and found values beyond their limits: never OK, results untouched. */
@@ -182,6 +260,7 @@ int main(void)
 {
     solve_all();
     rates_all();
+    derivatives_all();
     refuse_all();
     refuse_infeasible();
     (void)printf("@{p}: %d cases, %d failures\n", @{P}_VECTORS, failures);

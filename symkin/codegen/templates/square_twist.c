@@ -1,12 +1,12 @@
 /* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
-@{p}_status @{p}_twist(@{gp}const @{p}_pose *pose, const @{real} rates[@{nq}], @{real} twist[6])
+@{static_own}@{p}_status @{twist}(@{gp}const @{p}_pose *pose, const @{real} rates[@{nq}], @{real} twist[6])
 {
     static const @{real} row_scale[@{nq}] = { @{row_scales} };
     static const @{real} column_scale[@{nq}] = { @{column_scales} };
     static const uint8_t column[@{nq}] = { @{columns} };
     @{real} jacobian[@{nq} * 6];
     @{real} a[@{nq}][@{nq} + 1];
-    @{p}_status status = @{p}_check_speeds(rates, @{nq}, @{p}_jacobian(@{ga}pose, jacobian));
+    @{p}_status status = @{p}_check_speeds(rates, @{nq}, @{jacobian}(@{ga}pose, jacobian));
     if (status == @{P}_OK) {
         for (int i = 0; i < @{nq}; ++i) {
             for (int j = 0; j < @{nq}; ++j) {

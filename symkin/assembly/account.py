@@ -1,0 +1,136 @@
+"""What is known of inputs and of each group of a problem, gathered while the groups are solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from symkin.assembly.group_roots import STATEMENTS, GroupRoots, engines_together
+from symkin.assembly.modes_result import Completeness, Group
+from symkin.position.problem import Problem
+from symkin.position.roots import Roots, product_of_counts, sum_of_counts
+
+FEW = -1
+"""In place of the group at which choices are too many: there is none."""
+
+
+@dataclass(eq=False)
+class Account:
+    """What is known of n inputs and each group (n, groups): whether it was reached, the place of
+    what is said of it in `STATEMENTS`, the most complex and real solutions for one choice before
+    it, unresolved paths, whether a set that is not isolated was met. Of each input: what was
+    searched from random starts (`samples`), and (n,) the least closure error of the group that has
+    no solution, and the group at which choices are too many.
+    """
+
+    seen: np.ndarray
+    statement: np.ndarray
+    complex_count: np.ndarray
+    count: np.ndarray
+    unresolved: np.ndarray
+    continuum: np.ndarray
+    smallest: np.ndarray
+    too_many: np.ndarray
+    notes: list[tuple[int, np.ndarray | None, tuple[str, ...]]] = field(default_factory=list)
+    engines: list[str] = field(default_factory=list)
+    theorems: dict[int, str] = field(default_factory=dict)
+    samples: dict[int, list[Roots]] = field(default_factory=dict)
+
+    @staticmethod
+    def empty(n: int, groups: int) -> Account:
+        statement, count = (np.zeros((n, groups), dtype=int) for _ in range(2))
+        complex_count, unresolved = (np.zeros((n, groups)) for _ in range(2))
+        seen, continuum = (np.zeros((n, groups), dtype=bool) for _ in range(2))
+        return Account(
+            seen,
+            statement,
+            complex_count,
+            count,
+            unresolved,
+            continuum,
+            np.full(n, np.inf),
+            np.full(n, FEW),
+        )
+
+    def add(self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray) -> None:
+        """What a group's roots say of inputs: each pair of `owner` (k,) and `which` (k,) is an
+        input and a row that it asks for.
+        """
+        self.seen[owner, number] = True
+        counts = roots.counts
+        for array, values in (
+            (self.statement, roots.statement),
+            (self.complex_count, roots.complex_count),
+            (self.count, counts),
+        ):
+            with np.errstate(invalid="ignore"):  # a count that is not known stays so
+                np.maximum.at(array[:, number], owner, values[which])
+        self._add_unresolved(number, roots, owner, which)
+        np.logical_or.at(self.continuum[:, number], owner, roots.continuum[which])
+        self.notes.append((number, None, roots.orbits))
+        self.notes += [
+            (number, np.unique(owner[which == row]), texts) for row, texts in roots.notes.items()
+        ]
+        if roots.theorem is not None:
+            self.theorems[number] = roots.theorem
+        self.engines += [roots.engine] if roots.engine is not None else []
+        for row, sample in roots.samples.items():
+            for i in np.unique(owner[which == row]).tolist():
+                self.samples.setdefault(i, []).append(sample)
+
+    def _add_unresolved(
+        self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray
+    ) -> None:
+        """Unresolved paths of all different rows that an input asks for."""
+        pairs = (
+            np.unique(np.stack([owner, which]), axis=1)
+            if roots.unresolved.any()
+            else np.zeros((2, 0), dtype=int)
+        )
+        np.add.at(self.unresolved[:, number], pairs[0], roots.unresolved[pairs[1]])
+
+    @property
+    def engine(self) -> str | None:
+        return engines_together(self.engines)
+
+    @property
+    def whole(self) -> np.ndarray:
+        """Inputs (n,) that have reached all groups."""
+        return np.asarray(self.seen.all(axis=1))
+
+    def complex_count_of(self, number: int) -> int | None:
+        """Complex solutions of an input; None where they are not known."""
+        return (
+            product_of_counts(self.complex_count[number].tolist())
+            if self.seen[number].all()
+            else None
+        )
+
+    def unresolved_of(self, number: int) -> int | None:
+        """Unresolved paths of an input; None where some group was searched without paths."""
+        return sum_of_counts(self.unresolved[number].tolist())
+
+    def theorems_of(self, number: int) -> list[str]:
+        """What proves an input's groups complete, in their order."""
+        proved = np.flatnonzero(self.seen[number] & (self.statement[number] == 0)).tolist()
+        return [self.theorems[k] for k in proved if k in self.theorems]
+
+    def notes_of(self, number: int) -> list[str]:
+        """What is said of an input's groups, in their order."""
+        told = [
+            k for k, (_, inputs, _) in enumerate(self.notes) if inputs is None or number in inputs
+        ]
+        chosen = sorted(
+            (self.notes[k] for k in told if self.seen[number, self.notes[k][0]]),
+            key=lambda note: note[0],
+        )
+        return [text for _, _, texts in chosen for text in texts]
+
+    def group_of(self, number: int, place: int, group: Problem) -> Group:
+        """A group as it is for one input."""
+        unknowns = tuple(c.name for c in group.system.unknowns)
+        complex_count = product_of_counts([self.complex_count[number, place]])
+        statement: Completeness = STATEMENTS[self.statement[number, place]]
+        count = int(self.count[number, place])
+        return Group(", ".join(unknowns), unknowns, complex_count, statement, count)

@@ -1,0 +1,159 @@
+"""What finds the solutions of a structure group: formulas, paths, or its parts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
+from symkin.computed_once import lru_cache
+from symkin.homotopy.branches import complex_count
+from symkin.homotopy.start_store import start_of
+from symkin.homotopy.structure import MOST_UNKNOWNS, start_of_structure, structure_of
+from symkin.homotopy.systems import squared, system_of, unsuitable
+from symkin.position.gear_train import gear_train
+from symkin.position.groups import implied_parts, is_linear, is_tied
+from symkin.position.problem import Problem
+from symkin.position.roots import NOT_KNOWN, product_of_counts
+
+_FEW_ROOTS = 32
+"""Complex solutions of a group that are as soon followed together as part by part."""
+
+
+def group_solver(group: Problem, *, formulas: bool = True) -> BlockPaths | ClosedBlock | None:
+    """The formulas of a group, if they are wanted and account for all its solutions, else what
+    tracks its paths; None where it has neither.
+    """
+    closed, paths = closed_block(group, 0) if formulas else None, group_paths(group)
+    if closed is not None and accounts_for_all(closed, paths):
+        return closed
+    return any_paths(group)
+
+
+def any_paths(group: Problem) -> BlockPaths | None:
+    """What tracks the paths of a group, of combinations of its rows where these are more than its
+    unknowns and known values must satisfy conditions.
+    """
+    return group_paths(group) or _combined_paths(group)
+
+
+@lru_cache(maxsize=256)
+def group_paths(group: Problem) -> BlockPaths | None:
+    """What tracks the paths of a group; None where it has no start."""
+    if unsuitable(group) is not None:
+        return None
+    (block,) = group.blocks
+    system = system_of(group, block)
+    structure = structure_of(group, system)
+    if structure is not None:
+        shared = start_of_structure(group, structure)
+        if shared is not None:
+            return BlockPaths(group, block, structure.system, shared, structure)
+    if is_tied(group) and not system.projective:
+        return None
+    start, _ = start_of(group, system, block)
+    return None if start is None else BlockPaths(group, block, system, start)
+
+
+@lru_cache(maxsize=256)
+def _combined_paths(group: Problem) -> BlockPaths | None:
+    if unsuitable(group) is not None or not is_tied(group):
+        return None
+    (block,) = group.blocks
+    system = squared(system_of(group, block))
+    start, _ = start_of(group, system, block)
+    return None if start is None else BlockPaths(group, block, system, start, combined=True)
+
+
+def most_roots(group: Problem) -> int | None:
+    """The most isolated solutions of a group at one row of values; None where no paths tell."""
+    if is_linear(group):
+        return 1
+    train = gear_train(group)
+    if train is not None:
+        return len(train.places)
+    parts = solved_parts(group)
+    if parts:
+        return most_of_parts(parts)
+    paths = group_solver(group)
+    return None if paths is None else paths.most_roots
+
+
+def most_of_parts(parts: Sequence[Problem]) -> int | None:
+    """The most isolated solutions of parts that are solved one after another."""
+    counts = (most_roots(part) for part in parts)
+    return product_of_counts(NOT_KNOWN if count is None else count for count in counts)
+
+
+def solvers_of(group: Problem) -> list[BlockPaths | ClosedBlock]:
+    """What finds the solutions of a group, or those of its parts, where it takes formulas or
+    paths.
+    """
+    if solved_at_once(group):
+        return []
+    parts = solved_parts(group)
+    if parts:
+        return [solver for part in parts for solver in solvers_of(part)]
+    solver = group_solver(group)
+    return [] if solver is None else [solver]
+
+
+@lru_cache(maxsize=256)
+def solved_parts(group: Problem) -> tuple[Problem, ...]:
+    """The parts of a group that has no formulas of its own, where implied rows take it apart and
+    each part has formulas or paths; of a group of few unknowns only where it has no paths.
+    """
+    if solved_at_once(group) or closed_block(group, 0) is not None:
+        return ()
+    if group.system.freedom <= MOST_UNKNOWNS and group_paths(group) is not None:
+        return ()
+    parts = implied_parts(group)
+
+    def own_count() -> int | None:
+        paths = group_paths(group)
+        return None if paths is None else paths.most_roots
+
+    return parts if _are_taken(parts, own_count) else ()
+
+
+@lru_cache(maxsize=128)
+def parted_group(problem: Problem) -> Problem | None:
+    """The group that a direct problem of limbs is as a whole, where implied rows take it apart as
+    in `solved_parts`.
+    """
+    if problem.kind != "direct" or len(problem.blocks) != 1 or closed_block(problem, 0) is not None:
+        return None
+    group = replace(problem, kind="given", row_places=problem.places_of_rows)
+
+    def own_count() -> int | None:
+        if unsuitable(problem) is not None:
+            return None
+        (block,) = problem.blocks
+        system = system_of(problem, block)
+        start, _ = start_of(problem, system, block)
+        return None if start is None else complex_count(system, start.z)
+
+    return group if _are_taken(implied_parts(group), own_count) else None
+
+
+def _are_taken(parts: Sequence[Problem], own_count: Callable[[], int | None]) -> bool:
+    """Whether a group is left to its parts. Its own paths are taken where it has some, and passive
+    joints, which implied rows leave, have one solution each, so that these paths are as many as
+    those of the parts; or where all are few.
+    """
+    if not parts:
+        return False
+    single = all(part.implied or most_roots(part) == 1 for part in parts)
+    if single and own_count() is not None:
+        return False
+    count = most_of_parts(parts)
+    if count is None or count > _FEW_ROOTS:
+        return count is not None
+    own = own_count()
+    return own is None or own < count
+
+
+def solved_at_once(group: Problem) -> bool:
+    """Whether a group needs neither formulas nor paths."""
+    return is_linear(group) or gear_train(group) is not None

@@ -1,0 +1,388 @@
+"""The tree of choices: partial configurations of many inputs, which grow group by group."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from symkin.assembly.account import FEW, Account
+from symkin.assembly.checked_roots import Candidates, checked_roots
+from symkin.assembly.continuation import least_error
+from symkin.assembly.group_roots import (
+    STATEMENTS,
+    GroupRoots,
+    all_together,
+    geared_roots,
+    linear_roots,
+    one_by_one,
+)
+from symkin.assembly.group_solvers import any_paths, group_solver, most_roots, solved_parts
+from symkin.assembly.mode_proofs import PartProofs, proofs_of_group
+from symkin.assembly.search import Search
+from symkin.errors import InputError
+from symkin.numeric.levenberg import Progress
+from symkin.position.canonical import canonical
+from symkin.position.families import Member, members_of
+from symkin.position.gear_train import gear_train
+from symkin.position.given import Given
+from symkin.position.groups import is_linear
+from symkin.position.problem import Problem
+from symkin.position.roots import MOST_MODES, NOT_KNOWN, polished_roots, unite
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """Partial configurations `values` (m, variables), which are within `away` of exact ones (length
+    unit), of the inputs `owner` (m,), rising, the `hits` (m,) of the rarest choice of each, and
+    what is proved of them; of a part that is done only its own `columns` of the variables.
+    """
+
+    values: np.ndarray
+    away: np.ndarray
+    owner: np.ndarray
+    hits: np.ndarray
+    proofs: PartProofs
+    columns: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+
+    @staticmethod
+    def begun(values: np.ndarray) -> Tree:
+        """One configuration of each input, in which known values (n, variables) stand."""
+        n = len(values)
+        nothing = PartProofs.of_nothing(n)
+        return Tree(values, np.zeros(values.shape), np.arange(n), np.full(n, np.inf), nothing)
+
+    def grown(
+        self,
+        group: Problem,
+        found: Found,
+        which: np.ndarray,
+        first: np.ndarray,
+        counts: np.ndarray,
+    ) -> Tree:
+        """Each with some solutions of a group beside it: `counts` (m,) of them, from the place
+        `first` on of those of the row `which` (m,) that it asks for.
+        """
+        parent = np.repeat(np.arange(len(which)), counts)
+        number = np.arange(len(parent)) - np.repeat(np.cumsum(counts) - counts, counts)
+        place = first[which[parent]] + number
+        values, away = self.values[parent], self.away[parent]
+        proofs = found.proofs.of(place)
+        values[:, group.unknown_places] = found.roots.points[place]
+        away[:, group.unknown_places] = proofs.radius[:, None]
+        hits = np.minimum(self.hits[parent], found.roots.hits[place])
+        proofs = self.proofs.of(parent).beside(proofs)
+        return Tree(values, away, self.owner[parent], hits, proofs)
+
+
+@dataclass(frozen=True)
+class Ask:
+    """How groups are to be solved: the search, whether least errors are needed, whether solutions
+    are to be proved, and whether inputs with more choices than are listed keep some of them.
+    """
+
+    search: Search
+    least_errors: bool = False
+    certify: bool = False
+    progress: Progress | None = None
+    keeps_some: bool = False
+
+
+class Step(NamedTuple):
+    """A group by which a tree grows, its number in the account, and that of the one solution to
+    take.
+    """
+
+    group: Problem
+    number: int
+    tree: Tree
+    choice: int | None = None
+
+
+class Found(NamedTuple):
+    """The solutions of a group in their order, and what is proved of them."""
+
+    roots: GroupRoots
+    proofs: PartProofs
+
+
+def grown_together(
+    steps: Sequence[Step], groups: tuple[Problem, ...], account: Account, ask: Ask
+) -> list[Tree]:
+    """The trees with every solution of their groups, or the chosen one, beside each of their
+    configurations. Groups of one family, of the problem's `groups`, are solved together.
+    """
+    asked = [_Rows.of(step) for step in steps if len(step.tree.owner)]
+    found = _solved(asked, members_of(groups), ask)
+    grown = {
+        rows.step.number: _grown(rows, one, account, ask)
+        for rows, one in zip(asked, found, strict=True)
+    }
+    return [grown.get(step.number, step.tree) for step in steps]
+
+
+class _Rows(NamedTuple):
+    """What a tree asks of a group: known values (n, known), each once, how far these may be from
+    exact ones, and which of them each configuration asks for.
+    """
+
+    step: Step
+    known: np.ndarray
+    away: np.ndarray
+    which: np.ndarray
+
+    @staticmethod
+    def of(step: Step) -> _Rows:
+        tree, places = step.tree, step.group.known_places
+        known, which = np.unique(tree.values[:, places], axis=0, return_inverse=True)
+        away = np.zeros(known.shape)
+        np.maximum.at(away, which.ravel(), tree.away[:, places])
+        return _Rows(step, known, away, which.ravel())
+
+
+def _grown(rows: _Rows, found: Found, account: Account, ask: Ask) -> Tree:
+    """One tree with the solutions of its group."""
+    (group, number, tree, choice), which, n = rows.step, rows.which, len(account.seen)
+    roots = found.roots
+    lost = _lost(roots, tree.owner, which, n)
+    if lost.any() and ask.least_errors:
+        untold = np.unique(which[lost[tree.owner] & np.isinf(roots.smallest[which])])
+        if untold.size:
+            roots = with_least_errors(group, roots, rows.known, untold, ask)
+            found = _proved(group, roots, rows.known, rows.away, ask)
+            roots, lost = found.roots, _lost(found.roots, tree.owner, which, n)
+    account.add(number, roots, tree.owner, which)
+    empty = lost[tree.owner]
+    np.minimum.at(account.smallest, tree.owner[empty], roots.smallest[which[empty]])
+    first, counts = np.cumsum(roots.counts) - roots.counts, roots.counts[which]
+    if choice is not None:
+        first, counts = _chosen(group, choice, first, counts)
+    each = np.bincount(tree.owner, weights=counts, minlength=n)
+    account.too_many[(each > MOST_MODES) & (account.too_many == FEW)] = number
+    if ask.keeps_some:
+        # no more than show that they are too many
+        before = np.cumsum(counts) - counts
+        before -= before[np.searchsorted(tree.owner, tree.owner)]
+        counts = np.clip(MOST_MODES + 1 - before, 0, counts)
+    else:
+        counts = np.where(each[tree.owner] > MOST_MODES, 0, counts)
+    return tree.grown(group, found, which, first, counts)
+
+
+def _lost(roots: GroupRoots, owner: np.ndarray, which: np.ndarray, n: int) -> np.ndarray:
+    """Inputs (n,) that ask for rows and get no solution of any."""
+    asked = np.bincount(owner, minlength=n) > 0
+    return np.asarray(asked & (np.bincount(owner, weights=roots.counts[which], minlength=n) == 0))
+
+
+def _chosen(
+    group: Problem, choice: int, first: np.ndarray, counts: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where the one solution to take stands of each row, and one for each partial configuration.
+    Raises InputError.
+    """
+    least = int(counts.min())
+    if choice >= least:
+        names = ", ".join(c.name for c in group.system.unknowns)
+        allowed = f"0 to {least - 1}" if least else "none"
+        raise InputError(
+            f"choose: {choice} for the block {names}, which has {least} solutions here; allowed: "
+            f"{allowed}"
+        )
+    return first + choice, np.ones_like(counts)
+
+
+# --- solutions of groups --------------------------------------------------------------------------
+
+
+def _solved(asked: Sequence[_Rows], members: dict[Problem, Member], ask: Ask) -> list[Found]:
+    """The solutions of each group at the rows that are asked for, those of a family together."""
+    found: dict[int, Found] = {}
+    families: dict[Problem, list[int]] = {}
+    for place, rows in enumerate(asked):
+        member = members.get(rows.step.group)
+        if member is not None and ask.search.method == "continuation":
+            families.setdefault(member.family, []).append(place)
+            continue
+        group = rows.step.group
+        roots = group_roots(group, rows.known, ask.search, ask.progress)
+        found[place] = _proved(group, roots, rows.known, rows.away, ask)
+    for family, places in families.items():
+        together = _of_family(family, [asked[k] for k in places], members, ask)
+        found |= dict(zip(places, together, strict=True))
+    return [found[place] for place in range(len(asked))]
+
+
+def _of_family(
+    family: Problem, asked: Sequence[_Rows], members: dict[Problem, Member], ask: Ask
+) -> list[Found]:
+    """The solutions of a family's members; rows in doubt are left to the member's own rows."""
+    own = [members[rows.step.group] for rows in asked]
+    known = np.vstack([one.known(rows.known) for one, rows in zip(own, asked, strict=True)])
+    numbers = np.zeros((len(known), len(own[0].numbers)))
+    away = np.hstack([np.vstack([rows.away for rows in asked]), numbers])
+    ends = np.cumsum([len(rows.known) for rows in asked]).tolist()
+    places = [slice(end - len(rows.known), end) for end, rows in zip(ends, asked, strict=True)]
+    solved, doubtful = _by_solver(family, known, ask.search)
+    if solved is None:
+        return [
+            _proved(
+                rows.step.group,
+                group_roots(rows.step.group, rows.known, ask.search, ask.progress),
+                rows.known,
+                rows.away,
+                ask,
+            )
+            for rows in asked
+        ]
+    for place, rows in zip(places, asked, strict=True):
+        mine = doubtful[(doubtful >= place.start) & (doubtful < place.stop)]
+        if mine.size:
+            left = rows.known[mine - place.start]
+            alone = group_roots(rows.step.group, left, ask.search, ask.progress)
+            solved = solved.with_rows(mine, alone)
+    found = _proved(family, solved, known, away, ask)
+    owner = found.roots.owner
+    return [
+        Found(
+            found.roots.part(place.start, place.stop),
+            found.proofs.of(slice(*np.searchsorted(owner, [place.start, place.stop]).tolist())),
+        )
+        for place in places
+    ]
+
+
+def _proved(
+    group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray, ask: Ask
+) -> Found:
+    """The solutions in their order, with what is proved of them if it is asked for."""
+    roots = roots.in_order()
+    if not ask.certify:
+        return Found(roots, PartProofs.of_nothing(len(roots.owner)))
+    proofs, complete, theorem = proofs_of_group(group, roots, known, away)
+    return Found(roots.proved(complete, theorem), proofs)
+
+
+def group_roots(
+    group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None
+) -> GroupRoots:
+    """The solutions of a group at known values (n, known)."""
+    if is_linear(group):
+        return linear_roots(group, known)
+    train = gear_train(group)
+    if train is not None:
+        return geared_roots(group, train, known)
+    if search.method != "continuation":
+        return one_by_one(group, known, search, progress)
+    parts = solved_parts(group)
+    if parts:
+        return roots_of_parts(group, parts, known, search, progress)
+    found, doubtful = _by_solver(group, known, search)
+    if found is None:
+        return one_by_one(group, known, search, progress)
+    if not doubtful.size:
+        return found
+    return found.with_rows(doubtful, one_by_one(group, known[doubtful], search, progress))
+
+
+def _by_solver(
+    group: Problem, known: np.ndarray, search: Search
+) -> tuple[GroupRoots | None, np.ndarray]:
+    """The solutions of a group by its formulas or paths, None where it has neither, and the rows
+    that both leave in doubt.
+    """
+    solver = group_solver(group, formulas=search.formulas)
+    if solver is None:
+        return None, np.arange(len(known))
+    found, doubtful = all_together(solver, known)
+    if doubtful.size and solver.method == "closed" and (paths := any_paths(group)) is not None:
+        tracked, left = all_together(paths, known[doubtful])
+        found, doubtful = found.with_rows(doubtful, tracked), doubtful[left]
+    return found, doubtful
+
+
+def with_least_errors(
+    group: Problem, roots: GroupRoots, known: np.ndarray, places: np.ndarray, ask: Ask
+) -> GroupRoots:
+    """The same with the least closure errors that are found at rows, by their `places`, of known
+    values (n, known), which have no solution.
+    """
+    if not (ask.search.method == "continuation" and solved_parts(group)):
+        return roots.with_rows(places, one_by_one(group, known[places], ask.search, ask.progress))
+    smallest = roots.smallest.copy()
+    for place in places.tolist():
+        smallest[place] = least_error(group, group.blocks[0], Given("given", known[place], {}))
+    return replace(roots, smallest=smallest)
+
+
+# --- groups that implied rows take apart ----------------------------------------------------------
+
+
+def roots_of_parts(
+    group: Problem,
+    parts: Sequence[Problem],
+    known: np.ndarray,
+    search: Search,
+    progress: Progress | None = None,
+) -> GroupRoots:
+    """The solutions of a group from those of its parts, each for every choice of those before it,
+    held against all rows of the group. Passive joints whose rows known values must agree with are
+    left to formulas in any case.
+    """
+    begin = np.zeros((len(known), int(group.closure.variables.shape[0])))
+    begin[:, group.known_places] = known
+    tree, account = Tree.begun(begin), Account.empty(len(known), len(parts))
+    ask = Ask(replace(search, formulas=True), progress=progress, keeps_some=True)
+    for number, part in enumerate(parts):
+        (tree,) = grown_together([Step(part, number, tree)], (), account, ask)
+    generic = [most_roots(part) for part in parts]
+    most = np.array([NOT_KNOWN if count is None else count for count in generic], dtype=float)
+    points, owner, hits, met = _held_against(group, tree, known)
+    statement = np.max(account.statement, axis=1, initial=0)
+    many = account.too_many != FEW
+    statement[many] = np.maximum(statement[many], STATEMENTS.index("incomplete"))
+    told = {i: tuple(dict.fromkeys(account.notes_of(i))) for i in range(len(known))}
+    return GroupRoots(
+        points,
+        owner,
+        hits,
+        statement=statement,
+        complex_count=np.prod(np.where(account.seen, account.complex_count, most), axis=1),
+        unresolved=np.sum(account.unresolved, axis=1),
+        smallest=np.full(len(known), np.inf),
+        continuum=account.continuum.any(axis=1) | met,
+        notes={i: texts for i, texts in told.items() if texts},
+        engine=account.engine,
+    )
+
+
+def _held_against(
+    group: Problem, tree: Tree, known: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Distinct solutions (m, width) of all rows of a group among whole configurations, with their
+    inputs, rising, and hits; and the inputs (n,) at which a set that is not isolated was met.
+    """
+    (block,) = group.blocks
+    points, n = tree.values[:, group.unknown_places], len(known)
+    candidates = Candidates(points, tree.owner, np.arange(len(points)))
+    plain = np.ones(n, dtype=bool)
+    found, origin = checked_roots(block, candidates, known, plain, np.zeros(n))
+    parts = [
+        (found.points[kept], found.owner[kept], tree.hits[origin[kept]])
+        for kept in [plain[found.owner]]
+    ]
+    met = np.zeros(n, dtype=bool)
+    places = {c.name: place for c, place in zip(block.unknowns, block.slices, strict=True)}
+    for i in np.flatnonzero(~plain).tolist():
+        mine = np.flatnonzero(tree.owner == i)
+        polished = polished_roots(block, points[mine], known[i])
+        met[i] = polished.continuum is not None
+        first, _ = unite(block, polished.points, known[i], continuum_met=bool(met[i]))
+        own = canonical(block.unknowns, places, polished.points[first])
+        least = np.full(len(own), np.min(tree.hits[mine], initial=np.inf))
+        parts.append((own, np.full(len(own), i), least))
+    points, owner, hits = (np.concatenate(column) for column in zip(*parts, strict=True))
+    order = np.argsort(owner, kind="stable")
+    return points[order], owner[order], hits[order], met

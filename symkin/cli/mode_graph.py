@@ -1,0 +1,94 @@
+"""`symkin mode-graph`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from symkin.cli.help import ASKED, OUTPUT
+from symkin.cli.options import (
+    GivenOption,
+    JointsOption,
+    JsonOption,
+    MechArgument,
+    joints_from,
+    named_from,
+    numbers_from,
+    print_result,
+    whole_number,
+)
+from symkin.cli.progress import progress_bar
+from symkin.cli.reading import loaded, reads_robots
+from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
+from symkin.text import shown
+
+
+@reads_robots
+def mode_graph(
+    mech: MechArgument,
+    read: ReadOptions,
+    over: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME=LOW:HIGH,...",
+            help="One or two of the known coordinates, each with a range.",
+            rich_help_panel=ASKED,
+        ),
+    ],
+    points: Annotated[
+        int,
+        typer.Option(
+            metavar="N",
+            parser=whole_number,
+            help="Points along each range, 2 to 100. Default: 11.",
+            rich_help_panel=ASKED,
+        ),
+    ] = 11,
+    joints: JointsOption = None,
+    given: GivenOption = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.png", help="Draw the sheets into a file.", rich_help_panel=OUTPUT
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find which modes connect without a singularity, over a grid of one or two of the known
+    coordinates about what is given.
+    """
+    from symkin.following.mode_graph import mode_graph as graph_of_modes
+    from symkin.plots.picture_file import check_picture_path
+
+    mechanism = loaded(mech, read)
+    if plot is not None:
+        check_picture_path(plot)
+    unit = mechanism.angle_unit
+    axes = [_axis(part, unit) for part in over.split(",")]
+    with progress_bar("points and lines") as progress:
+        found = graph_of_modes(
+            mechanism,
+            axes,
+            points,
+            joints=joints_from(joints, "joints", unit),
+            given=None if given is None else named_from(given, "given", unit),
+            progress=progress,
+        )
+    if plot is not None:
+        found.plot(plot)
+    picture = "" if plot is None else f"\npicture: {plot}"
+    print_result(as_json, found.to_dict, lambda: str(found) + picture)
+
+
+def _axis(text: str, unit: str) -> tuple[str, float, float]:
+    name, _, ends = text.partition("=")
+    numbers = [numbers_from(end, f"over {name.strip()}", unit) or [] for end in ends.split(":")]
+    if not name.strip() or [len(number) for number in numbers] != [1, 1]:
+        raise InputError(
+            f"--over: {shown(text.strip())} is no range; NAME=LOW:HIGH is needed, such as "
+            f"crank=0:360"
+        )
+    return name.strip(), numbers[0][0], numbers[1][0]

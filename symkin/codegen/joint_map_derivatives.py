@@ -1,0 +1,107 @@
+"""Differentiate the rows of a map along its own motion: once, for rates, and twice, for the second
+derivatives.
+
+With state X, known values q and rows F(q, X) = 0, a motion of q has a step S of the state with
+F_X S_j = -F_j. Differentiated once more along the motion of another known value,
+F_X S_jk = -D_k D_j F, where D_j differentiates along q_j and S_j together; S_jk are the second
+derivatives of the state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.snapping import snapped_expression
+from symkin.codegen.circle_kernel import moves
+from symkin.codegen.joint_map import Direction, JointMap
+from symkin.codegen.text.angles import numbers_at
+from symkin.model.joint import Coordinate
+
+
+def row_derivatives(direction: Direction) -> ca.Function:
+    """Give the derivatives (m, n) of the kernel's rows by the known values, of (state, numbers)."""
+    circles = direction.circles
+    kernel, numbers = circles.kernel, circles.numbers
+    tangent = _tangent(direction.known, numbers)
+    return _function(
+        ca.mtimes(ca.jacobian(circles.rows_by_numbers, numbers), tangent),
+        [kernel.state, numbers],
+    )
+
+
+def row_bends(direction: Direction) -> ca.Function:
+    """Give the second derivatives (m, pairs) of the kernel's rows along two known values each, of
+    (state, numbers, steps), where column j of `steps` moves the state with known value j. The pairs
+    j <= k stand in the order k (k + 1) / 2 + j.
+    """
+    circles = direction.circles
+    kernel, numbers, n = circles.kernel, circles.numbers, len(direction.known)
+    steps = ca.SX.sym("s", int(kernel.step.shape[0]), n)
+    everything = ca.vertcat(kernel.state, numbers)
+    scales = [
+        scale
+        for c, (_, scale) in zip(
+            direction.unknown,
+            step_columns(direction, direction.unknown, kernel.characteristic_length),
+            strict=True,
+        )
+        for _ in range(c.freedom)
+    ]
+    rates = ca.mtimes(ca.diag(scales), steps)
+    motions = ca.vertcat(
+        ca.mtimes(_tangent(direction.unknown, kernel.state), rates),
+        _tangent(direction.known, numbers),
+    )
+    along = [ca.jtimes(circles.rows_by_numbers, everything, motions[:, j]) for j in range(n)]
+    pairs = [ca.jtimes(along[j], everything, motions[:, k]) for k in range(n) for j in range(k + 1)]
+    return _function(ca.horzcat(*pairs), [kernel.state, numbers, steps])
+
+
+def second_derivatives(made: JointMap, values: np.ndarray) -> np.ndarray:
+    """Give the second derivatives (found, given, given) at a configuration of the closure."""
+    direct = made.direct
+    circles, kernel, n = direct.circles, direct.kernel, len(made.given)
+    numbers, state = (
+        numbers_at(part, direct.problem.select_values(values, part))
+        for part in (direct.known, direct.unknown)
+    )
+    matrix = kernel.matrix(state, circles.known_at(numbers), np.zeros(0))
+
+    def solved(function: ca.Function, *read: np.ndarray) -> np.ndarray:
+        sides = np.asarray(ca.DM(function(*read)).full())
+        return np.asarray(np.linalg.lstsq(matrix, sides, rcond=1e-12)[0])
+
+    steps = solved(row_derivatives(direct), state, numbers)
+    bends = solved(row_bends(direct), state, numbers, steps)
+    lower = np.tril_indices(n)
+    second = np.zeros((n, n, n))
+    for i, (column, scale) in enumerate(step_columns(direct, made.found, made.size)):
+        second[i][lower] = bends[column] * scale
+        second[i].T[lower] = second[i][lower]
+    return second
+
+
+def step_columns(
+    direction: Direction, wanted: Sequence[Coordinate], size: float
+) -> list[tuple[int, float]]:
+    """List the place of each wanted coordinate in a step, and what turns the step's length into its
+    unit.
+    """
+    places, column = {}, 0
+    for c in direction.unknown:
+        places[c.name] = (column, 1.0 / size if c.is_angular else 1.0)
+        column += c.freedom
+    return [places[c.name] for c in wanted]
+
+
+def _tangent(coordinates: tuple[Coordinate, ...], numbers: ca.SX) -> ca.SX:
+    """Differentiate the numbers of coordinates by their values."""
+    return moves(coordinates, numbers, ca.SX(sum(c.freedom for c in coordinates), 1), 1.0)[0]
+
+
+def _function(expression: ca.SX, symbols: list[ca.SX]) -> ca.Function:
+    expression = ca.densify(snapped_expression(expression, symbols))
+    return ca.Function("f", symbols, [expression], {"cse": True})

@@ -1,0 +1,129 @@
+"""Print CasADi functions as straight-line, single-assignment C of one type of numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.codegen.text.languages import ARITHMETIC, calls
+from symkin.codegen.text.printer import POWER, PRODUCT, Form, Language, Printer
+from symkin.errors import InputError
+from symkin.text import c_comment
+
+
+@dataclass(frozen=True)
+class Real:
+    """The C type of numbers: `name` is float or double, `type` what the generated file calls it."""
+
+    name: str
+    type: str = "real"
+
+    @property
+    def suffix(self) -> str:
+        return "f" if self.name == "float" else ""
+
+    @property
+    def epsilon(self) -> float:
+        """Half a unit in the last place of 1."""
+        return 2.0**-24 if self.name == "float" else 2.0**-53
+
+    def call(self, function: str) -> str:
+        return function + self.suffix
+
+    def literal(self, value: float) -> str:
+        """The shortest decimal that reads back as the same number of this type. Raises InputError
+        for a number that the type does not hold: infinity, or what is none.
+        """
+        with np.errstate(over="ignore"):
+            number = np.float32(value) if self.name == "float" else np.float64(value)
+        if not np.isfinite(number):
+            remedy = "use --real double" if self.name == "float" else "use another length unit"
+            raise InputError(
+                f"the code would hold the number {value:.3g}, which is no finite {self.name}; "
+                f"{remedy}, or another reference configuration"
+            )
+        text = str(number)
+        if not any(mark in text for mark in ".e"):
+            text += ".0"
+        return text + self.suffix
+
+    def hexadecimal(self, value: float) -> str:
+        """The exact bits of the rounded value, for test vectors."""
+        if math.isnan(value):
+            return "NAN"
+        if math.isinf(value):
+            return "INFINITY" if value > 0 else "-INFINITY"
+        rounded = float(np.float32(value)) if self.name == "float" else float(value)
+        return rounded.hex() + self.suffix
+
+
+def c_language(real: Real, prefix: str) -> Language:
+    """C99 with numbers of a type, an operation a statement."""
+    inverse = {ca.OP_INV: Form(f"{real.literal(1.0)} / {{}}", PRODUCT, (POWER,))}
+    return Language(
+        ARITHMETIC | inverse | calls("{}" + real.suffix, {}),
+        real.literal,
+        name=f"{prefix}{{}}",
+        statement=f"const {real.type} {{name}} = {{text}};",
+        nested=False,
+        folds_signs=False,
+        shares_reciprocals=True,
+    )
+
+
+class Emitter(Printer):
+    """Printer of C; `prefix` begins the names of temporaries."""
+
+    def __init__(
+        self, function: ca.Function, inputs: Sequence[Sequence[str]], real: Real, prefix: str = "t"
+    ) -> None:
+        super().__init__(function, inputs, c_language(real, prefix))
+        self.real = real
+
+    @classmethod
+    def of(
+        cls,
+        real: Real,
+        inputs: Sequence[tuple[ca.SX, Sequence[str]]],
+        *outputs: ca.SX,
+        prefix: str = "t",
+    ) -> Emitter:
+        """The emitter of expressions of symbols, beside which stand their texts in C."""
+        function = ca.Function(
+            "f", [symbols for symbols, _ in inputs], [ca.densify(e) for e in outputs], {"cse": True}
+        )
+        return cls(function, [texts for _, texts in inputs], real, prefix)
+
+    def stored(self, targets: Sequence[str], output: int = 0) -> list[str]:
+        """All statements up to the entries of an output, and those that set `targets` to these."""
+        texts = [self.value(output, k) for k in range(len(targets))]
+        stores = [f"{target} = {text};" for target, text in zip(targets, texts, strict=True)]
+        return [*self.lines, *stores]
+
+    def comment(self, text: str) -> None:
+        """Add a line of comment, whatever text it is; names of temporaries do not count it."""
+        self.remark(f"/* {c_comment(text)} */")
+
+
+def indexed(name: str, count: int, first: int = 0) -> list[str]:
+    """Name consecutive array elements in C."""
+    return [f"{name}[{k}]" for k in range(first, first + count)]
+
+
+def indent(lines: Sequence[str], depth: int = 1) -> str:
+    """Join lines, indented by four spaces a level."""
+    return "\n".join("    " * depth + line if line else "" for line in lines)
+
+
+def indented_by_braces(lines: Sequence[str]) -> list[str]:
+    """Indent lines by the braces that are open before them."""
+    depth, found = 0, []
+    for line in lines:
+        depth -= line.startswith("}")
+        found.append("    " * depth + line)
+        depth += line.endswith("{")
+    return found

@@ -1,0 +1,170 @@
+"""List the values of a CasADi function as a graph of nodes: constants folded, uses and divisors
+counted.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Container
+from dataclasses import dataclass, field
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.expression_graph import walk
+from symkin.closure.snapping import snap
+from symkin.computed_once import cached_property
+
+KINDS = {
+    ca.OP_ADD: "additions",
+    ca.OP_SUB: "additions",
+    ca.OP_TWICE: "additions",
+    ca.OP_MUL: "multiplications",
+    ca.OP_SQ: "multiplications",
+    ca.OP_DIV: "divisions",
+    ca.OP_INV: "divisions",
+}
+"""What arithmetic is counted as; functions count by their names."""
+CALLS = {
+    ca.OP_SQRT: "sqrt",
+    ca.OP_SIN: "sin",
+    ca.OP_COS: "cos",
+    ca.OP_TAN: "tan",
+    ca.OP_ASIN: "asin",
+    ca.OP_ACOS: "acos",
+    ca.OP_ATAN: "atan",
+    ca.OP_ATAN2: "atan2",
+    ca.OP_SINH: "sinh",
+    ca.OP_COSH: "cosh",
+    ca.OP_EXP: "exp",
+    ca.OP_LOG: "log",
+    ca.OP_FABS: "fabs",
+}
+"""Names of functions in C."""
+_SUMS = (ca.OP_ADD, ca.OP_SUB)
+_SINGLE: dict[int, Callable[[float], float]] = {
+    ca.OP_NEG: lambda a: -a,
+    ca.OP_TWICE: lambda a: 2.0 * a,
+    ca.OP_SQ: lambda a: a * a,
+    ca.OP_INV: lambda a: 1.0 / a,
+}
+_PAIRS: dict[int, Callable[[float, float], float]] = {
+    ca.OP_ADD: lambda a, b: a + b,
+    ca.OP_SUB: lambda a, b: a - b,
+    ca.OP_MUL: lambda a, b: a * b,
+    ca.OP_DIV: lambda a, b: float(np.divide(a, b)),
+}
+
+
+def kind_of(op: int) -> str | None:
+    """What an operation is counted as; None of signs and copies."""
+    return KINDS.get(op) or CALLS.get(op)
+
+
+@dataclass
+class Node:
+    """One value: its operation and the nodes that it reads, or a constant, or an input's entry."""
+
+    op: int
+    reads: tuple[int, ...] = ()
+    constant: float = 0.0
+    source: tuple[int, int] = (0, 0)
+
+
+@dataclass
+class Graph:
+    """Evaluator that lists the values of a function, operands before what is made of them;
+    `divisors` counts how often each is divided by.
+    """
+
+    nodes: list[Node] = field(default_factory=list)
+    outputs: dict[tuple[int, int], int] = field(default_factory=dict)
+    divisors: Counter[int] = field(default_factory=Counter)
+
+    @staticmethod
+    def of(function: ca.Function) -> Graph:
+        """The graph of a function of SX."""
+        graph = Graph()
+        walk(function, graph)
+        return graph
+
+    @cached_property
+    def uses(self) -> Counter[int]:
+        """How often each value is read, of those that an output needs."""
+        found = Counter(self.outputs.values())
+        for k in reversed(range(len(self.nodes))):
+            if found[k]:
+                found.update(self.nodes[k].reads)
+        return found
+
+    def needed(self, k: int, known: Container[int]) -> list[int]:
+        """The values that are to be found for one, in order, beside the known ones."""
+        wanted, stack = set[int](), [k]
+        while stack:
+            k = stack.pop()
+            if k not in wanted and k not in known:
+                wanted.add(k)
+                stack.extend(self.nodes[k].reads)
+        return sorted(wanted)
+
+    # --- evaluator --------------------------------------------------------------------------------
+
+    def input(self, number: int, nonzero: int) -> int:
+        return self._add(Node(ca.OP_INPUT, source=(number, nonzero)))
+
+    def constant(self, number: float) -> int:
+        return self._add(Node(ca.OP_CONST, constant=snap(number)))
+
+    def operation(self, op: int, operands: list[int]) -> int:
+        found = self._folded(op, operands)
+        if found is not None:
+            return found
+        if op in (ca.OP_DIV, ca.OP_INV):
+            self.divisors[operands[-1]] += 1
+        return self._add(Node(op, tuple(operands)))
+
+    def output(self, number: int, nonzero: int, value: int) -> None:
+        self.outputs[number, nonzero] = value
+
+    def _folded(self, op: int, operands: list[int]) -> int | None:
+        """A value that needs no operation of its own, or a simpler one: what is constant, x + a - b
+        as x + (a - b), x - (-a) as x + a.
+        """
+        numbers = [self._number(k) for k in operands]
+        first, last = numbers[0], numbers[-1]
+        if op in _PAIRS and first is not None and last is not None:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                return self.constant(_PAIRS[op](first, last))
+        if op in _SINGLE and first is not None and (op != ca.OP_INV or first):
+            return self.constant(_SINGLE[op](first))
+        if op == ca.OP_MUL and 1.0 in numbers:
+            return operands[0] if last == 1.0 else operands[1]
+        if op == ca.OP_MUL and -1.0 in numbers:
+            return self._add(Node(ca.OP_NEG, (operands[0] if last == -1.0 else operands[1],)))
+        if op in _SUMS and last is not None:
+            return self._with_constant(operands[0], last if op == ca.OP_ADD else -last)
+        if op == ca.OP_ADD and first is not None:
+            return self._with_constant(operands[1], first)
+        return None
+
+    def _number(self, k: int) -> float | None:
+        node = self.nodes[k]
+        return node.constant if node.op == ca.OP_CONST else None
+
+    def _with_constant(self, k: int, number: float) -> int:
+        """x + number, where x may end in a constant."""
+        node = self.nodes[k]
+        scale = 0.0
+        if node.op in _SUMS and (last := self._number(node.reads[1])) is not None:
+            k, scale = node.reads[0], max(abs(number), abs(last))
+            number += last if node.op == ca.OP_ADD else -last
+        number = snap(number, scale)
+        if number == 0.0:
+            return k
+        return self._add(
+            Node(ca.OP_SUB if number < 0.0 else ca.OP_ADD, (k, self.constant(abs(number))))
+        )
+
+    def _add(self, node: Node) -> int:
+        self.nodes.append(node)
+        return len(self.nodes) - 1

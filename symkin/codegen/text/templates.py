@@ -1,0 +1,102 @@
+"""Fill the C templates of `templates/`, and the statements that all kinds of mechanisms share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from string import Template
+
+import numpy as np
+
+from symkin.codegen.text.c import Real
+
+FARTHEST = 1e3
+"""Positions and joint values beyond this many times the size are refused: their squares stay far
+below the largest float.
+"""
+
+
+class _C(Template):
+    """Templates of C: @{name}; a name without a value is an error."""
+
+    delimiter = "@"
+
+
+def fill(template: str, values: Mapping[str, object]) -> str:
+    """Read a file of `templates/` and replace its names."""
+    return substitute(template_text(template), values)
+
+
+def template_text(template: str) -> str:
+    """Read a file of `templates/`."""
+    return (
+        resources.files("symkin.codegen")
+        .joinpath("templates", template)
+        .read_text(encoding="utf-8")
+    )
+
+
+def substitute(text: str, values: Mapping[str, object]) -> str:
+    """Replace the names in a text; lines whose name stands for nothing are left out."""
+    lines = [(line, _C(line).substitute(values).rstrip()) for line in text.split("\n")]
+    return "\n".join(filled for line, filled in lines if filled or not line)
+
+
+def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
+    """Values of the names that every template knows; `struct`: the geometry is given with each
+    call.
+    """
+    return {
+        "p": name,
+        "P": name.upper(),
+        "real": real.type,
+        "COLD": f"{name.upper()}_COLD",
+        "SHARED": f"{name.upper()}_SHARED",
+        "ALONE": f"{name.upper()}_ALONE",
+        "gp": f"const {name}_geometry *geometry, " if struct else "",
+        "ga": "geometry, " if struct else "",
+        "use": "    (void)geometry;" if struct else "",
+        "checked": f"{name}_check_geometry(geometry, status)" if struct else "status",
+        "fabs": real.call("fabs"),
+        "sqrt": real.call("sqrt"),
+        "zero": real.literal(0.0),
+        "one": real.literal(1.0),
+        "two": real.literal(2.0),
+        "four": real.literal(4.0),
+        "half": real.literal(0.5),
+        "before": "",
+        "huge": "HUGE_VALF" if real.name == "float" else "HUGE_VAL",
+        "least_norm": real.literal(0.98),
+        "most_norm": real.literal(1.0201),
+        "static_own": "",
+        "jacobian": f"{name}_jacobian",
+        "twist": f"{name}_twist",
+    }
+
+
+def normalise_pose(values: Mapping[str, object]) -> str:
+    """NAME_normalise_pose: no square overflows on the way to a refusal (for processors that
+    trap).
+    """
+    near = [f"({values['fabs']}(q[{i}]) <= {values['two']})" for i in range(4)]
+    near += [f"({values['fabs']}(pose->position[{i}]) <= {values['farthest']})" for i in range(3)]
+    return fill("pose.c", {**values, "bounded": "\n        && ".join(near)})
+
+
+def farthest(size: float, reference: Sequence[float] | np.ndarray) -> float:
+    """How far each coordinate of a position may be from the base's origin, for a platform or tool
+    at `reference`.
+    """
+    return float(f"{FARTHEST * size + float(np.sum(np.abs(reference))):.3g}")
+
+
+def copy(target: str, source: str, count: int) -> list[str]:
+    """Statements that copy an array; short ones without a loop."""
+    if count <= 8:
+        return [f"{target}[{i}] = {source}[{i}];" for i in range(count)]
+    return copy_loop(target, source, count)
+
+
+def copy_loop(target: str, source: str, count: int) -> list[str]:
+    """Statements that copy an array in a loop."""
+    return [f"for (int i = 0; i < {count}; ++i) {{", f"    {target}[i] = {source}[i];", "}"]

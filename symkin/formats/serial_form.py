@@ -1,0 +1,108 @@
+"""Take closed linkages out of a robot: the tree of driven joints that is left stands for it where
+loops are not wanted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from symkin.errors import MechanismError
+from symkin.formats.graph_form import as_graph
+from symkin.formats.written_tree import fresh_name
+from symkin.model.graph import LinkJoint
+from symkin.model.graph_checks import links_of
+from symkin.model.joint import BASE, Joint
+from symkin.model.mechanism import Mechanism
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What drives a coordinate in a linkage's place: its range, the largest effort and speed, the
+    inertia that motors have there, in metres, radians and SI units. None: nothing is told of it.
+    """
+
+    limits: tuple[float, float] | None = None
+    effort: float | None = None
+    speed: float | None = None
+    armature: float | None = None
+
+
+NO_DRIVES: Mapping[str, Drive] = {}
+"""Of a robot that is written with its loops."""
+
+
+def serial_form(
+    mechanism: Mechanism, inside: Collection[str], drives: Mapping[str, Drive]
+) -> Mechanism:
+    """Leave out the joints and rods `inside` linkages, but those of the driven coordinates, which
+    are actuated, and the links that nothing else carries.
+
+    The graph is in metres and radians. Raises MechanismError where a joint is driven in part, and
+    where what stands outside the linkages, or the platform frame, hangs on a link that is left out.
+    """
+    graph = as_graph(mechanism)
+    links, kept = set(links_of(graph)), list[LinkJoint]()
+    for entry in graph.link_joints:
+        names = [c.name for c in entry.joint.coordinates]
+        driven = [name for name in names if name in drives]
+        if entry.joint.name not in inside:
+            kept.append(entry)
+        elif driven and driven != names:
+            raise MechanismError(
+                f"{mechanism.name}: of the joint {entry.joint.name!r} {', '.join(driven)} alone is "
+                f"driven; a serial robot needs all of {', '.join(names)}"
+            )
+        elif driven:
+            kept += _driven(entry, drives, links)
+    rods = [rod for rod in graph.link_rods if rod.name not in inside]
+    reached = _reached(kept)
+    hanging = {entry.joint.name: entry.links for entry in kept}
+    hanging |= {rod.name: rod.links for rod in rods}
+    if graph.platform_link is not None:
+        hanging["the platform frame"] = (graph.platform_link,)
+    for name, ends in hanging.items():
+        for link in ends:
+            if link not in reached:
+                raise MechanismError(
+                    f"{mechanism.name}: {name} is on the link {link!r}, which only joints carry "
+                    f"that are left out; name driven joints that lead there from the base"
+                )
+    left = {c.name for entry in kept for c in entry.joint.coordinates}
+    return replace(
+        graph,
+        link_joints=kept,
+        link_rods=rods,
+        couplings=[c for c in graph.couplings if left >= {c.joint, *c.names}],
+        link_points=[point for point in graph.link_points if point.link in reached],
+    )
+
+
+def _driven(entry: LinkJoint, drives: Mapping[str, Drive], links: set[str]) -> Iterator[LinkJoint]:
+    """A driven joint; one of two coordinates as two, which have a range each."""
+    joint, (first, second) = entry.joint, entry.links
+    names = [c.name for c in joint.coordinates]
+    if len(names) == 1:
+        driven = replace(joint, actuated=True, limits=drives[joint.name].limits)
+        yield LinkJoint(driven, entry.links)
+        return
+    middle = fresh_name(f"{joint.name}.link", links)
+    other = joint.axis2 if joint.type == "U" else joint.axis
+    for name, kind, axis, ends in (
+        (names[0], "R", joint.axis, (first, middle)),
+        (names[1], "R" if joint.type == "U" else "P", other, (middle, second)),
+    ):
+        limits = drives[name].limits
+        part = Joint(name, kind, joint.point, axis, actuated=True, limits=limits)  # type: ignore[arg-type]
+        yield LinkJoint(part, ends)
+
+
+def _reached(joints: Sequence[LinkJoint]) -> set[str]:
+    """The links that joints carry from the base on."""
+    reached, before = {BASE}, set[str]()
+    while reached != before:
+        before = set(reached)
+        for entry in joints:
+            if reached & set(entry.links):
+                reached |= set(entry.links)
+    return reached

@@ -1,0 +1,133 @@
+"""Machines of many equal loops: parts that share nothing are solved apart, and what loops of one
+shape have in common is derived once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import symkin
+from helpers import inside
+from helpers.inside import (
+    diagonal_parts,
+    extreme_singular_values,
+    least_squares_steps,
+    null_space,
+    singular_values,
+)
+
+
+def _scattered(rng: np.random.Generator, shapes: list[tuple[int, int]]) -> np.ndarray:
+    """A block diagonal matrix of random parts, its rows and columns in random order."""
+    rows, columns = (sum(shape[k] for shape in shapes) for k in (0, 1))
+    whole, i, j = np.zeros((rows, columns)), 0, 0
+    for r, c in shapes:
+        whole[i : i + r, j : j + c] = rng.normal(size=(r, c))
+        i, j = i + r, j + c
+    return whole[rng.permutation(rows)][:, rng.permutation(columns)]
+
+
+@pytest.mark.parametrize("shapes", [[(3, 2)] * 40, [(2, 3)] * 20 + [(5, 5)] * 3])
+def test_parts_of_a_matrix_are_the_matrix(shapes: list[tuple[int, int]]) -> None:
+    """Singular values, null space and least steps of a block diagonal matrix are those of the
+    whole one.
+    """
+    rng = np.random.default_rng(0)
+    whole = _scattered(rng, shapes)
+    parts = diagonal_parts(whole[None])
+    assert sum(rows.size for rows, _ in parts) == len(whole)
+    assert sum(columns.size for _, columns in parts) == whole.shape[1]
+    wanted = np.linalg.svd(whole, compute_uv=False)
+    np.testing.assert_allclose(singular_values(whole), wanted, atol=1e-12)
+    left = null_space(whole, 1e-9, relative=True)
+    assert len(left) == whole.shape[1] - np.sum(wanted > 1e-9)
+    np.testing.assert_allclose(left @ left.T, np.eye(len(left)), atol=1e-12)
+    np.testing.assert_allclose(whole @ left.T, 0.0, atol=1e-12)
+    values = rng.normal(size=(1, len(whole)))
+    step = least_squares_steps(whole[None], values)[0]
+    np.testing.assert_allclose(step, -np.linalg.pinv(whole) @ values[0], atol=1e-9)
+    extremes = extreme_singular_values(whole[None])[0]
+    np.testing.assert_allclose(extremes, wanted[[0, -1]], atol=1e-12)
+
+
+def _four_bars(count: int) -> symkin.Mechanism:
+    """Four-bars of different sizes beside each other, the links of each with its number."""
+    rng, joints = np.random.default_rng(0), []
+    for k in range(count):
+        base, crank, rocker = (size + rng.uniform(-0.2, 0.2) for size in (4.0, 1.0, 2.5))
+        a, angle = np.array([10.0 * k, rng.uniform(-1, 1)]), rng.uniform(0.5, 1.5)
+        b = a + crank * np.array([np.cos(angle), np.sin(angle)])
+        d = a + [base, 0.0]
+        c = d + rocker * np.array([-np.sin(0.1 * angle), np.cos(0.1 * angle)])
+        for name, point, links in (
+            ("a", a, ("base", f"crank{k}")),
+            ("b", b, (f"crank{k}", f"coupler{k}")),
+            ("c", c, (f"coupler{k}", f"rocker{k}")),
+            ("d", d, ("base", f"rocker{k}")),
+        ):
+            place = (*point.tolist(), 0.0)
+            joint = symkin.Joint(f"{name}{k}", "R", place, (0, 0, 1), actuated=name == "a")
+            joints.append(symkin.LinkJoint(joint, links))
+    return symkin.Mechanism("four_bars", link_joints=joints)
+
+
+def test_equal_loops_are_derived_once(monkeypatch):
+    """However many loops of one kind a machine has, formulas, paths and their roots are those of
+    one.
+    """
+    counted = {"closed_form": 0, "start_of_structure": 0}
+    for module, name in (
+        (inside.closed_roots, "closed_form"),
+        (inside.group_solvers, "start_of_structure"),
+    ):
+        own = getattr(module, name)
+
+        def counting(*arguments, name=name, own=own, **options):
+            counted[name] += 1
+            return own(*arguments, **options)
+
+        monkeypatch.setattr(module, name, counting)
+    found = symkin.modes(_four_bars(40), given={f"a{k}": 0.1 * k for k in range(40)})
+    assert found.count == 2**40
+    # the loop at the origin has shorter rows
+    assert counted["closed_form"] <= 2
+    assert counted["start_of_structure"] <= 2
+
+
+def test_loops_of_a_family_answer_as_alone():
+    """Each loop's configurations, what is said of them and their proofs are those of the loop by
+    itself.
+    """
+    count = 9
+    angles = np.random.default_rng(1).uniform(-180.0, 180.0, count).tolist()
+    whole = _four_bars(count)
+    given = {f"a{k}": angle for k, angle in enumerate(angles)}
+    found = symkin.modes(whole, given=given)
+    assert found.count == len(found) == 2**count
+    assert found.completeness == "probability one"
+    assert all(mode.certified for mode in found)
+    for k, angle in enumerate(angles):
+        joints = [j for j in whole.link_joints if j.joint.name[1:] == str(k)]
+        alone = symkin.modes(symkin.Mechanism("one", link_joints=joints), given={f"a{k}": angle})
+        names = [f"b{k}", f"d{k}"]
+        held = [
+            {tuple(np.round([m.joints[n] for n in names], 8)) for m in f} for f in (found, alone)
+        ]
+        assert held[0] == held[1]
+
+
+def test_a_loop_of_a_family_that_does_not_close_is_told():
+    """A crank that is too long for its loop at what is given: no modes, and by how much."""
+    machine, joints = _four_bars(9), []
+    for link_joint in machine.link_joints:
+        joint = link_joint.joint
+        shift = -2.5 if joint.name == "a3" else 0.0
+        moved = replace(joint, point=(joint.point[0] + shift, *joint.point[1:]))
+        joints.append(replace(link_joint, joint=moved))
+    longer = symkin.Mechanism("longer", link_joints=joints)
+    found = symkin.modes(longer, given={f"a{k}": 180.0 * (k == 3) for k in range(9)})
+    assert len(found) == 0
+    assert found.smallest_residual > 0.1
