@@ -10,10 +10,10 @@ beyond doubt, and every real one is well conditioned and differs from the others
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
+from symkin.assembly.block_solver import BlockSolver
 from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
 from symkin.assembly.prover import Prover, prover_of
 from symkin.computed_once import cached_property
@@ -26,26 +26,21 @@ from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.structure import Structure
 from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.values import known_values, many_real_values
-from symkin.numeric.system import System
-from symkin.position.problem import Problem
 
 _REAL, _NOT_REAL = 1e-10, 1e-4
 """Imaginary parts of roots below the first and above the second leave no doubt."""
 
 
 @dataclass(frozen=True, eq=False)
-class BlockPaths:
+class BlockPaths(BlockSolver):
     """A block with its algebraic system and the start of its paths: its own, or those of its
     structure (`shared`), or those of combinations of its rows (`combined`).
     """
 
-    problem: Problem
-    block: System
     algebraic: AlgebraicSystem
     start: Fibre
     shared: Structure | None = None
     combined: bool = False
-    method: ClassVar[str] = "continuation"
 
     @property
     def engine(self) -> str:

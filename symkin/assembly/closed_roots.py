@@ -16,14 +16,12 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.block_solver import BlockSolver
 from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
-from symkin.assembly.prover import Prover, prover_of
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import ClosedForm, Solutions, closed_form, samples_about
 from symkin.elimination.complex_branches import complex_errors
-from symkin.homotopy.systems import system_of
 from symkin.homotopy.values import coordinate_scale
-from symkin.numeric.system import System
 from symkin.position.arm_formulas import arm_formulas
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.groups import is_linear
@@ -60,11 +58,9 @@ class Formulas(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedBlock:
+class ClosedBlock(BlockSolver):
     """A block with its formulas; `regular` are known values (known,) of a regular configuration."""
 
-    problem: Problem
-    block: System
     formulas: Formulas
     regular: np.ndarray
     method: ClassVar[str] = "closed"
@@ -78,14 +74,6 @@ class ClosedBlock:
     def most_roots(self) -> int:
         """Complex roots of a generic instance."""
         return self.formulas.count
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        return ()
-
-    @cached_property
-    def prover(self) -> Prover:
-        return prover_of(self.problem, system_of(self.problem, self.block), self.block)
 
     @property
     def digest(self) -> bytes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, TypedDict, Unpack, overload
 
 import numpy as np
@@ -132,17 +132,15 @@ def modes(
     [4, 4]
     """
     require_mechanism(mechanism)
-    search = Search.of(method, **random)
+    ask = _Ask(mechanism, Search.of(method, **random), choose, progress)
     if has_columns(given) or (given is None and (are_many(joints) or are_many(pose))):
-        return _found(
-            mechanism, many_given(mechanism, joints, pose, given), search, choose, progress
-        )
+        return _found(ask, many_given(mechanism, joints, pose, given))
     one = (
         named_given(mechanism, joints, pose, given)
         if choose
         else any_given(mechanism, joints, pose, given)
     )
-    found = _found(mechanism, [one], search, choose, progress)[0]
+    found = _found(ask, [one])[0]
     note = (
         motion_note(mechanism, [mode.pose for mode in found.modes])
         if mechanism.is_graph and mechanism.platform_link
@@ -155,69 +153,61 @@ def modes(
     return found if note is None else replace(found, notes=(*found.notes, note))
 
 
-def _found(
-    mechanism: Mechanism,
-    givens: Sequence[Given],
-    search: Search,
-    choose: Sequence[int],
-    progress: Progress | None,
-) -> tuple[Modes, ...]:
+@dataclass(frozen=True)
+class _Ask:
+    """What is asked of a mechanism beside its inputs."""
+
+    mechanism: Mechanism
+    search: Search
+    choose: Sequence[int] = ()
+    progress: Progress | None = None
+
+
+def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     """The modes of inputs of one kind: those of the machine that the description means, where it
     is another one.
     """
-    may_be = givens and not choose and search.method == "continuation"
-    low = machine_of(mechanism, givens[0]) if may_be else None
+    may_be = givens and not ask.choose and ask.search.method == "continuation"
+    low = machine_of(ask.mechanism, givens[0]) if may_be else None
     if low is None:
-        return _of_description(mechanism, givens, search, choose, progress)
-    begin, problem = time.perf_counter(), problem_of(mechanism, givens[0])
+        return _of_description(ask, givens)
+    begin, problem = time.perf_counter(), problem_of(ask.mechanism, givens[0])
     if problem.kind == "given":
         refuse_unless_determined(problem)
     found: dict[int, Modes] = {}
     left = list(range(len(givens)))
     if not comes_first(low, givens[0]):
-        own = _of_description(mechanism, givens, search, choose, progress)
+        own = _of_description(ask, givens)
         found = dict(enumerate(own))
         left = [i for i in left if not is_complete(own[i])]
     there = [given_of_machine(low, givens[i]) for i in left]
-    of_machine = _of_description(low.machine, there, search, (), progress)
+    of_machine = _of_description(replace(ask, mechanism=low.machine), there)
     for i, at, modes in zip(left, there, of_machine, strict=True):
         told = None if at.off_motion else as_written(low, problem, givens[i], modes)
         if told is not None:
             found[i] = told
     rest = [i for i in left if i not in found]
-    own = _of_description(mechanism, [givens[i] for i in rest], search, (), progress)
+    own = _of_description(ask, [givens[i] for i in rest])
     found |= dict(zip(rest, own, strict=True))
     share = (time.perf_counter() - begin) / len(givens)
     return tuple(replace(found[i], elapsed_s=share) for i in range(len(givens)))
 
 
-def _of_description(
-    mechanism: Mechanism,
-    givens: Sequence[Given],
-    search: Search,
-    choose: Sequence[int],
-    progress: Progress | None,
-) -> tuple[Modes, ...]:
+def _of_description(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     """The modes of inputs of one kind by the rows of the description itself."""
     if givens and givens[0].kind == "given":
-        return _of_coordinates(mechanism, givens, search, choose, progress)
-    return _modes(mechanism, givens, search, progress)
+        return _of_coordinates(ask, givens)
+    return _modes(ask, givens)
 
 
-def _of_coordinates(
-    mechanism: Mechanism,
-    givens: Sequence[Given],
-    search: Search,
-    choose: Sequence[int],
-    progress: Progress | None,
-) -> tuple[Modes, ...]:
+def _of_coordinates(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     """The modes for inputs whose coordinates, the same for all, are given by name: structure group
     by structure group.
     """
-    begin = time.perf_counter()
-    problem = problem_of(mechanism, givens[0])
+    begin, search = time.perf_counter(), ask.search
+    problem = problem_of(ask.mechanism, givens[0])
     refuse_unless_determined(problem)
-    found = modes_by_name(problem, givens, search, choose, progress)
+    found = modes_by_name(problem, givens, search, ask.choose, ask.progress)
     feasible = [
         modes for modes, given in zip(found, givens, strict=True) if given.off_motion == 0.0
     ]
@@ -243,23 +233,16 @@ def modes_at_need(
     """`modes` by continuation, with `starts` and `seed` at hand for the parts that need random
     starts, if any does.
     """
-    return _found(
-        mechanism,
-        [any_given(mechanism, joints, pose)],
-        Search("continuation", starts, seed, "batched"),
-        (),
-        None,
-    )[0]
+    search = Search("continuation", starts, seed, "batched")
+    return _found(_Ask(mechanism, search), [any_given(mechanism, joints, pose)])[0]
 
 
-def _modes(
-    mechanism: Mechanism, givens: Sequence[Given], search: Search, progress: Progress | None
-) -> tuple[Modes, ...]:
+def _modes(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     """The modes of each input, which are all of one kind."""
-    begin = time.perf_counter()
+    begin, search, progress = time.perf_counter(), ask.search, ask.progress
     if not givens:
         return ()
-    problem = build_problem(mechanism, givens[0].kind)
+    problem = build_problem(ask.mechanism, givens[0].kind)
     found = _plain(problem, givens, search, progress) if search.method == "continuation" else {}
     plain, random_starts = bool(found), False
     for i, given in enumerate(givens):

@@ -5,37 +5,28 @@ imply, then the passive joints of each limb. What is in doubt is left to others.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.block_solver import BlockSolver
 from symkin.assembly.checked_roots import BlockRoots, with_proofs
 from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import STATEMENTS, engines_together
 from symkin.assembly.group_solvers import most_of_parts, solvers_of
-from symkin.assembly.prover import Prover, prover_of
 from symkin.assembly.search import Search
 from symkin.assembly.tree import roots_of_parts
 from symkin.computed_once import cached_property
-from symkin.homotopy.systems import system_of
 from symkin.numeric.linear_algebra import extreme_singular_values
 from symkin.numeric.root_checks import are_suspect
-from symkin.numeric.system import System
 from symkin.position.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)
-class PartedBlock:
-    """The group that a direct problem is, solved by its `parts` (`group_roots.parted_group`)."""
+class PartedBlock(BlockSolver):
+    """The group that a direct problem is, solved by its `parts` (`group_solvers.parted_group`)."""
 
-    problem: Problem
     parts: tuple[Problem, ...]
-    method: ClassVar[str] = "continuation"
-
-    @property
-    def block(self) -> System:
-        return self.problem.blocks[0]
 
     @property
     def engine(self) -> str:
@@ -52,14 +43,6 @@ class PartedBlock:
         count = most_of_parts(self.parts)
         assert count is not None  # noqa: S101 - parts are taken where each tells its count
         return count
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        return ()
-
-    @cached_property
-    def prover(self) -> Prover:
-        return prover_of(self.problem, system_of(self.problem, self.block), self.block)
 
     @property
     def digest(self) -> bytes:

@@ -40,6 +40,7 @@ from symkin.position.readings import within_limits
 from symkin.position.roots import MOST_MODES
 from symkin.position.solution_list import SolutionList
 
+_Solver = BlockPaths | ClosedBlock | PartedBlock
 ROOTS_AT_ONCE = 40_000
 """Complex roots that are held at once."""
 
@@ -62,7 +63,7 @@ class PlainModes:
     """
 
     problem: Problem
-    parts: tuple[BlockPaths | ClosedBlock | PartedBlock, ...]
+    parts: tuple[_Solver, ...]
 
     @property
     def method(self) -> str:
@@ -279,7 +280,7 @@ def plain_modes(
     """
     if problem.is_explicit or problem.system.freedom > problem.generic_rank:
         return PlainModes(problem, ())
-    parts: list[BlockPaths | ClosedBlock | PartedBlock] = []
+    parts: list[_Solver] = []
     for number in range(len(problem.blocks)):
         solver = _solver(problem, number, progress, formulas=formulas)
         if solver is None:
@@ -290,7 +291,7 @@ def plain_modes(
 
 def _solver(
     problem: Problem, number: int, progress: Progress | None, *, formulas: bool
-) -> BlockPaths | ClosedBlock | PartedBlock | None:
+) -> _Solver | None:
     """The formulas of one of a problem's blocks, if they are wanted and account for all solutions,
     else its parts, or its paths.
     """
@@ -299,7 +300,7 @@ def _solver(
         return closed
     group = parted_group(problem)
     if group is not None:
-        return PartedBlock(group, implied_parts(group))
+        return PartedBlock(group, group.blocks[0], implied_parts(group))
     paths = _paths(problem, number, progress, str(cache_folder()))
     return closed if closed is not None and accounts_for_all(closed, paths) else paths
 
@@ -320,7 +321,5 @@ def _paths(
 
 
 @lru_cache(maxsize=128)
-def _prepared(
-    problem: Problem, parts: tuple[BlockPaths | ClosedBlock | PartedBlock, ...]
-) -> PlainModes:
+def _prepared(problem: Problem, parts: tuple[_Solver, ...]) -> PlainModes:
     return PlainModes(problem, parts)

@@ -1,0 +1,31 @@
+"""What finds the roots of one block of a problem at many instances: formulas, paths or parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from symkin.assembly.prover import Prover, prover_of
+from symkin.computed_once import cached_property
+from symkin.homotopy.systems import system_of
+from symkin.numeric.system import System
+from symkin.position.problem import Problem
+
+
+@dataclass(frozen=True, eq=False)
+class BlockSolver:
+    """A block of a problem; `method` is how users read what finds its roots."""
+
+    problem: Problem
+    block: System
+    method: ClassVar[str] = "continuation"
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is said of every input."""
+        return ()
+
+    @cached_property
+    def prover(self) -> Prover:
+        """What proves the roots."""
+        return prover_of(self.problem, system_of(self.problem, self.block), self.block)
