@@ -36,11 +36,11 @@ if TYPE_CHECKING:
     from symkin.formats.load import load
     from symkin.formats.read_options import ReadOptions
     from symkin.model.dh import DHRow, DHTable
-    from symkin.model.file import shipped_names
     from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
     from symkin.model.joint import Joint
     from symkin.model.limb import Limb, Rod, RodLimb
     from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
+    from symkin.model.shipped import shipped_names
     from symkin.page.result_views import view
     from symkin.position.close import close
     from symkin.position.close_result import ClosedConfiguration
@@ -161,7 +161,7 @@ _LATER = {
     "modes": "symkin.assembly.modes",
     "plan_measurements": "symkin.calibration.design.planning",
     "serial_arm_from_dh": "symkin.model.mechanism",
-    "shipped_names": "symkin.model.file",
+    "shipped_names": "symkin.model.shipped",
     "singular_loci": "symkin.singularities.singular_loci",
     "singularity": "symkin.singularities.classification",
     "solve": "symkin.position.solve",

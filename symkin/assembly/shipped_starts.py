@@ -13,7 +13,7 @@ from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.start_files import SHIPPED, content_of
 from symkin.homotopy.start_store import compute_start, start_key
 from symkin.homotopy.systems import system_of
-from symkin.model.file import shipped_names
+from symkin.model.shipped import shipped_names
 from symkin.numeric.system import System
 from symkin.position.groups import implied_parts
 from symkin.position.problem import Problem, build_problem

@@ -10,33 +10,191 @@ import sys
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from symkin.cli.calibrate import calibrate
-from symkin.cli.close import close
-from symkin.cli.convert import convert
-from symkin.cli.describe import list_, show
-from symkin.cli.firmware import firmware
-from symkin.cli.help import HELP_NAMES, Group, add_command
-from symkin.cli.jacobian import jacobian
-from symkin.cli.mode_graph import mode_graph
+from symkin.cli.help import HELP_NAMES, Entry, Group, LazyCommands
 from symkin.cli.options import Interrupted
-from symkin.cli.position import modes, solve
-from symkin.cli.singularities import singularities
 from symkin.cli.streams import prepare_streams, say, silence
-from symkin.cli.sweep import sweep
-from symkin.cli.track import track
-from symkin.cli.transmission import transmission
-from symkin.cli.view import view
 from symkin.errors import NoConfigurationError, SymkinError
 
 INTERRUPTED = 130
 """Exit status after Ctrl-C, which Typer gives too: 128 and the number of the signal."""
 
+_FILES, _POSITIONS, _VELOCITIES = (
+    "Mechanisms and files",
+    "Positions and paths",
+    "Velocities and singularities",
+)
+_MACHINE = "Your machine"
+
+ENTRIES = (
+    Entry(
+        "list",
+        "symkin.cli.list_names:list_",
+        _FILES,
+        "List the shipped mechanisms.",
+        ("symkin list",),
+    ),
+    Entry(
+        "show",
+        "symkin.cli.describe:show",
+        _FILES,
+        "Limbs, unknowns, rank, mobility, redundant constraints.",
+        (
+            "symkin show zhao2000",
+            "symkin show zhao2000 --plot sketch.png",
+            "symkin show zhao2000 --latex",
+        ),
+    ),
+    Entry(
+        "close",
+        "symkin.cli.close:close",
+        _FILES,
+        "The closed configuration nearest to a file's own.",
+        (
+            "symkin close ankle",
+            "symkin close ankle -o closed.toml --plot closed.png",
+            "symkin close robot.urdf",
+        ),
+    ),
+    Entry(
+        "convert",
+        "symkin.cli.convert:convert",
+        _FILES,
+        "Write a mechanism as TOML, MJCF, URDF or SDF.",
+        (
+            "symkin convert ankle -o ankle.xml",
+            "symkin convert robot.urdf -o robot.toml",
+        ),
+    ),
+    Entry(
+        "modes",
+        "symkin.cli.position:modes",
+        _POSITIONS,
+        "Every solution: assembly modes, working modes.",
+        (
+            "symkin modes zhao2000",
+            "symkin modes zhao2000 --joints 80,200,330,105 --plot modes.png",
+            "symkin modes zhang2009 --pose 10,0,90 --rpy 0,5,10",
+            "symkin modes ankle --given upper_motor=8,lower_motor=12 --json",
+        ),
+    ),
+    Entry(
+        "solve",
+        "symkin.cli.position:solve",
+        _POSITIONS,
+        "One solution near a start.",
+        (
+            "symkin solve zhang2009",
+            "symkin solve zhao2000 --joints theta1=80,theta2=200,theta3=330,op=105",
+            "symkin solve zhao2000 --pose 0,0,100,1,0,0,0 --plot solution.png",
+        ),
+    ),
+    Entry(
+        "track",
+        "symkin.cli.track:track",
+        _POSITIONS,
+        "Follow one mode along a path, up to the first stop.",
+        (
+            "symkin track zhao2000 --from 81,202,330,105 --to 85,200,330,110 -o path.csv",
+            "symkin track ankle --given upper_motor=8:20,lower_motor=12",
+            "symkin track zhao2000 --csv path.csv",
+        ),
+    ),
+    Entry(
+        "view",
+        "symkin.cli.view:view",
+        _POSITIONS,
+        "The mechanism in a browser, where it moves.",
+        (
+            "symkin view zhao2000 --html zhao2000.html",
+            "symkin view ankle --given upper_motor=8,lower_motor=12 --html ankle.html",
+        ),
+    ),
+    Entry(
+        "sweep",
+        "symkin.cli.sweep:sweep",
+        _POSITIONS,
+        "Every solution over a grid or a sample; needs an extra.",
+        (
+            "symkin sweep zhao2000 --grid theta1=70:90:5 --at 81,202,330,105 -o map",
+            "symkin sweep zhao2000 --poses --grid x=-20:20:5,y=-20:20:5 -o poses",
+        ),
+    ),
+    Entry(
+        "singularities",
+        "symkin.cli.singularities:singularities",
+        _VELOCITIES,
+        "Kind of one configuration's singularity; loci.",
+        (
+            "symkin singularities zhao2000",
+            "symkin singularities zhao2000 --plane x,y --starts 50 --plot loci.png",
+        ),
+    ),
+    Entry(
+        "mode-graph",
+        "symkin.cli.mode_graph:mode_graph",
+        _VELOCITIES,
+        "Which modes connect without a singularity.",
+        (
+            "symkin mode-graph zhao2000 --over theta1=70:90,op=100:110 --points 3",
+            "symkin mode-graph four_bar --over crank=0:350 --plot sheets.png",
+        ),
+    ),
+    Entry(
+        "jacobian",
+        "symkin.cli.jacobian:jacobian",
+        _VELOCITIES,
+        "A symbolic Jacobian for CasADi, C, NumPy, SymPy, LaTeX.",
+        (
+            "symkin jacobian zhao2000 --format numpy -o jacobian.py",
+            "symkin jacobian ankle --of ankle.1 --by upper_motor,lower_motor --format c",
+        ),
+    ),
+    Entry(
+        "transmission",
+        "symkin.cli.transmission:transmission",
+        _MACHINE,
+        "Motors to joints: torques, ratios, range; array code.",
+        (
+            "symkin transmission g1_ankle.xml",
+            "symkin transmission ankle --motors upper_motor,lower_motor",
+            "symkin transmission g1_ankle.xml --torque-limits 90,90 --at 0.2,-0.1",
+            "symkin transmission g1_ankle.xml -o generated --plot ankle.png",
+        ),
+    ),
+    Entry(
+        "firmware",
+        "symkin.cli.firmware:firmware",
+        _MACHINE,
+        "C99 for your controller, with tests and build files.",
+        (
+            "symkin firmware zhang2009 -o firmware --real float",
+            "symkin firmware zhao2000 -o zhao2000_c --package --linuxcnc --cpp",
+        ),
+    ),
+    Entry(
+        "calibrate",
+        "symkin.cli.calibrate:calibrate",
+        _MACHINE,
+        "Geometry from measurements: plan, simulate, fit.",
+    ),
+)
+"""The commands in the order of their list."""
+
+
+class _Commands(Group):
+    """The commands of `symkin`, whose modules are imported when they are called."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.commands = LazyCommands(ENTRIES)
+
+
 app = typer.Typer(
-    cls=Group,
+    cls=_Commands,
     help=(
         "Kinematics of robots with closed loops: closure equations, every solution, Jacobians, "
         "from one description."
@@ -75,152 +233,6 @@ def options(
     """Kinematics of robots with closed loops: closure equations, every solution, Jacobians, from
     one description.
     """
-
-
-_FILES, _POSITIONS, _VELOCITIES = (
-    "Mechanisms and files",
-    "Positions and paths",
-    "Velocities and singularities",
-)
-_MACHINE = "Your machine"
-
-add_command(app, list_, "List the shipped mechanisms.", ["symkin list"], group=_FILES, name="list")
-add_command(
-    app,
-    show,
-    "Limbs, unknowns, rank, mobility, redundant constraints.",
-    [
-        "symkin show zhao2000",
-        "symkin show zhao2000 --plot sketch.png",
-        "symkin show zhao2000 --latex",
-    ],
-    group=_FILES,
-)
-add_command(
-    app,
-    close,
-    "The closed configuration nearest to a file's own.",
-    [
-        "symkin close ankle",
-        "symkin close ankle -o closed.toml --plot closed.png",
-        "symkin close robot.urdf",
-    ],
-    group=_FILES,
-)
-add_command(
-    app,
-    convert,
-    "Write a mechanism as TOML, MJCF, URDF or SDF.",
-    ["symkin convert ankle -o ankle.xml", "symkin convert robot.urdf -o robot.toml"],
-    group=_FILES,
-)
-add_command(
-    app,
-    modes,
-    "Every solution: assembly modes, working modes.",
-    [
-        "symkin modes zhao2000",
-        "symkin modes zhao2000 --joints 80,200,330,105 --plot modes.png",
-        "symkin modes zhang2009 --pose 10,0,90 --rpy 0,5,10",
-        "symkin modes ankle --given upper_motor=8,lower_motor=12 --json",
-    ],
-    group=_POSITIONS,
-)
-add_command(
-    app,
-    solve,
-    "One solution near a start.",
-    [
-        "symkin solve zhang2009",
-        "symkin solve zhao2000 --joints theta1=80,theta2=200,theta3=330,op=105",
-        "symkin solve zhao2000 --pose 0,0,100,1,0,0,0 --plot solution.png",
-    ],
-    group=_POSITIONS,
-)
-add_command(
-    app,
-    track,
-    "Follow one mode along a path, up to the first stop.",
-    [
-        "symkin track zhao2000 --from 81,202,330,105 --to 85,200,330,110 -o path.csv",
-        "symkin track ankle --given upper_motor=8:20,lower_motor=12",
-        "symkin track zhao2000 --csv path.csv",
-    ],
-    group=_POSITIONS,
-)
-add_command(
-    app,
-    view,
-    "The mechanism in a browser, where it moves.",
-    [
-        "symkin view zhao2000 --html zhao2000.html",
-        "symkin view ankle --given upper_motor=8,lower_motor=12 --html ankle.html",
-    ],
-    group=_POSITIONS,
-)
-add_command(
-    app,
-    sweep,
-    "Every solution over a grid or a sample; needs an extra.",
-    [
-        "symkin sweep zhao2000 --grid theta1=70:90:5 --at 81,202,330,105 -o map",
-        "symkin sweep zhao2000 --poses --grid x=-20:20:5,y=-20:20:5 -o poses",
-    ],
-    group=_POSITIONS,
-)
-add_command(
-    app,
-    singularities,
-    "Kind of one configuration's singularity; loci.",
-    [
-        "symkin singularities zhao2000",
-        "symkin singularities zhao2000 --plane x,y --starts 50 --plot loci.png",
-    ],
-    group=_VELOCITIES,
-)
-add_command(
-    app,
-    mode_graph,
-    "Which modes connect without a singularity.",
-    [
-        "symkin mode-graph zhao2000 --over theta1=70:90,op=100:110 --points 3",
-        "symkin mode-graph four_bar --over crank=0:350 --plot sheets.png",
-    ],
-    group=_VELOCITIES,
-)
-add_command(
-    app,
-    jacobian,
-    "A symbolic Jacobian for CasADi, C, NumPy, SymPy, LaTeX.",
-    [
-        "symkin jacobian zhao2000 --format numpy -o jacobian.py",
-        "symkin jacobian ankle --of ankle.1 --by upper_motor,lower_motor --format c",
-    ],
-    group=_VELOCITIES,
-)
-add_command(
-    app,
-    transmission,
-    "Motors to joints: torques, ratios, range; array code.",
-    [
-        "symkin transmission g1_ankle.xml",
-        "symkin transmission ankle --motors upper_motor,lower_motor --torque-limits 90,90",
-        "symkin transmission g1_ankle.xml --at 0.2,-0.1 --json",
-        "symkin transmission g1_ankle.xml -o generated --plot ankle.png",
-    ],
-    group=_MACHINE,
-)
-add_command(
-    app,
-    firmware,
-    "C99 for your controller, with tests and build files.",
-    [
-        "symkin firmware zhang2009 -o firmware --real float",
-        "symkin firmware zhao2000 -o zhao2000_c --package --linuxcnc --cpp",
-    ],
-    group=_MACHINE,
-)
-app.add_typer(calibrate, name="calibrate", rich_help_panel=_MACHINE)
 
 
 def main(arguments: list[str] | None = None) -> None:

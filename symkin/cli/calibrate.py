@@ -39,6 +39,7 @@ calibrate = typer.Typer(
     short_help="Geometry from measurements: plan, simulate, fit.",
     context_settings=HELP_NAMES,
     rich_markup_mode=None,
+    add_completion=False,
 )
 
 

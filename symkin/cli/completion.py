@@ -12,7 +12,7 @@ def mechanism_names(incomplete: str) -> list[str]:
     mechanism, since shells complete folders better.
     """
     from symkin.formats.load import is_robot
-    from symkin.model.file import shipped_names
+    from symkin.model.shipped import shipped_names
 
     names = [name for name in shipped_names() if name.startswith(incomplete)]
     files = (

@@ -1,9 +1,8 @@
-"""`symkin list` and `symkin show`."""
+"""`symkin show`."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from textwrap import shorten
 from typing import Annotated
 
 import typer
@@ -14,21 +13,6 @@ from symkin.cli.pictures import NamesOption, picture_options
 from symkin.cli.reading import loaded, reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
-from symkin.result import TERMINAL_WIDTH
-
-
-def list_() -> None:
-    """List the shipped mechanisms."""
-    from symkin.formats.load import load
-    from symkin.model.file import shipped_names
-
-    names = shipped_names()
-    width = max(map(len, names))
-    for name in names:
-        print(
-            f"{name:{width}}  "
-            f"{shorten(load(name).title or '', TERMINAL_WIDTH - width - 2, placeholder=' ...')}"
-        )
 
 
 @reads_robots

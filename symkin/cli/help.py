@@ -8,6 +8,8 @@ imports Click.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 import typer
@@ -53,6 +55,9 @@ class Group(TyperGroup):
         except typer.BadParameter.__base__ as error:  # type: ignore[misc]
             raise sentence(error, ctx, given) from None
 
+    def list_commands(self, _ctx: Any) -> list[str]:
+        return list(self.commands)
+
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         if self.get_command(ctx, args[0]) is None and not ctx.resilient_parsing:
             raise unknown_command(args[0], ctx.command_path, self.list_commands(ctx))
@@ -63,22 +68,72 @@ class Group(TyperGroup):
         _write_parameters(self.get_params(ctx), ctx, formatter)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        found = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
-        commands = [
-            (name, getattr(c, "rich_help_panel", None) or "Commands", c)
-            for name, c in found
-            if c is not None
+        entries = getattr(self.commands, "entries", {})
+        listed = [
+            (e.name, e.group, e.short)
+            if (e := entries.get(name)) is not None
+            else (name, "Commands", self.commands[name].get_short_help_str(formatter.width))
+            for name in self.list_commands(ctx)
         ]
-        width = max(len(name) for name, _, _ in commands)
-        for group in dict.fromkeys(group for _, group, _ in commands):
-            there = [(f"{name:{width}}", c) for name, its, c in commands if its == group]
+        width = max(len(name) for name, _, _ in listed)
+        for group in dict.fromkeys(group for _, group, _ in listed):
             with formatter.section(group):
                 formatter.write_dl(
-                    [(name, c.get_short_help_str(formatter.width)) for name, c in there]
+                    [(f"{name:{width}}", short) for name, its, short in listed if its == group]
                 )
 
     def format_epilog(self, _ctx: Any, formatter: Any) -> None:
         _write_examples(self.epilog, formatter)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A command in the list of commands: where it is written ("module:name", a function or a group
+    of commands), its group, a line on it, and examples as they are typed.
+    """
+
+    name: str
+    place: str
+    group: str
+    short: str
+    examples: Sequence[str] = ()
+
+    def command(self) -> Any:
+        """The command itself."""
+        module, _, name = self.place.partition(":")
+        written = getattr(import_module(module), name)
+        if isinstance(written, typer.Typer):
+            return typer.main.get_command(written)
+        alone = typer.Typer(
+            add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None
+        )
+        add_command(alone, written, self.short, self.examples, group=self.group, name=self.name)
+        return typer.main.get_command(alone)
+
+
+class LazyCommands(dict[str, Any]):
+    """Commands by name, which are imported when they are asked for."""
+
+    def __init__(self, entries: Sequence[Entry]) -> None:
+        super().__init__((entry.name, None) for entry in entries)
+        self.entries = {entry.name: entry for entry in entries}
+
+    def __getitem__(self, name: str) -> Any:
+        if super().__getitem__(name) is None:
+            self[name] = self.entries[name].command()
+        return super().__getitem__(name)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        try:
+            return self[name]
+        except KeyError:
+            return default
+
+    def items(self) -> Any:
+        return [(name, self[name]) for name in self]
+
+    def values(self) -> Any:
+        return [self[name] for name in self]
 
 
 def add_command(

@@ -70,7 +70,7 @@ def unknown_command(word: str, path: str, commands: Sequence[str]) -> InputError
 
 
 def _is_shipped(word: str) -> bool:
-    from symkin.model.file import shipped_names
+    from symkin.model.shipped import shipped_names
 
     return word in shipped_names()
 

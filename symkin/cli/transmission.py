@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -21,6 +22,7 @@ from symkin.cli.options import (
 )
 from symkin.cli.pictures import picture_options
 from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.streams import say
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
@@ -33,6 +35,8 @@ _MOTORS = "Motors"
 
 class Format(StrEnum):
     array = "array"
+    c = "c"
+    ros2 = "ros2"
 
 
 def _option(metavar: str, text: str, group: str) -> Any:
@@ -89,12 +93,24 @@ def transmission(
         str | None, _option("R1,R2,...", "Steps of each motor's sensor, for the play.", _MOTORS)
     ] = None,
     language: Annotated[
-        Format, choice(Format, "--format", "What -o writes: array operations.", OUTPUT)
+        Format,
+        choice(
+            Format,
+            "--format",
+            "What -o writes: array operations, C with a header for C++, also a ROS 2 package.",
+            OUTPUT,
+        ),
     ] = Format.array,
     output: Annotated[
         Path | None,
         typer.Option(
             "-o", "--output", metavar="DIR", help="Folder to write into.", rich_help_panel=OUTPUT
+        ),
+    ] = None,
+    serial: Annotated[
+        Path | None,
+        _option(
+            "FILE.urdf|.xml", "Write the robot with driven joints in its linkages' place.", OUTPUT
         ),
     ] = None,
     plot: Annotated[
@@ -136,6 +152,12 @@ def transmission(
         )
         to_dict, text = lambda: told, lambda: _text_at(told)
     files = [] if output is None else _written(several, output, language)
+    if serial is not None:
+        from symkin.transmissions.serial import write_serial
+
+        for note in write_serial(mechanism, several, serial):
+            say(note)
+        files.append(serial)
     if plot is not None:
         found.plot(plot)
         files.append(plot)
@@ -173,23 +195,36 @@ def _short(value: Any) -> str:
 
 
 def _written(several: list[Transmission], folder: Path, language: Format) -> list[Path]:
-    """Write the files of all transmissions."""
+    """Write the files of all transmissions, C of several into a folder each."""
+    from symkin.codegen.folder import write_firmware
     from symkin.codegen.transmission_array import array_source
     from symkin.files.outputs import write_output
     from symkin.model.names import identifiers
 
     if folder.exists() and not folder.is_dir():
         raise InputError(f"-o: {str(folder)!r} is a file; the name of a folder is needed")
-    sources = {Format.array: array_source}
-    texts = [sources[language](one) for one in several]
     stems = [one.linkage.mechanism.name for one in several]
     if len(several) > 1:
         stems = [f"{stem}_{one.joints[0]}" for stem, one in zip(stems, several, strict=True)]
+    named = list(zip(identifiers(stems), several, strict=True))
     folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"{stem}_transmission.py" for stem in identifiers(stems)]
-    for path, text in zip(paths, texts, strict=True):
-        write_output(path, text)
-    return paths
+    if language is Format.array:
+        texts = {folder / f"{stem}_transmission.py": array_source(one) for stem, one in named}
+        for path, text in texts.items():
+            write_output(path, text)
+        return list(texts)
+    also: list[Any] = ["cpp", *(["ros2"] if language is Format.ros2 else [])]
+    return [
+        path
+        for stem, one in named
+        for path in write_firmware(
+            replace(one.linkage.mechanism, name=stem),
+            folder / stem if len(several) > 1 else folder,
+            given=one.motors,
+            find=one.joints,
+            also=also,
+        )
+    ]
 
 
 def _limits(text: str | None, what: str, unit: str) -> list[Any] | None:

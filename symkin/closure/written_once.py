@@ -31,7 +31,13 @@ def written_once(write: Callable[..., Rows], *arguments: Any) -> Rows:
     dataclasses of these.
     """
     leaves: list[ca.SX] = []
-    relations, function = _written(write, _described(arguments, leaves))
+    described = _described(arguments, leaves)
+    try:
+        hash(described)
+    except TypeError:
+        # an argument that keeps a record of what it is asked for has to be asked itself
+        return write(*arguments)
+    relations, function = _written(write, described)
     sizes = np.cumsum([0, *(size for _, *both in relations for size in both)]).tolist()
     whole = ca.vertsplit(function(*leaves)) if leaves else ca.vertsplit(function()["o0"])
     parts = [whole[a:b] for a, b in pairwise(sizes)]

@@ -13,9 +13,10 @@ from symkin.codegen.program import Program, is_closed
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.text.latex import equations
-from symkin.model.file import shipped, shipped_names
+from symkin.model.file import shipped
 from symkin.model.mechanism import Mechanism
 from symkin.model.oddities import degrees_question
+from symkin.model.shipped import shipped_names
 from symkin.text import markdown
 
 _RODS = r"""Platform point $A_i = p + R\,a_i$, base point $b_i$, rod vector $d_i = A_i - b_i$, rod

@@ -107,13 +107,19 @@ def array_source(transmission: Transmission) -> str:
         *_way_lines(direct, "m"),
         *_way_lines(inverse, "j"),
         *_function("_rows", both, equations),
-        *_function("_slopes", both, ca.vec(ca.jacobian(equations, ca.vertcat(rows.j, rows.m)).T)),
+        *_function("_by_joints", both, _by_row(equations, rows.j)),
+        *_function("_by_motors", both, _by_row(equations, rows.m)),
         *_function("_bends", both, _bends(equations, ca.vertcat(rows.m, rows.j))),
         _body(direct, "motors", "joints", _turning(transmission, linkage.joints)),
         _body(inverse, "joints", "motors", _turning(transmission, linkage.motors)),
         _DERIVATIVES.format(n=len(linkage.joints)),
     ]
     return "\n".join(parts)
+
+
+def _by_row(rows: ca.SX, symbols: ca.SX) -> ca.SX:
+    """Rows and their derivatives, row by row: r1, dr1/ds1, dr1/ds2, ..., r2, ..."""
+    return ca.vec(ca.horzcat(rows, ca.jacobian(rows, symbols)).T)
 
 
 def _bends(rows: ca.SX, symbols: ca.SX) -> ca.SX:
@@ -154,14 +160,18 @@ def _function(name: str, arguments: list[tuple[ca.SX, str]], values: ca.SX) -> l
     names = [[f"{prefix}{k}" for k in range(symbol.shape[0])] for symbol, prefix in arguments]
     function = ca.Function("f", [s for s, _ in arguments], [ca.densify(values)], {"cse": True})
     printer = Printer(function, names, _XP)
-    entries = [printer.value(0, k) for k in range(values.shape[0])]
+    entries = [printer.value(0, k) for k in range(function.numel_out(0))]
+    symbols = ca.vertcat(*(symbol for symbol, _ in arguments))
+    depends = ca.which_depends(ca.densify(ca.vec(values)), symbols, 1, True)
+    like = names[-1][-1]
+    shaped = [e if d else f"{e} + 0.0 * {like}" for e, d in zip(entries, depends, strict=True)]
     return [
         "",
         "",
         f"def {name}({', '.join(['xp', *(n for part in names for n in part)])}):",
         *(f"    {line}" for line in printer.lines),
         "    return (",
-        *(f"        {entry}," for entry in entries),
+        *(f"        {entry}," for entry in shaped),
         "    )",
     ]
 
@@ -187,8 +197,7 @@ def _body(way: _Way, given: str, found: str, turning: tuple[float, ...]) -> str:
         low=tuple(low.tolist()),
         high=tuple(high.tolist()),
         values_found=", ".join(order).format("found"),
-        values_place=", ".join(order).format("place"),
-        which=0 if given == "motors" else 1,
+        values_start=", ".join(order).format("start"),
     )
 
 
@@ -231,8 +240,8 @@ import numpy
 
 MOTORS = {motor_names!r}
 JOINTS = {joint_names!r}
-CLOSED = 1e-9
-"""Residual up to which an answer is one."""
+CLOSED = 256.0
+"""Roundings of 1 that an answer may leave as its residual."""
 BELONG = 1e-5
 """Residual up to which motors and joints belong together."""
 NEAR = 0.5
@@ -246,22 +255,25 @@ def _columns(values, xp):
     return [values[..., k] for k in range(values.shape[-1])]
 
 
-def _stacked(parts, like, xp):
-    zero = 0.0 * like
-    return xp.stack([zero + part for part in parts], axis=-1)
-
-
 def _matrices(function, m, j, shape, xp):
     """What a function of numbers returns, as arrays of this shape in the last axes."""
-    found = _stacked(function(xp, *_columns(m, xp), *_columns(j, xp)), m[..., 0] + j[..., 0], xp)
+    found = xp.stack(function(xp, *_columns(m, xp), *_columns(j, xp)), axis=-1)
     return xp.reshape(found, (*found.shape[:-1], *shape))
 
 
-def _slopes_by(m, j, xp):
-    """The rows' derivatives by joints and by motors."""
+def _kept(values, xp):
+    """The same values: a product with 1 that compilers do not melt into what reads it, so that they
+    compute it once.
+    """
+    return xp.matmul(values, xp.eye(values.shape[-1]))
+
+
+def _system(function, m, j, xp):
+    """The rows and their derivatives."""
     n = len(MOTORS)
-    found = _matrices(_slopes, m, j, (n, 2 * n), xp)
-    return found[..., :n], found[..., n:]
+    found = _kept(_matrices(function, m, j, (n * (n + 1),), xp), xp)
+    found = xp.reshape(found, (*found.shape[:-1], n, n + 1))
+    return found[..., :1], found[..., 1:]
 
 
 def _inverse(a, xp):
@@ -291,7 +303,7 @@ def {found}({given}, guess=None, xp=numpy):
     the guess.
     """
     known, signs = _columns({given}, xp), {signs}
-    found = _stacked(_{found}(xp, *signs, *known), known[0], xp)
+    found = xp.stack(_{found}(xp, *signs, *known), axis=-1)
     if guess is None:
         return found
     guess, turns = xp.asarray(guess), {turning}
@@ -299,7 +311,7 @@ def {found}({given}, guess=None, xp=numpy):
     own = xp.sum((found - guess) ** 2, axis=-1)
     for other in itertools.product((1.0, -1.0), repeat=len(signs)):
         if other != signs:
-            values = _stacked(_{found}(xp, *other, *known), known[0], xp)
+            values = xp.stack(_{found}(xp, *other, *known), axis=-1)
             values = _turned(values, guess, turns, xp)
             nearer = xp.sum((values - guess) ** 2, axis=-1) < own
             found = xp.where(nearer[..., None], xp.nan, found)
@@ -313,15 +325,15 @@ def {found}({given}, guess=None, xp=numpy):
     """
     known, fitted = xp.asarray({given}), guess is None
     columns = _columns(known, xp)
-    start = _stacked(_{found}_start(xp, *columns), columns[0], xp) if fitted else xp.asarray(guess)
+    start = xp.asarray(guess) if not fitted else xp.stack(_{found}_start(xp, *columns), axis=-1)
+    start = _kept(start, xp)
     found = start
     for _ in range({steps} if fitted else {steps} + 4):
-        rows = _matrices(_rows, {values_found}, (len(MOTORS), 1), xp)
-        slopes = _slopes_by({values_found}, xp)[{which}]
+        rows, slopes = _system(_by_{found}, {values_found}, xp)
         found = found - xp.matmul(_inverse(slopes, xp), rows)[..., 0]
-    rows = _matrices(_rows, {values_found}, (len(MOTORS),), xp)
-    good = xp.max(xp.abs(rows), axis=-1) <= CLOSED
-    end, begin = (_slopes_by({values_place}, xp)[{which}] for place in (found, start))
+    rows, end = _system(_by_{found}, {values_found}, xp)
+    begin = _system(_by_{found}, {values_start}, xp)[1]
+    good = xp.max(xp.abs(rows[..., 0]), axis=-1) <= CLOSED * xp.finfo(found.dtype).eps
     change = xp.matmul(_inverse(end, xp), begin) - xp.eye(len(MOTORS))
     good = good & (xp.max(xp.sum(xp.abs(change), axis=-1), axis=-1) <= NEAR)
     if fitted:
@@ -344,15 +356,15 @@ def _belonging(found, motors, joints, xp):
 
 def jacobian(motors, joints, xp=numpy):
     """d joints / d motors (..., {n}, {n})."""
-    m, j = xp.asarray(motors), xp.asarray(joints)
-    by_joints, by_motors = _slopes_by(m, j, xp)
+    m, j = xp.broadcast_arrays(xp.asarray(motors), xp.asarray(joints))
+    by_joints, by_motors = (_system(f, m, j, xp)[1] for f in (_by_joints, _by_motors))
     return _belonging(-xp.matmul(_inverse(by_joints, xp), by_motors), m, j, xp)
 
 
 def second(motors, joints, xp=numpy):
     """d2 joints / d motors2 (..., {n}, {n}, {n})."""
-    m, j = xp.asarray(motors), xp.asarray(joints)
-    by_joints, by_motors = _slopes_by(m, j, xp)
+    m, j = xp.broadcast_arrays(xp.asarray(motors), xp.asarray(joints))
+    by_joints, by_motors = (_system(f, m, j, xp)[1] for f in (_by_joints, _by_motors))
     inverse = _inverse(by_joints, xp)
     along = -xp.matmul(inverse, by_motors)
     unit = xp.eye({n}) + 0.0 * along

@@ -102,10 +102,9 @@ class Normal:
         size = float(np.max(np.abs(values), initial=0.0))
         if not size or np.max(np.abs(basis @ linear - values)) > _VANISHED * size:
             return None
-        # as many combinations of directions as there are different ones
-        left, sizes, right = np.linalg.svd(linear.T / size, full_matrices=False)
-        rank = int(np.sum(sizes > _VANISHED * sizes[0]))
-        mixed = left[:, :rank] * sizes[:rank]
+        # as few combinations of directions as there are, with as few numbers in each
+        mixed = _echelon(linear.T / size)
+        weights = np.linalg.lstsq(mixed.T, linear / size, rcond=None)[0]
         parts = tuple(
             Polynomial(
                 {
@@ -114,9 +113,20 @@ class Normal:
                     if abs(v) > _VANISHED
                 }
             )
-            for column in mixed.T
+            for column in weights
         )
-        return Normal(parts, quaternion, _tidied(right[:rank, :9]), _tidied(right[:rank, 9]))
+        return Normal(parts, quaternion, mixed[:, :9], mixed[:, 9])
+
+
+def _echelon(matrix: np.ndarray) -> np.ndarray:
+    """A basis of the span of some rows, reduced row by row; numbers that are rounding are zero."""
+    left, found = matrix.copy(), list[np.ndarray]()
+    while np.max(np.abs(left), initial=0.0) > _VANISHED:
+        row, place = np.unravel_index(np.argmax(np.abs(left)), left.shape)
+        pivot = left[row] / left[row, place]
+        left = left - left[:, [place]] * pivot
+        found = [other - other[place] * pivot for other in found] + [pivot]
+    return _tidied(np.array(found))
 
 
 def _tidied(numbers: np.ndarray) -> np.ndarray:

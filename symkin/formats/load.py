@@ -13,8 +13,9 @@ from symkin.formats.assembled import mechanism_of
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Robot
 from symkin.model.file import read as read_file
-from symkin.model.file import shipped, shipped_names
+from symkin.model.file import shipped
 from symkin.model.mechanism import Mechanism
+from symkin.model.shipped import shipped_names
 from symkin.text import meant, shown
 from symkin.verb import verb
 

@@ -22,7 +22,7 @@ from symkin.homotopy.tracker import TrackSettings
 from symkin.numeric.levenberg import Progress
 
 MOST_ROOTS = 130
-MOST_WORK = 3e7
+MOST_WORK = 4e7
 """More roots than MOST_ROOTS, or more work than MOST_WORK - steps of all loops times the
 instructions of a step's evaluation, weighed by the count of paths - and a search is given up. A
 count, not a clock, so that the same input gives the same answer.

@@ -28,31 +28,15 @@ from symkin.model.joint import BASE, PLATFORM, Joint, interval
 from symkin.model.limb import LIMB_LINKS, Limb, Rod, RodLimb
 from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh
 from symkin.model.names import name_fault
+from symkin.model.shipped import SHIPPED
 from symkin.regular_file import open_regular
 from symkin.text import meant, shown
-
-_SHIPPED = Path(__file__).resolve().parent.parent / "mechanisms"
-
-
-def shipped_names() -> list[str]:
-    """Names of the mechanisms that come with symkin, which `load` takes.
-
-    >>> import symkin
-    >>> "zhao2000" in symkin.shipped_names()
-    True
-    """
-    if not _SHIPPED.is_dir():
-        raise MechanismError(
-            f"{_SHIPPED} is no folder: symkin reads its own files from disk, and runs from no zip "
-            f"file"
-        )
-    return sorted(path.stem for path in _SHIPPED.glob("*.toml"))
 
 
 @lru_cache(maxsize=64)
 def shipped(name: str) -> Mechanism:
     """The mechanism of this name that comes with symkin, which a process reads once."""
-    return read(_SHIPPED / f"{name}.toml")
+    return read(SHIPPED / f"{name}.toml")
 
 
 def read(path: Path) -> Mechanism:

@@ -16,7 +16,6 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
-from symkin.position.arm_formulas import arm_formulas
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem, build_problem
 
@@ -121,6 +120,8 @@ def closing_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
     """Which pose coordinates (n, numbers) formulas show to close all loops (n,); those not shown
     may close them all the same.
     """
+    from symkin.position.arm_formulas import arm_formulas
+
     problem = build_problem(mechanism, "inverse")
     arm, shown = arm_formulas(problem), np.zeros(len(poses), dtype=bool)
     if arm is not None:

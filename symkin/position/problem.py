@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -16,12 +16,14 @@ import numpy as np
 from symkin.closure.closure import Closure, build_closure, numbered_rows, random_values
 from symkin.closure.partition import ALL_JOINTS, POSE_COORDINATES, Partition
 from symkin.computed_once import cached_property, lru_cache
-from symkin.elimination.implied_rows import PointRow
-from symkin.elimination.product_rows import ProductRow
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
+
+if TYPE_CHECKING:
+    from symkin.elimination.implied_rows import PointRow
+    from symkin.elimination.product_rows import ProductRow
 
 Kind = Literal["direct", "inverse", "given"]
 KNOWN: dict[Kind, str] = {"direct": "actuated", "inverse": "pose"}

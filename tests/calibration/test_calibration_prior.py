@@ -141,6 +141,22 @@ def test_standard_deviations_hold_where_the_readings_hardly_tell_the_geometry():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("off", "believed"), [(3.0, True), (-6.0, False)])
+def test_a_reading_beyond_chance_is_not_believed_though_chi_square_passes(off, believed):
+    """Of some hundred residuals one of three standard deviations is chance, one of six is a reading
+    that was kept and does not belong, however well chi-square passes with it.
+    """
+    nominal, data = drawn("five_bar", 0)
+    fit = calibrate(nominal, data, outliers="ignore")
+    assert fit.believable
+    first, *others = fit.residuals
+    spoilt = replace(fit, residuals=(replace(first, normalised=off), *others))
+    assert spoilt.p_value == fit.p_value
+    assert spoilt.believable == believed
+    assert (spoilt.stray is None) == believed
+
+
+@pytest.mark.slow
 def test_a_reversed_sign_fits_another_machine():
     """A joint column with its sign reversed: the readings fit, and nothing is believable."""
     nominal, data = drawn("delta", 1)

@@ -7,10 +7,11 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 import symkin
 from helpers import firmware_tools as tools
-from helpers.inside import JointMap, Options, Real, write_folder
+from helpers.inside import JointMap, Options, Real, app, write_folder
 from symkin import InputError
 
 HEADERS = Path(__file__).parents[1] / "data" / "ros2_control"
@@ -271,11 +272,12 @@ def test_a_linear_transmission_is_that_of_ros2_control(tmp_path):
 
 
 def test_the_package_names_its_files_and_its_plugin(tmp_path):
-    """XML and CMake files name the package, the plugin's class and library and one another; what a
-    user wrote stays text; poses and floats have no transmission.
+    """XML and CMake files that the command writes name the package, the plugin's class and library,
+    and one another; poses and floats have no transmission.
     """
-    options = Options("double", given=ANKLE[1], find=ANKLE[2], also=("ros2",))
-    write_folder(symkin.load("ankle"), tmp_path, options)
+    told = ["--given", ",".join(ANKLE[1]), "--find", ",".join(ANKLE[2]), "--ros2"]
+    ran = CliRunner().invoke(app, ["firmware", "ankle", *told, "-o", str(tmp_path)])
+    assert ran.exit_code == 0, ran.output
     package, plugin, urdf = (
         ET.parse(tmp_path / "ros2" / file).getroot()
         for file in ("package.xml", "ankle_transmission.xml", "ankle_transmission.urdf")

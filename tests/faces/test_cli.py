@@ -55,6 +55,16 @@ def test_list_names_all(capsys: pytest.CaptureFixture[str]) -> None:
     assert [line.split()[0] for line in out.splitlines()] == symkin.shipped_names()
 
 
+@pytest.mark.parametrize("word", ["--help", "--version", "list"])
+def test_what_computes_nothing_starts_without_numbers(word: str) -> None:
+    """Neither NumPy nor CasADi is imported, which take longer than all else."""
+    command = [sys.executable, "-X", "importtime", "-m", "symkin", word]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    imported = [line.split()[-1] for line in done.stderr.splitlines()]
+    assert "typer" in imported
+    assert not {"numpy", "casadi"} & set(imported)
+
+
 @pytest.mark.parametrize(
     "name",
     in_gate(

@@ -622,7 +622,7 @@ def test_files_that_cannot_be_read(tmp_path):
 # --- anything at all ------------------------------------------------------------------------------
 
 RAW = {
-    name: (mechanism_file._SHIPPED / f"{name}.toml").read_text(encoding="utf-8")
+    name: (mechanism_file.SHIPPED / f"{name}.toml").read_text(encoding="utf-8")
     for name in symkin.shipped_names()
 }
 SOURCES = [*RAW.values(), BENNETT, PARALLEL, MIXED, ARM, DH, delta().to_toml()]

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import symkin
-from helpers.inside import largest_box, write_serial
+from helpers.inside import app, largest_box, write_serial
 from helpers.needed import Later, needs
 from symkin import InputError, MechanismError
 
@@ -192,3 +193,18 @@ def test_what_hangs_on_a_left_out_link_is_named(tmp_path):
     read = symkin.load(tmp_path / "robot.urdf")
     assert {c.name for c in read.actuated} == {"follower", "tool"}
     assert not read.link_rods
+
+
+def test_the_command_writes_serial_file_and_c(tmp_path):
+    """--serial and --format of `symkin transmission`: the robot without its loop, and C with its
+    header for C++ and the ROS 2 package.
+    """
+    told = ["--motors", "crank", "--joints", "follower", "--serial", str(tmp_path / "serial.urdf")]
+    done = CliRunner().invoke(
+        app, ["transmission", "four_bar", *told, "--format", "ros2", "-o", str(tmp_path / "c")]
+    )
+    assert done.exit_code == 0, done.output
+    assert "range of follower" in done.stderr
+    assert [c.name for c in symkin.load(tmp_path / "serial.urdf").coordinates] == ["follower"]
+    for file in ("four_bar.c", "four_bar.hpp", "ros2/four_bar_transmission.hpp"):
+        assert (tmp_path / "c" / file).is_file()

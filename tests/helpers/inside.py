@@ -51,6 +51,9 @@ NAMES = {
     "turn_about": "symkin.spatial.screw",
     # tolerances, compilers, caches
     "BallFunction": "symkin.numeric.balls",
+    "array_source": "symkin.codegen.transmission_array",
+    "between_planes": "symkin.transmissions.polytope",
+    "zonotope": "symkin.transmissions.polytope",
     "COMPLEX": "symkin.numeric.balls",
     "REAL": "symkin.numeric.balls",
     "precision": "symkin.numeric.balls",

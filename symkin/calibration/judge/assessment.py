@@ -32,7 +32,7 @@ from symkin.calibration.estimate.state import (
 )
 from symkin.calibration.judge.departure import measure_departure
 from symkin.calibration.judge.identifiability import identifiability_at
-from symkin.calibration.judge.outliers import Fit, Screening
+from symkin.calibration.judge.outliers import MIN_REDUNDANCY, Fit, Screening
 from symkin.calibration.judge.result import Calibration, Parameter, Residual
 from symkin.calibration.judge.statistics import (
     DOUBTFUL_CURVATURE,
@@ -165,7 +165,7 @@ def _residuals(
     means = evaluate(problem, state.p, state.z, "means").linearised.residuals
     raw = means * np.where(taken, readings.sigma, 0.0)
     left, whitened = (v[: raw.size].reshape(shape) for v in (1.0 - model.absorbed, model.residuals))
-    judged = taken & (left > 1e-12) & (spread > 0.0)
+    judged = taken & (left > MIN_REDUNDANCY) & (spread > 0.0)
     normal = whitened / np.sqrt(np.where(judged, spread * left, 1.0))
     return tuple(
         Residual(

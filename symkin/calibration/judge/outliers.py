@@ -50,7 +50,7 @@ MAX_OUTLIER_SHARE, _MAX_OUTLIERS = 0.2, 300
 is wrong as a whole. Postures with readings left out beyond that share hint at a mistake in the
 file; held-out ones beyond it say that the prediction is wrong.
 """
-_MIN_REDUNDANCY = 1e-3
+MIN_REDUNDANCY = 1e-3
 """A shift of which the fit absorbs all but this share (of its square) cannot be judged."""
 _MIN_SHOWN_PROBABILITY = 1e-16
 """Probabilities below this are not given: no distribution of errors is known so far out."""
@@ -222,7 +222,7 @@ def _test_readings(
     w).
     """
     values, vectors = np.linalg.eigh(model.freedom(rows))
-    seen = values > _MIN_REDUNDANCY
+    seen = values > MIN_REDUNDANCY
     part = (vectors.transpose(0, 2, 1) @ model.residuals[rows][:, :, None])[:, :, 0]
     scaled = np.where(seen, part, 0.0) / np.where(seen, values, 1.0)
     shift = (vectors @ scaled[:, :, None])[:, :, 0]

@@ -17,7 +17,7 @@ from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.departure import Departure
 from symkin.calibration.judge.identifiability import Identifiability
 from symkin.calibration.judge.outliers import Outlier
-from symkin.calibration.judge.statistics import SIGNIFICANCE
+from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
 from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.position.solution import finite
@@ -64,7 +64,7 @@ class Parameter:
 class Residual:
     """One reading less its model: configuration number, kind and component; `value` in radians or
     the length unit (a group's from its mean), `normalised` over the deviation that the reading's
-    own noise and the fit leave it.
+    own noise and the fit leave it, None where that is next to nothing.
     """
 
     configuration: int
@@ -156,14 +156,27 @@ class Calibration(Result):
     def sound(self) -> bool:
         """Whether the fit converged, every configuration is solved, and nothing speaks against it:
         the stated noise, where it is, explains the residuals (neither larger nor smaller than
-        expected), but for some outliers; and it is the machine that the file describes, unless
-        `any_machine` was asked for.
+        expected), and none by itself is further off than chance allows; and it is the machine that
+        the file describes, unless `any_machine` was asked for.
         """
         fits = self.p_value is None or SIGNIFICANCE < self.p_value < 1.0 - SIGNIFICANCE
         whole = not self.unsolved and not self.given_up and self.refused is None
+        whole = whole and self.stray is None
         whole = whole and self.rank > 0 and not self.identifiability.opens
         whole = whole and (self.any_machine or not self.is_other_machine)
         return self.status == "ok" and whole and fits and self.degrees > 0
+
+    @cached_property
+    def stray(self) -> Residual | None:
+        """The largest residual, where the noise stated does not explain it: among many others it
+        hides from chi-square, and it bends the geometry.
+        """
+        judged = [(abs(r.normalised), r) for r in self.residuals if r.normalised is not None]
+        if not self.tested or not judged:
+            return None
+        largest, worst = max(judged, key=lambda one: one[0])
+        chance = len(judged) * chi_square_tail(largest**2, 1)
+        return worst if chance < SIGNIFICANCE else None
 
     @property
     def tested(self) -> bool:

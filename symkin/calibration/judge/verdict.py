@@ -97,6 +97,8 @@ class Verdict:
             yield EXACT
         else:
             yield from chi_square_doubt(fit)
+        if fit.stray is not None:
+            yield stray_reading(fit, fit.stray)
         if fit.given_up:
             yield "too many readings do not belong; see the notes"
         if fit.unsolved:
@@ -318,6 +320,14 @@ def chi_square_doubt(fit: Calibration) -> Iterator[str]:
             f"chi-square per degree of freedom is only {ratio:.3g}; the stated noise is too large, "
             f"and the standard deviations with it"
         )
+
+
+def stray_reading(fit: Calibration, r: Residual) -> str:
+    """Say that a reading was kept which does not belong."""
+    return (
+        f"{r.kind} {r.component} of posture {fit.measurements.labels[r.configuration]} is off by "
+        f"{abs(r.normalised or 0.0):.3g} standard deviations, and was kept"
+    )
 
 
 def large_changes(fit: Calibration) -> list[Parameter]:

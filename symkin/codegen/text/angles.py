@@ -107,12 +107,15 @@ def numbers_at(coordinates: Sequence[Coordinate], values: np.ndarray) -> np.ndar
 # --- expressions ----------------------------------------------------------------------------------
 
 
-def by_numbers(expression: ca.SX, symbols: Sequence[tuple[ca.SX, Sequence[Numbers]]]) -> ca.SX:
+def by_numbers(
+    expression: ca.SX, symbols: Sequence[tuple[ca.SX, Sequence[Numbers]]], scale: float = 0.0
+) -> ca.SX:
     """An expression (n,) of symbols, each entry of which has numbers, as an expression of these
-    numbers. Raises NotLiftedError where an angle's value is needed that is not known.
+    numbers; `scale` as in `snap`, of cosines and sines of known offsets. Raises NotLiftedError
+    where an angle's value is needed that is not known.
     """
     function = ca.Function("f", [s for s, _ in symbols], [ca.densify(expression)], {"cse": True})
-    reader = _Reader([numbers for _, numbers in symbols])
+    reader = _Reader([numbers for _, numbers in symbols], scale)
     walk(function, reader)
     return ca.vertcat(ca.SX(0, 1), *(reader.found[k] for k in range(int(expression.shape[0]))))
 
@@ -129,7 +132,7 @@ def lifted(
     symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in places))
     numbers = [generators[name].numbers for _, name in places]
     own = [Numbers(others[k]) for k in range(int(others.shape[0]))]
-    found = by_numbers(expression, [(symbols, numbers), (others, own)])
+    found = by_numbers(expression, [(symbols, numbers), (others, own)], 1.0)
     return snapped_expression(found, [ca.vertcat(ca.SX(0, 1), *ca.symvar(found))])
 
 
@@ -138,6 +141,7 @@ class _Reader:
     """Evaluator that writes expressions of numbers."""
 
     numbers: Sequence[Sequence[Numbers]]
+    scale: float
     found: dict[int, ca.SX] = field(default_factory=dict)
 
     def input(self, number: int, nonzero: int) -> _Value:
@@ -180,8 +184,8 @@ class _Reader:
             return ca.cos(value), ca.sin(value)
         offset = float(angle.offset)
         circle = (
-            ca.SX(snap(float(np.cos(offset)), 1.0)),
-            ca.SX(snap(float(np.sin(offset)), 1.0)),
+            ca.SX(snap(float(np.cos(offset)), self.scale)),
+            ca.SX(snap(float(np.sin(offset)), self.scale)),
         )
         for own, times in steps:
             circle = turned(circle, own, times)
