@@ -21,14 +21,17 @@ change places.
 """
 
 
-def with_limbs(mechanism: Mechanism, verb: str, instead: str) -> Mechanism:
+def with_limbs(
+    mechanism: Mechanism, verb: str, instead: str, *, arms_only: bool = False
+) -> Mechanism:
     """The mechanism, or the arm or the limbs that a graph is, for a verb that takes limbs between a
-    base and a platform. Raises InputError for other graphs; `instead` says what is taken for them.
+    base and a platform; `arms_only` where answers are over coordinates that the graph's closure
+    must hold too. Raises InputError for other graphs; `instead` says what is taken for them.
     """
     require_mechanism(mechanism)
     if not mechanism.is_graph:
         return mechanism
-    found = arm_of(mechanism) or limbs_of(mechanism)
+    found = arm_of(mechanism) or (None if arms_only else limbs_of(mechanism))
     if found is None:
         arm = (
             "; of an arm, name the tool's link by [platform] link, of a robot's file by --platform "

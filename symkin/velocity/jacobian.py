@@ -298,6 +298,7 @@ def jacobian(
         mechanism,
         "this Jacobian",
         "name the coordinates: of=[...], by=[...] (--of NAMES --by NAMES)",
+        arms_only=True,
     )
     if kind not in KINDS:
         raise InputError(f"kind = {not_among(kind, KINDS)}")

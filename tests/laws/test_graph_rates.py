@@ -147,7 +147,7 @@ REFUSED = [
         ],
         "no --kind",
     ),
-    (["firmware", "ankle", "-o", "fw"], "firmware takes limbs"),
+    (["firmware", "four_bar", "-o", "fw"], "firmware takes limbs"),
 ]
 
 
