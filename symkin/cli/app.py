@@ -159,10 +159,9 @@ ENTRIES = (
         _MACHINE,
         "Motors to joints: torques, ratios, range; array code.",
         (
-            "symkin transmission g1_ankle.xml",
-            "symkin transmission ankle --motors upper_motor,lower_motor",
-            "symkin transmission g1_ankle.xml --torque-limits 90,90 --at 0.2,-0.1",
-            "symkin transmission g1_ankle.xml -o generated --plot ankle.png",
+            "symkin transmission robot.urdf --torque-limits 90",
+            "symkin transmission ankle --motors upper_motor,lower_motor --at 8,12 --json",
+            "symkin transmission ankle -o generated --plot torques.png",
         ),
     ),
     Entry(

@@ -23,7 +23,7 @@ from symkin.cli.options import (
 from symkin.cli.pictures import picture_options
 from symkin.cli.reading import loaded, reads_robots
 from symkin.cli.streams import say
-from symkin.errors import InputError
+from symkin.errors import InputError, NoConfigurationError
 from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
 
@@ -121,6 +121,7 @@ def transmission(
     """The exact map between motors and the joints that they drive by closed linkages: range,
     torques, ratios; at a configuration Jacobians, second derivatives, inertia, polytopes.
     """
+    from symkin.position.solve_result import SolveError
     from symkin.transmissions.transmission import transmission as find
 
     mechanism = loaded(mech, read)
@@ -147,9 +148,11 @@ def transmission(
             raise InputError(
                 f"--at: {len(several)} transmissions are found; name one by --motors and --joints"
             )
-        told = several[0].to_dict(
-            numbers_from(at, "at", unit), numbers_from(at_joints, "at-joints", unit)
-        )
+        values = numbers_from(at, "at", unit), numbers_from(at_joints, "at-joints", unit)
+        try:
+            told = several[0].to_dict(*values)
+        except SolveError as error:
+            raise NoConfigurationError(str(error)) from None
         to_dict, text = lambda: told, lambda: _text_at(told)
     files = [] if output is None else _written(several, output, language)
     if serial is not None:

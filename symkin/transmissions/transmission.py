@@ -247,6 +247,10 @@ def _checked(robot: str, linkage: Linkage, options: dict[str, Any]) -> Transmiss
             f"{len(motors)} motors drive {free} joint(s): of all torques of motors that hold a "
             f"joint torque the least are told, and rates of motors must agree",
         )
+    over = linkage.beyond_limits(linkage.reference[None])[0] > 0.0
+    beyond = [c.name for c, out in zip(linkage.limited, over, strict=True) if out]
+    if beyond:
+        notes = (*notes, f"the reference is beyond the limits of {', '.join(beyond)}")
     return Transmission(", ".join(joints), linkage, read_motors(motors, options), notes)
 
 

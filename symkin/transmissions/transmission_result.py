@@ -309,6 +309,10 @@ class Transmission(Result):
 class Transmissions(Result, Mapping[str, Transmission]):
     """The transmissions of a robot by name, and what was left aside and why; made by
     `symkin.transmission`.
+
+    >>> import symkin
+    >>> list(symkin.transmission(symkin.load("ankle")))
+    ['ankle.1, ankle.2']
     """
 
     mechanism: Mechanism

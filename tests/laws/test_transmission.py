@@ -435,6 +435,10 @@ def test_command_writes_the_contract(capsys: pytest.CaptureFixture[str], tmp_pat
     )
     assert status == 2
     assert "lower limit comes first" in error
+    names = ("--motors", "crank", "--joints", "follower")
+    status, _, error = run(capsys, "transmission", "four_bar", *names, "--at-joints", "200")
+    assert status == 3
+    assert "not reached" in error
 
 
 def test_linear_helper_refuses_nothing() -> None:
