@@ -23,7 +23,7 @@ from symkin.codegen.folder import folder_files, write_folder
 from symkin.codegen.options import Options
 from symkin.files.written_files import MANIFEST, digest
 from symkin.formats.load import load
-from symkin.model.file import shipped_names
+from symkin.model.shipped import shipped_names
 
 HERE = Path(__file__).parent
 COMMITTED = (
