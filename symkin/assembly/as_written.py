@@ -53,7 +53,8 @@ def comes_first(low: Lowered, given: Given) -> bool:
 
 def given_of_machine(low: Lowered, given: Given) -> Given:
     """The same known values of the machine: joints as they are, a pose in its frame."""
-    if _is_pose(low.written, given) and low.machine.motion != low.written.motion:
+    stands_otherwise = low.frames is not None or low.machine.motion != low.written.motion
+    if _is_pose(low.written, given) and stands_otherwise:
         pose = Pose(given.values[:3], given.values[3:])
         taken = pose if low.frames is None else low.frames.taken(pose)
         given = replace(given_from(low.machine, None, taken), echo=given.echo)
