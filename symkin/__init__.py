@@ -59,7 +59,8 @@ if TYPE_CHECKING:
     from symkin.spatial.pose import Pose
     from symkin.sweeps.run import sweep
     from symkin.transmissions.transmission import transmission
-    from symkin.transmissions.transmission_result import Transmission, Transmissions
+    from symkin.transmissions.transmission_result import Transmission as Transmission
+    from symkin.transmissions.transmission_result import Transmissions as Transmissions
     from symkin.velocity.jacobian import Jacobian, jacobian
 
 __all__ = [
@@ -94,8 +95,6 @@ __all__ = [
     "SolveResult",
     "SymkinError",
     "Track",
-    "Transmission",
-    "Transmissions",
     "__version__",
     "calibrate",
     "close",
@@ -174,7 +173,7 @@ _LATER = {
 """Modules that are imported at the first use of a name, since no run needs them all, and a command
 hears Ctrl-C before the first of them. `Newton` and
 `LeastSquares` are values of `solver=` with settings of one's own; their names ("newton", "ipopt")
-suffice, so that they are not listed.
+suffice, so that they are not listed, and no more are results of `transmission`, which nobody makes.
 """
 
 

@@ -17,7 +17,7 @@ import pytest
 import symkin
 from helpers.gate import in_gate_but
 
-MOST_NAMES = 50
+MOST_NAMES = 51
 LONGEST_SENTENCE = 130
 """Characters of the first sentence of a public name, which lists show alone."""
 NAMES = [name for name in symkin.__all__ if name != "__version__"]
