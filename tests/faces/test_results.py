@@ -70,6 +70,8 @@ def results() -> dict[str, Result]:
         "plan": symkin.plan_measurements(
             arm, 8, {"angles": 1e-4, "position": 0.05}, groups=0, readings=["position"]
         ),
+        "transmission": symkin.transmission(symkin.load("four_bar"), ["crank"], ["follower"]),
+        "transmissions": symkin.transmission(symkin.load("four_bar")),
     }
 
 
@@ -90,6 +92,8 @@ NAMES = (
     "rates",
     "closed",
     "sweep",
+    "transmission",
+    "transmissions",
 )
 
 
