@@ -63,7 +63,7 @@ def _may_be_member(group: Problem) -> bool:
     system = group.system
     coordinates = (*system.unknowns, *group.known_coordinates)
     return (
-        2 <= system.freedom <= _MOST_UNKNOWNS
+        system.freedom <= _MOST_UNKNOWNS
         and int(system.rows.shape[0]) == system.freedom
         and not group.implied
         and not group.closure.partition.geometry

@@ -53,9 +53,11 @@ def test_parts_of_a_matrix_are_the_matrix(shapes: list[tuple[int, int]]) -> None
     np.testing.assert_allclose(extremes, wanted[[0, -1]], atol=1e-12)
 
 
-def _four_bars(count: int) -> symkin.Mechanism:
-    """Four-bars of different sizes beside each other, the links of each with its number."""
-    rng, joints = np.random.default_rng(0), []
+def _four_bars(count: int, coupler: str = "link") -> symkin.Mechanism:
+    """Four-bars of different sizes beside each other, the links of each with its number; couplers
+    are links, or rods.
+    """
+    rng, joints, rods = np.random.default_rng(0), [], []
     for k in range(count):
         base, crank, rocker = (size + rng.uniform(-0.2, 0.2) for size in (4.0, 1.0, 2.5))
         a, angle = np.array([10.0 * k, rng.uniform(-1, 1)]), rng.uniform(0.5, 1.5)
@@ -68,13 +70,19 @@ def _four_bars(count: int) -> symkin.Mechanism:
             ("c", c, (f"coupler{k}", f"rocker{k}")),
             ("d", d, ("base", f"rocker{k}")),
         ):
+            if coupler == "rod" and name in "bc":
+                continue
             place = (*point.tolist(), 0.0)
             joint = symkin.Joint(f"{name}{k}", "R", place, (0, 0, 1), actuated=name == "a")
             joints.append(symkin.LinkJoint(joint, links))
-    return symkin.Mechanism("four_bars", link_joints=joints)
+        if coupler == "rod":
+            ends = [(*point.tolist(), 0.0) for point in (b, c)]
+            rods.append(symkin.LinkRod(f"coupler{k}", (f"crank{k}", f"rocker{k}"), *ends))
+    return symkin.Mechanism("four_bars", link_joints=joints, link_rods=rods)
 
 
-def test_equal_loops_are_derived_once(monkeypatch):
+@pytest.mark.parametrize("coupler", ["link", "rod"])
+def test_equal_loops_are_derived_once(coupler, monkeypatch):
     """However many loops of one kind a machine has, formulas, paths and their roots are those of
     one.
     """
@@ -90,20 +98,21 @@ def test_equal_loops_are_derived_once(monkeypatch):
             return own(*arguments, **options)
 
         monkeypatch.setattr(module, name, counting)
-    found = symkin.modes(_four_bars(40), given={f"a{k}": 0.1 * k for k in range(40)})
+    found = symkin.modes(_four_bars(40, coupler), given={f"a{k}": 0.1 * k for k in range(40)})
     assert found.count == 2**40
     # the loop at the origin has shorter rows
     assert counted["closed_form"] <= 2
     assert counted["start_of_structure"] <= 2
 
 
-def test_loops_of_a_family_answer_as_alone():
+@pytest.mark.parametrize("coupler", ["link", "rod"])
+def test_loops_of_a_family_answer_as_alone(coupler):
     """Each loop's configurations, what is said of them and their proofs are those of the loop by
     itself.
     """
     count = 9
     angles = np.random.default_rng(1).uniform(-180.0, 180.0, count).tolist()
-    whole = _four_bars(count)
+    whole = _four_bars(count, coupler)
     given = {f"a{k}": angle for k, angle in enumerate(angles)}
     found = symkin.modes(whole, given=given)
     assert found.count == len(found) == 2**count
@@ -111,8 +120,10 @@ def test_loops_of_a_family_answer_as_alone():
     assert all(mode.certified for mode in found)
     for k, angle in enumerate(angles):
         joints = [j for j in whole.link_joints if j.joint.name[1:] == str(k)]
-        alone = symkin.modes(symkin.Mechanism("one", link_joints=joints), given={f"a{k}": angle})
-        names = [f"b{k}", f"d{k}"]
+        rods = [rod for rod in whole.link_rods if rod.name == f"coupler{k}"]
+        one = symkin.Mechanism("one", link_joints=joints, link_rods=rods)
+        alone = symkin.modes(one, given={f"a{k}": angle})
+        names = [name for name in (f"b{k}", f"d{k}") if name in alone[0].joints]
         held = [
             {tuple(np.round([m.joints[n] for n in names], 8)) for m in f} for f in (found, alone)
         ]
