@@ -129,6 +129,8 @@ def transmission(
     unit = mechanism.angle_unit
     if motors is None and joints is not None:
         raise InputError("--joints needs --motors beside it: the coordinates that motors drive")
+    if output is None and language != Format.array:
+        raise InputError(f"--format {language.value} needs -o DIR: the folder to write into")
     names = (names_from(motors), names_from(joints) or None) if motors is not None else ()
     found = find(
         mechanism,

@@ -439,6 +439,9 @@ def test_command_writes_the_contract(capsys: pytest.CaptureFixture[str], tmp_pat
     status, _, error = run(capsys, "transmission", "four_bar", *names, "--at-joints", "200")
     assert status == 3
     assert "not reached" in error
+    status, _, error = run(capsys, "transmission", "four_bar", *names, "--format", "c")
+    assert status == 2
+    assert "--format c needs -o DIR" in error
 
 
 def test_linear_helper_refuses_nothing() -> None:
