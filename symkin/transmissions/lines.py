@@ -24,8 +24,10 @@ _SHORTEST = 1e-7
 _CLOSED = 1e-12
 """Closure error of a point, over the size."""
 _NEWTON = 6
-_TINY = 1e-28
-"""Of the normal equations' trace, added to their diagonal."""
+_TINY = 1e-14
+"""Of the normal equations' trace, added to their diagonal, so that they can be solved where they
+are singular but for rounding: directions of singular values below 1e-7 count as lost.
+"""
 _MOST_STEPS = 2000
 
 
@@ -81,6 +83,6 @@ def _distances(after: np.ndarray, before: np.ndarray, eye: np.ndarray) -> np.nda
     # by the normal equations, kept solvable: half of the digits suffice to judge a step
     turned = after.transpose(0, 2, 1)
     gram = turned @ after
-    floor = _TINY * (1.0 + np.trace(gram, axis1=1, axis2=2))
+    floor = _TINY * np.trace(gram, axis1=1, axis2=2) + np.finfo(float).tiny
     near = np.linalg.solve(gram + floor[:, None, None] * eye, turned @ before) - eye
     return np.asarray(np.abs(near).sum(axis=2).max(axis=1))

@@ -241,6 +241,12 @@ def _checked(robot: str, linkage: Linkage, options: dict[str, Any]) -> Transmiss
                 f"{robot}: the reference configuration is singular for the {what} "
                 f"{', '.join(names)}: {lost}; give another start (--start NAME=VALUE,...)"
             )
+    here = States(linkage, linkage.reference[None])
+    if not (np.isfinite(here.jacobian).all() and np.isfinite(here.inverse_jacobian).all()):
+        raise InputError(
+            f"{robot}: the reference configuration is singular: {here.lost(0)}; give another start "
+            f"(--start NAME=VALUE,...)"
+        )
     notes: tuple[str, ...] = ()
     if len(motors) > free:
         notes = (
