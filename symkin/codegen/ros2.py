@@ -10,9 +10,9 @@ from html import escape
 
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.text.templates import fill
+from symkin.formats.graph_form import METRES
 from symkin.model.joint import Coordinate
 
-_METRES = {"m": 1.0, "mm": 1e-3}
 _FILES = {
     "{name}_transmission.hpp": "ros2.hpp",
     "{name}_transmission_loader.cpp": "ros2_loader.cpp",
@@ -35,7 +35,7 @@ def ros2_files(made: JointMap, values: Mapping[str, object]) -> dict[str, str]:
         "title": escape(made.mechanism.title or made.name),
     }
     for side, coordinates in sides.items():
-        metres = _METRES[made.mechanism.length_unit]
+        metres = METRES[made.mechanism.length_unit]
         units = [1.0 if c.is_angular else metres for c in coordinates]
         home = made.reference_of(coordinates)
         shown |= {

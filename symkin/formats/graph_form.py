@@ -13,7 +13,8 @@ from symkin.model.joint import BASE, PLATFORM, Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
 
-_METRES = {"m": 1.0, "mm": 1e-3}
+METRES = {"m": 1.0, "mm": 1e-3}
+"""Metres of a length unit."""
 _MOTIONS: dict[str, tuple[str, ...]] = {
     "spatial": (),
     "schoenflies": ("x", "y", "z", "gamma"),
@@ -32,7 +33,7 @@ def as_graph(mechanism: Mechanism) -> Mechanism:
     restricted motion is carried from the base by passive joints (platform.x, platform.gamma, ...)
     that leave it this motion.
     """
-    metres = _METRES[mechanism.length_unit]
+    metres = METRES[mechanism.length_unit]
     carriers = list(_carriers(mechanism))
     joints = [entry for limb in mechanism.limbs if isinstance(limb, Limb) for entry in _chain(limb)]
     joints += [*carriers, *mechanism.link_joints]

@@ -202,7 +202,7 @@ def _placed(mechanism: Mechanism, turn: Pose) -> tuple[Mechanism, Frames]:
     """The machine turned, its platform frame along that of the base."""
     turned = displaced(mechanism, turn)
     if mechanism.platform_link is None and not mechanism.limbs:
-        return _aligned(turned), Frames(turn, Pose(np.zeros(3), _AS_BASE))
+        return _aligned(turned), Frames(turn, Pose(np.zeros(3), np.array(_AS_BASE)))
     own = Pose(np.zeros(3), turned.reference_pose.quaternion)
     limbs = [_with_rods(limb, own) for limb in turned.limbs]
     return (

@@ -53,7 +53,7 @@ def many_as_written(
     pose = Pose(*(part.T for part in poses_of(own, values)))
     if lowered.frames is not None:
         base, platform = (
-            Pose(np.array(p.position)[:, None], np.array(p.quaternion)[:, None])
+            Pose(p.position[:, None], p.quaternion[:, None])
             for p in (lowered.frames.base, lowered.frames.platform)
         )
         told = Frames(base, base)

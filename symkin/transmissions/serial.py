@@ -13,6 +13,7 @@ import numpy as np
 from symkin.closure.branches import edges_of
 from symkin.errors import InputError
 from symkin.files.outputs import check_output, write_output
+from symkin.formats.graph_form import METRES
 from symkin.formats.mjcf_text import mjcf_text
 from symkin.formats.serial_form import Drive, serial_form
 from symkin.formats.urdf_text import urdf_text
@@ -20,7 +21,6 @@ from symkin.model.mechanism import Mechanism
 from symkin.transmissions.found import group_with
 from symkin.transmissions.transmission_result import Transmission
 
-_METRES = {"m": 1.0, "mm": 1e-3}
 _WRITERS = {".urdf": urdf_text, ".xml": mjcf_text}
 
 
@@ -56,7 +56,7 @@ def write_serial(
 def drives_of(transmission: Transmission) -> tuple[dict[str, Drive], list[str]]:
     """Find what drives each joint of a transmission, in SI units, and what is to be told of it."""
     linkage, data, survey = transmission.linkage, transmission.data, transmission.survey
-    metres = _METRES[linkage.mechanism.length_unit]
+    metres = METRES[linkage.mechanism.length_unit]
     motors, joints = (
         np.array([1.0 if c.is_angular else metres for c in linkage.coordinates_of(names)])
         for names in (linkage.motors, linkage.joints)

@@ -234,18 +234,18 @@ def _checked(robot: str, linkage: Linkage, options: dict[str, Any]) -> Transmiss
             f"{robot}: the joints {', '.join(joints)} do not decide the motors "
             f"{', '.join(motors)}: some joints follow from others, and motions are left free"
         )
-    for what, names in (("motors", motors), ("joints", joints)):
-        if _rank(linkage, names, at_reference=True) < free:
-            lost = States(linkage, linkage.reference[None]).lost(0)
-            raise InputError(
-                f"{robot}: the reference configuration is singular for the {what} "
-                f"{', '.join(names)}: {lost}; give another start (--start NAME=VALUE,...)"
-            )
     here = States(linkage, linkage.reference[None])
-    if not (np.isfinite(here.jacobian).all() and np.isfinite(here.inverse_jacobian).all()):
+    singular = [
+        f" for the {what} {', '.join(names)}"
+        for what, names in (("motors", motors), ("joints", joints))
+        if _rank(linkage, names, at_reference=True) < free
+    ]
+    if singular or not (
+        np.isfinite(here.jacobian).all() and np.isfinite(here.inverse_jacobian).all()
+    ):
         raise InputError(
-            f"{robot}: the reference configuration is singular: {here.lost(0)}; give another start "
-            f"(--start NAME=VALUE,...)"
+            f"{robot}: the reference configuration is singular{''.join(singular[:1])}: "
+            f"{here.lost(0)}; give another start (--start NAME=VALUE,...)"
         )
     notes: tuple[str, ...] = ()
     if len(motors) > free:
