@@ -17,11 +17,9 @@ from symkin.assembly.block_solver import BlockSolver
 from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
 from symkin.assembly.prover import Prover, prover_of
 from symkin.computed_once import cached_property
-from symkin.errors import TooManyModesError
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
-from symkin.homotopy.branches import complex_count, real_candidates
 from symkin.homotopy.engine import aligned, engine_of
-from symkin.homotopy.many_instances import APART, are_regular, nearest, plain_instances
+from symkin.homotopy.many_instances import are_regular, plain_instances
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.structure import Structure
 from symkin.homotopy.systems import meets_all_rows
@@ -50,12 +48,12 @@ class BlockPaths(BlockSolver):
     @property
     def most_roots(self) -> int:
         """Complex roots of a generic instance."""
-        return complex_count(self.algebraic, self.start.z)
+        return int(self.start.z.shape[1])
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """Poses that no motion connects, over the complex numbers: operation modes."""
-        return orbit_notes(self.algebraic, self.start)
+        return orbit_notes(self.start)
 
     @cached_property
     def prover(self) -> Prover:
@@ -86,85 +84,33 @@ class BlockPaths(BlockSolver):
                 aligned(self.algebraic, self.start.k, k)[:, instance[left]],
             )
             plain[instance[left[irregular]]] = False
-        counts, origin, columns, owner = self._real_ones(
-            z, k, instance, plain, None if proved is None else proved.real == "not real"
-        )
-        found, origin = checked_roots(
-            self.block, self._points(columns, owner, origin, k), known, plain, counts
-        )
+        not_real = None if proved is None else proved.real == "not real"
+        counts, origin = self._real_ones(z, k, instance, not_real)
+        candidates = self._points(z[:, origin], instance[origin], origin, k)
+        found, origin = checked_roots(self.block, candidates, known, plain, counts)
         found = replace(found, ends=z, ends_of=instance)
         return found if knowns is None else with_proofs(found, self.prover, proved, knowns, origin)
 
     def _clear(self, ends: np.ndarray) -> np.ndarray:
-        """Instances (n,) whose ends (n, width, roots) are real or not, beyond doubt, in the pose
-        and in each limb.
-        """
+        """Instances (n,) whose ends (n, width, roots) are real or not, beyond doubt."""
         n, width, roots = ends.shape
-        z = ends.transpose(1, 0, 2).reshape(width, n * roots)
-        clear = np.ones(n * roots, dtype=bool)
-        for places in (self.algebraic.pose_places, *self.algebraic.limbs):
-            part = imaginary_part(self.algebraic, z, places)
-            clear &= (part < _REAL) | (part > _NOT_REAL)
+        part = imaginary_part(self.algebraic, ends.transpose(1, 0, 2).reshape(width, n * roots))
+        clear = (part < _REAL) | (part > _NOT_REAL)
         return np.asarray(clear.reshape(n, roots).all(axis=1))
 
     # --- candidates -------------------------------------------------------------------------------
 
     def _real_ones(
-        self,
-        z: np.ndarray,
-        k: np.ndarray,
-        instance: np.ndarray,
-        plain: np.ndarray,
-        not_real: np.ndarray | None,
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Counts (n,) of complex solutions; of the real ones, with those that limbs' branches add,
-        the places in z (-1 for these), the columns and the instances. Instances with more
-        combinations than can be listed are no longer plain.
-        """
-        counts = np.bincount(instance, minlength=len(plain))
-        real = imaginary_part(self.algebraic, z, range(self.algebraic.width)) < _REAL
+        self, z: np.ndarray, k: np.ndarray, instance: np.ndarray, not_real: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Counts (n,) of complex solutions, and the places in z of the real ones."""
+        whole = np.ones(len(instance), dtype=bool)
         if self.combined:
             whole = meets_all_rows(self.problem, self.block, self.algebraic, z, k[:, instance])
-            counts, real = np.bincount(instance[whole], minlength=len(plain)), real & whole
+        real = whole & (imaginary_part(self.algebraic, z) < _REAL)
         if not_real is not None:
             real &= ~not_real
-        several = self._several_branches(z, instance)
-        origin = np.flatnonzero(real if several is None else real & ~several[instance])
-        if several is None:
-            return counts, origin, z[:, origin], instance[origin]
-        columns, owner, origins = [z[:, origin]], [instance[origin]], [origin]
-        for i in np.flatnonzero(several):
-            mine = z[:, instance == i]
-            counts[i] = complex_count(self.algebraic, mine)
-            try:
-                found = real_candidates(self.algebraic, mine)
-            except TooManyModesError:
-                plain[i] = False
-                continue
-            columns.append(found)
-            owner.append(np.full(found.shape[1], i))
-            origins.append(np.full(found.shape[1], -1))
-        together = np.concatenate(owner)
-        order = np.argsort(together, kind="stable")
-        return (
-            counts,
-            np.concatenate(origins)[order],
-            np.concatenate(columns, axis=1)[:, order],
-            together[order],
-        )
-
-    def _several_branches(self, z: np.ndarray, instance: np.ndarray) -> np.ndarray | None:
-        """Instances with limbs that have several branches at one pose; None where there are
-        none.
-        """
-        if not self.algebraic.limbs or not instance.size:
-            return None
-        chosen = np.flatnonzero(np.bincount(instance))
-        ends = z.reshape(self.algebraic.width, len(chosen), -1).transpose(1, 0, 2)
-        several = nearest(self.algebraic, ends, self.algebraic.pose_places) < APART
-        found = np.zeros(int(chosen[-1]) + 1, dtype=bool)
-        found[chosen] = several
-        return found if several.any() else None
+        return np.bincount(instance[whole], minlength=k.shape[1]), np.flatnonzero(real)
 
     def _points(
         self, z: np.ndarray, owner: np.ndarray, origin: np.ndarray, k: np.ndarray
@@ -177,12 +123,10 @@ class BlockPaths(BlockSolver):
         return Candidates(np.concatenate([values[name] for name in names], axis=1), owner, origin)
 
 
-def orbit_notes(system: AlgebraicSystem, start: Fibre) -> tuple[str, ...]:
+def orbit_notes(start: Fibre) -> tuple[str, ...]:
     """What is said of generic roots that no loop of the known values connects."""
-    sizes = [
-        complex_count(system, start.z[:, start.orbits == orbit])
-        for orbit in np.flatnonzero(np.bincount(start.orbits))
-    ]
+    sizes = np.bincount(start.orbits)
+    sizes = sizes[sizes > 0]
     if len(sizes) < 2:
         return ()
     return (

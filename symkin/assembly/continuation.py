@@ -5,9 +5,6 @@ The roots of one generic complex instance are found once for a mechanism and kep
 exactly the mechanism's own number of paths. All paths accounted for, the list is complete with
 probability one: the random numbers avoid a set of measure zero, and the generic count rests on a
 theorem's bound or on the evidence of monodromy, never on a proof.
-
-In a direct problem paths belong to poses and to single branches of limbs; see `branches` for their
-combinations.
 """
 
 from __future__ import annotations
@@ -19,8 +16,7 @@ import numpy as np
 
 from symkin.assembly.block_paths import orbit_notes
 from symkin.assembly.prover import Prover, prover_of
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.branches import complex_count, real_candidates
+from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
 from symkin.homotopy.ends import Ends
 from symkin.homotopy.engine import engine_of
 from symkin.homotopy.instance import instance
@@ -40,6 +36,8 @@ if TYPE_CHECKING:
     from symkin.certificate.certificate import CertificateBatch
     from symkin.certificate.knowns import Knowns
 
+_REAL = 1e-5
+"""Largest imaginary part of a root that is tried as a real one; the closure decides."""
 _LEAST_ERROR_STARTS = 200
 """Random starts for the least closure error where no root is real."""
 
@@ -72,7 +70,7 @@ def by_continuation(
         roots, doubtful = _block_roots(problem, match, block, start, given, starts, rng)
         blocks.append(roots)
         random_starts |= doubtful
-        notes += orbit_notes(match, start)
+        notes += orbit_notes(start)
     return blocks, tuple(notes), random_starts
 
 
@@ -119,7 +117,8 @@ def _block_roots(
     # however near to being real
     unreal = np.zeros(count, dtype=bool) if proved is None else proved.real == "not real"
     possible = np.concatenate([ends.z[:, ~unreal], ends.singular.z], axis=1)
-    real = [real_values(problem, algebraic, z, k) for z in real_candidates(algebraic, possible).T]
+    possible = possible[:, imaginary_part(algebraic, possible) < _REAL]
+    real = [real_values(problem, algebraic, z, k) for z in possible.T]
     found = _polished(block, given.values, real)
     points, continuum, smallest = found.points, found.continuum, found.smallest_residual
     doubtful = bool(ends.unresolved) or not ends.singular.isolated.all()
@@ -137,7 +136,6 @@ def _block_roots(
     isolated = _isolated(problem, ends, given)
     columns = np.repeat(k[:, None], isolated.shape[1], axis=1)
     whole = meets_all_rows(problem, block, algebraic, isolated, columns)
-    poses = complex_count(algebraic, isolated[:, whole])
     roots = Roots(
         block,
         points,
@@ -147,7 +145,7 @@ def _block_roots(
         sampled=False,
         unresolved=len(ends.unresolved),
         # roots that nearly meet may be one for paths and two for the rows
-        complex_count=max(poses, len(points)),
+        complex_count=max(int(whole.sum()), len(points)),
         complex_sets=not ends.singular.isolated.all(),
         engine=engine_of(algebraic)[1],
         proofs=_proofs(problem, prover, proved, points, knowns),

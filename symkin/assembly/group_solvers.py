@@ -8,7 +8,6 @@ from dataclasses import replace
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
 from symkin.computed_once import lru_cache
-from symkin.homotopy.branches import complex_count
 from symkin.homotopy.start_store import start_of
 from symkin.homotopy.structure import MOST_UNKNOWNS, start_of_structure, structure_of
 from symkin.homotopy.systems import squared, system_of, unsuitable
@@ -132,7 +131,7 @@ def parted_group(problem: Problem) -> Problem | None:
         (block,) = problem.blocks
         system = system_of(problem, block)
         start, _ = start_of(problem, system, block)
-        return None if start is None else complex_count(system, start.z)
+        return None if start is None else int(start.z.shape[1])
 
     return group if _are_taken(implied_parts(group), own_count) else None
 

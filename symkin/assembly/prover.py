@@ -167,5 +167,5 @@ def prover_of(
         # the unknowns of a structure of joints are those of the block
         algebraic, structure = whole, None
     bound = bound_of(problem, algebraic, structure)
-    proves_ends = bound is not None or (whole is algebraic and not algebraic.limbs)
+    proves_ends = bound is not None or whole is algebraic
     return Prover(problem, block, whole, bound, proves_ends)

@@ -9,7 +9,7 @@ paths.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi as ca
@@ -20,6 +20,9 @@ from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.numeric.mapped import Mapped
 
+SAME_ROOT = 1e-6
+"""Largest difference of features (relative to 1) of two equal roots."""
+
 
 @dataclass(frozen=True, eq=False)
 class AlgebraicSystem:
@@ -27,10 +30,8 @@ class AlgebraicSystem:
 
     `projective` are the places of a homogeneous group in z (a ray), empty if none; `unknowns` are
     the affine coordinates, in order, before it. `eliminated` are angles that the rows do not hold,
-    with their values at real roots. `limbs` are places of joints that a known pose separates from
-    each other: the pose alone tells roots apart, and each limb has its own branches there.
-    `known_ray` are places in k of a quaternion of any length; `body` begins the names of the
-    coordinates for which the projective point stands.
+    with their values at real roots. `known_ray` are places in k of a quaternion of any length;
+    `body` begins the names of the coordinates for which the projective point stands.
     """
 
     characteristic_length: float
@@ -40,7 +41,6 @@ class AlgebraicSystem:
     rows: ca.SX
     projective: tuple[int, ...]
     eliminated: tuple[tuple[Coordinate, ca.SX], ...] = ()
-    limbs: tuple[tuple[int, ...], ...] = ()
     known_ray: tuple[int, ...] = ()
     body: str = "pose"
 
@@ -53,12 +53,6 @@ class AlgebraicSystem:
     def count(self) -> int:
         """Rows."""
         return int(self.rows.shape[0])
-
-    @cached_property
-    def pose_places(self) -> list[int]:
-        """Places of z that do not belong to the branches of single limbs."""
-        branching = {i for limb in self.limbs for i in limb}
-        return [i for i in range(self.width) if i not in branching]
 
     @cached_property
     def cost(self) -> int:
@@ -109,9 +103,16 @@ class AlgebraicSystem:
 
     def features(self, z: np.ndarray) -> np.ndarray:
         """Coordinates (n, any) in which equal roots are equal: cos and sin of angles, squares of
-        rod lengths, the projector of the ray; of the pose alone where limbs have branches.
+        rod lengths, the projector of the ray.
         """
-        parts = self._affine_features(z, [i for i in self.pose_places if i < len(self.unknowns)])
+        parts: list[np.ndarray] = []
+        for i, c in enumerate(self.unknowns):
+            if c.kind == "angle":
+                parts += [np.cos(z[i]), np.sin(z[i])]
+            else:
+                parts.append(
+                    z[i] if c.least is None else (z[i] - c.least / self.characteristic_length) ** 2
+                )
         if self.projective:
             ray = z[list(self.projective)]
             ray = ray / np.linalg.norm(ray, axis=0)
@@ -119,25 +120,6 @@ class AlgebraicSystem:
                 (ray[:, None] * np.conj(ray[None])).reshape(ray.shape[0] ** 2, ray.shape[1])
             )
         return np.array(parts).T
-
-    def limb_features(self, z: np.ndarray) -> list[np.ndarray]:
-        """Coordinates (n, any) of each limb's joints in which equal branches are equal."""
-        return [np.array(self._affine_features(z, limb)).T for limb in self.limbs]
-
-    def all_features(self, z: np.ndarray) -> np.ndarray:
-        return np.hstack([self.features(z), *self.limb_features(z)])
-
-    def _affine_features(self, z: np.ndarray, places: Sequence[int]) -> list[np.ndarray]:
-        parts: list[np.ndarray] = []
-        for i in places:
-            c = self.unknowns[i]
-            if c.kind == "angle":
-                parts += [np.cos(z[i]), np.sin(z[i])]
-            else:
-                parts.append(
-                    z[i] if c.least is None else (z[i] - c.least / self.characteristic_length) ** 2
-                )
-        return parts
 
     def unit_rays(self, z: np.ndarray) -> np.ndarray:
         """The same points with rays of unit length."""
@@ -160,12 +142,19 @@ def complex_normal(count: int, rng: np.random.Generator) -> np.ndarray:
     return np.asarray((rng.normal(size=count) + 1j * rng.normal(size=count)) / np.sqrt(2))
 
 
-def imaginary_part(system: AlgebraicSystem, z: np.ndarray, places: Sequence[int]) -> np.ndarray:
-    """How far each root (width, n) is from being real in some places of z: largest imaginary part,
-    rays turned to their best phase.
+def known_root(system: AlgebraicSystem, known: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Index of the known root (width, m) that each column of z repeats; -1 where it is new."""
+    apart = np.abs(system.features(z)[:, None] - system.features(known)[None])
+    same = np.max(apart, axis=2, initial=0.0) < SAME_ROOT
+    return np.where(same.any(axis=1), np.argmax(same, axis=1), -1)
+
+
+def imaginary_part(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
+    """How far each root (width, n) is from being real: largest imaginary part, rays turned to
+    their best phase.
     """
-    ray = [i for i in places if i in set(system.projective)]
-    parts = [np.abs(z[[i for i in places if i not in set(system.projective)]].imag)]
+    ray = list(system.projective)
+    parts = [np.abs(np.delete(z, ray, axis=0).imag)]
     if ray:
         turned = z[ray] / z[ray][np.argmax(np.abs(z[ray]), axis=0), np.arange(z.shape[1])]
         parts.append(np.abs(turned.imag))

@@ -115,6 +115,6 @@ def _is_whole(system: AlgebraicSystem, tracked: Tracked) -> bool:
     """All paths have arrived, at roots that differ."""
     if not tracked.arrived.all():
         return False
-    f = system.all_features(tracked.z)
+    f = system.features(tracked.z)
     distance = np.max(np.abs(f[:, None] - f[None]), axis=2) + np.eye(len(f))
     return bool(distance.min() > _SAME)

@@ -8,7 +8,6 @@ integral; Morgan, Sommese, Wampler 1991).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,8 +19,6 @@ from symkin.homotopy.tracker import TrackSettings
 
 VERTICES = 8
 """Samples a turn; the paths go along the chords between them."""
-MOST_TURNS = 8
-"""Turns after which a path with branches of limbs that has not come back is left."""
 _CLOSED = 1e-6
 """Largest distance (of coordinates of order one) between a path's end and the start that it has
 come back to.
@@ -51,34 +48,28 @@ class Germ:
     is_closed: bool
 
 
-def gaps(
-    system: AlgebraicSystem, a: np.ndarray, b: np.ndarray, places: Sequence[int] | None = None
-) -> np.ndarray:
-    """Distances of points a from points b (width, ...), which broadcast, in some places of z or
-    all: angles up to whole turns, large lengths by their ratio, rays by their sine.
+def gaps(system: AlgebraicSystem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Distances of points a from points b (width, ...), which broadcast: angles up to whole turns,
+    large lengths by their ratio, rays by their sine.
     """
-    chosen = range(system.width) if places is None else places
-    ray = [i for i in chosen if i in set(system.projective)]
+    ray = list(system.projective)
     found = np.zeros(np.broadcast_shapes(a.shape[1:], b.shape[1:]))
-    for i in chosen:
-        if i < len(system.unknowns):
-            gap = a[i] - b[i]
-            if system.unknowns[i].kind == "angle":
-                gap = gap - 2 * np.pi * np.round(gap.real / (2 * np.pi))
-            else:
-                gap = gap / np.maximum(1.0, np.abs(b[i]))
-            found = np.maximum(found, np.abs(gap))
+    for i, unknown in enumerate(system.unknowns):
+        gap = a[i] - b[i]
+        if unknown.kind == "angle":
+            gap = gap - 2 * np.pi * np.round(gap.real / (2 * np.pi))
+        else:
+            gap = gap / np.maximum(1.0, np.abs(b[i]))
+        found = np.maximum(found, np.abs(gap))
     if ray:
         p, q = a[ray] / np.linalg.norm(a[ray], axis=0), b[ray] / np.linalg.norm(b[ray], axis=0)
         found = np.maximum(found, np.linalg.norm(p - q * np.sum(np.conj(q) * p, axis=0), axis=0))
     return found
 
 
-def distances(
-    system: AlgebraicSystem, a: np.ndarray, b: np.ndarray, places: Sequence[int] | None = None
-) -> np.ndarray:
+def distances(system: AlgebraicSystem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Distances (n, m) between points a (width, n) and b (width, m)."""
-    return gaps(system, a[:, :, None], b[:, None, :], places)
+    return gaps(system, a[:, :, None], b[:, None, :])
 
 
 def separations(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
@@ -118,21 +109,13 @@ def circle(
     settings: TrackSettings,
 ) -> dict[int, Germ]:
     """Send paths z (width, n) from t = radius around the target; germs of those that come back to
-    where they began, by path. An end that is no path's beginning, such as a pose with another
-    branch of a limb, goes around as well.
+    where they began, by path.
     """
     samples, through = _turn(system, z, target, direction, radius, settings)
-    for _ in range(MOST_TURNS - 1 if system.limbs and z.shape[1] else 0):
-        more = samples[-1][:, through & (_matches(system, samples) < 0)]
-        if not more.shape[1]:
-            break
-        further, there = _turn(system, more, target, direction, radius, settings)
-        samples, through = np.concatenate([samples, further], axis=2), np.append(through, there)
     followers = np.where(through, _matches(system, samples), -1)
     found: dict[int, Germ] = {}
     for members in _cycles(followers):
-        made = _germ(system, samples, members)
-        found |= {i: made for i in members if i < z.shape[1]}
+        found |= dict.fromkeys(members, _germ(system, samples, members))
     return found
 
 

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.branches import uncovered
+from symkin.homotopy.algebraic import AlgebraicSystem, known_root
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.seeds import Points, carried, regular, seed_roots
 from symkin.homotopy.values import algebraic_point, known_values
@@ -48,7 +47,7 @@ def roots_elsewhere(
     )
     z, k = (np.hstack(parts) for parts in zip(*drawn, strict=True))
     ends = carried(system, z, k, start.k)
-    return ends[:, uncovered(system, start.z, ends) < 0]
+    return ends[:, known_root(system, start.z, ends) < 0]
 
 
 def real_seeds(
@@ -71,7 +70,7 @@ def real_seeds(
 
 
 def _distinct(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
-    features = system.all_features(z)
+    features = system.features(z)
     first, _ = merge(np.hstack([features.real, features.imag]), 1e-6)
     return np.asarray(z[:, first])
 

@@ -29,11 +29,6 @@ _WIDE = (2e-1, 1e-1, 5e-2, 3e-2)
 """Radii for what these leave open: ends at infinity that are approached faster than their digits
 last.
 """
-_FINE = 1e-6
-"""Radius from which on, where limbs have branches (so that all cycles can close), only paths are
-followed whose ends at two radii lie within _NEAR of each other.
-"""
-_NEAR = 1e-2
 _BASES = (0.3 + 0.4j, 0.3 - 0.5j)
 """Where a second and a third base lie on the complex line from the start to the target, 0 and 1 on
 it.
@@ -234,9 +229,7 @@ def _close_in(
             paths,
         )
         _go_straight(system, here, at, target, going, paths)
-        left = (paths.kind[going] == _OPEN) & (
-            (radius > _FINE) | (not system.limbs) | (paths.accuracy[going] < _NEAR)
-        )
+        left = paths.kind[going] == _OPEN
         going, here = going[left], here[:, left]
 
 
@@ -302,15 +295,11 @@ def _compare(system: AlgebraicSystem, i: int, new: Germ, end: _End, paths: _Path
 
 
 def _leaves(system: AlgebraicSystem, old: Germ, new: Germ) -> bool:
-    """Whether both circles say that the pose goes to infinity (any unknown, where no limb has
-    branches of its own).
-    """
-    pose = system.pose_places
-    affine = [i for i in pose if i < len(system.unknowns)]
-    if (old.leaving & new.leaving)[affine].any():
+    """Whether both circles say that some unknown goes to infinity."""
+    if (old.leaving & new.leaving).any():
         return True
-    gap = float(gaps(system, old.point, new.point, pose))
-    settled = gap < _AGREED and new.principal[[*affine, -1]].max() < _AGREED
+    gap = float(gaps(system, old.point, new.point))
+    settled = gap < _AGREED and new.principal.max() < _AGREED
     return bool(settled and is_no_pose(system, new.point[:, None], gap)[0])
 
 

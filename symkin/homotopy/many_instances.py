@@ -6,8 +6,6 @@ the same for one instance, and does what is to be done for others.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from symkin.computed_once import lru_cache
@@ -115,22 +113,18 @@ def _direction(width: int) -> np.ndarray:
     return rng.normal(size=(width, 1)) + 1j * rng.normal(size=(width, 1))
 
 
-def nearest(
-    system: AlgebraicSystem, ends: np.ndarray, places: Sequence[int] | None = None
-) -> np.ndarray:
-    """Least distance (n,) of two roots of each instance (n, width, roots), in some places of z or
-    all: angles up to whole turns, large lengths by their ratio, rays by their sine (to 1e-7);
-    infinite for single roots. A rod's length and its negative are one root.
+def nearest(system: AlgebraicSystem, ends: np.ndarray) -> np.ndarray:
+    """Least distance (n,) of two roots of each instance (n, width, roots): angles up to whole
+    turns, large lengths by their ratio, rays by their sine (to 1e-7); infinite for single roots. A
+    rod's length and its negative are one root.
     """
     n, _, roots = ends.shape
     if roots < 2:
         return np.full(n, np.inf)
-    chosen = range(system.width) if places is None else places
-    ray = [i for i in chosen if i in set(system.projective)]
+    ray = list(system.projective)
     found = np.zeros((n, roots, roots))
-    for i in chosen:
-        if i < len(system.unknowns):
-            np.maximum(found, _differences(system, ends[:, i], i), out=found)
+    for i in range(len(system.unknowns)):
+        np.maximum(found, _differences(system, ends[:, i], i), out=found)
     if ray:
         rays = ends[:, ray]
         rays = rays / np.sqrt((rays.real**2 + rays.imag**2).sum(axis=1))[:, None]

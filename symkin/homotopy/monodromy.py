@@ -13,13 +13,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
-from symkin.homotopy.branches import SAME, cover, labels_of, uncovered
+from symkin.homotopy.algebraic import SAME_ROOT, AlgebraicSystem, complex_normal, known_root
 from symkin.homotopy.engine import newton, track_lines
 from symkin.homotopy.seeds import Points, carried, seed_roots
 from symkin.homotopy.symmetry import Orbits
 from symkin.homotopy.tracker import TrackSettings
 from symkin.numeric.levenberg import Progress
+from symkin.position.roots import merge
 
 MOST_ROOTS = 130
 MOST_WORK = 4e7
@@ -73,57 +73,46 @@ class Fibre:
 
 @dataclass
 class _Found:
-    """Roots met so far; `poses` numbers the pose of each column, `parents` joins poses that loops
-    have connected.
-    """
+    """Distinct roots met so far; `parents` joins those that loops have connected."""
 
     system: AlgebraicSystem
     z: np.ndarray
-    poses: np.ndarray
     parents: list[int]
 
     @staticmethod
     def of(system: AlgebraicSystem, z: np.ndarray) -> _Found:
-        poses = labels_of(system.features(z))
-        return _Found(system, z, poses, list(range(len(np.unique(poses))))).compressed()
+        features = system.features(z)
+        first, _ = merge(np.hstack([features.real, features.imag]), SAME_ROOT)
+        return _Found(system, z[:, first], list(range(len(first))))
 
     def match(self, z: np.ndarray) -> np.ndarray:
         """Index of the known root that each column of z repeats, or -1."""
-        return uncovered(self.system, self.z, z)
+        return known_root(self.system, self.z, z)
 
     def add(self, column: np.ndarray) -> int:
-        """Append a root, of a known pose or of a new one."""
-        apart = np.max(
-            np.abs(self.system.features(self.z) - self.system.features(column[:, None])), axis=1
-        )
-        pose = int(self.poses[np.argmin(apart)]) if apart.min() < SAME else len(self.parents)
-        if pose == len(self.parents):
-            self.parents.append(pose)
+        """Append a root."""
         self.z = np.concatenate([self.z, column[:, None]], axis=1)
-        self.poses = np.append(self.poses, pose)
-        return len(self.poses) - 1
+        self.parents.append(len(self.parents))
+        return len(self.parents) - 1
 
-    def compressed(self) -> _Found:
-        """The same poses and branches with the fewest roots."""
-        parts = [
-            cover(self.system, self.z[:, self.poses == pose]) for pose in range(len(self.parents))
-        ]
-        poses = np.repeat(np.arange(len(parts)), [part.shape[1] for part in parts])
-        return _Found(self.system, np.hstack(parts), poses, self.parents)
+    def orbit(self, root: int) -> int:
+        while self.parents[root] != root:
+            root = self.parents[root]
+        return root
 
-    def orbit(self, pose: int) -> int:
-        while self.parents[pose] != pose:
-            pose = self.parents[pose]
-        return pose
+    @property
+    def orbits(self) -> np.ndarray:
+        """The orbit of each root, counted from 0."""
+        return np.unique([self.orbit(i) for i in range(len(self.parents))], return_inverse=True)[1]
 
     @property
     def parts(self) -> int:
         """How many orbits there are."""
-        return len({self.orbit(pose) for pose in self.poses})
+        return len({self.orbit(i) for i in range(len(self.parents))})
 
     def join(self, i: int, j: int) -> None:
         """Roots i and j are connected."""
-        self.parents[self.orbit(self.poses[i])] = self.orbit(self.poses[j])
+        self.parents[self.orbit(i)] = self.orbit(j)
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,10 +152,7 @@ def fibre(
         if search.found.z.shape[1] == 1 and search.loops >= _IDLE_LOOPS:
             break
     found = search.found
-    orbits = np.array([found.orbit(pose) for pose in found.poses])
-    return Fibre(
-        found.z, k0, np.unique(orbits, return_inverse=True)[1], search.evidence, search.loops, seed
-    )
+    return Fibre(found.z, k0, found.orbits, search.evidence, search.loops, seed)
 
 
 @dataclass
@@ -213,12 +199,7 @@ class _Search:
         if self.found.z.shape[1] > MOST_ROOTS:
             raise TooManyRootsError(self.found.z.shape[1])
         if self.found.z.shape[1] > roots:
-            self.found, self.evidence, self.at_once, self.apart = (
-                self.found.compressed(),
-                0.0,
-                _FEWEST_AT_ONCE,
-                0,
-            )
+            self.evidence, self.at_once, self.apart = 0.0, _FEWEST_AT_ONCE, 0
             return
         self.apart = self.apart + count if self.found.parts == parts else 0
         gained = sum(
@@ -350,7 +331,7 @@ def orbits(
                 if found.parts == before
                 else (0.0, 0)
             )
-    labels = np.unique([found.orbit(pose) for pose in found.poses], return_inverse=True)[1]
+    labels = found.orbits
     return labels if np.bincount(labels).min() > 1 and evidence >= needed else np.zeros_like(labels)
 
 

@@ -55,9 +55,7 @@ def kept_or_computed(key: str, system: AlgebraicSystem, compute: Callable[[], Fo
 def closure_key(system: AlgebraicSystem) -> str:
     """Hash of the block's rows: instructions, places and constants."""
     function = ca.Function("rows", [system.z, system.k], [system.rows], {"cse": True})
-    return hash_of(
-        function, f"{system.projective} {[c.kind for c in system.unknowns]} {system.limbs}"
-    )
+    return hash_of(function, f"{system.projective} {[c.kind for c in system.unknowns]} ()")
 
 
 def hash_of(function: ca.Function, text: str) -> str:
@@ -131,13 +129,13 @@ def _is_start(system: AlgebraicSystem, start: Fibre) -> bool:
     steepness = np.max(np.abs(derivatives), axis=(1, 2))
     if not np.max(np.max(np.abs(rows), axis=1) / np.maximum(steepness, 1.0)) < _SATISFIED:
         return False
-    features = system.all_features(start.z)
+    features = system.features(start.z)
     mixed = features @ np.random.default_rng(0).normal(size=features.shape[1])
     if not np.all(np.abs(mixed[:, None] - mixed)[np.triu_indices(n, 1)] > _SATISFIED):
         return False
     if start.mirrors is None:
         return True
-    mirrored = system.all_features(start.mirrors.unfold(start.z[:, start.mirrors.first]))
+    mirrored = system.features(start.mirrors.unfold(start.z[:, start.mirrors.first]))
     return bool(np.max(np.abs(mirrored - features), initial=0.0) < _MIRRORED)
 
 

@@ -14,9 +14,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
+from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal, known_root
 from symkin.homotopy.best_start import bases_beside, best_start
-from symkin.homotopy.branches import uncovered
 from symkin.homotopy.components import real_seeds, roots_elsewhere
 from symkin.homotopy.coplanar import distance_frames, reflection
 from symkin.homotopy.engine import aligned, newton, track, track_lines
@@ -317,7 +316,7 @@ def missing_roots(
             [np.conj(ends), _real_points(problem, system, block, known, seed)], axis=1
         )
         lost.append(
-            wanted[:, uncovered(system, ends, wanted) < 0]
+            wanted[:, known_root(system, ends, wanted) < 0]
             if tracked.arrived.any()
             else wanted[:, :0]
         )
@@ -326,7 +325,7 @@ def missing_roots(
     if not any(z.shape[1] for z in missing):
         return np.zeros((system.width, 0), dtype=complex)
     everything = np.hstack([start.z, *missing])
-    f = system.all_features(everything)
+    f = system.features(everything)
     first, _ = merge(np.hstack([f.real, f.imag]), 1e-6)
     return np.asarray(everything[:, first[first >= start.z.shape[1]]])
 
@@ -431,7 +430,7 @@ def _agree(search: _Searching, first: Fibre, seed: int) -> Fibre | None:
         return None
     tracked = track(search.system, second.z, second.k, first.k, TrackSettings(tolerance=1e-5))
     ends = tracked.z[:, tracked.arrived]
-    fresh = ends[:, uncovered(search.system, first.z, ends) < 0]
+    fresh = ends[:, known_root(search.system, first.z, ends) < 0]
     if fresh.shape[1] == 0 and tracked.arrived.all() and second.z.shape[1] == first.z.shape[1]:
         return None
     start = np.concatenate([first.z, fresh], axis=1)

@@ -23,9 +23,8 @@ import numpy as np
 
 from symkin.closure.numpy_code import vectorise
 from symkin.computed_once import cached_property, lru_cache
-from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
+from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal, known_root
 from symkin.homotopy.body_on_rods import distances_of, universal_system_of
-from symkin.homotopy.branches import uncovered
 from symkin.homotopy.engine import newton, track
 from symkin.homotopy.many_instances import plain_instances
 from symkin.homotopy.monodromy import Fibre, Looping, TooManyRootsError, fibre
@@ -100,7 +99,6 @@ def structure_of(problem: Problem, system: AlgebraicSystem) -> Structure | None:
     fits = (
         not system.projective
         and not system.eliminated
-        and not system.limbs
         and system.count == system.width <= MOST_UNKNOWNS
     )
     if (
@@ -299,7 +297,7 @@ def _beside(system: AlgebraicSystem, start: Fibre, z: np.ndarray, k: np.ndarray)
     tracked = track(system, z, k, start.k, TrackSettings(tolerance=1e-5))
     ends, last = newton(system, tracked.z[:, tracked.arrived], start.k)
     ends = ends[:, last <= _CLOSED]
-    return ends[:, uncovered(system, start.z, ends) < 0]
+    return ends[:, known_root(system, start.z, ends) < 0]
 
 
 def _unpaired(system: AlgebraicSystem, start: Fibre, seed: int) -> np.ndarray:
@@ -311,4 +309,4 @@ def _unpaired(system: AlgebraicSystem, start: Fibre, seed: int) -> np.ndarray:
     ends, last = newton(system, tracked.z[:, tracked.arrived], k)
     ends = ends[:, last <= _CLOSED]
     wanted = np.conj(ends)
-    return _beside(system, start, wanted[:, uncovered(system, ends, wanted) < 0], k)
+    return _beside(system, start, wanted[:, known_root(system, ends, wanted) < 0], k)

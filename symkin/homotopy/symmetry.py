@@ -17,8 +17,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.numpy_code import vectorise
-from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
-from symkin.homotopy.branches import SAME
+from symkin.homotopy.algebraic import SAME_ROOT, AlgebraicSystem, complex_normal
 from symkin.homotopy.tracker import Tracked
 
 _EQUAL = 1e-11
@@ -81,17 +80,17 @@ class Orbits:
 
 def orbits(system: AlgebraicSystem, symmetries: Symmetries, z: np.ndarray) -> Orbits:
     """Group roots z (width, n) of a common k into orbits."""
-    f = system.all_features(z)
+    f = system.features(z)
     n = z.shape[1]
     labels, maps, whole = np.full(n, -1), np.zeros(n, dtype=int), True
     first: list[int] = []
     for i in range(n):
         if labels[i] >= 0:
             continue
-        images = system.all_features(symmetries.apply(z[:, [i]])[:, :, 0].T)
+        images = system.features(symmetries.apply(z[:, [i]])[:, :, 0].T)
         distance = np.max(np.abs(images[:, None] - f[None]), axis=2)
         nearest = np.argmin(distance, axis=1)
-        met = distance[np.arange(len(nearest)), nearest] < SAME
+        met = distance[np.arange(len(nearest)), nearest] < SAME_ROOT
         whole &= bool(met.all())
         for m in np.flatnonzero(met)[::-1]:
             labels[nearest[m]], maps[nearest[m]] = len(first), m
@@ -249,12 +248,15 @@ def _group(
     """
     point = complex_normal(system.width, np.random.default_rng(1))
     maps = [(np.eye(system.width, dtype=complex), np.zeros(system.width))]
-    seen = [system.all_features(point[:, None])[0]]
+    seen = [system.features(point[:, None])[0]]
     for matrix, shift in maps:
         for other, by in generators:
             new = (matrix @ other, matrix @ by + shift)
-            f = system.all_features((new[0] @ point + new[1])[:, None])[0]
-            if len(maps) < _MOST_MAPS and min(float(np.max(np.abs(f - g))) for g in seen) > SAME:
+            f = system.features((new[0] @ point + new[1])[:, None])[0]
+            if (
+                len(maps) < _MOST_MAPS
+                and min(float(np.max(np.abs(f - g))) for g in seen) > SAME_ROOT
+            ):
                 maps.append((new[0], new[1].real))
                 seen.append(f)
     return Symmetries(np.array([m for m, _ in maps]), np.array([t for _, t in maps]))

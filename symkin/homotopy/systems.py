@@ -20,7 +20,7 @@ from symkin.homotopy.six_distances import (
     universal_system,
 )
 from symkin.model.joint import Coordinate
-from symkin.numeric.system import System, components
+from symkin.numeric.system import System
 from symkin.position.groups import without_later
 from symkin.position.problem import KNOWN, Problem
 
@@ -86,10 +86,8 @@ def _build(problem: Problem) -> tuple[AlgebraicSystem, ...]:
     whole = AlgebraicSystem(
         size, affine, z, k, expressions[: len(rows)], projective, known_ray=known_ray
     )
-    if pose_unknown and len(problem.blocks) == 1:
-        whole = replace(whole, limbs=_limbs(whole, len(unknowns)))
     cut = tuple((c, expressions[len(rows) + i]) for i, (c, _) in enumerate(eliminated))
-    if whole.projective or whole.limbs:
+    if whole.projective:
         return (whole,)
     return tuple(_part(whole, cut, {c.name for c in block.unknowns}) for block in problem.blocks)
 
@@ -220,15 +218,6 @@ def meets_all_rows(
 
 def _scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:
     return [1.0 if c.is_angular else size for c in coordinates]
-
-
-def _limbs(whole: AlgebraicSystem, count: int) -> tuple[tuple[int, ...], ...]:
-    """The first `count` unknowns, which are joints, in groups that a known pose separates."""
-    pattern = np.asarray(ca.DM(ca.jacobian_sparsity(whole.rows, whole.z[:count]), 1)) != 0
-    return tuple(
-        tuple(sorted(g))
-        for g in components([set(np.flatnonzero(row).tolist()) for row in pattern], count)
-    )
 
 
 def _part(

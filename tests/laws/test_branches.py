@@ -1,19 +1,9 @@
-"""Poses first, then the branches of the limbs: covers of roots, their combinations."""
+"""Poses first, then the branches of the limbs and their combinations."""
 
 import numpy as np
 import pytest
 
 import symkin
-from helpers.inside import (
-    Fibre,
-    algebraic_systems,
-    build_problem,
-    complex_count,
-    cover,
-    real_candidates,
-    start_of,
-    uncovered,
-)
 from symkin import Joint, Limb, Mechanism
 
 
@@ -71,39 +61,9 @@ def test_a_rotary_hexapod_is_complete():
     )
 
 
-def links_start() -> tuple[object, Fibre]:
-    problem = build_problem(symkin.load("zhao2000_links"), "direct")
-    (system,) = algebraic_systems(problem)
-    start, _ = start_of(problem, system, problem.blocks[0])
-    return system, start
-
-
-def test_a_cover_stands_for_all_combinations():
-    """Three limbs of two branches: two roots a pose cover the eight of each of the four poses, and
-    a combination of branches that no root holds is no new root.
-    """
-    system, start = links_start()
-    assert start.z.shape[1] == 8
-    assert complex_count(system, start.z) == 32
-    mixed = start.z[:, :1].copy()
-    poses = system.features(start.z)
-    other = next(j for j in range(1, 8) if np.allclose(poses[j], poses[0], atol=1e-6))
-    limb = list(system.limbs[0])
-    mixed[limb] = start.z[limb, other][:, None]
-    known = np.repeat(start.k[:, None], 1, axis=1)
-    assert np.max(np.abs(system.linearise(mixed, known)[0])) < 1e-9
-    assert uncovered(system, start.z, mixed)[0] >= 0
-    assert cover(system, np.hstack([start.z[:, [0, other]], mixed])).shape[1] == 2
-
-
 @pytest.mark.long
 @pytest.mark.slow
-def test_real_candidates_are_products_of_real_branches():
-    """At a pose whose limbs have 2, 2 and 2 real branches there are eight candidates, all
-    different.
-    """
-    mechanism = symkin.load("zhao2000_links")
-    found = symkin.modes(mechanism)
+def test_modes_are_products_of_the_branches_of_limbs():
+    """Three limbs of two real branches each: eight modes a pose."""
+    found = symkin.modes(symkin.load("zhao2000_links"))
     assert len(found) == 8 * found.poses
-    system, start = links_start()
-    assert real_candidates(system, start.z).shape[1] == 0

@@ -100,9 +100,9 @@ def test_the_maps_are_a_group(name):
     z = rng.normal(size=(system.width, 1)) + 1j * rng.normal(size=(system.width, 1))
     images = symmetries.apply(z)[:, :, 0].T
     np.testing.assert_allclose(images[:, 0], z[:, 0])
-    places = system.all_features(images)
+    places = system.features(images)
     for image in images.T:
-        again = system.all_features(symmetries.apply(image[:, None])[:, :, 0].T)
+        again = system.features(symmetries.apply(image[:, None])[:, :, 0].T)
         distance = np.max(np.abs(again[:, None] - places[None]), axis=2)
         assert np.all(np.min(distance, axis=1) < 1e-9)
         assert len(set(np.argmin(distance, axis=1))) == len(symmetries)
