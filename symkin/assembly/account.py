@@ -32,7 +32,8 @@ class Account:
     continuum: np.ndarray
     smallest: np.ndarray
     too_many: np.ndarray
-    notes: list[tuple[int, np.ndarray | None, tuple[str, ...]]] = field(default_factory=list)
+    notes: dict[int | None, list[tuple[int, tuple[str, ...]]]] = field(default_factory=dict)
+    """Of each input, and of all of them (None), what is said of groups."""
     engines: list[str] = field(default_factory=list)
     theorems: dict[int, str] = field(default_factory=dict)
     samples: dict[int, list[Roots]] = field(default_factory=dict)
@@ -68,10 +69,12 @@ class Account:
                 np.maximum.at(array[:, number], owner, values[which])
         self._add_unresolved(number, roots, owner, which)
         np.logical_or.at(self.continuum[:, number], owner, roots.continuum[which])
-        self.notes.append((number, None, roots.orbits))
-        self.notes += [
-            (number, np.unique(owner[which == row]), texts) for row, texts in roots.notes.items()
-        ]
+        self.notes.setdefault(None, []).append((number, roots.orbits))
+        asked = (
+            np.isin(which, list(roots.notes)) if roots.notes else np.zeros(len(which), dtype=bool)
+        )
+        for i, row in np.unique(np.stack([owner[asked], which[asked]], axis=1), axis=0).tolist():
+            self.notes.setdefault(i, []).append((number, roots.notes[row]))
         if roots.theorem is not None:
             self.theorems[number] = roots.theorem
         self.engines += [roots.engine] if roots.engine is not None else []
@@ -118,14 +121,12 @@ class Account:
 
     def notes_of(self, number: int) -> list[str]:
         """What is said of an input's groups, in their order."""
-        told = [
-            k for k, (_, inputs, _) in enumerate(self.notes) if inputs is None or number in inputs
-        ]
+        told = [*self.notes.get(None, []), *self.notes.get(number, [])]
         chosen = sorted(
-            (self.notes[k] for k in told if self.seen[number, self.notes[k][0]]),
+            ((group, texts) for group, texts in told if self.seen[number, group]),
             key=lambda note: note[0],
         )
-        return [text for _, _, texts in chosen for text in texts]
+        return [text for _, texts in chosen for text in texts]
 
     def group_of(self, number: int, place: int, group: Problem) -> Group:
         """A group as it is for one input."""

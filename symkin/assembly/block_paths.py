@@ -9,17 +9,18 @@ beyond doubt, and every real one is well conditioned and differs from the others
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from symkin.assembly.block_solver import BlockSolver
-from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
+from symkin.assembly.checked_roots import checked_roots
+from symkin.assembly.group_roots import GroupRoots
 from symkin.assembly.prover import Prover, prover_of
 from symkin.computed_once import cached_property
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
-from symkin.homotopy.engine import aligned, engine_of
-from symkin.homotopy.many_instances import are_regular, plain_instances
+from symkin.homotopy.engine import engine_of
+from symkin.homotopy.many_instances import plain_instances
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.structure import Structure
 from symkin.homotopy.systems import meets_all_rows
@@ -64,32 +65,32 @@ class BlockPaths(BlockSolver):
         """What the roots begin from."""
         return self.start.z.tobytes() + self.start.k.tobytes()
 
-    def roots(self, known: np.ndarray, *, certify: bool) -> BlockRoots:
-        """Roots at instances known (n, values)."""
+    def roots(self, known: np.ndarray) -> tuple[GroupRoots, np.ndarray]:
+        """Roots at instances known (n, values), and those that are left in doubt."""
         k = known_values(self.problem, known.T)
         k = k if self.shared is None else self.shared.known(k)
-        proves = certify and self.prover.proves_ends
-        ends, plain = plain_instances(self.algebraic, self.start, k, judge=not proves)
+        ends, plain = plain_instances(self.algebraic, self.start, k)
         plain[plain] = self._clear(ends[plain])
         chosen = np.flatnonzero(plain)
         instance = np.repeat(chosen, ends.shape[2])
         z = ends[chosen].transpose(1, 0, 2).reshape(self.algebraic.width, -1)
-        knowns = self.prover.knowns(known) if certify else None
-        proved = self.prover.ends(z, knowns, instance) if proves and knowns is not None else None
-        if proved is not None and not proved.certified.all():  # a certified root is regular
-            left = np.flatnonzero(~proved.certified)
-            irregular = ~are_regular(
-                self.algebraic,
-                z[:, left],
-                aligned(self.algebraic, self.start.k, k)[:, instance[left]],
-            )
-            plain[instance[left[irregular]]] = False
-        not_real = None if proved is None else proved.real == "not real"
-        counts, origin = self._real_ones(z, k, instance, not_real)
-        candidates = self._points(z[:, origin], instance[origin], origin, k)
-        found, origin = checked_roots(self.block, candidates, known, plain, counts)
-        found = replace(found, ends=z, ends_of=instance)
-        return found if knowns is None else with_proofs(found, self.prover, proved, knowns, origin)
+        whole = np.ones(len(instance), dtype=bool)
+        if self.combined:
+            whole = meets_all_rows(self.problem, self.block, self.algebraic, z, k[:, instance])
+        counts = np.bincount(instance[whole], minlength=k.shape[1])
+        origin = np.flatnonzero(whole & (imaginary_part(self.algebraic, z) < _REAL))
+        owner = instance[origin]
+        points = self._points(z[:, origin], owner, k)
+        points, kept = checked_roots(self.block, points, owner, known, plain)
+        return GroupRoots.of_all(
+            points,
+            owner[kept],
+            counts,
+            engine=self.engine,
+            orbits=self.notes,
+            ends=z,
+            ends_of=instance,
+        ), np.flatnonzero(~plain)
 
     def _clear(self, ends: np.ndarray) -> np.ndarray:
         """Instances (n,) whose ends (n, width, roots) are real or not, beyond doubt."""
@@ -98,29 +99,13 @@ class BlockPaths(BlockSolver):
         clear = (part < _REAL) | (part > _NOT_REAL)
         return np.asarray(clear.reshape(n, roots).all(axis=1))
 
-    # --- candidates -------------------------------------------------------------------------------
-
-    def _real_ones(
-        self, z: np.ndarray, k: np.ndarray, instance: np.ndarray, not_real: np.ndarray | None
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Counts (n,) of complex solutions, and the places in z of the real ones."""
-        whole = np.ones(len(instance), dtype=bool)
-        if self.combined:
-            whole = meets_all_rows(self.problem, self.block, self.algebraic, z, k[:, instance])
-        real = whole & (imaginary_part(self.algebraic, z) < _REAL)
-        if not_real is not None:
-            real &= ~not_real
-        return np.bincount(instance[whole], minlength=k.shape[1]), np.flatnonzero(real)
-
-    def _points(
-        self, z: np.ndarray, owner: np.ndarray, origin: np.ndarray, k: np.ndarray
-    ) -> Candidates:
+    def _points(self, z: np.ndarray, owner: np.ndarray, k: np.ndarray) -> np.ndarray:
         """Points of the block for real roots z (width, any) at the instances `owner`."""
         values = many_real_values(self.problem, self.algebraic, z, k[:, owner])
         names = [c.name for c in self.block.unknowns]
         if self.shared is not None and not self.algebraic.projective:
             values = dict(zip(names, values.values(), strict=True))
-        return Candidates(np.concatenate([values[name] for name in names], axis=1), owner, origin)
+        return np.concatenate([values[name] for name in names], axis=1)
 
 
 def orbit_notes(start: Fibre) -> tuple[str, ...]:

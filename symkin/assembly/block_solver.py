@@ -5,9 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from symkin.assembly.prover import Prover, prover_of
-from symkin.computed_once import cached_property
-from symkin.homotopy.systems import system_of
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
 
@@ -24,8 +21,3 @@ class BlockSolver:
     def notes(self) -> tuple[str, ...]:
         """What is said of every input."""
         return ()
-
-    @cached_property
-    def prover(self) -> Prover:
-        """What proves the roots."""
-        return prover_of(self.problem, system_of(self.problem, self.block), self.block)

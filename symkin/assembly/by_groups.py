@@ -16,6 +16,7 @@ import numpy as np
 
 from symkin.assembly.account import FEW, Account
 from symkin.assembly.group_roots import STATEMENTS
+from symkin.assembly.group_solvers import groups_of
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import PartProofs, can_be_proved, ground_notes, theorem_notes
 from symkin.assembly.modes_result import Modes, sampling
@@ -25,7 +26,6 @@ from symkin.errors import InputError, TooManyModesError
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
-from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES
 from symkin.position.solution_list import SolutionList, checked_solutions
@@ -51,7 +51,7 @@ class GroupedModes:
         """The modes of one input. Raises TooManyModesError where its groups' choices are more than
         can be held.
         """
-        account, groups = self.account, structure_groups(self.problem)
+        account, groups = self.account, groups_of(self.problem, self.search.method)
         if account.too_many[number] != FEW:
             raise TooManyModesError(_too_many(self.problem, groups, int(account.too_many[number])))
         mine = np.flatnonzero(self.owner == number)
@@ -69,7 +69,7 @@ class GroupedModes:
             given=given.echo,
             modes=found,
             completeness=STATEMENTS[self.statement[number]],
-            method=self.search.name,
+            method="closed" if account.engine == "closed form" else self.search.name,
             seed=self.search.seed,
             elapsed_s=0.0,
             **sampling(account.samples.get(number, [])),
@@ -90,7 +90,9 @@ class GroupedModes:
                 )
             ),
             engine=account.engine,
-            groups=tuple(account.group_of(number, k, groups[k]) for k in reached),
+            groups=tuple(account.group_of(number, k, groups[k]) for k in reached)
+            if self.problem.kind == "given"
+            else (),
             count=self.total[number],
         )
 
@@ -109,11 +111,11 @@ def modes_by_groups(
     groups, by number. With `least_errors` inputs without a solution are searched for the least
     closure error; with `certify` modes are proved.
     """
-    n, groups = len(known), structure_groups(problem)
+    n, groups = len(known), groups_of(problem, search.method)
     begin = np.zeros((n, int(problem.closure.variables.shape[0])))
     # of a structure nothing moves, its geometry is what is given
     begin[:, problem.known_places] = known if known.shape[1] else problem.reference_known
-    _check_choices(problem, choose)
+    _check_choices(problem, groups, choose)
     account, parts = Account.empty(n, len(groups)), independent_parts(groups)
     certify = certify and can_be_proved(groups)
     ask = Ask(search, least_errors, certify, progress)
@@ -154,10 +156,9 @@ def independent_parts(groups: Sequence[Problem]) -> list[list[int]]:
     return [[k for k, mine in enumerate(label) if mine == part] for part in dict.fromkeys(label)]
 
 
-def _check_choices(problem: Problem, choose: Sequence[int]) -> None:
+def _check_choices(problem: Problem, groups: Sequence[Problem], choose: Sequence[int]) -> None:
     if not isinstance(choose, Sequence):
         raise InputError(f"choose = {shown(choose)} is no list of whole numbers, one a block")
-    groups = structure_groups(problem)
     if len(choose) > len(groups):
         raise InputError(
             f"choose: {len(choose)} numbers for {len(groups)} blocks of {problem.mechanism.name}; "

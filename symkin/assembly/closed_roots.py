@@ -17,7 +17,8 @@ import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.block_solver import BlockSolver
-from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
+from symkin.assembly.checked_roots import checked_roots
+from symkin.assembly.group_roots import GroupRoots
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import ClosedForm, Solutions, closed_form, samples_about
 from symkin.elimination.complex_branches import complex_errors
@@ -111,8 +112,8 @@ class ClosedBlock(BlockSolver):
         away = np.random.default_rng(5).uniform(-_SPREAD, _SPREAD, (_INSTANCES, len(scale)))
         return np.asarray(self.regular + scale * away)
 
-    def roots(self, known: np.ndarray, *, certify: bool) -> BlockRoots:
-        """Roots at instances known (n, values)."""
+    def roots(self, known: np.ndarray) -> tuple[GroupRoots, np.ndarray]:
+        """Roots at instances known (n, values), and those that are left in doubt."""
         points, real, plain = self.formulas.solutions(known)
         owner, branch = np.nonzero(real & plain[:, None])
         chosen, plain = points[owner, branch], plain.copy()
@@ -121,33 +122,15 @@ class ClosedBlock(BlockSolver):
         plain[owner[~fails & ~(errors <= _SOLVES)]] = False
         kept = plain[owner] & ~fails
         chosen, owner = chosen[kept], owner[kept]
-        candidates = Candidates(chosen, owner, np.full(len(owner), -1))
         # of an arm whose branches must meet further conditions only real ones are held against them
         count: float = self.formulas.count if self.is_determined else NOT_KNOWN
-        found, kept = checked_roots(
-            self.block, candidates, known, plain, np.full(len(known), count)
-        )
+        chosen, closed = checked_roots(self.block, chosen, owner, known, plain)
         # a branch that solves all steps and fails the check leaves a doubt
-        plain[np.bincount(owner, minlength=len(known)) != found.counts] = False
-        return (
-            with_proofs(
-                found, self.prover, None, self.prover.knowns(known), None, required=self._certifies
-            )
-            if certify
-            else found
-        )
-
-    @cached_property
-    def _certifies(self) -> bool:
-        """Whether roots can be certified: with more rows than unknowns, where those of a regular
-        configuration can.
-        """
-        if self._is_square:
-            return True
-        found = self.roots(self.regular[None], certify=False)
-        knowns = self.prover.knowns(self.regular[None])
-        proofs = self.prover.proofs(None, found.points, found.owner, knowns)
-        return bool(len(found.owner) and proofs.certified.all())
+        n, left = len(known), owner[closed]
+        plain[np.bincount(owner, minlength=n) != np.bincount(left, minlength=n)] = False
+        return GroupRoots.of_all(
+            chosen, left, np.full(n, count), engine=self.engine
+        ), np.flatnonzero(~plain)
 
 
 def _all_close(formulas: ClosedForm, known: np.ndarray) -> bool:

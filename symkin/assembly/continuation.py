@@ -9,13 +9,10 @@ theorem's bound or on the evidence of monodromy, never on a proof.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from symkin.assembly.block_paths import orbit_notes
-from symkin.assembly.prover import Prover, prover_of
+from symkin.assembly.prover import prover_of
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
 from symkin.homotopy.ends import Ends
 from symkin.homotopy.engine import engine_of
@@ -30,11 +27,7 @@ from symkin.numeric.system import System
 from symkin.position.given import Given
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
-from symkin.position.roots import PolishedRoots, Proofs, Roots, polished_roots, unite
-
-if TYPE_CHECKING:
-    from symkin.certificate.certificate import CertificateBatch
-    from symkin.certificate.knowns import Knowns
+from symkin.position.roots import PolishedRoots, Roots, polished_roots, unite
 
 _REAL = 1e-5
 """Largest imaginary part of a root that is tried as a real one; the closure decides."""
@@ -48,30 +41,22 @@ def by_continuation(
     starts: int,
     rng: np.random.Generator,
     progress: Progress | None = None,
-) -> tuple[list[Roots], tuple[str, ...], bool]:
-    """Roots of each block by paths; blocks without a start system by `starts` random starts, with a
-    note why. Last, whether `starts` and `rng` were of use: in such blocks, and where paths left
-    something in doubt.
+) -> tuple[Roots, tuple[str, ...]]:
+    """Roots of a problem of one block by paths; where it has no start system by `starts` random
+    starts, with a note why. These are of use too where paths left something in doubt.
     """
     from symkin.certificate.disc_library import begin_loading
 
-    blocks, notes, random_starts = [], [], False
-    reason = unsuitable(problem)
+    (block,), why = problem.blocks, unsuitable(problem)
     begin_loading()
-    for block in problem.blocks:
-        match, start, why = (None, None, reason) if reason else _start(problem, block, progress)
-        if match is None or start is None:
-            blocks.append(batched(problem, block, given, starts, rng))
-            notes.append(
-                f"{', '.join(sorted(c.name for c in block.unknowns))}: sampled by multistart, {why}"
-            )
-            random_starts = True
-            continue
-        roots, doubtful = _block_roots(problem, match, block, start, given, starts, rng)
-        blocks.append(roots)
-        random_starts |= doubtful
-        notes += orbit_notes(start)
-    return blocks, tuple(notes), random_starts
+    if why is None:
+        system, start, why = _start(problem, block, progress)
+        if start is not None:
+            roots = _block_roots(problem, system, block, start, given, starts, rng)
+            return roots, orbit_notes(start)
+    names = ", ".join(sorted(c.name for c in block.unknowns))
+    sampled = batched(problem, block, given, starts, rng)
+    return sampled, (f"{names}: sampled by multistart, {why}",)
 
 
 def lacks_starts(problem: Problem, progress: Progress | None = None) -> bool:
@@ -102,11 +87,10 @@ def _block_roots(
     given: Given,
     starts: int,
     rng: np.random.Generator,
-) -> tuple[Roots, bool]:
+) -> Roots:
     """Roots that are real: polished on the block's own rows and checked on all of them. Where paths
     are unresolved, or end on a set that is not isolated, `starts` random starts look for what they
-    missed, and True is returned beside; where no root is real, a fixed number of fixed ones looks
-    for the least error.
+    missed; where no root is real, a fixed number of fixed ones looks for the least error.
     """
     k = known_values(problem, given.values)
     ends = instance(algebraic, start, k)
@@ -136,7 +120,7 @@ def _block_roots(
     isolated = _isolated(problem, ends, given)
     columns = np.repeat(k[:, None], isolated.shape[1], axis=1)
     whole = meets_all_rows(problem, block, algebraic, isolated, columns)
-    roots = Roots(
+    return Roots(
         block,
         points,
         None,
@@ -148,10 +132,9 @@ def _block_roots(
         complex_count=max(int(whole.sum()), len(points)),
         complex_sets=not ends.singular.isolated.all(),
         engine=engine_of(algebraic)[1],
-        proofs=_proofs(problem, prover, proved, points, knowns),
         missing=_missing(ends),
+        ends=ends.z,
     )
-    return roots, doubtful
 
 
 def _least_errors(problem: Problem, block: System, given: Given) -> Roots:
@@ -171,32 +154,6 @@ def _isolated(problem: Problem, ends: Ends, given: Given) -> np.ndarray:
         if not redundant_distances(problem)
         else z[:, meet_all_distances(problem, z, given.values)]
     )
-
-
-def _proofs(
-    problem: Problem,
-    prover: Prover,
-    ends: CertificateBatch | None,
-    points: np.ndarray,
-    knowns: Knowns,
-) -> Proofs:
-    """What is proved of one instance's roots; of more distances than six, that numbers can only
-    meet up to rounding, nothing.
-    """
-    more = redundant_distances(problem)
-    if more:
-        reason = f"of {6 + more} distances six have been solved, the others are met up to rounding"
-        return replace(Proofs.none(len(points), 1), reason=reason)
-    owner = np.zeros(len(points), dtype=int)
-    found = prover.proofs(ends, points, owner, knowns, careful=True)
-    open_ones = np.flatnonzero(~found.certified)
-    if not open_ones.size:
-        return found
-    why = prover.why_not(points[open_ones], knowns)
-    grounds = np.full(len(points), None, dtype=object)
-    if prover.is_redundant:
-        grounds[open_ones] = prover.grounds(points[open_ones], owner[open_ones], knowns)
-    return replace(found, reason=why, grounds=tuple(grounds.tolist()))
 
 
 def _missing(ends: Ends) -> str | None:

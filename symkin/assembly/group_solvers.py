@@ -7,12 +7,15 @@ from dataclasses import replace
 
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
+from symkin.assembly.continuation import lacks_starts
 from symkin.computed_once import lru_cache
+from symkin.homotopy.six_distances import redundant_distances
 from symkin.homotopy.start_store import start_of
 from symkin.homotopy.structure import MOST_UNKNOWNS, start_of_structure, structure_of
 from symkin.homotopy.systems import squared, system_of, unsuitable
+from symkin.numeric.cache_folder import cache_folder
 from symkin.position.gear_train import gear_train
-from symkin.position.groups import implied_parts, is_linear, is_tied
+from symkin.position.groups import implied_parts, is_linear, is_tied, structure_groups
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN, product_of_counts
 
@@ -37,19 +40,42 @@ def any_paths(group: Problem) -> BlockPaths | None:
     return group_paths(group) or _combined_paths(group)
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=128)
+def groups_of(problem: Problem, method: str) -> tuple[Problem, ...]:
+    """The parts of a problem in the order of their solution: structure groups where coordinates are
+    told by name, and where some block has no start of paths but its parts may have; else its
+    blocks.
+    """
+    if problem.kind == "given" or (
+        method == "continuation"
+        and lacks_starts(problem)
+        and len(structure_groups(problem)) > len(problem.blocks)
+    ):
+        return structure_groups(problem)
+    if len(problem.blocks) == 1 and not problem.conditions.errors.shape[0]:
+        return (problem,)
+    return tuple(replace(problem, system=block) for block in problem.blocks)
+
+
 def group_paths(group: Problem) -> BlockPaths | None:
-    """What tracks the paths of a group; None where it has no start."""
-    if unsuitable(group) is not None:
+    """What tracks the paths of a group, whose start is read from the cache folder once in a
+    process; None where it has no start.
+    """
+    return _group_paths(group, str(cache_folder()))
+
+
+@lru_cache(maxsize=256)
+def _group_paths(group: Problem, _folder: str) -> BlockPaths | None:
+    if unsuitable(group) is not None or redundant_distances(group):
         return None
     (block,) = group.blocks
     system = system_of(group, block)
-    structure = structure_of(group, system)
+    structure = structure_of(group, system) if group.kind == "given" else None
     if structure is not None:
         shared = start_of_structure(group, structure)
         if shared is not None:
             return BlockPaths(group, block, structure.system, shared, structure)
-    if is_tied(group) and not system.projective:
+    if group.kind == "given" and is_tied(group) and not system.projective:
         return None
     start, _ = start_of(group, system, block)
     return None if start is None else BlockPaths(group, block, system, start)
@@ -105,6 +131,9 @@ def solved_parts(group: Problem) -> tuple[Problem, ...]:
     """
     if solved_at_once(group) or closed_block(group, 0) is not None:
         return ()
+    if group.kind != "given":
+        whole = parted_group(group)
+        return () if whole is None else implied_parts(whole)
     if group.system.freedom <= MOST_UNKNOWNS and group_paths(group) is not None:
         return ()
     parts = implied_parts(group)

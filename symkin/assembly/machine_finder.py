@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from symkin.assembly.as_written import COMPLETE, as_checked
 from symkin.assembly.mode_order import order_of_modes
-from symkin.assembly.mode_table import COMPLETENESS, PER_POINT, at_places, table_of
-from symkin.assembly.plain_modes import Plain
+from symkin.assembly.mode_table import COMPLETENESS, PER_POINT, ModeTable, at_places, table_of
 from symkin.machine.lower import Lowered
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.problem import Problem
+
+
+class Plain(NamedTuple):
+    """Modes of the points at the `places` (n,), rising."""
+
+    table: ModeTable
+    places: np.ndarray
 
 
 class Finder(Protocol):
@@ -81,4 +87,4 @@ class MachineFinder:
         told = {name: getattr(table, name) for name in PER_POINT}
         closed = np.flatnonzero(is_open == 0)
         found = at_places(table_of(self.problem, listed, **told), closed)
-        return Plain(found, places[closed], there.complete[kept][closed])
+        return Plain(found, places[closed])

@@ -11,7 +11,6 @@ from symkin.assembly.group_roots import GroupRoots
 from symkin.assembly.group_solvers import group_paths
 from symkin.assembly.prover import prover_of
 from symkin.homotopy.systems import system_of, unsuitable
-from symkin.numeric.system import System
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
 from symkin.position.solution import PartialProof
@@ -68,68 +67,44 @@ def can_be_proved(groups: Sequence[Problem]) -> bool:
 
 def proofs_of_group(
     group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray
-) -> tuple[PartProofs, np.ndarray, str | None]:
+) -> tuple[PartProofs, GroupRoots]:
     """What is proved of the solutions of a group at known values (n, known) that are within `away`
-    (n, known) of exact ones (length unit); of which rows (n,) they are all solutions, and by which
-    theorem.
+    (n, known) of exact ones (length unit); and the solutions, proved to be all where a theorem
+    allows it, with notes where some have no certificate.
     """
     ground = np.tile([0.0, 0.0, np.inf, 0.0], (len(roots.owner), 1))
     certified, complete = np.zeros(len(roots.owner), dtype=bool), np.zeros(len(known), dtype=bool)
     near = np.isfinite(away).all(axis=1)
     if not near.any():
-        return PartProofs(certified, ground), complete, None
+        return PartProofs(certified, ground), roots
     (block,) = group.blocks
     prover = prover_of(group, system_of(group, block), block)
     knowns, number = prover.knowns(known[near], away[near]), np.cumsum(near) - 1
     chosen = np.flatnonzero(near[roots.owner])
     owner = number[roots.owner[chosen]]
-    proofs = prover.proofs(None, roots.points[chosen], owner, knowns)
+    paths, ends = group_paths(group) if len(roots.ends_of) else None, None
+    of_paths = prover if paths is None else paths.prover
+    if of_paths.bound is not None and paths is not None:
+        here = np.flatnonzero(near[roots.ends_of])
+        ends = of_paths.ends(roots.ends[:, here], knowns, number[roots.ends_of[here]])
+    own = ends if paths is not None and paths.shared is None else None
+    proofs = prover.proofs(roots.points[chosen], owner, knowns, own)
+    roots = roots.with_notes(
+        {
+            int(roots.owner[chosen[place]]): f"not certified: {reason}"
+            for place, reason in proofs.reasons.items()
+        }
+    )
     certified[chosen], complete[near] = proofs.certified, proofs.complete
     grounds = prover.grounds(roots.points[chosen], owner, knowns, proofs)
     for place, proof in zip(chosen.tolist(), grounds, strict=True):
         if proof is not None:
             ground[place] = proof.independent, proof.rows, proof.radius, proof.remaining
-    paths = group_paths(group) if len(roots.ends_of) else None
-    if paths is None or paths.prover.bound is None:
-        return PartProofs(certified, ground), complete, prover.theorem
-    here = np.flatnonzero(near[roots.ends_of])
-    ends = paths.prover.ends(roots.ends[:, here], knowns, number[roots.ends_of[here]])
-    listed = np.bincount(owner, minlength=knowns.count)
-    whole = np.bincount(owner[proofs.certified], minlength=knowns.count) == listed
-    complete[near] |= whole & paths.prover.completes(ends, listed)
-    return PartProofs(certified, ground), complete, paths.prover.theorem
-
-
-def with_grounds(
-    problem: Problem, found: SolutionList, known: np.ndarray, owner: np.ndarray
-) -> SolutionList:
-    """The modes of inputs known (n, values), each of its input `owner` (m,), rising, with what is
-    proved of those that are not certified: of each of a mode's blocks.
-    """
-    left = np.flatnonzero(found.certified == 0)
-    if not left.size:
-        return found
-    parts = [
-        _of_block(problem, block, known, found.values[left], owner[left])
-        for block in problem.blocks
-    ]
-    ground = np.full(len(found), None, dtype=object)
-    for place, number in enumerate(left.tolist()):
-        ground[number] = PartialProof.joined([part[place] for part in parts])
-    return replace(found, ground=ground, _made={})
-
-
-def _of_block(
-    problem: Problem, block: System, known: np.ndarray, values: np.ndarray, owner: np.ndarray
-) -> Sequence[PartialProof | None]:
-    """What is proved of a block's part of modes `values` (m, variables); modes that share it share
-    that.
-    """
-    rows = np.column_stack([owner, values[:, problem.places(block.unknowns)]])
-    own, which = np.unique(rows, axis=0, return_inverse=True)
-    prover = prover_of(problem, system_of(problem, block), block)
-    found = prover.grounds(own[:, 1:], own[:, 0].astype(int), prover.knowns(known))
-    return [found[k] for k in which.ravel().tolist()]
+    if ends is not None:
+        listed = np.bincount(owner, minlength=knowns.count)
+        whole = np.bincount(owner[proofs.certified], minlength=knowns.count) == listed
+        complete[near] |= whole & of_paths.completes(ends, listed)
+    return PartProofs(certified, ground), roots.proved(complete, of_paths.theorem)
 
 
 def theorem_notes(theorems: Iterable[str | None]) -> tuple[str, ...]:

@@ -16,13 +16,10 @@ from symkin.assembly.as_written import (
     is_complete,
     machine_of,
 )
-from symkin.assembly.mode_proofs import ground_notes, with_grounds
-from symkin.assembly.mode_table import COMPLETENESS
 from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.modes_result import Modes
-from symkin.assembly.one_input import modes_of_input
-from symkin.assembly.plain_modes import Plain, PlainModes, plain_modes
 from symkin.assembly.search import DEFAULT_SEED, Search
+from symkin.assembly.without_search import known_without_search
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.determination import refuse_unless_determined
@@ -40,8 +37,6 @@ from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
 from symkin.position.out_of_reach import reach_note
-from symkin.position.problem import Problem, build_problem
-from symkin.position.solution_list import SolutionList
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
@@ -195,30 +190,32 @@ def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
 
 def _of_description(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     """The modes of inputs of one kind by the rows of the description itself."""
-    if givens and givens[0].kind == "given":
-        return _of_coordinates(ask, givens)
-    return _modes(ask, givens)
-
-
-def _of_coordinates(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
-    """The modes for inputs whose coordinates, the same for all, are given by name: structure group
-    by structure group.
-    """
+    if not givens:
+        return ()
     begin, search = time.perf_counter(), ask.search
     problem = problem_of(ask.mechanism, givens[0])
-    refuse_unless_determined(problem)
-    found = modes_by_name(problem, givens, search, ask.choose, ask.progress)
-    feasible = [
-        modes for modes, given in zip(found, givens, strict=True) if given.off_motion == 0.0
-    ]
+    if problem.kind == "given":
+        refuse_unless_determined(problem)
+    found = {
+        i: known
+        for i, given in enumerate(givens)
+        if (known := known_without_search(problem, given, search)) is not None
+    }
+    left = [i for i in range(len(givens)) if i not in found]
+    if left:
+        searched = modes_by_name(
+            problem, [givens[i] for i in left], search, ask.choose, ask.progress
+        )
+        found |= dict(zip(left, searched, strict=True))
+    feasible = [found[i] for i in left if givens[i].off_motion == 0.0]
     if (
         search.method == "continuation"
         and feasible
-        and all(modes.starts is None for modes in feasible)
+        and all(m.starts is None and m.completeness != "incomplete" for m in feasible)
     ):
         search.refuse_starts(problem)
     share = (time.perf_counter() - begin) / len(givens)
-    return tuple(replace(modes, elapsed_s=share) for modes in found)
+    return tuple(replace(found[i], elapsed_s=share) for i in range(len(givens)))
 
 
 @without_float_warnings
@@ -235,93 +232,3 @@ def modes_at_need(
     """
     search = Search("continuation", starts, seed, "batched")
     return _found(_Ask(mechanism, search), [any_given(mechanism, joints, pose)])[0]
-
-
-def _modes(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
-    """The modes of each input, which are all of one kind."""
-    begin, search, progress = time.perf_counter(), ask.search, ask.progress
-    if not givens:
-        return ()
-    problem = build_problem(ask.mechanism, givens[0].kind)
-    found = _plain(problem, givens, search, progress) if search.method == "continuation" else {}
-    plain, random_starts = bool(found), False
-    for i, given in enumerate(givens):
-        if i not in found:
-            found[i], sampled = modes_of_input(problem, given, search, progress)
-            plain, random_starts = plain or sampled is False, random_starts or bool(sampled)
-    if search.method == "continuation" and plain and not random_starts:
-        search.refuse_starts(problem)
-    if len(givens) > 1:
-        share = (time.perf_counter() - begin) / len(givens)
-        return tuple(replace(found[i], elapsed_s=share) for i in range(len(givens)))
-    return (replace(found[0], elapsed_s=time.perf_counter() - begin),)
-
-
-def _plain(
-    problem: Problem, givens: Sequence[Given], search: Search, progress: Progress | None
-) -> dict[int, Modes]:
-    """The modes of those inputs that leave nothing in doubt and have some."""
-    chosen = [i for i, given in enumerate(givens) if given.off_motion == 0.0]
-    prepared = plain_modes(problem, progress, formulas=search.formulas) if chosen else None
-    if prepared is None or not prepared.parts:
-        return {}
-    known = np.array([givens[i].values for i in chosen])
-    plain = prepared.find(known, certify=True)
-    t, ends, engine = plain.table, np.cumsum(plain.table.count), prepared.engine
-    owner = np.repeat(plain.places, t.count)
-    listed = with_grounds(problem, t.listed(problem.closure), known, owner)
-    return {
-        chosen[place]: _plain_modes(
-            prepared,
-            plain,
-            listed,
-            number,
-            slice(end - count, end),
-            givens[chosen[place]],
-            search,
-            engine,
-        )
-        for number, (place, end, count) in enumerate(
-            zip(plain.places.tolist(), ends.tolist(), plain.table.count.tolist(), strict=True)
-        )
-        if count
-    }
-
-
-def _plain_modes(
-    prepared: PlainModes,
-    plain: Plain,
-    every: SolutionList,
-    number: int,
-    part: slice,
-    given: Given,
-    search: Search,
-    engine: str | None,
-) -> Modes:
-    """The modes of one plain input, the `part` of `every` mode of the table, that `engine` has
-    found.
-    """
-    t, problem = plain.table, prepared.problem
-    listed = replace(every.chosen(part), notes=given.notes)
-    grounds = (
-        [] if listed.ground is None else [ground for ground in listed.ground if ground is not None]
-    )
-    notes = (
-        *given.notes,
-        *prepared.notes,
-        *prepared.theorems(plain.complete[number]),
-        *ground_notes(problem, grounds, len(listed)),
-    )
-    return Modes(
-        problem=problem,
-        given=given.echo,
-        modes=listed,
-        completeness=COMPLETENESS[t.completeness[number]],  # type: ignore[arg-type]
-        method=prepared.method,
-        seed=search.seed,
-        elapsed_s=0.0,
-        complex_count=None if t.complex_count[number] < 0 else int(t.complex_count[number]),
-        unresolved_paths=0,
-        notes=notes,
-        engine=engine,
-    )

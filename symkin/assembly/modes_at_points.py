@@ -1,9 +1,7 @@
 """Modes at many points of one problem as arrays: what a sweep asks for.
 
-Points that leave nothing in doubt are found together, block by block (see `plain_modes`) or, where
-the known coordinates are told by name, structure group by structure group (see `by_groups`), of the
-machine that the description means (see `machine_finder`); all others one by one, as `symkin.modes`
-does.
+Points are solved together, group by group (see `by_groups`), of the machine that the description
+means (see `machine_finder`); those that need another look one by one, as `symkin.modes` does.
 """
 
 from __future__ import annotations
@@ -22,8 +20,8 @@ from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import STATEMENTS
-from symkin.assembly.group_solvers import most_roots, solvers_of
-from symkin.assembly.machine_finder import Finder, MachineFinder
+from symkin.assembly.group_solvers import groups_of, most_roots, solvers_of
+from symkin.assembly.machine_finder import Finder, MachineFinder, Plain
 from symkin.assembly.mode_table import (
     COMPLETENESS,
     ModeTable,
@@ -36,18 +34,19 @@ from symkin.assembly.mode_table import (
     table_of,
 )
 from symkin.assembly.modes_by_name import modes_by_name
-from symkin.assembly.one_input import modes_of_input
-from symkin.assembly.plain_modes import ROOTS_AT_ONCE, Plain, PlainModes, plain_modes
 from symkin.assembly.search import Search
+from symkin.assembly.without_search import free_unknowns, known_without_search
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
-from symkin.numeric.levenberg import Progress
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.determination import determination, refuse_unless_determined
 from symkin.position.given import Given
 from symkin.position.given_by_name import any_given, problem_of
-from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN
+
+ROOTS_AT_ONCE = 40_000
+"""Complex roots that are held at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,9 +109,8 @@ class ModeFinder:
             return nothing(self.problem, "off the motion", 0)
         given = Given(self.problem.kind, known, {})
         try:
-            if self.problem.kind == "given":
-                return from_modes(modes_by_name(self.problem, [given], self.search)[0])
-            return from_modes(modes_of_input(self.problem, given, self.search)[0])
+            found = known_without_search(self.problem, given, self.search)
+            return from_modes(found or modes_by_name(self.problem, [given], self.search)[0])
         except TooManyModesError:
             return nothing(self.problem, "too many to list", -1)
 
@@ -126,8 +124,15 @@ class GroupFinder:
 
     @cached_property
     def _solvers(self) -> list[BlockPaths | ClosedBlock]:
-        groups = structure_groups(self.problem)
-        return [solver for group in groups for solver in solvers_of(group)]
+        return [solver for group in self._groups for solver in solvers_of(group)]
+
+    @cached_property
+    def _groups(self) -> tuple[Problem, ...]:
+        """The groups of the problem; none where nothing is searched."""
+        problem = self.problem
+        if problem.kind != "given" and (problem.is_explicit or free_unknowns(problem)):
+            return ()
+        return groups_of(problem, self.search.method)
 
     @property
     def engine(self) -> str | None:
@@ -144,12 +149,12 @@ class GroupFinder:
 
     @cached_property
     def _bounds(self) -> list[int | None]:
-        return [most_roots(group) for group in structure_groups(self.problem)]
+        return [most_roots(group) for group in self._groups]
 
     @property
     def is_tracked(self) -> bool:
         """Whether every group has paths, or is linear."""
-        return None not in self._bounds
+        return bool(self._groups) and None not in self._bounds
 
     @property
     def most_modes(self) -> int:
@@ -158,8 +163,11 @@ class GroupFinder:
 
     def find(self, known: np.ndarray, *, certify: bool) -> Plain:
         """Modes at those of the points known (n, values) that need not be looked at one by one:
-        all, but for points without a solution where the description's digits may be why.
+        all, but for points that contradict rows without unknowns, and those without a solution
+        where the description's digits may be why.
         """
+        chosen = np.flatnonzero(self._may_have_some(known))
+        known = known[chosen]
         each = max(1, ROOTS_AT_ONCE // max(self.most_modes, 1))
         begins = range(0, max(len(known), 1), each)
         table = concatenated([self._table(known[i : i + each], certify) for i in begins])
@@ -167,7 +175,17 @@ class GroupFinder:
         if determination(self.problem).misfit:
             places = np.flatnonzero(table.count != 0)
             table = at_places(table, places)
-        return Plain(table, places, np.zeros((len(places), 0), dtype=bool))
+        return Plain(table, chosen[places])
+
+    def _may_have_some(self, known: np.ndarray) -> np.ndarray:
+        """Which points (n,) are searched for modes."""
+        problem = self.problem
+        if not self._groups or problem.kind == "given":
+            return np.full(len(known), bool(self._groups))
+        if not problem.conditions.errors.shape[0]:
+            return np.ones(len(known), dtype=bool)
+        off = problem.conditions.residuals(np.zeros((len(known), 0)), known)
+        return off <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
 
     def _table(self, known: np.ndarray, certify: bool) -> ModeTable:
         found = modes_by_groups(self.problem, known, self.search, certify=certify)
@@ -191,9 +209,7 @@ class GroupFinder:
         )
 
 
-def make_finder(
-    problem: Problem, *, starts: int, seed: int, certify: bool, progress: Progress | None = None
-) -> ModeFinder:
+def make_finder(problem: Problem, *, starts: int, seed: int, certify: bool) -> ModeFinder:
     """The finder of one problem; a start that is not kept yet is computed. Raises InputError where
     the problem has no isolated solutions.
     """
@@ -204,13 +220,11 @@ def make_finder(
         problem,
         search,
         certify,
-        _of_machine(problem, search, progress) or _own(problem, search, progress),
+        _of_machine(problem, search) or _own(problem, search),
     )
 
 
-def _of_machine(
-    problem: Problem, search: Search, progress: Progress | None
-) -> MachineFinder | None:
+def _of_machine(problem: Problem, search: Search) -> MachineFinder | None:
     """The finder of the machine that a description means, for values of joints; None where that is
     the description.
     """
@@ -226,19 +240,21 @@ def _of_machine(
     of_machine = problem_of(low.machine, there)
     if of_machine.is_explicit:
         return None
-    own = _own(of_machine, search, progress)
+    own = _own(of_machine, search)
     return MachineFinder(problem, low, of_machine, tuple(map(int, there.values)), own)
 
 
-def _own(problem: Problem, search: Search, progress: Progress | None) -> PlainModes | GroupFinder:
+def _own(problem: Problem, search: Search) -> GroupFinder:
     """The finder of a description itself."""
     mechanism = problem.mechanism
-    if problem.kind == "given":
-        return GroupFinder(problem, search)
-    if mechanism.serial and problem.system.freedom > problem.generic_rank:
+    if (
+        problem.kind != "given"
+        and mechanism.serial
+        and problem.system.freedom > problem.generic_rank
+    ):
         raise InputError(
             f"{mechanism.name}: its {len(mechanism.actuated)} joints leave solutions of a pose "
             f"free, so that none is isolated; "
             "sweep over its inputs"
         )
-    return plain_modes(problem, progress)
+    return GroupFinder(problem, search)

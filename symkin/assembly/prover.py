@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symkin.computed_once import lru_cache
+from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.six_distances import DISTANCES, redundant_distances
 from symkin.homotopy.structure import Structure
 from symkin.homotopy.systems import system_of
 from symkin.homotopy.values import algebraic_points
 from symkin.numeric.system import System
+from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem
 from symkin.position.roots import Proofs
 from symkin.position.solution import PartialProof
@@ -60,7 +62,7 @@ class Prover:
         from symkin.certificate.exact import knowns_of
 
         values = knowns_of(self.problem, known)
-        return values if away is None else values.widened(away / self._size)
+        return values if away is None or not away.any() else values.widened(away / self._size)
 
     def ends(self, z: np.ndarray, knowns: Knowns, instance: np.ndarray) -> CertificateBatch:
         """Certificates of complex roots z (width, m) of the instances `instance` (m,), where these
@@ -74,33 +76,49 @@ class Prover:
 
     def proofs(
         self,
-        ends: CertificateBatch | None,
         points: np.ndarray,
         owner: np.ndarray,
         knowns: Knowns,
-        origin: np.ndarray | None = None,
-        *,
-        careful: bool = False,
+        ends: CertificateBatch | None = None,
     ) -> Proofs:
         """What is proved of real roots `points` (m, width) of the block at the instances `owner`,
-        rising; `origin` (m,) are the ends that they come from, -1 where they combine several. With
-        `careful` redundant rows are searched for a square part that implies the others.
+        rising, by certificates of the complex roots `ends`, where these stand among them, else by
+        their own.
         """
         from symkin.certificate.certificate import certify_batch
 
-        z = self._algebraic(points)
-        if ends is not None and ends.system.width != len(z):
-            # the theorem is one on poses, and these roots have passive joints beside them
-            ends = None
-        if ends is None and self.is_redundant and not careful:
-            return Proofs.none(len(owner), knowns.count, self.theorem)
-        found = ends or certify_batch(self.whole, z, knowns, owner, self._size)
-        expected = np.arange(z.shape[1]) if ends is None else origin
-        if expected is not None and (expected < 0).any():
-            expected = None
-        index, radius = found.find(z, owner, expected)
-        listed = np.bincount(owner, minlength=knowns.count)
-        return Proofs(index >= 0, radius, self.completes(found, listed), self.theorem)
+        if self._unproved is not None:
+            return Proofs.none(len(owner), knowns.count, self._unproved)
+        z, listed = self._algebraic(points), np.bincount(owner, minlength=knowns.count)
+        # a theorem on poses tells nothing of passive joints beside them
+        if ends is not None and ends.system.width == len(z):
+            index, radius = ends.find(z, owner)
+            if (index >= 0).all():
+                return Proofs(index >= 0, radius, self.completes(ends, listed))
+        found = certify_batch(self.whole, z, knowns, owner, self._size)
+        index, radius = found.find(z, owner, np.arange(z.shape[1]))
+        return Proofs(index >= 0, radius, self.completes(found, listed), found.reasons)
+
+    @cached_property
+    def _unproved(self) -> str | None:
+        """Why no root can be certified, where that is so: more distances than six, and redundant
+        rows of which no square part is known to imply the others at a closed configuration.
+        """
+        from symkin.certificate.certificate import certify
+
+        more = redundant_distances(self.problem)
+        if more:
+            return (
+                f"of {DISTANCES + more} distances six have been solved, the others are met up to "
+                f"rounding"
+            )
+        if not self.is_redundant:
+            return None
+        values = closed_configurations(self.problem.closure, 0)[0]
+        one = values[self.problem.places(self.block.unknowns)]
+        knowns = self.knowns(values[self.problem.known_places][None])
+        tried = certify(self.whole, self._algebraic(one[None]), knowns, self._size)
+        return None if tried.certified.any() else tried.reasons[0]
 
     def completes(self, found: CertificateBatch, listed: np.ndarray) -> np.ndarray:
         """Instances (n,) whose certified roots are all that there are, the real ones as many as
@@ -113,13 +131,6 @@ class Prover:
         real = np.bincount(found.instance[found.real == "real"], minlength=len(listed))
         return np.asarray(proves(found, self.bound) & (real == listed))
 
-    def why_not(self, points: np.ndarray, knowns: Knowns) -> str | None:
-        """Why real roots `points` (m, width) of one instance have no certificate."""
-        from symkin.certificate.certificate import certify
-
-        reasons = certify(self.whole, self._algebraic(points), knowns, self._size).reasons
-        return next((reason for reason in reasons if reason), None)
-
     def grounds(
         self, points: np.ndarray, owner: np.ndarray, knowns: Knowns, proofs: Proofs | None = None
     ) -> list[PartialProof | None]:
@@ -131,7 +142,7 @@ class Prover:
         if self.is_redundant:
             z = self._algebraic(points)
             return prove_independent_rows(self.whole, z, knowns, owner, self._size)
-        proofs = proofs or self.proofs(None, points, owner, knowns)
+        proofs = proofs or self.proofs(points, owner, knowns)
         rows = int(self.block.rows.shape[0])
         return [
             PartialProof.whole(rows, radius) if certified else None

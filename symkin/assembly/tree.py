@@ -9,16 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from symkin.assembly.account import FEW, Account
-from symkin.assembly.checked_roots import Candidates, checked_roots
+from symkin.assembly.checked_roots import checked_roots
 from symkin.assembly.continuation import least_error
-from symkin.assembly.group_roots import (
-    STATEMENTS,
-    GroupRoots,
-    all_together,
-    geared_roots,
-    linear_roots,
-    one_by_one,
-)
+from symkin.assembly.group_roots import STATEMENTS, GroupRoots
+from symkin.assembly.group_search import geared_roots, linear_roots, one_by_one
 from symkin.assembly.group_solvers import any_paths, group_solver, most_roots, solved_parts
 from symkin.assembly.mode_proofs import PartProofs, proofs_of_group
 from symkin.assembly.search import Search
@@ -154,8 +148,9 @@ def _grown(rows: _Rows, found: Found, account: Account, ask: Ask) -> Tree:
             found = _proved(group, roots, rows.known, rows.away, ask)
             roots, lost = found.roots, _lost(found.roots, tree.owner, which, n)
     account.add(number, roots, tree.owner, which)
-    empty = lost[tree.owner]
-    np.minimum.at(account.smallest, tree.owner[empty], roots.smallest[which[empty]])
+    empty, least = lost[tree.owner], np.full(n, np.inf)
+    np.minimum.at(least, tree.owner[empty], roots.smallest[which[empty]])
+    account.smallest = _larger(account.smallest, least)
     first, counts = np.cumsum(roots.counts) - roots.counts, roots.counts[which]
     if choice is not None:
         first, counts = _chosen(group, choice, first, counts)
@@ -169,6 +164,13 @@ def _grown(rows: _Rows, found: Found, account: Account, ask: Ask) -> Tree:
     else:
         counts = np.where(each[tree.owner] > MOST_MODES, 0, counts)
     return tree.grown(group, found, which, first, counts)
+
+
+def _larger(some: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """The larger of two errors each (n,); infinite ones were not found."""
+    return np.where(
+        np.isinf(some), others, np.where(np.isinf(others), some, np.maximum(some, others))
+    )
 
 
 def _lost(roots: GroupRoots, owner: np.ndarray, which: np.ndarray, n: int) -> np.ndarray:
@@ -261,8 +263,8 @@ def _proved(
     roots = roots.in_order()
     if not ask.certify:
         return Found(roots, PartProofs.of_nothing(len(roots.owner)))
-    proofs, complete, theorem = proofs_of_group(group, roots, known, away)
-    return Found(roots.proved(complete, theorem), proofs)
+    proofs, roots = proofs_of_group(group, roots, known, away)
+    return Found(roots, proofs)
 
 
 def group_roots(
@@ -296,9 +298,9 @@ def _by_solver(
     solver = group_solver(group, formulas=search.formulas)
     if solver is None:
         return None, np.arange(len(known))
-    found, doubtful = all_together(solver, known)
+    found, doubtful = solver.roots(known)
     if doubtful.size and solver.method == "closed" and (paths := any_paths(group)) is not None:
-        tracked, left = all_together(paths, known[doubtful])
+        tracked, left = paths.roots(known[doubtful])
         found, doubtful = found.with_rows(doubtful, tracked), doubtful[left]
     return found, doubtful
 
@@ -313,7 +315,7 @@ def with_least_errors(
         return roots.with_rows(places, one_by_one(group, known[places], ask.search, ask.progress))
     smallest = roots.smallest.copy()
     for place in places.tolist():
-        smallest[place] = least_error(group, group.blocks[0], Given("given", known[place], {}))
+        smallest[place] = least_error(group, group.blocks[0], Given(group.kind, known[place], {}))
     return replace(roots, smallest=smallest)
 
 
@@ -366,12 +368,11 @@ def _held_against(
     """
     (block,) = group.blocks
     points, n = tree.values[:, group.unknown_places], len(known)
-    candidates = Candidates(points, tree.owner, np.arange(len(points)))
     plain = np.ones(n, dtype=bool)
-    found, origin = checked_roots(block, candidates, known, plain, np.zeros(n))
+    found, origin = checked_roots(block, points, tree.owner, known, plain)
     parts = [
-        (found.points[kept], found.owner[kept], tree.hits[origin[kept]])
-        for kept in [plain[found.owner]]
+        (found[kept], tree.owner[origin[kept]], tree.hits[origin[kept]])
+        for kept in [plain[tree.owner[origin]]]
     ]
     met = np.zeros(n, dtype=bool)
     places = {c.name: place for c, place in zip(block.unknowns, block.slices, strict=True)}

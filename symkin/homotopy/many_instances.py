@@ -29,24 +29,21 @@ equal roots are told by 1e-6.
 
 
 def plain_instances(
-    system: AlgebraicSystem, start: Fibre, known: np.ndarray, *, judge: bool = True
+    system: AlgebraicSystem, start: Fibre, known: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Roots (n, width, roots) of n instances with known values (known, n), and which of the
-    instances are plain; the roots of others mean nothing. Without `judge` nobody has looked yet
-    whether the roots are regular.
+    instances are plain; the roots of others mean nothing.
     """
     each = max(1, _PATHS_AT_ONCE // max(1, start.z.shape[1]))
     count = known.shape[1]
-    parts = [
-        _group(system, start, known[:, i : i + each], judge=judge) for i in range(0, count, each)
-    ]
+    parts = [_group(system, start, known[:, i : i + each]) for i in range(0, count, each)]
     if len(parts) == 1:
         return parts[0]
     return np.concatenate([z for z, _ in parts]), np.concatenate([plain for _, plain in parts])
 
 
 def _group(
-    system: AlgebraicSystem, start: Fibre, known: np.ndarray, *, judge: bool
+    system: AlgebraicSystem, start: Fibre, known: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     mirrors, n = start.mirrors, known.shape[1]
     begin = start.z if mirrors is None else start.z[:, mirrors.first]
@@ -62,11 +59,9 @@ def _group(
     if places.size:
         # by symmetry what holds of roots holds of their images
         kept = tracked.z if places.size == n else tracked.z[:, np.repeat(plain, each)]
-        good = ~is_no_pose(system, kept)
-        if judge:
-            good &= are_regular(
-                system, kept, target[:, 0] if n == 1 else np.repeat(target[:, places], each, axis=1)
-            )
+        good = ~is_no_pose(system, kept) & are_regular(
+            system, kept, target[:, 0] if n == 1 else np.repeat(target[:, places], each, axis=1)
+        )
         plain[places] = good.reshape(places.size, each).all(axis=1)
     ends = tracked.z.reshape(system.width, n, each).transpose(1, 0, 2)
     if mirrors is not None:

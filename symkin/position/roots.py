@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from math import isnan, lgamma, log, nan, prod
 
 import numpy as np
@@ -24,7 +24,6 @@ from symkin.numeric.tolerances import (
     DISTINCT_ROOTS,
     MULTIPLE_ROOT_SHARE,
 )
-from symkin.position.solution import PartialProof
 
 MOST_MODES = 20_000
 _TO_A_SIDE = 1e-4
@@ -44,34 +43,21 @@ _CONTINUUM_SAMPLE = 5
 class Proofs:
     """Of each real root (m,): whether it is certified, and its radius (length unit; NaN without
     certificate); of each instance (n,) whether as many roots are certified as a theorem allows, so
-    that there are no others (`complete`). `theorem` is its bound in words. Of one instance alone
-    `reason` says why some real root is not certified, and `grounds` what is proved of each all the
-    same, where rows are redundant (None for certified roots).
+    that there are no others (`complete`). `reasons` say of single roots, by their places, why they
+    are not certified.
     """
 
     certified: np.ndarray
     radius: np.ndarray
     complete: np.ndarray
-    theorem: str | None
-    reason: str | None = None
-    grounds: tuple[PartialProof | None, ...] = ()
+    reasons: Mapping[int, str] = field(default_factory=dict)
 
     @staticmethod
-    def none(roots: int, instances: int, theorem: str | None = None) -> Proofs:
-        """Nothing is proved."""
+    def none(roots: int, instances: int, reason: str) -> Proofs:
+        """Nothing is proved, and why."""
         sure, complete = np.zeros(roots, dtype=bool), np.zeros(instances, dtype=bool)
-        return Proofs(sure, np.full(roots, np.nan), complete, theorem)
-
-    @property
-    def reached(self) -> str | None:
-        """The bound that the certified roots of all instances reach."""
-        return self.theorem if self.complete.all() else None
-
-    def of(self, number: int, system: System) -> PartialProof | None:
-        """What is proved of one root of a system: of all rows, where it is certified."""
-        if self.certified[number]:
-            return PartialProof.whole(int(system.rows.shape[0]), float(self.radius[number]))
-        return self.grounds[number] if self.grounds else None
+        reasons = dict.fromkeys(range(roots), reason)
+        return Proofs(sure, np.full(roots, np.nan), complete, reasons)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +66,10 @@ class Roots:
 
     From starts: `hits` (n,) and `starts`. From paths: `complex_count` distinct complex roots,
     `unresolved` paths. In both: the least error reached where there is no root, members of a
-    continuum that were met, and what is proved. `engine`: what has tracked the paths.
+    continuum that were met. `engine`: what has tracked the paths.
     `complex_sets`: paths ended on a set of complex roots that are not isolated. `missing`: why
-    there are fewer complex roots than generic ones. `late`: hits of the second half of the starts,
+    there are fewer complex roots than generic ones; `ends` (width, e) the regular complex ones.
+    `late`: hits of the second half of the starts,
     and how many of them are at roots that the first half has not hit.
     """
 
@@ -95,11 +82,11 @@ class Roots:
     complex_count: int | None = None
     unresolved: int = 0
     sampled: bool = True
-    proofs: Proofs | None = None
     complex_sets: bool = False
     engine: str | None = None
     missing: str | None = None
     late: tuple[int, int] = (0, 0)
+    ends: np.ndarray | None = None
 
     @property
     def unseen(self) -> float:

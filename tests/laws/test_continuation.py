@@ -155,7 +155,7 @@ def test_counts_of_the_shipped_mechanisms_and_of_dietmaier(mechanism, given, com
     """Published or twice computed counts: Dietmaier 40 of 40; 28 and 4; 4 lines' poses; 64 = 8
     poses, 4 of them on its face, x 8; 8 for a Pieper arm with a slide; 8 for three parallel axes;
     rods one; 2 branches a plane. Proved where a theorem's bound is reached: 40 for six distances
-    (Ronga and Vust 1992), one length a rod; every real mode is certified unless rows are redundant.
+    (Ronga and Vust 1992), one length a rod; every real mode is certified.
     """
     found = symkin.modes(mechanism, **given, method="continuation")
     assert (found.complex_count, len(found), found.unresolved_paths) == (complex_count, real, 0)
@@ -167,14 +167,9 @@ def test_counts_of_the_shipped_mechanisms_and_of_dietmaier(mechanism, given, com
         "continuation",
     )
     assert max(mode.residual for mode in found) < 1e-12 * mechanism.characteristic_length
-    if mechanism.name == "zhao2000_links":
-        assert not any(mode.certified for mode in found)
-        assert any("independent rows of" in note for note in found.notes)
-    else:
-        assert all(
-            mode.certified and mode.radius < 1e-9 * mechanism.characteristic_length
-            for mode in found
-        )
+    assert all(
+        mode.certified and mode.radius < 1e-9 * mechanism.characteristic_length for mode in found
+    )
 
 
 @pytest.mark.slow

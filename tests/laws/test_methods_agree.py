@@ -82,16 +82,15 @@ def places(sampled: Modes, complete: Modes) -> list[int]:
     in_gate(CASES, [case for case in CASES if case[0] in ("gluon_6l3", "zhang2009", "zhao2000")]),
 )
 def test_varied_guesses_reach_every_mode_that_continuation_lists(name, kind, starts) -> None:
-    """Enough starts: each listed mode once, no other, each reached by some start."""
+    """Enough starts: each listed mode once, no other, each reached by some start; that these are
+    all of them is known only where a theorem says so of the complete list too.
+    """
     complete = listed(name, kind)
     sampled = symkin.modes(
         symkin.load(name), **given(name, kind), method="multistart", starts=starts, seed=SEED
     )
-    assert (sampled.method, sampled.completeness, sampled.starts) == (
-        "multistart",
-        "sampled",
-        starts,
-    )
+    assert (sampled.method, sampled.starts) == ("multistart", starts)
+    assert sampled.completeness == "sampled" or complete.completeness == "proved"
     found = places(sampled, complete)
     assert len(set(found)) == len(found)
     missed = len(complete) - len(found)

@@ -197,7 +197,7 @@ def test_points_with_more_modes_than_can_be_listed(monkeypatch, mechanism, kind)
     """Such a point has the count -1 and says so, whether blocks or the branches of one block
     multiply; nothing is raised.
     """
-    for module in ("assembly.one_input", "homotopy.branches", "assembly.plain_modes"):
+    for module in ("assembly.tree", "assembly.by_groups"):
         monkeypatch.setattr(f"symkin.{module}.MOST_MODES", 0)
     points = (
         joints_about(mechanism, 2, 1.0) if kind == "direct" else poses_about(mechanism, 2, 1.0, 0.0)
