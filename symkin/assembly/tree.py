@@ -130,6 +130,8 @@ class _Rows(NamedTuple):
     @staticmethod
     def of(step: Step) -> _Rows:
         tree, places = step.tree, step.group.known_places
+        if len(tree.owner) == 1:
+            return _Rows(step, tree.values[:, places], tree.away[:, places], np.zeros(1, dtype=int))
         known, which = np.unique(tree.values[:, places], axis=0, return_inverse=True)
         away = np.zeros(known.shape)
         np.maximum.at(away, which.ravel(), tree.away[:, places])
