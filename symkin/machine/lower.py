@@ -3,8 +3,9 @@ written.
 
 A platform that its joints leave a plane has that motion, z normal to it, wherever the plane stands;
 one that they leave to turn about a point has that motion; two revolute joints whose axes meet are a
-universal joint; a chain of driven joints is an arm; limbs with named points are limbs. The machine
-has the links, the actuated joints and the values of the description.
+universal joint, three at right angles a ball; a chain of driven joints is an arm; a graph that is
+limbs, and limbs with named points, are limbs. The machine has the links, the actuated joints and
+the values of the description.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from dataclasses import dataclass, field, replace
 from symkin.computed_once import lru_cache
 from symkin.machine.limbs import limbs_of
 from symkin.machine.motion import Frames, Guide, with_own_motion, without_guides
-from symkin.machine.universal import Reading, with_universal_joints
+from symkin.machine.universal import BallReading, Reading, with_universal_joints
 from symkin.model.arm import arm_of
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
@@ -31,7 +32,7 @@ class Lowered:
     written: Mechanism
     machine: Mechanism
     frames: Frames | None
-    readings: tuple[Reading, ...]
+    readings: tuple[Reading | BallReading, ...]
     links: Mapping[str, str] = field(default_factory=dict)
     guides: tuple[Guide, ...] = ()
 

@@ -47,10 +47,13 @@ def many_as_written(
     configurations (m, own variables) of its machine.
     """
     guided = [joint.name for guide in lowered.guides for joint in guide.joints]
-    needed = _needs_links(closure, own, {r.name: r.of for r in lowered.readings}, guided)
+    needed = _needs_links(
+        closure, own, {n: r.of for r in lowered.readings for n in r.names}, guided
+    )
     links = link_poses(own, values) if needed else LinkPoses({}, values)
     read = _read(own, links, values)
-    read |= {r.name: read[r.of] + r.zero for r in lowered.readings if r.of in read}
+    for reading in lowered.readings:
+        read |= reading.values(read[reading.of]) if reading.of in read else {}
     pose = Pose(*(part.T for part in poses_of(own, values)))
     if lowered.frames is not None:
         base, platform = map(_of_many, (lowered.frames.base, lowered.frames.platform))

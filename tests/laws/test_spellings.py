@@ -125,10 +125,10 @@ def test_the_coordinates_of_the_file_are_told() -> None:
     "joints",
     [
         [((0, 0, 0), Z), ((0, 0, 0), (0, 1, 0)), ((0, 3, 0), (1, 0, 0))],
-        [((0, 0, 0), Z), ((0, 0, 0), (0, 1, 0)), ((0, 0, 0), (1, 0, 0))],
+        [((0, 0, 0), Z), ((0, 0, 0), (0, 1, 0)), ((0, 0, 0), (1, 1, 0))],
         [((0, 0, 0), Z), ((1, 0, 0), Z), ((2, 0, 1), (0, 1, 0))],
     ],
-    ids=["a crossing beside another", "a ball", "skew and parallel"],
+    ids=["a crossing beside another", "not every turn", "skew and parallel"],
 )
 def test_other_revolutes_stay_as_they_are(joints) -> None:
     """Which two of three crossing axes are one joint would be a choice."""
@@ -137,6 +137,38 @@ def test_other_revolutes_stay_as_they_are(joints) -> None:
         "drive", [Joint("s", "S", (9, 1, 2)), Joint("p", "P", (0, 0, 1), Z, actuated=True)]
     )
     assert lowered(Mechanism("legs", [limb, drive], platform_position=(1.0, 2.0, 3.0))) is None
+
+
+@pytest.mark.parametrize("last", [(1.0, 0.0, 0.0), (0.6, 0.0, 0.8)])
+def test_three_axes_at_right_angles_are_a_ball(last) -> None:
+    """A mode is the turn of its last link: one triple of angles is told of the two that there are,
+    with which all rows close.
+    """
+    ball = [Joint("s", "S", (1, 2, 2))]
+    axes = ((0, 0, 1), (0, 1, 0), last)
+    three = [
+        Joint(f"r{k}", "R", np.add((1, 2, 2), k * np.array(axis)), axis, zero=0.1 * k)
+        for k, axis in enumerate(axes)
+    ]
+
+    def loop(joints: list[Joint]) -> Mechanism:
+        joints = [
+            Joint("drive", "R", (0, 0, 0), (1, 0.2, 0), actuated=True),
+            Joint("u", "U", (0.3, 1.1, 2), (0, 1, 0), axis2=(0, 0, 1)),
+            *joints,
+            Joint("out", "R", (3, 0.4, 0), (1, 0.2, 0.3)),
+        ]
+        links = ["base", *(f"link{k}" for k in range(len(joints) - 1)), "base"]
+        pairs = [LinkJoint(j, links[k : k + 2]) for k, j in enumerate(joints)]
+        return Mechanism("loop", link_joints=pairs, platform_link=None)
+
+    found, told = (symkin.modes(loop(j), given={"drive": 0.05}) for j in (ball, three))
+    assert len(found) == len(told) > 0
+    assert (found.complex_count, found.completeness) == (told.complex_count, told.completeness)
+    assert all(mode.certified and mode.residual < 1e-12 for mode in told)
+    assert all({"r0", "r1", "r2"} <= set(mode.joints) for mode in told)
+    outputs = [sorted(mode.joints["out"] for mode in modes) for modes in (found, told)]
+    assert np.allclose(*outputs, rtol=0.0, atol=1e-9)
 
 
 def test_a_mode_whose_rows_contradict_each_other_by_rounding_is_not_certified() -> None:
