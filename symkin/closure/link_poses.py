@@ -18,7 +18,7 @@ from symkin.closure.closure import Closure
 from symkin.closure.link_frames import Bridge, LinkFrames, link_frames
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Joint
-from symkin.spatial.backend import Array, atan2, cross, dot, is_casadi, norm, scale, where
+from symkin.spatial.backend import Array, atan2, cross, dot, is_casadi, norm, scale
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, normalized, rotate
 
@@ -101,7 +101,10 @@ def reading_expressions(closure: Closure) -> dict[str, tuple[ca.SX, ...]]:
     for joint, between in _between(found):
         if joint.type == "S":
             continue
-        parts = _reading_parts(joint, between)
+        parts = [
+            part if len(part) == 1 else _unit_parts(part[0], part[1], _zero_of(joint))
+            for part in _parts(joint, between)
+        ]
         for c, values in zip(joint.coordinates, parts, strict=True):
             read[c.name] = tuple(ca.substitute(value, symbols, numbers) for value in values)
     return read
@@ -201,64 +204,46 @@ def joint_coordinates(joint: Joint, between: Pose) -> list[Array]:
     """
     if joint.type == "S":
         return [between.quaternion]
+    return [
+        part[0] if len(part) == 1 else _zero_of(joint) + atan2(part[1], part[0])
+        for part in _parts(joint, between)
+    ]
+
+
+def _zero_of(joint: Joint) -> float:
+    """What the angle of a joint reads at the reference."""
+    return joint.zero if joint.type == "R" else 0.0
+
+
+def _parts(joint: Joint, between: Pose) -> list[tuple[Array, ...]]:
+    """The coordinates of a joint that is no ball: a length (of a screw its angle) as one number, an
+    angle from the reference as multiples of its cosine and sine.
+    """
     q = between.quaternion
 
-    def column(numbers: Sequence[float]) -> Array:
+    def column(numbers: Sequence[float] | None) -> Array:
         return ca.DM(numbers) if is_casadi(q) else np.array(numbers)[:, None]
 
-    axis, point = column(joint.axis or ()), column(joint.point)
+    axis, point = column(joint.axis), column(joint.point)
     slide = dot(axis, between.apply(point) - point)
-    match joint.type:
-        case "R":
-            return [joint.zero + _angle(dot(axis, q[1:]), q[0])]
-        case "P":
-            return [joint.zero + slide]
-        case "H":
-            return [joint.zero + 2.0 * np.pi * slide / joint.pitch]
-        case "C":
-            return [_angle(dot(axis, q[1:]), q[0]), slide]
-        case _:
-            # Turn(axis, first) carries axis2 to where it is; Turn(axis2, -second) carries axis to
-            # where it is from the second link
-            axis2 = column(joint.axis2 or ())
-            first = _turn_about(axis, axis2, rotate(q, axis2))
-            second = -_turn_about(axis2, axis, rotate(conjugate(q), axis))
-            return [first, second]
-
-
-def _angle(half_sine: Array, half_cosine: Array) -> Array:
-    """The angle in (-pi, pi] from sine and cosine of its half, of either sign together."""
-    sign = where(half_cosine < 0.0, -1.0, 1.0)
-    return 2.0 * atan2(sign * half_sine, sign * half_cosine)
-
-
-def _turn_about(axis: Array, start: Array, end: Array) -> Array:
-    """The angle about an axis from one direction to another, as seen along it."""
-    flat = start - dot(axis, start) * axis
-    return atan2(dot(axis, cross(flat, end)), dot(flat, end))
-
-
-def _reading_parts(joint: Joint, between: Pose) -> list[tuple[ca.SX, ...]]:
-    """As `joint_coordinates`, of one displacement in symbols: an angle as its cosine and sine."""
-    axis, point, q = ca.SX(ca.DM(joint.axis)), ca.SX(ca.DM(joint.point)), between.quaternion
-    slide = ca.dot(axis, between.apply(point) - point)
     if joint.type in ("P", "H"):
         return [(joint.zero + (slide if joint.type == "P" else 2.0 * np.pi * slide / joint.pitch),)]
     if joint.type in ("R", "C"):
-        s, w = ca.dot(axis, q[1:]), q[0]
-        turn = _unit_parts(w * w - s * s, 2.0 * w * s, joint.zero)
+        s, w = dot(axis, q[1:]), q[0]
+        turn = (w * w - s * s, 2.0 * w * s)
         return [turn] if joint.type == "R" else [turn, (slide,)]
-    axis2 = ca.SX(ca.DM(joint.axis2))
-    (c1, s1), (c2, s2) = (
-        _turn_parts(axis, axis2, rotate(q, axis2)),
-        _turn_parts(axis2, axis, rotate(conjugate(q), axis)),
-    )
-    return [_unit_parts(c1, s1), _unit_parts(c2, -s2)]
+    # Turn(axis, first) carries axis2 to where it is; Turn(axis2, -second) carries axis to where it
+    # is from the second link
+    axis2 = column(joint.axis2)
+    first = _turn_parts(axis, axis2, rotate(q, axis2))
+    cosine, sine = _turn_parts(axis2, axis, rotate(conjugate(q), axis))
+    return [first, (cosine, -sine)]
 
 
-def _turn_parts(axis: ca.SX, start: ca.SX, end: ca.SX) -> tuple[ca.SX, ca.SX]:
-    flat = start - ca.dot(axis, start) * axis
-    return ca.dot(flat, end), ca.dot(axis, ca.cross(flat, end))
+def _turn_parts(axis: Array, start: Array, end: Array) -> tuple[Array, Array]:
+    """Multiples of cosine and sine of the angle about an axis from one direction to another."""
+    flat = start - dot(axis, start) * axis
+    return dot(flat, end), dot(axis, cross(flat, end))
 
 
 def _unit_parts(cosine: ca.SX, sine: ca.SX, zero: float = 0.0) -> tuple[ca.SX, ca.SX]:
