@@ -43,12 +43,11 @@ def is_complete(found: Modes) -> bool:
     return found.completeness in COMPLETE
 
 
-def comes_first(low: Lowered, given: Given) -> bool:
-    """Whether the machine is asked before the description. Of poses that the joints of both tie,
-    whose rows contradict each other by rounding, it is asked where the description's list is not
-    complete.
+def may_contradict(low: Lowered, given: Given) -> bool:
+    """Whether rounding may leave a given pose without modes: the joints tie the pose, so that its
+    rows contradict each other by rounding.
     """
-    return not (_is_pose(low.written, given) and ties_poses(low.machine))
+    return _is_pose(low.written, given) and ties_poses(low.machine)
 
 
 def given_of_machine(low: Lowered, given: Given) -> Given:

@@ -11,10 +11,10 @@ import numpy as np
 
 from symkin.assembly.as_written import (
     as_written,
-    comes_first,
     given_of_machine,
     is_complete,
     machine_of,
+    may_contradict,
 )
 from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.modes_result import Modes
@@ -169,21 +169,20 @@ def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     begin, problem = time.perf_counter(), problem_of(ask.mechanism, givens[0])
     if problem.kind == "given":
         refuse_unless_determined(problem)
-    found: dict[int, Modes] = {}
-    left = list(range(len(givens)))
-    if not comes_first(low, givens[0]):
-        own = _of_description(ask, givens)
-        found = dict(enumerate(own))
-        left = [i for i in left if not is_complete(own[i])]
-    there = [given_of_machine(low, givens[i]) for i in left]
+    there = [given_of_machine(low, given) for given in givens]
     of_machine = _of_description(replace(ask, mechanism=low.machine), there)
-    for i, at, modes in zip(left, there, of_machine, strict=True):
+    found: dict[int, Modes] = {}
+    rest = list[int]()
+    for i, (at, modes) in enumerate(zip(there, of_machine, strict=True)):
         told = None if at.off_motion else as_written(low, problem, givens[i], modes)
         if told is not None:
             found[i] = told
-    rest = [i for i in left if i not in found]
+        if told is None or (not told.modes and may_contradict(low, givens[i])):
+            rest.append(i)
     own = _of_description(ask, [givens[i] for i in rest])
-    found |= dict(zip(rest, own, strict=True))
+    found |= {
+        i: one for i, one in zip(rest, own, strict=True) if i not in found or is_complete(one)
+    }
     share = (time.perf_counter() - begin) / len(givens)
     return tuple(replace(found[i], elapsed_s=share) for i in range(len(givens)))
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from symkin.assembly.account import FEW
-from symkin.assembly.as_written import comes_first, given_of_machine, machine_of
+from symkin.assembly.as_written import given_of_machine, machine_of, may_contradict
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.closed_roots import ClosedBlock
@@ -234,7 +234,7 @@ def _of_machine(problem: Problem, search: Search) -> MachineFinder | None:
     # values that tell which of them the machine takes
     given = Given(problem.kind, np.arange(len(names)), {}, names if problem.kind == "given" else ())
     low = machine_of(problem.mechanism, given)
-    if low is None or not comes_first(low, given):
+    if low is None or may_contradict(low, given):
         return None
     there = given_of_machine(low, given)
     of_machine = problem_of(low.machine, there)

@@ -177,6 +177,9 @@ def prover_of(
     if structure is not None and not structure.system.projective:
         # the unknowns of a structure of joints are those of the block
         algebraic, structure = whole, None
+    if algebraic.width == whole.width and algebraic.count < whole.count:
+        # roots of combined rows need not be roots of all of them
+        return Prover(problem, block, whole, None, proves_ends=False)
     bound = bound_of(problem, algebraic, structure)
     proves_ends = bound is not None or whole is algebraic
     return Prover(problem, block, whole, bound, proves_ends)

@@ -33,15 +33,18 @@ def free_unknowns(problem: Problem) -> str | None:
 
 def _proved(problem: Problem, solution: Solution) -> Solution:
     """The pose that a formula gives, certified in balls as any other solution."""
-    (block,) = problem.blocks
     if unsuitable(problem) is not None:
         return solution
-    prover, values = prover_of(problem, system_of(problem, block), block), solution.variables[None]
-    knowns, owner = prover.knowns(values[:, problem.known_places]), np.zeros(1, dtype=int)
-    found = prover.proofs(values[:, problem.places(block.unknowns)], owner, knowns)
-    certified = bool(found.certified[0])
-    radius = float(found.radius[0]) if certified else None
-    return replace(solution, certified=certified, radius=radius)
+    values, owner = solution.variables[None], np.zeros(1, dtype=int)
+    radii = list[float]()
+    for block in problem.blocks:
+        prover = prover_of(problem, system_of(problem, block), block)
+        knowns = prover.knowns(values[:, problem.known_places])
+        found = prover.proofs(values[:, problem.places(block.unknowns)], owner, knowns)
+        if not found.certified[0]:
+            return replace(solution, certified=False, radius=None)
+        radii.append(float(found.radius[0]))
+    return replace(solution, certified=True, radius=max(radii, default=0.0))
 
 
 def known_without_search(problem: Problem, given: Given, search: Search) -> Modes | None:

@@ -8,17 +8,17 @@ centres, which nothing holds: it is turned there from its reference by the short
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.closure.link_frames import Bridge, link_frames
+from symkin.closure.link_frames import Bridge, LinkFrames, link_frames
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Joint
-from symkin.spatial.backend import cross, dot, norm, scale
+from symkin.spatial.backend import Array, atan2, cross, dot, is_casadi, norm, scale
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, normalized, rotate
 
@@ -30,11 +30,12 @@ shortest way.
 
 @dataclass(frozen=True, eq=False)
 class LinkPoses:
-    """Displacements of all links by name at m configurations: stacks of positions (3, m) and unit
-    quaternions (4, m).
+    """Displacements of all links by name at m configurations, the full vectors of variables
+    `values` (m, variables): stacks of positions (3, m) and unit quaternions (4, m).
     """
 
     poses: dict[str, Pose]
+    values: np.ndarray
 
     def __getitem__(self, link: str) -> Pose:
         return self.poses[link]
@@ -51,28 +52,40 @@ def link_poses(closure: Closure, values: np.ndarray) -> LinkPoses:
     """The displacements of all links, the base and those within limbs ("leg1.1", from the base on)
     included, at full vectors of variables (m, variables).
     """
-    placed = _placed_links(closure)
-    # of no configuration CasADi makes one
-    numbers = np.asarray(placed.evaluate(np.asarray(values, dtype=float).T))[:, : len(values)]
+    placed, values = _placed_links(closure), np.asarray(values, dtype=float)
+    numbers = _at(placed.evaluate, values).reshape(len(placed.links), 7, len(values))
+    turns = numbers[:, 3:] / np.linalg.norm(numbers[:, 3:], axis=1, keepdims=True)
     poses = {
-        link: Pose(numbers[7 * k : 7 * k + 3], normalized(numbers[7 * k + 3 : 7 * k + 7]))
-        for k, link in enumerate(placed.links)
+        link: Pose(position, turn)
+        for link, position, turn in zip(placed.links, numbers[:, :3], turns, strict=True)
     }
     for bridge in placed.bridges:
         poses |= _hung(bridge, poses)
-    return LinkPoses(poses)
+    return LinkPoses(poses, values)
+
+
+def _at(evaluate: Callable[[np.ndarray], ca.DM], values: np.ndarray) -> np.ndarray:
+    """The numbers (numbers, m) at m configurations."""
+    # of no configuration CasADi makes one
+    return np.asarray(evaluate(values.T))[:, : len(values)]
 
 
 def joint_readings(closure: Closure, poses: LinkPoses) -> dict[str, np.ndarray]:
     """Every joint coordinate by name (m,), those of cut joints included, from the poses of the
     links on both sides: radians, lengths and quaternions (4, m).
     """
-    found: dict[str, np.ndarray] = {}
+    read = _read_joints(closure)
+    numbers, found, place = _at(read.evaluate, poses.values), dict[str, np.ndarray](), 0
     for joint, (before, after) in _placed_links(closure).joints.items():
+        names = [c.name for c in joint.coordinates]
+        if joint in read.joints:
+            own = [c.width for c in joint.coordinates]
+            rows = [numbers[place + sum(own[:k]) :][:width] for k, width in enumerate(own)]
+            found |= dict(zip(names, (r if len(r) > 1 else r[0] for r in rows), strict=True))
+            place += sum(own)
+            continue
         between = poses[before].inverse() @ poses[after]
-        found |= dict(
-            zip((c.name for c in joint.coordinates), _readings(joint, between), strict=True)
-        )
+        found |= dict(zip(names, joint_coordinates(joint, between), strict=True))
     return found
 
 
@@ -82,20 +95,32 @@ def reading_expressions(closure: Closure) -> dict[str, tuple[ca.SX, ...]]:
     Joints at links that may spin, which no expression places, are left out.
     """
     found = link_frames(closure)
-    hung = [set(bridge.links) for bridge in found.bridges]
     symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in found.geometry.values()))
     numbers = ca.SX(ca.DM([value for _, value in found.geometry.values()]))
     read: dict[str, tuple[ca.SX, ...]] = {}
-    for joint, (before, after) in found.joints.items():
-        if joint.type == "S" or any((before in links) != (after in links) for links in hung):
+    for joint, between in _between(found):
+        if joint.type == "S":
             continue
-        first, last = (
-            Pose(found.frames[link][:3], found.frames[link][3:]) for link in (before, after)
-        )
-        parts = _reading_parts(joint, first.inverse() @ last)
+        parts = [
+            part if len(part) == 1 else _unit_parts(part[0], part[1], _zero_of(joint))
+            for part in _parts(joint, between)
+        ]
         for c, values in zip(joint.coordinates, parts, strict=True):
             read[c.name] = tuple(ca.substitute(value, symbols, numbers) for value in values)
     return read
+
+
+def _between(found: LinkFrames) -> Iterator[tuple[Joint, Pose]]:
+    """The displacement of each joint's second link in the frame of its first, of joints at links
+    that expressions place.
+    """
+    hung = [set(bridge.links) for bridge in found.bridges]
+    for joint, (before, after) in found.joints.items():
+        if not any((before in links) != (after in links) for links in hung):
+            first, last = (
+                Pose(found.frames[link][:3], found.frames[link][3:]) for link in (before, after)
+            )
+            yield joint, first.inverse() @ last
 
 
 # --- links that the closure places ----------------------------------------------------------------
@@ -125,6 +150,28 @@ def _placed_links(closure: Closure) -> _PlacedLinks:
     return _PlacedLinks(evaluate, tuple(found.frames), found.bridges, found.joints)
 
 
+@dataclass(frozen=True, eq=False)
+class _ReadJoints:
+    """`evaluate` gives the coordinates of the `joints`, one below the other."""
+
+    evaluate: Callable[[np.ndarray], ca.DM]
+    joints: frozenset[Joint]
+
+
+@lru_cache(maxsize=128)
+def _read_joints(closure: Closure) -> _ReadJoints:
+    found = link_frames(closure)
+    symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in found.geometry.values()))
+    numbers = ca.SX(ca.DM([value for _, value in found.geometry.values()]))
+    between = dict(_between(found))
+    parts = [part for joint, pose in between.items() for part in joint_coordinates(joint, pose)]
+    packed = ca.densify(ca.substitute(ca.vertcat(ca.SX(0, 1), *parts), symbols, numbers))
+    evaluate = ca.Function(
+        "joints", [ca.vertcat(ca.SX(0, 1), closure.variables)], [packed], {"cse": True}
+    )
+    return _ReadJoints(evaluate, frozenset(between))
+
+
 def _hung(bridge: Bridge, poses: dict[str, Pose]) -> dict[str, Pose]:
     """The links of a bridge, turned about its first centre by the shortest way, so that both ends
     meet.
@@ -151,66 +198,52 @@ def _shortest_turn(start: np.ndarray, end: np.ndarray) -> np.ndarray:
 # --- what a joint reads ---------------------------------------------------------------------------
 
 
-def _readings(joint: Joint, between: Pose) -> list[np.ndarray]:
+def joint_coordinates(joint: Joint, between: Pose) -> list[Array]:
     """The coordinates of a joint from the displacement of its second link in the frame of its
-    first.
+    first, (3, m) and (4, m) or in symbols.
     """
     if joint.type == "S":
         return [between.quaternion]
-    axis, point = np.array(joint.axis)[:, None], np.array(joint.point)[:, None]
+    return [
+        part[0] if len(part) == 1 else _zero_of(joint) + atan2(part[1], part[0])
+        for part in _parts(joint, between)
+    ]
+
+
+def _zero_of(joint: Joint) -> float:
+    """What the angle of a joint reads at the reference."""
+    return joint.zero if joint.type == "R" else 0.0
+
+
+def _parts(joint: Joint, between: Pose) -> list[tuple[Array, ...]]:
+    """The coordinates of a joint that is no ball: a length (of a screw its angle) as one number, an
+    angle from the reference as multiples of its cosine and sine.
+    """
     q = between.quaternion
+
+    def column(numbers: Sequence[float] | None) -> Array:
+        return ca.DM(numbers) if is_casadi(q) else np.array(numbers)[:, None]
+
+    axis, point = column(joint.axis), column(joint.point)
     slide = dot(axis, between.apply(point) - point)
-    match joint.type:
-        case "R":
-            return [joint.zero + _angle(dot(axis, q[1:]), q[0])]
-        case "P":
-            return [joint.zero + slide]
-        case "H":
-            return [joint.zero + 2.0 * np.pi * slide / joint.pitch]
-        case "C":
-            return [_angle(dot(axis, q[1:]), q[0]), slide]
-        case _:
-            # Turn(axis, first) carries axis2 to where it is; Turn(axis2, -second) carries axis to
-            # where it is from the second link
-            axis2 = np.array(joint.axis2)[:, None]
-            first = _turn_about(axis, axis2, rotate(q, axis2))
-            second = -_turn_about(axis2, axis, rotate(conjugate(q), axis))
-            return [first, second]
-
-
-def _angle(half_sine: np.ndarray, half_cosine: np.ndarray) -> np.ndarray:
-    """The angle in (-pi, pi] from sine and cosine of its half, of either sign together."""
-    sign = np.where(half_cosine < 0.0, -1.0, 1.0)
-    return np.asarray(2.0 * np.arctan2(sign * half_sine, sign * half_cosine))
-
-
-def _turn_about(axis: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """The angle about an axis from one direction to another, as seen along it."""
-    flat = start - dot(axis, start) * axis
-    return np.asarray(np.arctan2(dot(axis, cross(flat, end)), dot(flat, end)))
-
-
-def _reading_parts(joint: Joint, between: Pose) -> list[tuple[ca.SX, ...]]:
-    """As `_readings`, of one displacement in symbols: an angle as its cosine and sine."""
-    axis, point, q = ca.SX(ca.DM(joint.axis)), ca.SX(ca.DM(joint.point)), between.quaternion
-    slide = ca.dot(axis, between.apply(point) - point)
     if joint.type in ("P", "H"):
         return [(joint.zero + (slide if joint.type == "P" else 2.0 * np.pi * slide / joint.pitch),)]
     if joint.type in ("R", "C"):
-        s, w = ca.dot(axis, q[1:]), q[0]
-        turn = _unit_parts(w * w - s * s, 2.0 * w * s, joint.zero)
+        s, w = dot(axis, q[1:]), q[0]
+        turn = (w * w - s * s, 2.0 * w * s)
         return [turn] if joint.type == "R" else [turn, (slide,)]
-    axis2 = ca.SX(ca.DM(joint.axis2))
-    (c1, s1), (c2, s2) = (
-        _turn_parts(axis, axis2, rotate(q, axis2)),
-        _turn_parts(axis2, axis, rotate(conjugate(q), axis)),
-    )
-    return [_unit_parts(c1, s1), _unit_parts(c2, -s2)]
+    # Turn(axis, first) carries axis2 to where it is; Turn(axis2, -second) carries axis to where it
+    # is from the second link
+    axis2 = column(joint.axis2)
+    first = _turn_parts(axis, axis2, rotate(q, axis2))
+    cosine, sine = _turn_parts(axis2, axis, rotate(conjugate(q), axis))
+    return [first, (cosine, -sine)]
 
 
-def _turn_parts(axis: ca.SX, start: ca.SX, end: ca.SX) -> tuple[ca.SX, ca.SX]:
-    flat = start - ca.dot(axis, start) * axis
-    return ca.dot(flat, end), ca.dot(axis, ca.cross(flat, end))
+def _turn_parts(axis: Array, start: Array, end: Array) -> tuple[Array, Array]:
+    """Multiples of cosine and sine of the angle about an axis from one direction to another."""
+    flat = start - dot(axis, start) * axis
+    return dot(flat, end), dot(axis, cross(flat, end))
 
 
 def _unit_parts(cosine: ca.SX, sine: ca.SX, zero: float = 0.0) -> tuple[ca.SX, ca.SX]:

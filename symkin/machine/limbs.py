@@ -5,7 +5,7 @@ rods, and chains that end in rods.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from symkin.closure.branches import Branch, Element, chains_of, edges_of
 from symkin.errors import InputError
@@ -31,7 +31,8 @@ def with_limbs(
     require_mechanism(mechanism)
     if not mechanism.is_graph:
         return mechanism
-    found = arm_of(mechanism) or (None if arms_only else limbs_of(mechanism))
+    limbs = None if arms_only else limbs_of(mechanism)
+    found = arm_of(mechanism) or (None if limbs is None else limbs.mechanism)
     if found is None:
         arm = (
             "; of an arm, name the tool's link by [platform] link, of a robot's file by --platform "
@@ -45,7 +46,15 @@ def with_limbs(
     return found
 
 
-def limbs_of(graph: Mechanism) -> Mechanism | None:
+@dataclass(frozen=True)
+class AsLimbs:
+    """A graph as the limbs that it is, and what these call its `links`."""
+
+    mechanism: Mechanism
+    links: dict[str, str]
+
+
+def limbs_of(graph: Mechanism) -> AsLimbs | None:
     """The graph as limbs between the base and the platform, with its names and the order of its
     actuated joints, without named points. None where it is another graph: of loops within loops,
     couplings, links that no limb holds.
@@ -57,8 +66,9 @@ def limbs_of(graph: Mechanism) -> Mechanism | None:
     ...     end = symkin.Joint(f"end{k}", "R", [70 * k, 90, 0], z)
     ...     links.append(symkin.LinkJoint(motor, ["base", f"arm{k}"]))
     ...     links.append(symkin.LinkJoint(end, [f"arm{k}", "platform"]))
-    >>> [limb.type for limb in limbs_of(symkin.Mechanism("bench", link_joints=links)).limbs]
-    ['RR', 'RR']
+    >>> bench = limbs_of(symkin.Mechanism("bench", link_joints=links))
+    >>> [limb.type for limb in bench.mechanism.limbs], bench.links["arm1"]
+    (['RR', 'RR'], 'limb2.1')
     """
     platform = graph.platform_link
     if platform is None or graph.couplings:
@@ -67,7 +77,8 @@ def limbs_of(graph: Mechanism) -> Mechanism | None:
         chain if chain.ends[0] == BASE or chain.ends[1] == platform else chain.reversed
         for chain in chains_of(list(edges_of(graph)), {platform})
     ]
-    found = list(_limbs(graph, chains, platform))
+    links = {BASE: BASE}
+    found = list(_limbs(graph, chains, platform, links))
     limbs = [limb for limb in found if limb is not None]
     if not limbs or len(limbs) < len(found):
         return None
@@ -82,7 +93,9 @@ def limbs_of(graph: Mechanism) -> Mechanism | None:
         platform_link=PLATFORM,
         example=None,
     )
-    return made if [c.name for c in made.actuated] == names else None
+    if [c.name for c in made.actuated] != names:
+        return None
+    return AsLimbs(made, links | {platform: PLATFORM})
 
 
 def _first(limb: AnyLimb, names: Sequence[str]) -> int:
@@ -93,18 +106,34 @@ def _first(limb: AnyLimb, names: Sequence[str]) -> int:
     return min((k for k, name in enumerate(names) if name in own), default=len(names))
 
 
-def _limbs(graph: Mechanism, chains: Sequence[Branch], platform: str) -> Iterator[AnyLimb | None]:
+def _limbs(
+    graph: Mechanism, chains: Sequence[Branch], platform: str, names: dict[str, str]
+) -> Iterator[AnyLimb | None]:
     """The limb of each chain from the base, with the rods that go on from its end; None of what is
-    none.
+    none. The limbs' names of links are added to `names`.
     """
     used = 0
     for number, chain in enumerate(c for c in chains if c.ends[0] == BASE):
         name, end = f"limb{number + 1}", chain.ends[1]
         rods = () if end == platform else [c for c in chains if end in c.ends and c is not chain]
         used += 1 + len(rods)
+        names |= _names_of_links(chain, name)
         yield _limb(graph, name, chain, rods, platform)
     if used < len(chains):
         yield None
+
+
+def _names_of_links(chain: Branch, limb: str) -> dict[str, str]:
+    """What a limb calls the links of its chain; a weld makes two links one."""
+    found, count = {}, 0
+    for element, link in zip(chain.elements, (*chain.links, chain.ends[1]), strict=True):
+        count += not _is_weld(element)
+        found[link] = f"{limb}.{count}" if count else BASE
+    return found
+
+
+def _is_weld(element: Element) -> bool:
+    return isinstance(element.part, Joint) and element.part.type == "weld"
 
 
 def _limb(
@@ -114,9 +143,7 @@ def _limb(
         return None
     if not rods and chain.ends[1] != platform:
         return None
-    elements = [
-        e for e in chain.elements if not (isinstance(e.part, Joint) and e.part.type == "weld")
-    ]
+    elements = [e for e in chain.elements if not _is_weld(e)]
     at_end = 0 if rods or not elements else int(isinstance(elements[-1].part, Bar))
     joints = [_outward(e) for e in elements[: len(elements) - at_end]]
     bars = [r.elements[0] for r in rods] or elements[len(elements) - at_end :]

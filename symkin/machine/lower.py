@@ -3,18 +3,20 @@ written.
 
 A platform that its joints leave a plane has that motion, z normal to it, wherever the plane stands;
 one that they leave to turn about a point has that motion; two revolute joints whose axes meet are a
-universal joint; a chain of driven joints is an arm; limbs with named points are limbs. The machine
-has the links, the actuated joints and the values of the description.
+universal joint, three at right angles a ball; a chain of driven joints is an arm; a graph that is
+limbs, and limbs with named points, are limbs. The machine has the links, the actuated joints and
+the values of the description.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 from symkin.computed_once import lru_cache
 from symkin.machine.limbs import limbs_of
-from symkin.machine.motion import Frames, with_own_motion, without_guides
-from symkin.machine.universal import Reading, with_universal_joints
+from symkin.machine.motion import Frames, Guide, with_own_motion, without_guides
+from symkin.machine.universal import BallReading, Reading, with_universal_joints
 from symkin.model.arm import arm_of
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
@@ -22,14 +24,17 @@ from symkin.model.mechanism import Mechanism
 
 @dataclass(frozen=True, eq=False)
 class Lowered:
-    """The machine of a description, its frames (None: those of the description), and what
-    coordinates of the description read that it has not.
+    """The machine of a description, its frames (None: those of the description), what coordinates
+    of the description read that it has not, what it calls links whose names differ, and the guides
+    that it does without.
     """
 
     written: Mechanism
     machine: Mechanism
     frames: Frames | None
-    readings: tuple[Reading, ...]
+    readings: tuple[Reading | BallReading, ...]
+    links: Mapping[str, str] = field(default_factory=dict)
+    guides: tuple[Guide, ...] = ()
 
 
 @lru_cache(maxsize=128)
@@ -37,16 +42,24 @@ def lowered(
     mechanism: Mechanism, kept: frozenset[str] = frozenset(), *, pose: bool = True
 ) -> Lowered | None:
     """The machine of a description whose coordinates `kept` stay, since they are given, and whose
-    platform's `pose` is a coordinate or not; None where it is the description itself.
+    platform's `pose` is a coordinate or not; None where it is the description itself. A graph is
+    the limbs that it is where all of its driven joints, or the whole pose, are given.
     """
     bare = _without_points(mechanism)
     arm = arm_of(bare) if pose and bare.is_graph else None
     if arm is not None and {c.name for c in arm.coordinates} >= {c.name for c in bare.coordinates}:
         return Lowered(mechanism, arm, None, ())
+    whole = pose if not kept else kept == {c.name for c in mechanism.actuated}
+    limbs = limbs_of(bare) if bare.is_graph and whole else None
     plain = mechanism if bare.is_graph else bare
+    plain = plain if limbs is None else limbs.mechanism
     placed, frames = with_own_motion(plain, declare=pose or not plain.is_graph)
-    machine, readings = with_universal_joints(placed, kept)
-    return None if machine is mechanism else Lowered(mechanism, machine, frames, readings)
+    alone, guides = without_guides(placed) if whole else (placed, ())
+    machine, readings = with_universal_joints(alone, kept)
+    if machine is mechanism:
+        return None
+    links = {} if limbs is None else limbs.links
+    return Lowered(mechanism, machine, frames, readings, links, guides)
 
 
 @lru_cache(maxsize=128)
@@ -55,10 +68,11 @@ def lowered_limbs(mechanism: Mechanism) -> Lowered:
     only: a graph that is limbs is these, and a limb that does nothing but guide the platform in its
     motion is gone.
     """
-    limbs = limbs_of(mechanism) if mechanism.is_graph else mechanism
-    placed, frames = with_own_motion(limbs or mechanism, declare=True)
+    limbs = limbs_of(mechanism) if mechanism.is_graph else None
+    plain = mechanism if limbs is None else limbs.mechanism
+    placed, frames = with_own_motion(plain, declare=True)
     kept = frozenset(c.name for c in mechanism.coordinates if c.limits is not None)
-    machine, readings = with_universal_joints(without_guides(placed), kept)
+    machine, readings = with_universal_joints(without_guides(placed)[0], kept)
     return Lowered(mechanism, machine, frames, readings)
 
 

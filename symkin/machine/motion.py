@@ -11,12 +11,14 @@ from itertools import combinations
 import numpy as np
 
 from symkin.closure.branches import chains_of, edges_of
+from symkin.closure.link_poses import joint_coordinates
 from symkin.model.displaced import displaced
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Joint
 from symkin.model.limb import AnyLimb, RodLimb
 from symkin.model.mechanism import Mechanism, Motion
 from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import conjugate, rotate
 
 _ALIGNED = 1e-12
 """Sine of the angle off parallel and off normal of axes that are it, and distance, over the size,
@@ -69,9 +71,34 @@ def with_own_motion(mechanism: Mechanism, *, declare: bool) -> tuple[Mechanism, 
     return replace(placed, motion="planar") if known else placed, frames
 
 
-def without_guides(mechanism: Mechanism) -> Mechanism:
-    """The machine without limbs of passive joints that leave the platform all of its motion and
-    nothing else, in place of which the motion is declared; itself where nothing else carries it.
+@dataclass(frozen=True)
+class Guide:
+    """A limb of passive joints that leaves the platform all of its motion and nothing else."""
+
+    joints: tuple[Joint, ...]
+
+    def readings(self, moved: Pose) -> dict[str, np.ndarray]:
+        """Values (n, width) of the joints where the platform has `moved` (3, n) from the
+        reference.
+        """
+        turning = [joint for joint in self.joints if joint.type != "P"]
+        slides = [joint for joint in self.joints if joint.type == "P"]
+        centre = np.array(turning[0].point if turning else (0.0, 0.0, 0.0))[:, None]
+        way = moved.apply(centre) - centre
+        if self.joints[0].type == "R":
+            # slides that the joint has turned
+            way = rotate(conjugate(moved.quaternion), way)
+        found = {joint.name: np.vstack(joint_coordinates(joint, moved)).T for joint in turning}
+        if slides:
+            axes = np.array([joint.axis for joint in slides]).T
+            steps = np.linalg.lstsq(axes, way, rcond=None)[0]
+            found |= {j.name: (j.zero + s)[:, None] for j, s in zip(slides, steps, strict=True)}
+        return found
+
+
+def without_guides(mechanism: Mechanism) -> tuple[Mechanism, tuple[Guide, ...]]:
+    """The machine without its guides, in place of which the motion is declared, and these; itself
+    where nothing else carries it.
     """
     guides = {limb.name: _guided(mechanism, limb) for limb in mechanism.limbs}
     motion = mechanism.motion
@@ -79,8 +106,9 @@ def without_guides(mechanism: Mechanism) -> Mechanism:
         motion = next((m for m in guides.values() if m == "translation"), motion)
     left = [limb for limb in mechanism.limbs if guides[limb.name] != motion or motion == "spatial"]
     if not left or len(left) == len(mechanism.limbs):
-        return mechanism
-    return replace(mechanism, limbs=left, motion=motion)
+        return mechanism, ()
+    gone = tuple(Guide(tuple(limb.joints)) for limb in mechanism.limbs if limb not in left)
+    return replace(mechanism, limbs=left, motion=motion), gone
 
 
 def _guided(mechanism: Mechanism, limb: AnyLimb) -> Motion:

@@ -1,5 +1,5 @@
-"""Find pairs of revolute joints that are a universal joint: their axes meet, and the link between
-them holds nothing else.
+"""Find revolute joints that are a universal joint, two whose axes meet, or a ball, three whose axes
+meet at right angles: the links between them hold nothing else.
 """
 
 from __future__ import annotations
@@ -15,11 +15,16 @@ from symkin.model.graph import LinkJoint
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
+from symkin.spatial.backend import dot
+from symkin.spatial.rotation import conjugate, multiply, rotate
 
 _MEETS = 1e-12
 """Distance of two axes that meet, over the size: rounding of points and directions."""
 _PARALLEL = 1e-3
 """Sine of the angle below which two axes are too nearly parallel for a joint of two."""
+
+_PAIR, _BALL = 2, 3
+"""Revolute joints that are a universal joint, and a ball."""
 
 
 @dataclass(frozen=True)
@@ -30,38 +35,102 @@ class Reading:
     of: str
     zero: float
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        return (self.name,)
+
+    def values(self, value: np.ndarray) -> dict[str, np.ndarray]:
+        """What is read (m, 1) at values (m, 1) of the machine's coordinate."""
+        return {self.name: value + self.zero}
+
+
+@dataclass(frozen=True)
+class BallReading:
+    """Three revolute `joints` as they are written, from the first link on, of which a ball of the
+    machine, `of`, is the turn. Of the two triples of angles of a turn the one is told whose second
+    angle is next to the reference.
+    """
+
+    joints: tuple[Joint, Joint, Joint]
+    of: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(joint.name for joint in self.joints)
+
+    @property
+    def name(self) -> str:
+        return ", ".join(self.names)
+
+    def values(self, value: np.ndarray) -> dict[str, np.ndarray]:
+        """What is read (m, 1) at unit quaternions (m, 4) of the ball."""
+        a, b, c = (_axis(joint)[:, None] for joint in self.joints)
+        turn, ahead = value.T, np.cross(b, a, axis=0)
+        # a and c are normal to b: the second angle is that from a to the turned c, less the first
+        start = np.arctan2(dot(ahead, c), dot(a, c))
+        away = np.arccos(np.clip(dot(a, rotate(turn, c)), -1.0, 1.0))
+        both = np.stack([_wrapped(away - start), _wrapped(-away - start)])
+        second = np.take_along_axis(both, np.argmin(np.abs(both), axis=0)[None], axis=0)[0]
+        middle = _about(b, second)
+        first = _angle_about(a, rotate(middle, c), rotate(turn, c))
+        rest = multiply(conjugate(multiply(_about(a, first), middle)), turn)
+        third = 2.0 * np.arctan2(dot(c, rest[1:]), rest[0])
+        angles = (first, second, _wrapped(third))
+        return {j.name: (j.zero + t)[:, None] for j, t in zip(self.joints, angles, strict=True)}
+
+
+def _wrapped(angle: np.ndarray) -> np.ndarray:
+    return np.asarray(np.arctan2(np.sin(angle), np.cos(angle)))
+
+
+def _about(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Quaternions (4, m) of turns about an axis (3, 1)."""
+    return np.concatenate([np.cos(angle / 2)[None], axis * np.sin(angle / 2)])
+
+
+def _angle_about(axis: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Angles about an axis (3, 1) from directions (3, m) to others; any where these are along
+    it.
+    """
+    flat = start - axis * dot(axis, start)
+    side = np.cross(np.broadcast_to(axis, flat.shape), flat, axis=0)
+    return np.asarray(np.arctan2(dot(side, end), dot(flat, end)))
+
 
 def with_universal_joints(
     mechanism: Mechanism, kept: Collection[str]
-) -> tuple[Mechanism, tuple[Reading, ...]]:
-    """The mechanism with a universal joint for each such pair, and what the revolutes read. Joints
-    of the names `kept`, actuated and coupled ones stay; so do three axes in a row that meet, which
-    are a ball.
+) -> tuple[Mechanism, tuple[Reading | BallReading, ...]]:
+    """The mechanism with a universal joint, or a ball, for each such pair or triple, and what the
+    revolutes read. Joints of the names `kept`, actuated and coupled ones stay; so do three axes in
+    a row that meet otherwise, of which a pair would be a choice.
     """
     coupled = {n for coupling in mechanism.couplings for n in (coupling.joint, *coupling.names)}
     owner = {joint.name: limb.name for limb in mechanism.limbs for joint in limb.joints}
     named = {point.link for point in mechanism.link_points} | {mechanism.platform_link or ""}
-    pairs = [
-        (ends, a, b)
+    runs = [
+        (ends, joints)
         for chain in chains_of(list(edges_of(mechanism)), named)
-        for ends, a, b in _pairs(chain, {*kept, *coupled}, mechanism.characteristic_length)
-        if owner.get(a.name) == owner.get(b.name)
+        for ends, joints in _runs(chain, {*kept, *coupled}, mechanism.characteristic_length)
+        if len({owner.get(joint.name) for joint in joints}) == 1
     ]
-    if not pairs:
+    if not runs:
         return mechanism, ()
     taken = {joint.name for joint in mechanism.all_joints}
     taken |= {c.name for c in mechanism.coordinates}
     first: dict[str, Joint] = {}
     links: dict[str, tuple[str, str]] = {}
-    gone, readings = set[str](), list[Reading]()
-    for ends, a, b in pairs:
-        one = _one(a, b, taken)
+    gone, readings = set[str](), list[Reading | BallReading]()
+    for ends, joints in runs:
+        one = _one(joints, taken)
         taken |= {one.name, *(c.name for c in one.coordinates)}
-        first[a.name], links[a.name] = one, ends
-        gone.add(b.name)
+        first[joints[0].name], links[joints[0].name] = one, ends
+        gone |= {joint.name for joint in joints[1:]}
+        if len(joints) == _BALL:
+            readings.append(BallReading((joints[0], joints[1], joints[2]), one.coordinates[0].name))
+            continue
         readings += [
             Reading(joint.name, c.name, joint.zero)
-            for joint, c in zip((a, b), one.coordinates, strict=True)
+            for joint, c in zip(joints, one.coordinates, strict=True)
         ]
     limbs = [
         limb if isinstance(limb, RodLimb) else replace(limb, joints=_merged(limb, first, gone))
@@ -82,24 +151,44 @@ def _merged(limb: Limb, first: dict[str, Joint], gone: set[str]) -> list[Joint]:
     return [first.get(joint.name, joint) for joint in limb.joints if joint.name not in gone]
 
 
-def _pairs(
+def _runs(
     chain: Branch, stay: Collection[str], size: float
-) -> Iterator[tuple[tuple[str, str], Joint, Joint]]:
-    """Two joints in a row that make one, where no third one beside them does: the links on both
-    sides, and the joints as they move the second of these.
+) -> Iterator[tuple[tuple[str, str], list[Joint]]]:
+    """Two joints in a row that make one, where no third one beside them does, and three that are a
+    ball: the links on both sides, and the joints as they move the last of these.
     """
     joints = [_outward(element) for element in chain.elements]
     links = (chain.ends[0], *chain.links, chain.ends[1])
     meets = [False, *(_meet(a, b, stay, size) for a, b in pairwise(joints)), False]
-    for k, (a, b) in enumerate(pairwise(joints)):
-        first, last = links[k], links[k + 2]
-        if a is None or b is None or first == last or not meets[k + 1] or meets[k] or meets[k + 2]:
+    for k in range(len(joints)):
+        count = next(n for n in range(1, len(joints) + 1) if not meets[k + n])
+        own = [joint for joint in joints[k : k + count] if joint is not None]
+        first, last = links[k], links[k + count]
+        if meets[k] or first == last or not (count == _PAIR or _is_ball(own, size)):
             continue
-        if chain.elements[k].along or chain.elements[k + 1].along:
-            yield (first, last), a, b
+        elements = chain.elements[k : k + count]
+        if any(element.along for element in elements):
+            yield (first, last), own
         else:
-            backward = [element.part for element in chain.elements[k : k + 2]]
-            yield (last, first), backward[1], backward[0]  # type: ignore[misc]
+            yield (last, first), [element.part for element in reversed(elements)]  # type: ignore[misc]
+
+
+def _is_ball(joints: Sequence[Joint], size: float) -> bool:
+    """Whether three joints turn the last link in every way about one point: in each by two triples
+    of angles.
+    """
+    if len(joints) != _BALL or any(joint.limits is not None for joint in joints):
+        return False
+    (a, b, c), near = joints, _MEETS * size
+    square = all(abs(_axis(b) @ _axis(other)) <= _MEETS for other in (a, c))
+    return square and float(np.linalg.norm(_crossing(a, b) - _crossing(c, b))) <= near
+
+
+def _crossing(a: Joint, b: Joint) -> np.ndarray:
+    """The point of an axis where it meets another one."""
+    away, normal = np.subtract(b.point, a.point), np.cross(_axis(a), _axis(b))
+    along = float(np.cross(away, _axis(b)) @ normal) / float(normal @ normal)
+    return np.asarray(np.array(a.point) + along * _axis(a))
 
 
 def _outward(element: Element) -> Joint | None:
@@ -123,20 +212,21 @@ def _axis(joint: Joint) -> np.ndarray:
     return np.array(joint.axis, dtype=float)
 
 
-def _one(a: Joint, b: Joint, taken: Collection[str]) -> Joint:
-    """The universal joint of two revolutes, under a name of its own."""
-    name = f"{a.name}_{b.name}"
+def _one(joints: Sequence[Joint], taken: Collection[str]) -> Joint:
+    """The joint that two or three revolutes are, under a name of its own."""
+    name = "_".join(joint.name for joint in joints)
     while {name, f"{name}.1", f"{name}.2"} & set(taken):
         name += "_"
-    away, normal = np.subtract(b.point, a.point), np.cross(_axis(a), _axis(b))
-    along = float(np.cross(away, _axis(b)) @ normal) / float(normal @ normal)
-    meeting = np.array(a.point) + along * _axis(a)
-    written = [p for p in (a.point, b.point) if _is_at(p, meeting, along)]
+    meeting = _crossing(joints[0], joints[1])
+    written = [joint.point for joint in joints if _is_at(joint.point, meeting, joints[0])]
     at: Sequence[float] = written[0] if written else meeting.tolist()
-    return Joint(name, "U", at, a.axis, axis2=b.axis)
+    if len(joints) == _BALL:
+        return Joint(name, "S", at)
+    return Joint(name, "U", at, joints[0].axis, axis2=joints[1].axis)
 
 
-def _is_at(point: Sequence[float], meeting: np.ndarray, along: float) -> bool:
+def _is_at(point: Sequence[float], meeting: np.ndarray, first: Joint) -> bool:
     """Whether a written point is where the axes meet, to rounding."""
-    scale = max(abs(along), float(np.max(np.abs(meeting))), float(np.max(np.abs(point))))
+    along = float(np.linalg.norm(meeting - first.point))
+    scale = max(along, float(np.max(np.abs(meeting))), float(np.max(np.abs(point))))
     return float(np.linalg.norm(meeting - point)) <= _MEETS * scale

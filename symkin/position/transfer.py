@@ -4,7 +4,7 @@ elsewhere, or of the machine that it means.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -36,7 +36,7 @@ def many_elsewhere(closure: Closure, own: Closure, values: np.ndarray) -> np.nda
     if closure.partition == own.partition:
         return values
     position, quaternion = poses_of(own, values)
-    links = link_poses(own, values) if _needs_links(closure, own) else LinkPoses({})
+    links = link_poses(own, values) if _needs_links(closure, own) else LinkPoses({}, values)
     return _filled(closure, links, _read(own, links, values), (position.T, quaternion.T))
 
 
@@ -46,27 +46,43 @@ def many_as_written(
     """Full vectors of the variables of a closure of the description (m, variables) at
     configurations (m, own variables) of its machine.
     """
-    needed = _needs_links(closure, own, {r.name: r.of for r in lowered.readings})
-    links = link_poses(own, values) if needed else LinkPoses({})
+    guided = [joint.name for guide in lowered.guides for joint in guide.joints]
+    needed = _needs_links(
+        closure, own, {n: r.of for r in lowered.readings for n in r.names}, guided
+    )
+    links = link_poses(own, values) if needed else LinkPoses({}, values)
     read = _read(own, links, values)
-    read |= {r.name: read[r.of] + r.zero for r in lowered.readings if r.of in read}
+    for reading in lowered.readings:
+        read |= reading.values(read[reading.of]) if reading.of in read else {}
     pose = Pose(*(part.T for part in poses_of(own, values)))
     if lowered.frames is not None:
-        base, platform = (
-            Pose(p.position[:, None], p.quaternion[:, None])
-            for p in (lowered.frames.base, lowered.frames.platform)
-        )
+        base, platform = map(_of_many, (lowered.frames.base, lowered.frames.platform))
         told = Frames(base, base)
-        links = LinkPoses({link: told.told(at) for link, at in links.poses.items()})
+        links = LinkPoses({link: told.told(at) for link, at in links.poses.items()}, values)
         pose = Frames(base, platform).told(pose)
+    moved = pose @ _of_many(lowered.written.reference_pose.inverse())
+    for guide in lowered.guides:
+        read |= guide.readings(moved)
+    poses = {name: links[own] for name, own in lowered.links.items() if own in links.poses}
+    links = LinkPoses(links.poses | poses, values)
     return _filled(closure, links, read, (pose.position, pose.quaternion))
 
 
-def _needs_links(closure: Closure, own: Closure, names: Mapping[str, str] | None = None) -> bool:
+def _of_many(pose: Pose) -> Pose:
+    """A pose as that of any number of configurations."""
+    return Pose(pose.position[:, None], pose.quaternion[:, None])
+
+
+def _needs_links(
+    closure: Closure,
+    own: Closure,
+    names: Mapping[str, str] | None = None,
+    told: Collection[str] = (),
+) -> bool:
     """Whether a closure holds coordinates that another one leaves out (`names`: what some are
-    called there), or bodies.
+    called there; not those that are `told` otherwise), or bodies.
     """
-    held = {c.name for c in own.coordinates}
+    held = {c.name for c in own.coordinates} | set(told)
     return any(
         c.role == "body"
         or (

@@ -195,4 +195,5 @@ def test_joints_written_from_the_platform_are_turned_over() -> None:
         LinkJoint(replace(e.joint, axis=[-c for c in e.joint.axis]), e.links[::-1]) if k % 2 else e
         for k, e in enumerate(graph.link_joints)
     ]
-    assert limbs_of(replace(graph, link_joints=turned)).limbs == limbs_of(graph).limbs
+    turned = limbs_of(replace(graph, link_joints=turned))
+    assert turned.mechanism.limbs == limbs_of(graph).mechanism.limbs

@@ -4,12 +4,22 @@ places of its links. The campaign of the same name asks more machines, and what 
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
 import symkin
 from helpers.gate import in_gate
-from helpers.inside import COMPLETENESS, any_given, lowered, make_finder, problem_of
+from helpers.inside import (
+    COMPLETENESS,
+    any_given,
+    as_checked,
+    lowered,
+    make_finder,
+    problem_of,
+)
 from helpers.samples import Z, readme_five_bar
 from helpers.spellings import MACHINES, lacking, named, spellings
 from symkin import Joint, Limb, LinkJoint, Mechanism
@@ -20,7 +30,11 @@ CASES = [
     ("3-RPR", "inverse", ("limbs, motion", "graph, turned", "MJCF")),
     ("Agile Eye", "direct", ("limbs, motion", "limbs", "graph, reordered")),
     ("ankle", "inverse", ("limbs", "limbs, point", "graph, R R for U", "URDF")),
+    ("delta", "inverse", ("limbs, motion", "graph, motion", "MJCF")),
+    ("Tricept", "inverse", ("limbs", "limbs, turned", "graph, R R for U")),
     ("five-bar", "inverse", PLANAR),
+    ("3-RUU", "direct", ("limbs, motion", "graph, point", "URDF")),
+    ("3-RUU", "direct", ("limbs", "graph", "graph, R R for U")),
     ("3-RRR", "direct", PLANAR),
     ("3-RRR", "inverse", PLANAR),
     ("3-RPR", "direct", PLANAR),
@@ -31,7 +45,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("name", "direction", "names"), in_gate(CASES, CASES[:4]))
+@pytest.mark.parametrize(("name", "direction", "names"), in_gate(CASES, CASES[:6]))
 def test_all_spellings_have_one_answer(tmp_path, name, direction, names) -> None:
     machine = MACHINES[name]()
     spelled = named(list(spellings(machine, tmp_path)), names)
@@ -111,10 +125,10 @@ def test_the_coordinates_of_the_file_are_told() -> None:
     "joints",
     [
         [((0, 0, 0), Z), ((0, 0, 0), (0, 1, 0)), ((0, 3, 0), (1, 0, 0))],
-        [((0, 0, 0), Z), ((0, 0, 0), (0, 1, 0)), ((0, 0, 0), (1, 0, 0))],
+        [((0, 0, 0), Z), ((0, 0, 0), (0, 1, 0)), ((0, 0, 0), (1, 1, 0))],
         [((0, 0, 0), Z), ((1, 0, 0), Z), ((2, 0, 1), (0, 1, 0))],
     ],
-    ids=["a crossing beside another", "a ball", "skew and parallel"],
+    ids=["a crossing beside another", "not every turn", "skew and parallel"],
 )
 def test_other_revolutes_stay_as_they_are(joints) -> None:
     """Which two of three crossing axes are one joint would be a choice."""
@@ -123,6 +137,72 @@ def test_other_revolutes_stay_as_they_are(joints) -> None:
         "drive", [Joint("s", "S", (9, 1, 2)), Joint("p", "P", (0, 0, 1), Z, actuated=True)]
     )
     assert lowered(Mechanism("legs", [limb, drive], platform_position=(1.0, 2.0, 3.0))) is None
+
+
+@pytest.mark.parametrize("last", [(1.0, 0.0, 0.0), (0.6, 0.0, 0.8)])
+def test_three_axes_at_right_angles_are_a_ball(last) -> None:
+    """A mode is the turn of its last link: one triple of angles is told of the two that there are,
+    with which all rows close.
+    """
+    ball = [Joint("s", "S", (1, 2, 2))]
+    axes = ((0, 0, 1), (0, 1, 0), last)
+    three = [
+        Joint(f"r{k}", "R", np.add((1, 2, 2), k * np.array(axis)), axis, zero=0.1 * k)
+        for k, axis in enumerate(axes)
+    ]
+
+    def loop(joints: list[Joint]) -> Mechanism:
+        joints = [
+            Joint("drive", "R", (0, 0, 0), (1, 0.2, 0), actuated=True),
+            Joint("u", "U", (0.3, 1.1, 2), (0, 1, 0), axis2=(0, 0, 1)),
+            *joints,
+            Joint("out", "R", (3, 0.4, 0), (1, 0.2, 0.3)),
+        ]
+        links = ["base", *(f"link{k}" for k in range(len(joints) - 1)), "base"]
+        pairs = [LinkJoint(j, links[k : k + 2]) for k, j in enumerate(joints)]
+        return Mechanism("loop", link_joints=pairs, platform_link=None)
+
+    found, told = (symkin.modes(loop(j), given={"drive": 0.05}) for j in (ball, three))
+    assert len(found) == len(told) > 0
+    assert (found.complex_count, found.completeness) == (told.complex_count, told.completeness)
+    assert all(mode.certified and mode.residual < 1e-12 for mode in told)
+    assert all({"r0", "r1", "r2"} <= set(mode.joints) for mode in told)
+    outputs = [sorted(mode.joints["out"] for mode in modes) for modes in (found, told)]
+    assert np.allclose(*outputs, rtol=0.0, atol=1e-9)
+
+
+def test_a_mode_whose_rows_contradict_each_other_by_rounding_is_not_certified() -> None:
+    """No exact configuration has the pose's digits: those of the central limb of a Tricept tie
+    qx qy = qw qz. One combination of its rows alone would have an exact root.
+    """
+    machine = MACHINES["Tricept"]()
+    pose = machine.configuration.pose
+    w, x, y, z = (Fraction(float(q)) for q in pose.quaternion)
+    assert x * y != w * z
+    [mode] = symkin.modes(machine.home, pose=pose)
+    assert not mode.certified
+
+
+def test_a_guide_of_a_motion_is_told_in_its_coordinates() -> None:
+    """Passive joints that leave the platform its motion and no other are gone in the machine; they
+    read what moves the platform.
+    """
+    x, y, z = np.eye(3)
+    home = replace(readme_five_bar("planar"), example=None)
+    for slides in ((x, x + y), (x + y, y)):
+        for turn_first in (False, True):
+            ways = [Joint(f"s{k}", "P", (0, 0, 0), way, zero=k) for k, way in enumerate(slides)]
+            turn = Joint("turn", "R", (3, -2, 0), z, zero=0.25)
+            guide = Limb("guide", [turn, *ways] if turn_first else [*ways, turn])
+            guided = replace(home, limbs=[*home.limbs, guide], motion="spatial")
+            low, given = lowered(guided), any_given(guided, joints=[10.0, -10.0])
+            assert [limb.name for limb in low.machine.limbs] == [limb.name for limb in home.limbs]
+            plain = symkin.modes(low.machine, joints=[10.0, -10.0])
+            values = np.array([mode.variables for mode in plain])
+            own, known = plain.problem.closure, given.values
+            told = as_checked(low, problem_of(guided, given), own, values, known)
+            assert len(told) == 2
+            assert told.residual.max() < 1e-12 * guided.characteristic_length
 
 
 def test_a_pose_off_the_plane_has_no_modes() -> None:
