@@ -5,9 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from symkin.cli.help import ASKED, OUTPUT
 from symkin.cli.options import (
     GivenOption,
     JointsOption,
@@ -17,43 +14,32 @@ from symkin.cli.options import (
     named_from,
     numbers_from,
     print_result,
-    whole_number,
 )
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.reading import RobotFile, loaded
 from symkin.errors import InputError
-from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
+from symkin.verb_options import ASKED, OUTPUT, Option
 
 
-@reads_robots
 def mode_graph(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     over: Annotated[
         str,
-        typer.Option(
-            metavar="NAME=LOW:HIGH,...",
-            help="One or two of the known coordinates, each with a range.",
-            rich_help_panel=ASKED,
+        Option(
+            "One or two of the known coordinates, each with a range.", "NAME=LOW:HIGH,...", ASKED
         ),
     ],
     points: Annotated[
         int,
-        typer.Option(
-            metavar="N",
-            parser=whole_number,
-            help="Points along each range, 2 to 100. Default: 11.",
-            rich_help_panel=ASKED,
-        ),
+        Option("Points along each range, 2 to 100. Default: 11.", "N", ASKED),
     ] = 11,
     joints: JointsOption = None,
     given: GivenOption = None,
     plot: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.png", help="Draw the sheets into a file.", rich_help_panel=OUTPUT
-        ),
+        Option("Draw the sheets into a file.", "FILE.png", OUTPUT),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
-import typer
-
-from symkin.cli.help import GIVEN, HOW, OUTPUT
 from symkin.cli.options import (
     JsonOption,
     MechArgument,
@@ -16,101 +13,74 @@ from symkin.cli.options import (
     joints_from,
     numbers_from,
     print_result,
-    whole_number,
 )
 from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
 from symkin.cli.poses import EulerOption, PoseReader
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.reading import RobotFile, loaded
 from symkin.errors import InputError
-from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
-
-if TYPE_CHECKING:
-    pass
+from symkin.verb_options import GIVEN, OUTPUT, Option
 
 
-@reads_robots
 def track(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     begin: Annotated[
         str | None,
-        typer.Option(
-            "--from",
-            metavar="V1,V2,...",
-            help="All actuated joints at the beginning, or NAME=VALUE,... of any coordinates.",
-            rich_help_panel=GIVEN,
+        Option(
+            "All actuated joints at the beginning, or NAME=VALUE,... of any coordinates.",
+            "V1,V2,...",
+            GIVEN,
+            flags=("--from",),
         ),
     ] = None,
     end: Annotated[
         str | None,
-        typer.Option(
-            "--to", metavar="V1,V2,...", help="The same at the end.", rich_help_panel=GIVEN
-        ),
+        Option("The same at the end.", "V1,V2,...", GIVEN, flags=("--to",)),
     ] = None,
     poses: Annotated[
         bool,
-        typer.Option(
-            "--poses",
-            help="--from, --to or the CSV file are poses: the inverse problem.",
-            rich_help_panel=GIVEN,
-        ),
+        Option("--from, --to or the CSV file are poses: the inverse problem.", group=GIVEN),
     ] = False,
     euler: EulerOption = None,
     csv: Annotated[
         Path | None,
-        typer.Option(
-            "--csv",
-            metavar="FILE.csv",
-            help="A trajectory, in place of --from and --to.",
-            rich_help_panel=GIVEN,
-        ),
+        Option("A trajectory, in place of --from and --to.", "FILE.csv", GIVEN),
     ] = None,
     given: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME=FROM:TO,...",
-            help="A path of any coordinates, as many as the mobility, in place of --from and --to; "
+        Option(
+            "A path of any coordinates, as many as the mobility, in place of --from and --to; "
             "NAME=VALUE stands, NAME alone is a "
             "column of --csv.",
-            rich_help_panel=GIVEN,
+            "NAME=FROM:TO,...",
+            GIVEN,
         ),
     ] = None,
     start: StartOption = None,
     samples: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=whole_number,
-            help="Samples on the path; default 101, or those of the file.",
-            rich_help_panel=HOW,
-        ),
+        Option("Samples on the path; default 101, or those of the file.", "N"),
     ] = None,
     ignore_limits: Annotated[
         bool,
-        typer.Option("--ignore-limits", help="Go on beyond joint limits.", rich_help_panel=HOW),
+        Option("Go on beyond joint limits."),
     ] = False,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE.csv",
-            help="Write the configurations into a file.",
-            rich_help_panel=OUTPUT,
+        Option(
+            "Write the configurations into a file.", "FILE.csv", OUTPUT, flags=("-o", "--output")
         ),
     ] = None,
     plot: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.png", help="Draw the track into a file.", rich_help_panel=OUTPUT
-        ),
+        Option("Draw the track into a file.", "FILE.png", OUTPUT),
     ] = None,
     names: NamesOption = None,
     views: ViewsOption = None,
     as_json: JsonOption = False,
-) -> None:
+) -> int:
     """Follow one mode along a path of joints, poses or any coordinates, with a proof, up to the
     first singularity or limit.
     """
@@ -165,7 +135,7 @@ def track(
         if name is not None
     )
     print_result(as_json, found.to_dict, lambda: str(found) + files)
-    raise typer.Exit(0 if found.reached else 3)
+    return 0 if found.reached else 3
 
 
 def _straight(

@@ -81,8 +81,8 @@ def write_firmware(
     >>> import symkin, tempfile
     >>> arm = symkin.load("gluon_6l3")
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     [path.name for path in symkin.write_firmware(arm, folder, real="float")][:3]
-    ['gluon_6l3.h', 'gluon_6l3.c', 'gluon_6l3_test.c']
+    ...     [path.suffix for path in symkin.write_firmware(arm, folder, real="float")][:3]
+    ['.h', '.c', '.c']
     """
     require_mechanism(mechanism)
     pose = None if home is None else tuple(float(v) for v in home)
