@@ -354,7 +354,7 @@ def test_module_runs_and_imports_stay_light() -> None:
     )
     assert "zhao2000" in done.stdout
     code = (
-        "import symkin, sys; print(sorted({'matplotlib', 'click', 'rich', 'pydantic'} & "
+        "import symkin, sys; print(sorted({'matplotlib', 'click', 'rich', 'numpy'} & "
         "set(sys.modules)))"
     )
     loaded = subprocess.run(
