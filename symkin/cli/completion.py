@@ -5,14 +5,12 @@ fits, shells go on with the names of files.
 from __future__ import annotations
 
 import os
-import subprocess
 from pathlib import Path
 from typing import Any
 
 import click
 
 from symkin.errors import InputError
-from symkin.files.outputs import write_output
 from symkin.text import not_among
 
 _ASKED_BY = "_SYMKIN_COMPLETE"
@@ -61,9 +59,10 @@ def _script(app: click.Command, shell: str) -> tuple[str, str]:
 
     if shell == _OF_THIS_TERMINAL:
         shell = Path(os.environ.get("SHELL") or "powershell").stem
-    kind = get_completion_class("powershell" if shell == "pwsh" else shell)
-    if kind is None or shell not in _PLACES:
-        raise InputError(f"shell {not_among(shell, list(_PLACES))}")
+    kinds = {name: get_completion_class(name.replace("pwsh", "powershell")) for name in _PLACES}
+    kind = kinds.get(shell)
+    if kind is None:  # older versions of Click have none for PowerShell
+        raise InputError(f"shell {not_among(shell, [name for name in kinds if kinds[name]])}")
     return shell, kind(app, {}, "symkin", _ASKED_BY).source()
 
 
@@ -76,12 +75,16 @@ def _show(ctx: click.Context, _option: click.Parameter, shell: str | None) -> No
 def _install(ctx: click.Context, _option: click.Parameter, shell: str | None) -> None:
     if shell is None:
         return
+    from symkin.files.outputs import write_output
+
     shell, text = _script(ctx.command, shell)
     place, loader, line = _PLACES[shell]
     script = Path(place).expanduser()
     script.parent.mkdir(parents=True, exist_ok=True)
     write_output(script, text + "\n")
     if loader == "$profile":
+        import subprocess
+
         asked = [shell, "-NoProfile", "-Command", "echo $profile"]
         loader = subprocess.run(asked, check=True, capture_output=True, text=True).stdout.strip()
     if loader:

@@ -55,14 +55,30 @@ def test_list_names_all(capsys: pytest.CaptureFixture[str]) -> None:
     assert [line.split()[0] for line in out.splitlines()] == symkin.shipped_names()
 
 
+def imported_by(*words: str) -> set[str]:
+    """The modules that a command imports, in a process of its own."""
+    command = [sys.executable, "-X", "importtime", "-m", "symkin", *words]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return {line.split()[-1] for line in done.stderr.splitlines()}
+
+
 @pytest.mark.parametrize("word", ["--help", "--version", "list"])
 def test_what_computes_nothing_starts_without_numbers(word: str) -> None:
     """Neither NumPy nor CasADi is imported, which take longer than all else."""
-    command = [sys.executable, "-X", "importtime", "-m", "symkin", word]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    imported = [line.split()[-1] for line in done.stderr.splitlines()]
+    imported = imported_by(word)
     assert "click" in imported
-    assert not {"numpy", "casadi"} & set(imported)
+    assert not {"numpy", "casadi"} & imported
+
+
+def test_an_account_starts_without_what_it_does_not_need() -> None:
+    """`show` of a mechanism file: no pictures, no paths of solutions, no readers of robots' files,
+    no masked arrays.
+    """
+    imported = imported_by("show", "zhao2000")
+    inner = {name.removeprefix("symkin.") for name in imported}
+    heavy = ("matplotlib", "rich", "tomlkit", "flint", "numpy.ma.", "homotopy", "plots")
+    assert {"casadi", "position.mobility"} <= inner
+    assert [name for name in inner if name.startswith((*heavy, "formats.parts"))] == []
 
 
 @pytest.mark.parametrize(
