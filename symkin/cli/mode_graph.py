@@ -70,11 +70,12 @@ def mode_graph(
 
 
 def _axis(text: str, unit: str) -> tuple[str, float, float]:
-    name, _, ends = text.partition("=")
-    numbers = [numbers_from(end, f"over {name.strip()}", unit) or [] for end in ends.split(":")]
-    if not name.strip() or [len(number) for number in numbers] != [1, 1]:
+    name, _, ends = (piece.strip() for piece in text.partition("="))
+    pair = ends.split(":")
+    if not name or len(pair) != 2 or not all(end.strip() for end in pair):
         raise InputError(
             f"--over: {shown(text.strip())} is no range; NAME=LOW:HIGH is needed, such as "
             f"crank=0:360"
         )
-    return name.strip(), numbers[0][0], numbers[1][0]
+    low, high = (numbers_from(end, f"over {name}", unit) or [] for end in pair)
+    return name, low[0], high[0]

@@ -120,7 +120,9 @@ def write_folder(
 
 
 def check_folder(mechanism: Mechanism, folder: Path) -> None:
-    """Raise InputError where the folder has the code of another mechanism."""
+    """Raise InputError where the folder is a file or has the code of another mechanism."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file; the name of a folder is needed")
     written = read_manifest(folder, _KEY)
     if written.get("mechanism", mechanism.name) != mechanism.name:
         raise InputError(

@@ -8,12 +8,11 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
 from symkin.computed_once import lru_cache
-from symkin.errors import InputError, MechanismError, SymkinError
+from symkin.errors import MechanismError, SymkinError
 from symkin.model.description import unit_of_coordinates
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.foreign_keys import foreign_key, is_second_platform, second_platform
@@ -29,7 +28,7 @@ from symkin.model.keys import MECHANISM, Place, read_table
 from symkin.model.limb import LIMB_LINKS, Limb, Rod, RodLimb
 from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
 from symkin.model.shipped import SHIPPED
-from symkin.regular_file import open_regular
+from symkin.regular_file import content_of
 from symkin.text import meant
 
 
@@ -42,29 +41,11 @@ def shipped(name: str) -> Mechanism:
 def read(path: Path) -> Mechanism:
     """The mechanism that a file describes."""
     try:
-        with open_regular(path) as file, TextIOWrapper(file, encoding="utf-8-sig") as lines:
-            text = lines.read()
-    except FileNotFoundError:
-        raise InputError(no_such_file(path)) from None
+        text = content_of(path).decode("utf-8-sig")
+        text = text.replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError:
         raise MechanismError(f"{path}: the file is not UTF-8 text") from None
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"{path}: the file cannot be read ({getattr(error, 'strerror', None) or error})"
-        ) from None
     return parse(text, str(path))
-
-
-def no_such_file(path: Path) -> str:
-    """What is said of a path that leads nowhere, with the file of its folder whose name is most
-    like it.
-    """
-    beside = (
-        [file.name for file in path.parent.iterdir() if file.suffix == path.suffix]
-        if path.parent.is_dir()
-        else []
-    )
-    return f"{path}: there is no such file{meant(path.name, beside)}"
 
 
 def parse(text: str, file: str = "mechanism") -> Mechanism:

@@ -370,7 +370,7 @@ def test_single_bad_rows_are_named(capsys, tmp_path, data):
     ("arguments", "fragment"),
     [
         (["fit", "ren2008", "DATA", "-o", "KEPT"], "is a file; the name of a folder"),
-        (["fit", "ren2008", "none.csv", "-o", "OUT"], "none.csv: the file cannot be read"),
+        (["fit", "ren2008", "none.csv", "-o", "OUT"], "none.csv: there is no such file"),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--parameters", "leg*.bse.*"], "matches nothing"),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--hold", "nonsense"], "matches nothing"),
         (
