@@ -195,7 +195,7 @@ def _type(kind: Any) -> click.ParamType[Any]:
     return click.Path(path_type=Path) if kind is Path else click.STRING
 
 
-class _Whole(click.ParamType[int]):
+class _Whole(click.ParamType):  # type: ignore[type-arg]  # no generic type in older versions
     """A whole number; another text is refused with its value."""
 
     name = "number"
@@ -204,7 +204,7 @@ class _Whole(click.ParamType[int]):
         return whole_number(str(value))  # defaults pass through here too
 
 
-class _Word(click.ParamType[str]):
+class _Word(click.ParamType):  # type: ignore[type-arg]
     """One of some words, blanks written as dashes; others are refused with the nearest one."""
 
     name = "word"
