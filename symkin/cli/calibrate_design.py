@@ -23,7 +23,7 @@ from symkin.cli.calibrate_options import (
     ReadingsOption,
     Space,
 )
-from symkin.cli.options import MechArgument, SeedOption, check_output
+from symkin.cli.options import MechArgument, SeedOption, check_output, names_from
 from symkin.cli.quantities import (
     angle_pairs,
     check_noise,
@@ -108,7 +108,7 @@ def simulate(
         # a robot's file is read as MECH is
         true = loaded(truth, read if is_robot(Path(truth)) else None)
     _check_same_joints(mechanism, true)
-    kinds, distance = _split_names(readings), noise["distance"] or ()
+    kinds, distance = names_from(readings or None), noise["distance"] or ()
     _refuse_unread_noise(mechanism, kinds, noise, distance)
     _refuse_unread_drawing(true, plan, postures, groups, space)
     if not {"orientation", "pose"} & set(kinds):
@@ -187,7 +187,7 @@ def plan(
     check_output(output, mech)
     check_own_file(output, force=force)
     mechanism = loaded(mech, read)
-    kinds = _split_names(readings)
+    kinds = names_from(readings or None)
     _check_anything_read(groups != 0, kinds, noise["noise_group"])
     _refuse_unread_noise(mechanism, kinds, noise)
     sigmas = _noise(mechanism, noise, "normal")
@@ -284,10 +284,6 @@ def _noise(m: Mechanism, told: Noise, shape: str) -> simulation.Noise:
             check_noise(float(value), measure, m, "noise-joints")
             sigmas[f"{measure}s"] = float(value)
     return simulation.Noise(uniform=shape == "uniform", **sigmas)
-
-
-def _split_names(readings: str) -> list[str]:
-    return [part.strip() for part in readings.split(",") if part.strip()]
 
 
 def _check_anything_read(grouped: bool, readings: list[str], noise_group: str | None) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from symkin.cli.options import MechArgument
+from symkin.cli.options import MechArgument, names_from
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.reading import RobotFile, loaded, say_left_out
 from symkin.cli.streams import say
@@ -123,8 +123,3 @@ def firmware(
         )
     for path in files:
         print(path)
-
-
-def names_from(text: str | None) -> tuple[str, ...]:
-    """Names that commas part."""
-    return tuple(name.strip() for name in text.split(",") if name.strip()) if text else ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from symkin.cli.options import MechArgument, check_output
+from symkin.cli.options import MechArgument, check_output, names_from
 from symkin.cli.reading import RobotFile, loaded, say_left_out
 from symkin.errors import InputError
 from symkin.verb_options import ASKED, OUTPUT, Option
@@ -54,7 +54,7 @@ def jacobian(
                 "--of and --by name the coordinates whose rates are related: give both, and no "
                 "--kind"
             )
-        made = symbolic(mechanism, of=_names(of), by=_names(by))
+        made = symbolic(mechanism, of=names_from(of), by=names_from(by))
     else:
         made = symbolic(mechanism, kind or "direct")
         say_left_out(mechanism)
@@ -64,7 +64,3 @@ def jacobian(
     else:
         write_output(output, text)
         print(output)
-
-
-def _names(text: str) -> list[str]:
-    return [name.strip() for name in text.split(",")]

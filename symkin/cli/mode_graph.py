@@ -12,13 +12,11 @@ from symkin.cli.options import (
     MechArgument,
     joints_from,
     named_from,
-    numbers_from,
     print_result,
+    ranges_from,
 )
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import RobotFile, loaded
-from symkin.errors import InputError
-from symkin.text import shown
 from symkin.verb_options import ASKED, OUTPUT, Option
 
 
@@ -53,7 +51,9 @@ def mode_graph(
     if plot is not None:
         check_picture_path(plot)
     unit = mechanism.angle_unit
-    axes = [_axis(part, unit) for part in over.split(",")]
+    needed = "NAME=LOW:HIGH,..., such as crank=0:360,"
+    ranges = ranges_from(over, "over", unit, needed)
+    axes = [(name, low, high) for name, (low, high) in ranges.items()]
     with progress_bar("points and lines") as progress:
         found = graph_of_modes(
             mechanism,
@@ -67,15 +67,3 @@ def mode_graph(
         found.plot(plot)
     picture = "" if plot is None else f"\npicture: {plot}"
     print_result(as_json, found.to_dict, lambda: str(found) + picture)
-
-
-def _axis(text: str, unit: str) -> tuple[str, float, float]:
-    name, _, ends = (piece.strip() for piece in text.partition("="))
-    pair = ends.split(":")
-    if not name or len(pair) != 2 or not all(end.strip() for end in pair):
-        raise InputError(
-            f"--over: {shown(text.strip())} is no range; NAME=LOW:HIGH is needed, such as "
-            f"crank=0:360"
-        )
-    low, high = (numbers_from(end, f"over {name}", unit) or [] for end in pair)
-    return name, low[0], high[0]

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -163,6 +163,50 @@ def named_from(
         name: values if name == "pose" and len(values) > 1 else values[0]
         for name, values in found.items()
     }
+
+
+def names_from(text: str | None) -> list[str]:
+    """Names that commas part."""
+    return [] if text is None else [name.strip() for name in text.split(",")]
+
+
+def ranges_from(
+    text: str, what: str, angle_unit: str, needed: str, counts: Sequence[int] = (2,)
+) -> dict[str, list[float]]:
+    """Values by name from `crank=0:360,lift=5`, of each as many as `counts` allows; `needed` is how
+    they are written.
+    """
+    found: dict[str, list[float]] = {}
+    for part in text.split(","):
+        name, equals, ends = (piece.strip() for piece in part.partition("="))
+        values = _ends(ends, equals and name, part, f"--{what}", needed, counts)
+        if name in found:
+            raise InputError(f"--{what}: {shown(name)} is given twice")
+        found[name] = [_number(value, name, what, angle_unit) for value in values]
+    return found
+
+
+def pairs_from(
+    text: str, what: str, angle_unit: str, needed: str, counts: Sequence[int] = (2,)
+) -> list[list[float]]:
+    """Values in places, from `-5:5,0:10`, as `ranges_from` reads them by name."""
+    return [
+        [
+            _number(value, f"value {k}", what, angle_unit)
+            for value in _ends(part, "=", part, f"--{what}", needed, counts)
+        ]
+        for k, part in enumerate(text.split(","), start=1)
+    ]
+
+
+def _ends(
+    text: str, given: str, part: str, option: str, needed: str, counts: Sequence[int]
+) -> list[str]:
+    """The values that colons part, none where nothing is `given`, as many as are allowed."""
+    values = [value.strip() for value in text.split(":")] if given else []
+    if len(values) not in counts or not all(values) or not part.partition("=")[0].strip():
+        raise InputError(f"{option}: {shown(part.strip())} is no range; {needed} is needed")
+    return values
 
 
 def start_from(

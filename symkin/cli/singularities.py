@@ -15,7 +15,9 @@ from symkin.cli.options import (
     SearchSeedOption,
     StartOption,
     joints_from,
+    names_from,
     numbers_from,
+    pairs_from,
     print_result,
 )
 from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
@@ -25,7 +27,6 @@ from symkin.cli.reading import RobotFile, loaded
 from symkin.cli.streams import say
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
-from symkin.model.written_number import written_number
 from symkin.position.solve_result import SolveError
 from symkin.result import Result
 from symkin.verb_options import ASKED, OUTPUT, Option
@@ -113,11 +114,12 @@ def singularities(
         )
     options = picture_options(plot, mechanism, names=names, views=views)
     unit = mechanism.angle_unit
-    sides = _window(window, unit)
+    needed = "U0:U1,V0:V1, such as -100:100,-50:50,"
+    sides = None if window is None else pairs_from(window, "range", unit, needed)
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(pose, given, start)
     values = reader.given(given)
-    outputs = None if output is None else [name.strip() for name in output.split(",")]
+    outputs = None if output is None else names_from(output)
     try:
         solution = configuration(
             mechanism,
@@ -145,7 +147,7 @@ def singularities(
         with progress_bar("singularity loci"):
             found = singular_loci(
                 solution,
-                [name.strip() for name in plane.split(",")],
+                names_from(plane),
                 given=None if values is None else list(values),
                 ranges=sides,
                 starts=DEFAULT_STARTS if starts is None else starts,
@@ -157,20 +159,3 @@ def singularities(
         picture = f"\npicture: {plot}"
     print_result(as_json, found.to_dict, lambda: str(found) + picture)
     return 0
-
-
-def _window(text: str | None, angle_unit: str) -> list[tuple[float, float]] | None:
-    """Pairs low:high."""
-    if text is None:
-        return None
-    pairs = []
-    for part in text.split(","):
-        try:
-            low, high = part.split(":")
-            pairs.append((written_number(low, angle_unit), written_number(high, angle_unit)))
-        except (ValueError, InputError):
-            raise InputError(
-                f"--range: {part.strip()!r} is no range; U0:U1,V0:V1 is needed, such as "
-                f"-100:100,-50:50"
-            ) from None
-    return pairs

@@ -15,6 +15,7 @@ from symkin.cli.options import (
     SearchSeedOption,
     check_output,
     joints_from,
+    names_from,
     print_result,
 )
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
@@ -213,7 +214,7 @@ def _drawn(of: str | None, slices: str | None, plot: Path | None, *, loci: bool)
             "both --loci and --of are given; --loci belongs to the map, in whose place --of draws "
             "points or joints"
         )
-    names = [] if of is None else [name.strip() for name in of.split(",")]
+    names = names_from(of)
     if of is not None and not all(names):
         raise InputError(f"--of {of!r}: names separated by commas are needed")
     return names

@@ -11,8 +11,8 @@ from symkin.cli.options import (
     StartOption,
     check_output,
     joints_from,
-    numbers_from,
     print_result,
+    ranges_from,
 )
 from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
 from symkin.cli.poses import EulerOption, PoseReader
@@ -21,6 +21,9 @@ from symkin.cli.reading import RobotFile, loaded
 from symkin.errors import InputError
 from symkin.text import shown
 from symkin.verb_options import GIVEN, OUTPUT, Option
+
+_PATH = "NAME=FROM:TO,..., such as crank=0:360,"
+"""How a path by names is written."""
 
 
 def track(
@@ -171,14 +174,13 @@ def _named(given: str, begin: str | None, end: str | None, unit: str) -> dict[st
     if begin is not None or end is not None:
         raise InputError("both --given and --from or --to are given; give one of them")
     columns: dict[str, float | list[float]] = {}
-    for name, values in _parts(given):
+    for name, values in ranges_from(given, "given", unit, _PATH, (0, 1, 2)).items():
         if not values:
             raise InputError(
                 f"--given: {name} has no values; NAME=FROM:TO,... is needed without --csv, "
                 f"NAME=VALUE for one that stands"
             )
-        numbers = [numbers_from(value, f"given {name}", unit) or [] for value in values]
-        columns[name] = [row[0] for row in numbers] if len(numbers) == 2 else numbers[0][0]
+        columns[name] = values if len(values) == 2 else values[0]
     if not any(isinstance(column, list) for column in columns.values()):
         raise InputError(
             f"--given {shown(given)}: nothing moves; a path has NAME=FROM:TO for at least one "
@@ -192,30 +194,11 @@ def _columns(given: str | None, unit: str) -> dict[str, float | None] | None:
     if given is None:
         return None
     found: dict[str, float | None] = {}
-    for name, values in _parts(given):
+    for name, values in ranges_from(given, "given", unit, _PATH, (0, 1, 2)).items():
         if len(values) > 1:
             raise InputError(
-                f"--given: {name}={':'.join(values)} is a path of its own; with --csv a name is a "
-                f"column, NAME=VALUE stands"
+                f"--given: {name}={values[0]:g}:{values[1]:g} is a path of its own; with --csv a "
+                f"name is a column, NAME=VALUE stands"
             )
-        found[name] = (
-            (numbers_from(values[0], f"given {name}", unit) or [0.0])[0] if values else None
-        )
-    return found
-
-
-def _parts(given: str) -> list[tuple[str, list[str]]]:
-    """Names and what follows them: nothing, a value, or two."""
-    found: list[tuple[str, list[str]]] = []
-    for part in given.split(","):
-        name, equals, text = (piece.strip() for piece in part.partition("="))
-        values = [value.strip() for value in text.split(":")] if equals else []
-        if not name or len(values) > 2 or not all(values):
-            raise InputError(
-                f"--given: {shown(part.strip())} is no path; NAME=FROM:TO,... is needed, such as "
-                f"crank=0:360"
-            )
-        if name in dict(found):
-            raise InputError(f"--given: {shown(name)} is given twice")
-        found.append((name, values))
+        found[name] = values[0] if values else None
     return found

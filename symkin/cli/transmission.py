@@ -7,19 +7,20 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from symkin.cli.firmware import names_from
 from symkin.cli.options import (
     JsonOption,
     MechArgument,
     named_from,
+    names_from,
     numbers_from,
+    pairs_from,
     print_result,
+    ranges_from,
 )
 from symkin.cli.pictures import picture_options
 from symkin.cli.reading import RobotFile, loaded
 from symkin.cli.streams import say
 from symkin.errors import InputError, NoConfigurationError
-from symkin.text import shown
 from symkin.verb_options import ASKED, GIVEN, HOW, OUTPUT, Option
 
 if TYPE_CHECKING:
@@ -116,7 +117,7 @@ def transmission(
         torque_limits=_limits(torque_limits, "torque-limits", unit),
         speed_limits=_limits(speed_limits, "speed-limits", unit),
         resolution=numbers_from(resolution, "resolution", unit),
-        ranges=_ranges(ranges, unit),
+        ranges=ranges_from(ranges, "range", unit, "NAME=LOW:HIGH,...") if ranges else {},
         start=named_from(start, "start", unit),
     )
     several: list[Transmission] = list(found.values() if isinstance(found, Mapping) else [found])
@@ -213,24 +214,6 @@ def _limits(text: str | None, what: str, unit: str) -> list[Any] | None:
     """A number for each motor, or a pair LOW:HIGH."""
     if text is None:
         return None
-    parts = [_pair(part, what, unit) for part in text.split(",")]
+    parts = pairs_from(text, what, unit, "a number, or LOW:HIGH,", (1, 2))
     pairs = [[-part[0], part[0]] if len(part) == 1 else part for part in parts]
     return pairs if len(pairs) > 1 or len(parts[0]) > 1 else [parts[0][0]]
-
-
-def _pair(text: str, what: str, unit: str) -> list[float]:
-    values = [v for part in text.split(":") for v in numbers_from(part, what, unit) or []]
-    if len(values) > 2:
-        raise InputError(f"--{what}: {shown(text)} is neither a number nor LOW:HIGH")
-    return values
-
-
-def _ranges(text: str | None, unit: str) -> dict[str, list[float]]:
-    found: dict[str, list[float]] = {}
-    for part in text.split(",") if text else []:
-        name, equals, bounds = (piece.strip() for piece in part.partition("="))
-        values = _pair(bounds, "range", unit) if equals and bounds else []
-        if not name or len(values) != 2 or name in found:
-            raise InputError(f"--range: {shown(part.strip())}; NAME=LOW:HIGH,... is needed")
-        found[name] = values
-    return found
