@@ -88,6 +88,8 @@ def test_a_fit_gives_a_mechanism_that_modes_takes(capsys, tmp_path, data):
         "0.2,0.25,0.2,0.22,0.3,0.25",
         "--method",
         "multistart",
+        "--starts",
+        "200",
         "--json",
     )
     assert status == 0
