@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Annotated, Literal
@@ -166,7 +165,7 @@ def sweep(
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(at if poses else None)
     held = reader.pose(at, "at") if poses else joints_from(at, "at", unit)
-    with _kept_when_interrupted(output), _progress() as progress:
+    with _kept_when_interrupted(output), progress_bar("points") as progress:
         swept = run(
             mechanism,
             ranges,
@@ -244,42 +243,3 @@ def _kept_when_interrupted(folder: Path) -> Iterator[None]:
         raise Interrupted(
             kept if (folder / "zarr.json").exists() else "nothing was begun"
         ) from None
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int], None] | None]:
-    """A bar with rate and remaining time on stderr when it is a terminal, else a line now and
-    then.
-    """
-    if sys.stderr is None or not sys.stderr.isatty():
-        with progress_bar("points") as lines:
-            yield lines
-        return
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeRemainingColumn,
-    )
-
-    columns = (
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("points"),
-        TextColumn("{task.fields[rate]}"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("points", total=None, rate="")
-
-        def show(done: int, total: int) -> None:
-            if bar.tasks[0].total is None:
-                bar.reset(task, total=total, completed=done, rate="")
-                return
-            bar.update(task, completed=done)
-            speed = bar.tasks[0].speed
-            bar.update(task, rate="" if speed is None else f"{speed:.3g}/s")
-
-        yield show
