@@ -8,6 +8,9 @@ import stat
 from pathlib import Path
 from typing import BinaryIO
 
+from symkin.errors import InputError
+from symkin.text import meant
+
 
 def open_regular(path: Path | str, *, follow: bool = True, within: int | None = None) -> BinaryIO:
     """Open a regular file for reading, unless `follow` no symbolic link in its place; `within` is
@@ -22,3 +25,24 @@ def open_regular(path: Path | str, *, follow: bool = True, within: int | None = 
     if stat.S_ISDIR(mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     raise OSError(errno.EINVAL, "it is no regular file")
+
+
+def content_of(path: Path | str, most: int = -1) -> bytes:
+    """The bytes of a file that a user names, at most `most` of them. Raises InputError, for a file
+    that is not there with the one of its folder whose name is most like it.
+    """
+    try:
+        with open_regular(path) as file:
+            return file.read(most)
+    except FileNotFoundError:
+        named, folder = Path(path), Path(path).parent
+        beside = (
+            [file.name for file in folder.iterdir() if file.suffix == named.suffix]
+            if folder.is_dir()
+            else []
+        )
+        raise InputError(f"{path}: there is no such file{meant(named.name, beside)}") from None
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"{path}: the file cannot be read ({getattr(error, 'strerror', None) or error})"
+        ) from None

@@ -1,5 +1,5 @@
-"""The options of a verb as one record: a TypedDict whose fields say their default, their words and
-what they are. The verb's signature and the options of its command are made from it.
+"""What an option says of itself, once: the signature of a verb, the options of its command, their
+help and their messages are made from it. Options that belong together are a record, a TypedDict.
 """
 
 from __future__ import annotations
@@ -7,8 +7,8 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, TypeVar, get_type_hints
+from dataclasses import KW_ONLY, dataclass
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from symkin.errors import InputError
 from symkin.text import not_among
@@ -16,22 +16,42 @@ from symkin.text import not_among
 Verb = TypeVar("Verb", bound=Callable[..., Any])
 
 
+GIVEN, HOW, OUTPUT, ROBOT_FILES = "What is given", "How it is found", "Output", "Robot files"
+ASKED, READINGS, POSTURES = "What is asked", "Readings and their noise", "Postures"
+"""Headings of options that several commands have."""
+
+
 @dataclass(frozen=True)
 class Option:
-    """An option: its default, the words that it may be, and for a command what its help says and
-    how its value is written; without help it is no option of a command.
+    """An option: what its help says, how its value is written, the heading it stands under, its
+    names on the command line where they are not its own, how a shell completes it, and in a record
+    its default. Without help it is no option of a command. One that may be some words only says so
+    by its type, a `Literal`.
     """
 
-    default: Any
     help: str = ""
     metavar: str | None = None
-    words: Sequence[str] = ()
+    group: str = HOW
+    _: KW_ONLY
+    flags: Sequence[str] = ()
+    complete: Callable[[str], list[str]] | None = None
+    default: Any = None
+
+
+@dataclass(frozen=True)
+class Argument(Option):
+    """An argument of a command, which has a place and no name."""
 
 
 def options_of(record: type) -> dict[str, tuple[Any, Option]]:
     """List the options of a record by name, with their types."""
     hints = get_type_hints(record, include_extras=True)
     return {name: (hint.__origin__, hint.__metadata__[0]) for name, hint in hints.items()}
+
+
+def words_of(kind: Any) -> tuple[str, ...]:
+    """The words that a `Literal` allows; none for another type."""
+    return get_args(kind) if get_origin(kind) is Literal else ()
 
 
 def takes(record: type) -> Callable[[Verb], Verb]:
@@ -56,10 +76,10 @@ def takes(record: type) -> Callable[[Verb], Verb]:
         def call(*values: Any, **named: Any) -> Any:
             bound = whole.bind(*values, **named)
             bound.apply_defaults()
-            for name, (_, option) in options.items():
-                word = bound.arguments[name]
-                if option.words and word not in option.words:
-                    raise InputError(f"{name} = {not_among(word, option.words)}")
+            for name, (kind, _) in options.items():
+                word, words = bound.arguments[name], words_of(kind)
+                if words and word not in words:
+                    raise InputError(f"{name} = {not_among(word, words)}")
             return verb(*bound.args, **bound.kwargs)
 
         call.__signature__ = whole  # type: ignore[attr-defined]

@@ -9,8 +9,6 @@ import inspect
 from pathlib import Path
 from typing import Any
 
-import typer
-
 import symkin
 from symkin.cli.app import app
 from symkin.numeric import tolerances
@@ -32,8 +30,7 @@ The numbers by which symkin judges configurations, from `symkin/numeric/toleranc
 
 def help_page() -> str:
     """The help of every command, 80 columns wide."""
-    command = typer.main.get_command(app)
-    return HELP + "".join(_help(command, "symkin", None))
+    return HELP + "".join(_help(app, "symkin", None))
 
 
 def api_page() -> str:
@@ -78,9 +75,7 @@ def tolerances_page() -> str:
 
 
 def _help(command: Any, name: str, parent: Any) -> list[str]:
-    """Typer brings its own click or uses the one installed, so that groups are known by their
-    commands, not by their class.
-    """
+    """The help of a command, and of those below it."""
     context = command.make_context(
         name.split()[-1],
         [],
@@ -90,10 +85,14 @@ def _help(command: Any, name: str, parent: Any) -> list[str]:
         max_content_width=80,
     )
     text = f"\n## `{name}`\n\n```text\n{command.get_help(context).rstrip()}\n```\n"
-    below = getattr(command, "commands", {})
+    below = command.list_commands(context) if hasattr(command, "list_commands") else []
     return [
         text,
-        *(part for word, each in below.items() for part in _help(each, f"{name} {word}", context)),
+        *(
+            part
+            for word in below
+            for part in _help(command.get_command(context, word), f"{name} {word}", context)
+        ),
     ]
 
 

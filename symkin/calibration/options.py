@@ -7,13 +7,14 @@ from typing import Annotated, Literal, TypedDict, get_args
 
 from symkin.verb_options import Option
 
-METHODS = ("nested", "lifted", "ipopt")
+Method = Literal["nested", "lifted", "ipopt"]
+METHODS: tuple[Method, ...] = get_args(Method)
 """Names of the method: all are the same now, the two last are accepted for one release."""
 Form = Literal["means", "differences", "maximum likelihood"]
 FORMS: tuple[Form, ...] = get_args(Form)
 """Forms of the residuals."""
-LOSSES = ("squared", "huber", "cauchy")
-OUTLIER_RULES = ("remove", "report", "ignore")
+Loss = Literal["squared", "huber", "cauchy"]
+OutlierRule = Literal["remove", "report", "ignore"]
 LEAST_CHANGE = "least"
 """Frames chosen by the least change from nominal."""
 
@@ -21,25 +22,23 @@ LEAST_CHANGE = "least"
 class FitOptions(TypedDict, total=False):
     """Options of every fit."""
 
-    method: Annotated[str, Option("nested", "Names of before: all mean nested now.", words=METHODS)]
-    residual: Annotated[str, Option("means", "How groups and joint noise enter.", words=FORMS)]
+    method: Annotated[Method, Option("Names of before: all mean nested now.", default="nested")]
+    residual: Annotated[Form, Option("How groups and joint noise enter.", default="means")]
     outliers: Annotated[
-        str,
-        Option("remove", "What to do with readings that do not belong.", words=OUTLIER_RULES),
+        OutlierRule,
+        Option("What to do with readings that do not belong.", default="remove"),
     ]
     loss: Annotated[
-        str,
+        Loss,
         Option(
-            "squared",
             "How far readings count that are far off: in full, or less the farther (robust, with a "
             "note on figures).",
-            words=LOSSES,
+            default="squared",
         ),
     ]
     tolerance: Annotated[
         tuple[float, float] | None,
         Option(
-            None,
             "Manufacturing tolerances, as in 1mm,0.1deg: standard deviations about the file's "
             "geometry, weighed against the noise.",
             "LENGTH,ANGLE",
@@ -48,19 +47,20 @@ class FitOptions(TypedDict, total=False):
     any_machine: Annotated[
         bool,
         Option(
-            False, "Write the geometry even where it is another machine than the file describes."
+            "Write the geometry even where it is another machine than the file describes.",
+            default=False,
         ),
     ]
-    seed: Annotated[int, Option(0, "Seed of random numbers.", "N")]
-    level: Annotated[float | None, Option(None)]
-    max_iterations: Annotated[int, Option(60)]
+    seed: Annotated[int, Option("Seed of random numbers.", "N", default=0)]
+    level: Annotated[float | None, Option()]
+    max_iterations: Annotated[int, Option(default=60)]
 
 
 class CalibrateOptions(FitOptions, total=False):
     """Options of `calibrate`."""
 
-    parameters: Annotated[Sequence[str] | None, Option(None)]
-    fixed: Annotated[Sequence[str], Option(())]
+    parameters: Annotated[Sequence[str] | None, Option()]
+    fixed: Annotated[Sequence[str], Option(default=())]
 
 
 class FileOptions(FitOptions, total=False):
@@ -69,7 +69,6 @@ class FileOptions(FitOptions, total=False):
     parameters: Annotated[
         str | None,
         Option(
-            None,
             "Names or patterns such as 'leg*.base.*'; all (default): every parameter that moves "
             "poses.",
             "A,B,...",
@@ -77,20 +76,19 @@ class FileOptions(FitOptions, total=False):
     ]
     hold: Annotated[
         str | None,
-        Option(None, "Parameters that keep their nominal values: names or patterns.", "A,B,..."),
+        Option("Parameters that keep their nominal values: names or patterns.", "A,B,..."),
     ]
     frames: Annotated[
         str,
         Option(
-            LEAST_CHANGE,
             "Frames that no reading tells: least change, or joints:P1,P2,P3/B1,B2.",
             "least|joints:...",
+            default=LEAST_CHANGE,
         ),
     ]
     hold_out: Annotated[
         str | None,
         Option(
-            None,
             "Postures, as in 20 or 20%, drawn with --seed, that are not fitted but predicted.",
             "N|PERCENT",
         ),

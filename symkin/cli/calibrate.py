@@ -1,6 +1,4 @@
-"""`symkin calibrate`: identify a mechanism's geometry from measurements, and plan and simulate
-these.
-"""
+"""`symkin calibrate fit`: identify a mechanism's geometry from measurements."""
 
 from __future__ import annotations
 
@@ -9,10 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from symkin.calibration.options import FileOptions
-from symkin.cli.calibrate_design import plan, simulate
 from symkin.cli.calibrate_folder import PICTURES, check_folder, write_fit, write_unfitted
 from symkin.cli.calibrate_options import (
     MEASURES,
@@ -21,48 +16,31 @@ from symkin.cli.calibrate_options import (
     PicturesOption,
     Sigmas,
 )
-from symkin.cli.help import HELP_NAMES, OUTPUT, Group, add_command
 from symkin.cli.options import MechArgument
 from symkin.cli.quantities import distance_points, joint_quantities, quantity, tolerances
-from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.reading import RobotFile, loaded
 from symkin.cli.streams import print_text
-from symkin.formats.read_options import ReadOptions
+from symkin.verb_options import OUTPUT, Option
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
 
-calibrate = typer.Typer(
-    cls=Group,
-    help=(
-        "Identify a mechanism's geometry from measurements: plan them, take or simulate them, fit."
-    ),
-    short_help="Geometry from measurements: plan, simulate, fit.",
-    context_settings=HELP_NAMES,
-    rich_markup_mode=None,
-    add_completion=False,
-)
 
-
-@reads_robots
 def fit(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     data: DataArgument,
     output: Annotated[
         Path,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="DIR",
-            help="Folder for the mechanism file and the report.",
-            rich_help_panel=OUTPUT,
+        Option(
+            "Folder for the mechanism file and the report.", "DIR", OUTPUT, flags=("-o", "--output")
         ),
     ],
     options: FileOptions,
     sigmas: Sigmas,
     pictures: PicturesOption = False,
     force: ForceOption = False,
-) -> None:
+) -> int:
     """Identify the geometry: DIR/NAME.toml, report.json, report.md. Exit status 3: not usable."""
     from symkin.calibration.data.files import read_measurements
     from symkin.calibration.fit_file import NotFittedError, fit_file
@@ -91,14 +69,14 @@ def fit(
         written = write_unfitted(mechanism, data, error, output)
         print(f"{mechanism.name}: {error}")
         _note_earlier(output, mechanism, written)
-        raise typer.Exit(3) from None
+        return 3
     written = write_fit(report, output, pictures=pictures)
     print_text(report.summary())
     print("written: " + ", ".join(str(path) for path in written))
     if not report.usable:
         print(f"no mechanism file was written: {report.verdict}")
     _note_earlier(output, mechanism, written)
-    raise typer.Exit(0 if report.usable else 3)
+    return 0 if report.usable else 3
 
 
 def _note_earlier(output: Path, mechanism: Mechanism, written: list[Path]) -> None:
@@ -108,26 +86,3 @@ def _note_earlier(output: Path, mechanism: Mechanism, written: list[Path]) -> No
     for left in (output / name for name in (f"{mechanism.name}.toml", *PICTURES)):
         if left not in written and left.exists():
             print(f"note: {left} is of an earlier fit, not of this one")
-
-
-add_command(
-    calibrate,
-    plan,
-    "Choose the postures that are worth measuring.",
-    ["symkin calibrate plan zhang2009 -o plan.csv --postures 30 --groups 3"],
-)
-add_command(
-    calibrate,
-    simulate,
-    "Measurements as a measuring system would take them.",
-    ["symkin calibrate simulate zhang2009 -o data.csv --postures 60 --readings pose"],
-)
-add_command(
-    calibrate,
-    fit,
-    "Identify the geometry, and say how well.",
-    [
-        "symkin calibrate fit zhang2009 data.csv -o fitted",
-        "symkin calibrate fit zhang2009 data.csv -o fitted --hold-out 20%",
-    ],
-)

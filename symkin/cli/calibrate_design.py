@@ -7,14 +7,11 @@ from __future__ import annotations
 import shlex
 from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from symkin.cli.calibrate_options import (
     MEASURES,
     AllNoise,
-    CriterionName,
     CsvOption,
     ForceOption,
     GroupsOption,
@@ -24,11 +21,9 @@ from symkin.cli.calibrate_options import (
     RandomGroupsOption,
     RandomPosturesOption,
     ReadingsOption,
-    Shape,
     Space,
 )
-from symkin.cli.help import HOW, OUTPUT, POSTURES, READINGS
-from symkin.cli.options import MechArgument, SeedOption, check_output, choice
+from symkin.cli.options import MechArgument, SeedOption, check_output, names_from
 from symkin.cli.quantities import (
     angle_pairs,
     check_noise,
@@ -37,11 +32,11 @@ from symkin.cli.quantities import (
     noise_quantity,
     quantity,
 )
-from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.reading import RobotFile, loaded
 from symkin.errors import InputError
 from symkin.files.written_files import check_own_file, write_own_file
-from symkin.formats.read_options import ReadOptions
 from symkin.ignored_options import refuse_ignored
+from symkin.verb_options import HOW, OUTPUT, POSTURES, READINGS, Option
 
 if TYPE_CHECKING:
     from symkin.calibration.design import simulation
@@ -62,10 +57,9 @@ _DEFAULT_RANGE = "20deg"
 """Range of inclinations and of turns about z where none is given."""
 
 
-@reads_robots
 def simulate(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     output: CsvOption,
     noise: AllNoise,
     space: Space,
@@ -74,42 +68,25 @@ def simulate(
     readings: ReadingsOption = "",
     truth: Annotated[
         str | None,
-        typer.Option(
-            metavar="TRUTH",
-            help="Mechanism that is measured, name or file. Default: MECH itself.",
-            rich_help_panel=POSTURES,
+        Option(
+            "Mechanism that is measured, name or file. Default: MECH itself.", "TRUTH", POSTURES
         ),
     ] = None,
     plan: Annotated[
         Path | None,
-        typer.Option(
-            metavar="PLAN.csv",
-            help="Take the postures and groups of a plan.",
-            rich_help_panel=POSTURES,
-        ),
+        Option("Take the postures and groups of a plan.", "PLAN.csv", POSTURES),
     ] = None,
     noise_shape: Annotated[
-        Shape,
-        choice(
-            Shape,
-            "--noise-shape",
-            "Distribution of the noise, of the standard deviations given.",
-            READINGS,
-        ),
-    ] = Shape.normal,
+        Literal["normal", "uniform"],
+        Option("Distribution of the noise, of the standard deviations given.", group=READINGS),
+    ] = "normal",
     euler: Annotated[
         str | None,
-        typer.Option(
-            metavar="ZYX",
-            help="Write orientations as Euler angles of this sequence.",
-            rich_help_panel=OUTPUT,
-        ),
+        Option("Write orientations as Euler angles of this sequence.", "ZYX", OUTPUT),
     ] = None,
     hide_sequence: Annotated[
         bool,
-        typer.Option(
-            "--hide-sequence", help="Leave the sequence out of the header.", rich_help_panel=OUTPUT
-        ),
+        Option("Leave the sequence out of the header.", group=OUTPUT),
     ] = False,
     seed: SeedOption = 0,
     force: ForceOption = False,
@@ -129,9 +106,9 @@ def simulate(
     mechanism = true = loaded(mech, read)
     if truth is not None:
         # a robot's file is read as MECH is
-        true = loaded(truth, read if is_robot(Path(truth)) else ReadOptions())
+        true = loaded(truth, read if is_robot(Path(truth)) else None)
     _check_same_joints(mechanism, true)
-    kinds, distance = _split_names(readings), noise["distance"] or ()
+    kinds, distance = names_from(readings or None), noise["distance"] or ()
     _refuse_unread_noise(mechanism, kinds, noise, distance)
     _refuse_unread_drawing(true, plan, postures, groups, space)
     if not {"orientation", "pose"} & set(kinds):
@@ -171,41 +148,33 @@ def simulate(
     )
 
 
-@reads_robots
 def plan(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     output: CsvOption,
     noise: Noise,
     space: Space,
     postures: PosturesOption = 40,
     groups: GroupsOption = 5,
     criterion: Annotated[
-        CriterionName,
-        choice(
-            CriterionName,
-            "--criterion",
-            "I: pose variance over the workspace; A: parameters; D: their determinant.",
-            HOW,
+        Literal["D", "A", "I"],
+        Option(
+            "I: pose variance over the workspace; A: parameters; D: their determinant.", group=HOW
         ),
-    ] = CriterionName.I,
+    ] = "I",
     wedges: Annotated[
         str | None,
-        typer.Option(
-            metavar="A:B,...",
-            help="Inclinations alpha:beta that groups may have. Default: level, and +-tilt.",
-            rich_help_panel=POSTURES,
+        Option(
+            "Inclinations alpha:beta that groups may have. Default: level, and +-tilt.",
+            "A:B,...",
+            POSTURES,
         ),
     ] = None,
     readings: ReadingsOption = "",
     parameters: PatternOption = None,
     raw: Annotated[
         bool,
-        typer.Option(
-            "--raw",
-            help="Judge poses in their own frames, not after the best base and tool alignment.",
-            rich_help_panel=HOW,
-        ),
+        Option("Judge poses in their own frames, not after the best base and tool alignment."),
     ] = False,
     seed: SeedOption = 0,
     force: ForceOption = False,
@@ -218,17 +187,17 @@ def plan(
     check_output(output, mech)
     check_own_file(output, force=force)
     mechanism = loaded(mech, read)
-    kinds = _split_names(readings)
+    kinds = names_from(readings or None)
     _check_anything_read(groups != 0, kinds, noise["noise_group"])
     _refuse_unread_noise(mechanism, kinds, noise)
-    sigmas = _noise(mechanism, noise, Shape.normal)
+    sigmas = _noise(mechanism, noise, "normal")
     told = tuple(o.name for o in observed_kinds(mechanism, kinds))
     made = plan_measurements(
         _workspace(mechanism, space, _LIMIT_MARGIN),
         postures,
         sigmas,
         groups=groups,
-        criterion=criterion.value,
+        criterion=criterion,
         seed=_checked_seed(seed),
         wedges=None if wedges is None else angle_pairs(wedges, mechanism, "wedges"),
         readings=kinds,
@@ -249,7 +218,7 @@ def plan(
             f"parameters"
         )
     print("\n".join(made.expected("postures")))
-    print(f"written: {output}, {len(made.groups)} postures, {criterion.value}-optimal, seed {seed}")
+    print(f"written: {output}, {len(made.groups)} postures, {criterion}-optimal, seed {seed}")
 
 
 # --- helpers --------------------------------------------------------------------------------------
@@ -298,7 +267,7 @@ def _refuse_unread_drawing(
         )
 
 
-def _noise(m: Mechanism, told: Noise, shape: Shape) -> simulation.Noise:
+def _noise(m: Mechanism, told: Noise, shape: str) -> simulation.Noise:
     from symkin.calibration.design import simulation
 
     angle = quantity(_ANGULAR_NOISE, "angle", m, "noise-joints")
@@ -314,11 +283,7 @@ def _noise(m: Mechanism, told: Noise, shape: Shape) -> simulation.Noise:
             measure = "angle" if c.is_angular else "length"
             check_noise(float(value), measure, m, "noise-joints")
             sigmas[f"{measure}s"] = float(value)
-    return simulation.Noise(uniform=shape is Shape.uniform, **sigmas)
-
-
-def _split_names(readings: str) -> list[str]:
-    return [part.strip() for part in readings.split(",") if part.strip()]
+    return simulation.Noise(uniform=shape == "uniform", **sigmas)
 
 
 def _check_anything_read(grouped: bool, readings: list[str], noise_group: str | None) -> None:

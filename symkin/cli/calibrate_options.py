@@ -2,124 +2,78 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
-import typer
+from symkin.verb_options import OUTPUT, POSTURES, READINGS, Argument, Option
 
-from symkin.cli.help import HOW, OUTPUT, POSTURES, READINGS
-from symkin.cli.options import whole_number
-
-
-class CriterionName(StrEnum):
-    D = "D"
-    A = "A"
-    I = "I"  # noqa: E741 - the name of the criterion
-
-
-class Shape(StrEnum):
-    normal = "normal"
-    uniform = "uniform"
-
-
-DataArgument = Annotated[
-    Path, typer.Argument(metavar="DATA.csv", help="Measurements, one row a posture.")
-]
+DataArgument = Annotated[Path, Argument("Measurements, one row a posture.", "DATA.csv")]
 CsvOption = Annotated[
     Path,
-    typer.Option(
-        "-o", "--output", metavar="FILE.csv", help="File to write.", rich_help_panel=OUTPUT
-    ),
+    Option("File to write.", "FILE.csv", OUTPUT, flags=("-o", "--output")),
 ]
 PosturesOption = Annotated[
     int,
-    typer.Option(
-        metavar="N", parser=whole_number, help="Number of postures.", rich_help_panel=POSTURES
-    ),
+    Option("Number of postures.", "N", POSTURES),
 ]
 GroupsOption = Annotated[
     int,
-    typer.Option(
-        metavar="N",
-        parser=whole_number,
-        help="Groups of equal inclination; 0: none.",
-        rich_help_panel=POSTURES,
-    ),
+    Option("Groups of equal inclination; 0: none.", "N", POSTURES),
 ]
 RandomPosturesOption = Annotated[
     int | None,
-    typer.Option(
-        metavar="N",
-        parser=whole_number,
-        help="Number of random postures. Default: 40.",
-        rich_help_panel=POSTURES,
-    ),
+    Option("Number of random postures. Default: 40.", "N", POSTURES),
 ]
 RandomGroupsOption = Annotated[
     int | None,
-    typer.Option(
-        metavar="N",
-        parser=whole_number,
-        help="Their groups of equal inclination. Default: 0, none.",
-        rich_help_panel=POSTURES,
-    ),
+    Option("Their groups of equal inclination. Default: 0, none.", "N", POSTURES),
 ]
 ReadingsOption = Annotated[
     str,
-    typer.Option(
-        metavar="A,B,...",
-        help=(
-            "What is read beside joints: inclination, position, orientation, pose; a passive "
-            "joint, point.NAME, LINK.pose, distance.A.B."
-        ),
-        rich_help_panel=READINGS,
+    Option(
+        "What is read beside joints: inclination, position, orientation, pose; a passive "
+        "joint, point.NAME, LINK.pose, distance.A.B.",
+        "A,B,...",
+        READINGS,
     ),
 ]
 PatternOption = Annotated[
     str | None,
-    typer.Option(
-        metavar="A,B,...",
-        help=(
-            "Names or patterns such as 'leg*.base.*'; all (default): every parameter that "
-            "moves poses."
-        ),
-        rich_help_panel=HOW,
+    Option(
+        "Names or patterns such as 'leg*.base.*'; all (default): every parameter that moves poses.",
+        "A,B,...",
     ),
 ]
 DistanceOption = Annotated[
     list[str] | None,
-    typer.Option(
-        "--distance",
-        metavar="NAME=X,Y,Z:BX,BY,BZ",
-        help=(
-            "Points of the column distance_NAME: on the platform in its frame, on the base in "
-            "its own. May be repeated."
-        ),
-        rich_help_panel=READINGS,
+    Option(
+        "Points of the column distance_NAME: on the platform in its frame, on the base in "
+        "its own. May be repeated.",
+        "NAME=X,Y,Z:BX,BY,BZ",
+        READINGS,
+        flags=("--distance",),
     ),
 ]
 PicturesOption = Annotated[
     bool,
-    typer.Option(
-        "--pictures",
-        help="Draw residuals, changes of parameters and the pose's accuracy (PNG) beside the "
-        "report.",
-        rich_help_panel=OUTPUT,
+    Option(
+        "Draw residuals, changes of parameters and the pose's accuracy (PNG) beside the report.",
+        group=OUTPUT,
+        flags=("--pictures",),
     ),
 ]
 ForceOption = Annotated[
     bool,
-    typer.Option(
-        "--force",
-        help="Replace files in the way that symkin has not written, or that were edited since.",
-        rich_help_panel=OUTPUT,
+    Option(
+        "Replace files in the way that symkin has not written, or that were edited since.",
+        group=OUTPUT,
+        flags=("--force",),
     ),
 ]
 
 
 def _sigma(text: str) -> Any:
-    return typer.Option(metavar="SIGMA", help=text, rich_help_panel=READINGS)
+    return Option(text, "SIGMA", READINGS)
 
 
 _ANGULAR, _LENGTH = " Default: 0.001deg.", " Default: 1e-5 of the size."
@@ -171,7 +125,7 @@ class Sigmas(TypedDict):
 
 
 def _range(metavar: str, text: str) -> Any:
-    return typer.Option(metavar=metavar, help=text, rich_help_panel=POSTURES)
+    return Option(text, metavar, POSTURES)
 
 
 class Space(TypedDict):

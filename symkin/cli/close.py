@@ -6,14 +6,11 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from symkin.cli.help import OUTPUT
 from symkin.cli.options import JsonOption, MechArgument, print_result
 from symkin.cli.pictures import NamesOption, picture_options
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import RobotFile, read_options
 from symkin.errors import InputError
-from symkin.formats.read_options import ReadOptions
+from symkin.verb_options import OUTPUT, Option
 
 if TYPE_CHECKING:
     from symkin.position.close_result import ClosedConfiguration
@@ -21,34 +18,26 @@ if TYPE_CHECKING:
 _SUFFIXES = (".toml", ".json", ".xml")
 
 
-@reads_robots
 def close(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE",
-            help=(
-                "Write the mechanism with the closed configuration as its reference (.toml), "
-                "its JSON (.json), or an MJCF file with it as a keyframe (.xml)."
-            ),
-            rich_help_panel=OUTPUT,
+        Option(
+            "Write the mechanism with the closed configuration as its reference (.toml), "
+            "its JSON (.json), or an MJCF file with it as a keyframe (.xml).",
+            "FILE",
+            OUTPUT,
+            flags=("-o", "--output"),
         ),
     ] = None,
     plot: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.png",
-            help="Draw the closed configuration into a file.",
-            rich_help_panel=OUTPUT,
-        ),
+        Option("Draw the closed configuration into a file.", "FILE.png", OUTPUT),
     ] = None,
     names: NamesOption = None,
     as_json: JsonOption = False,
-) -> None:
+) -> int:
     """Find the closed configuration nearest to the file's own: how far loops were open, rank,
     mobility. Exit status 3: none closes.
     """
@@ -57,7 +46,7 @@ def close(
 
     _check_output(output, mech)
     options = picture_options(plot, names=names)
-    found = close_one(mech, read)
+    found = close_one(mech, read_options(read))
     written = ""
     if output is not None and found.closed:
         write_output(output, _content(mech, found, output))
@@ -66,7 +55,7 @@ def close(
         found.plot(plot, **options)
         written += f"\npicture: {plot}"
     print_result(as_json, found.to_dict, lambda: str(found) + written)
-    raise typer.Exit(0 if found.closed else 3)
+    return 0 if found.closed else 3
 
 
 def _check_output(output: Path | None, mech: str) -> None:

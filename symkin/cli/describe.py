@@ -5,31 +5,23 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from symkin.cli.help import OUTPUT
 from symkin.cli.options import JsonOption, MechArgument, print_result
 from symkin.cli.pictures import NamesOption, picture_options
-from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.reading import RobotFile, loaded
 from symkin.errors import InputError
-from symkin.formats.read_options import ReadOptions
+from symkin.verb_options import OUTPUT, Option
 
 
-@reads_robots
 def show(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     latex: Annotated[
         bool,
-        typer.Option(
-            "--latex", help="Print the closure equations as LaTeX.", rich_help_panel=OUTPUT
-        ),
+        Option("Print the closure equations as LaTeX.", group=OUTPUT),
     ] = False,
     plot: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.png", help="Draw a kinematic sketch into a file.", rich_help_panel=OUTPUT
-        ),
+        Option("Draw a kinematic sketch into a file.", "FILE.png", OUTPUT),
     ] = None,
     names: NamesOption = None,
     as_json: JsonOption = False,

@@ -2,74 +2,41 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
-import typer
-
-from symkin.cli.help import ASKED, OUTPUT
-from symkin.cli.options import MechArgument, check_output, choice
-from symkin.cli.reading import loaded, reads_robots, say_left_out
+from symkin.cli.options import MechArgument, check_output, names_from
+from symkin.cli.reading import RobotFile, loaded, say_left_out
 from symkin.errors import InputError
-from symkin.formats.read_options import ReadOptions
+from symkin.verb_options import ASKED, OUTPUT, Option
 
 
-class Format(StrEnum):
-    casadi = "casadi"
-    c = "c"
-    numpy = "numpy"
-    sympy = "sympy"
-    latex = "latex"
-
-
-class Kind(StrEnum):
-    direct = "direct"
-    inverse = "inverse"
-    analytic = "analytic"
-    passive = "passive"
-
-
-@reads_robots
 def jacobian(
     mech: MechArgument,
-    read: ReadOptions,
-    language: Annotated[Format, choice(Format, "--format", "The language to write.", ASKED)],
+    read: RobotFile,
+    language: Annotated[
+        Literal["casadi", "c", "numpy", "sympy", "latex"],
+        Option("The language to write.", group=ASKED, flags=("--format",)),
+    ],
     kind: Annotated[
-        Kind | None,
-        choice(
-            Kind,
-            "--kind",
+        Literal["direct", "inverse", "analytic", "passive"] | None,
+        Option(
             "Twist by joint rates, joint rates by twist, pose rates, passive joint rates. "
             "Default: direct.",
-            ASKED,
+            group=ASKED,
         ),
     ] = None,
     of: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME,...",
-            help="Coordinates whose rates are wanted, by those of --by.",
-            rich_help_panel=ASKED,
-        ),
+        Option("Coordinates whose rates are wanted, by those of --by.", "NAME,...", ASKED),
     ] = None,
     by: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME,...",
-            help="Coordinates that decide the motion, as many as the mobility.",
-            rich_help_panel=ASKED,
-        ),
+        Option("Coordinates that decide the motion, as many as the mobility.", "NAME,...", ASKED),
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE",
-            help="File to write; default: stdout.",
-            rich_help_panel=OUTPUT,
-        ),
+        Option("File to write; default: stdout.", "FILE", OUTPUT, flags=("-o", "--output")),
     ] = None,
 ) -> None:
     """Write a symbolic Jacobian in another language: CasADi, C99, NumPy, SymPy or LaTeX."""
@@ -87,17 +54,13 @@ def jacobian(
                 "--of and --by name the coordinates whose rates are related: give both, and no "
                 "--kind"
             )
-        made = symbolic(mechanism, of=_names(of), by=_names(by))
+        made = symbolic(mechanism, of=names_from(of), by=names_from(by))
     else:
-        made = symbolic(mechanism, (kind or Kind.direct).value)
+        made = symbolic(mechanism, kind or "direct")
         say_left_out(mechanism)
-    text = jacobian_text(made, language.value)
+    text = jacobian_text(made, language)
     if output is None:
         print(text, end="")
     else:
         write_output(output, text)
         print(output)
-
-
-def _names(text: str) -> list[str]:
-    return [name.strip() for name in text.split(",")]

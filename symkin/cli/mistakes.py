@@ -133,9 +133,8 @@ def _missing(parameter: Any, ctx: Any) -> InputError:
         if parameter.param_type_name == "argument"
         else _written(ctx, parameter.opts[0])
     )
-    hint = (
-        ": " + parameter.help[0].lower() + parameter.help[1:].rstrip(".") if parameter.help else ""
-    )
+    text = parameter.told.help
+    hint = f": {text[0].lower()}{text[1:].rstrip('.')}"
     return InputError(f"{named} is missing{hint}; `{ctx.command_path} -h` shows examples")
 
 

@@ -5,9 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from symkin.cli.help import ASKED, OUTPUT
 from symkin.cli.options import (
     GivenOption,
     JointsOption,
@@ -15,45 +12,32 @@ from symkin.cli.options import (
     MechArgument,
     joints_from,
     named_from,
-    numbers_from,
     print_result,
-    whole_number,
+    ranges_from,
 )
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import loaded, reads_robots
-from symkin.errors import InputError
-from symkin.formats.read_options import ReadOptions
-from symkin.text import shown
+from symkin.cli.reading import RobotFile, loaded
+from symkin.verb_options import ASKED, OUTPUT, Option
 
 
-@reads_robots
 def mode_graph(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     over: Annotated[
         str,
-        typer.Option(
-            metavar="NAME=LOW:HIGH,...",
-            help="One or two of the known coordinates, each with a range.",
-            rich_help_panel=ASKED,
+        Option(
+            "One or two of the known coordinates, each with a range.", "NAME=LOW:HIGH,...", ASKED
         ),
     ],
     points: Annotated[
         int,
-        typer.Option(
-            metavar="N",
-            parser=whole_number,
-            help="Points along each range, 2 to 100. Default: 11.",
-            rich_help_panel=ASKED,
-        ),
+        Option("Points along each range, 2 to 100. Default: 11.", "N", ASKED),
     ] = 11,
     joints: JointsOption = None,
     given: GivenOption = None,
     plot: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.png", help="Draw the sheets into a file.", rich_help_panel=OUTPUT
-        ),
+        Option("Draw the sheets into a file.", "FILE.png", OUTPUT),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -67,7 +51,9 @@ def mode_graph(
     if plot is not None:
         check_picture_path(plot)
     unit = mechanism.angle_unit
-    axes = [_axis(part, unit) for part in over.split(",")]
+    needed = "NAME=LOW:HIGH,..., such as crank=0:360,"
+    ranges = ranges_from(over, "over", unit, needed)
+    axes = [(name, low, high) for name, (low, high) in ranges.items()]
     with progress_bar("points and lines") as progress:
         found = graph_of_modes(
             mechanism,
@@ -81,14 +67,3 @@ def mode_graph(
         found.plot(plot)
     picture = "" if plot is None else f"\npicture: {plot}"
     print_result(as_json, found.to_dict, lambda: str(found) + picture)
-
-
-def _axis(text: str, unit: str) -> tuple[str, float, float]:
-    name, _, ends = text.partition("=")
-    numbers = [numbers_from(end, f"over {name.strip()}", unit) or [] for end in ends.split(":")]
-    if not name.strip() or [len(number) for number in numbers] != [1, 1]:
-        raise InputError(
-            f"--over: {shown(text.strip())} is no range; NAME=LOW:HIGH is needed, such as "
-            f"crank=0:360"
-        )
-    return name.strip(), numbers[0][0], numbers[1][0]

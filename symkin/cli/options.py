@@ -6,32 +6,16 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
-from enum import StrEnum
-from inspect import Parameter
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
-
-import typer
+from typing import Annotated, Any
 
 from symkin.cli.completion import mechanism_names
-from symkin.cli.help import GIVEN, HOW, OUTPUT
 from symkin.cli.streams import print_text
 from symkin.errors import InputError
 from symkin.model.written_number import whole, written_number
-from symkin.text import not_among, shown
-from symkin.verb_options import Option
-
-
-def whole_number(text: str) -> int:
-    """An integer option, refused with its value."""
-    number = whole(str(text))  # Typer passes defaults through here too
-    if number is None:
-        raise InputError(
-            f"{shown(text)} is not a whole number; --starts, --seed and other counts take whole "
-            f"numbers from 0"
-        )
-    return number
+from symkin.text import shown
+from symkin.verb_options import GIVEN, OUTPUT, Argument, Option
 
 
 def whole_numbers(text: str | None, option: str) -> list[int]:
@@ -46,134 +30,64 @@ def whole_numbers(text: str | None, option: str) -> list[int]:
     return [number for number in numbers if number is not None]
 
 
-def choice(kind: type[StrEnum], option: str, text: str, group: str) -> Any:
-    """An option whose values are those of `kind`; others are refused with the nearest one."""
-    values = [str(value) for value in kind]
-
-    def chosen(word: str) -> StrEnum:
-        if word not in values:
-            raise InputError(f"{option} {not_among(str(word), values)}")
-        return kind(word)
-
-    def complete(incomplete: str) -> list[str]:
-        return [value for value in values if value.startswith(incomplete)]
-
-    return typer.Option(
-        option,
-        metavar="|".join(values),
-        parser=chosen,
-        autocompletion=complete,
-        help=text,
-        rich_help_panel=group,
-    )
-
-
-def record_options(record: type) -> list[Parameter]:
-    """The options of a verb's record that have help, and those of a command's own record, which are
-    none by default.
-    """
-    found = []
-    for name, hint in get_type_hints(record, include_extras=True).items():
-        told = hint.__metadata__[0]
-        if not isinstance(told, Option):
-            found.append(Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=hint))
-        elif told.help:
-            kind = _annotated(name, hint.__origin__, told)
-            found.append(
-                Parameter(name, Parameter.KEYWORD_ONLY, default=told.default, annotation=kind)
-            )
-    return found
-
-
-def _annotated(name: str, kind: Any, option: Option) -> Any:
-    flag, text = f"--{name.replace('_', '-')}", option.help
-    if option.words:
-        make: Callable[..., Any] = StrEnum
-        words = make("words", {word: word.replace(" ", "-") for word in option.words})
-        return Annotated[words, choice(words, flag, text, HOW)]
-    read = whole_number if kind is int else None
-    told = typer.Option(flag, metavar=option.metavar, parser=read, help=text, rich_help_panel=HOW)
-    return Annotated[kind if kind in (bool, int) else str | None, told]
-
-
 MechArgument = Annotated[
     str,
-    typer.Argument(
-        metavar="MECH",
-        autocompletion=mechanism_names,
-        help="A name from `symkin list`, or a path to a .toml, .xml (MJCF, needs pip install "
+    Argument(
+        "A name from `symkin list`, or a path to a .toml, .xml (MJCF, needs pip install "
         "'symkin[mjcf]'), .urdf, .xacro (needs "
         "'symkin[urdf]', as do loops in YAML beside a .urdf) or .sdf file.",
+        "MECH",
+        complete=mechanism_names,
     ),
 ]
 JointsOption = Annotated[
     str | None,
-    typer.Option(
-        metavar="V1,V2,...",
-        help=(
-            "All actuated joints, in file order or as NAME=VALUE,..., in the file's units: the "
-            "direct problem."
-        ),
-        rich_help_panel=GIVEN,
+    Option(
+        "All actuated joints, in file order or as NAME=VALUE,..., in the file's units: the "
+        "direct problem.",
+        "V1,V2,...",
+        GIVEN,
     ),
 ]
 PoseOption = Annotated[
     str | None,
-    typer.Option(
-        metavar="X,Y,Z,QW,QX,QY,QZ",
-        help="The platform's or tool's pose: the inverse problem.",
-        rich_help_panel=GIVEN,
-    ),
+    Option("The platform's or tool's pose: the inverse problem.", "X,Y,Z,QW,QX,QY,QZ", GIVEN),
 ]
 GivenOption = Annotated[
     str | None,
-    typer.Option(
-        metavar="NAME=VALUE,...",
-        help="Any coordinates, as many as the mobility: joints, passive ones too, and x, y, z, "
+    Option(
+        "Any coordinates, as many as the mobility: joints, passive ones too, and x, y, z, "
         "azimuth, tilt, torsion of the "
         "platform, or pose=X,Y,Z,QW,QX,QY,QZ.",
-        rich_help_panel=GIVEN,
+        "NAME=VALUE,...",
+        GIVEN,
     ),
 ]
 StartOption = Annotated[
     str | None,
-    typer.Option(
-        metavar="V1,V2,...",
-        help=(
-            "A pose for the direct problem, all actuated joints for the inverse one; "
-            "NAME=VALUE,... with --given and for graphs."
-        ),
-        rich_help_panel=HOW,
+    Option(
+        "A pose for the direct problem, all actuated joints for the inverse one; "
+        "NAME=VALUE,... with --given and for graphs.",
+        "V1,V2,...",
     ),
 ]
 SeedOption = Annotated[
     int,
-    typer.Option(
-        metavar="N", parser=whole_number, help="Seed of random numbers.", rich_help_panel=HOW
-    ),
+    Option("Seed of random numbers.", "N"),
 ]
 SearchSeedOption = Annotated[
     int | None,
-    typer.Option(
-        metavar="N",
-        parser=whole_number,
-        help="Seed of the random starts. Default: 0.",
-        rich_help_panel=HOW,
-    ),
+    Option("Seed of the random starts. Default: 0.", "N"),
 ]
 JsonOption = Annotated[
     bool,
-    typer.Option(
-        "--json", help="Write one JSON object to stdout and nothing else.", rich_help_panel=OUTPUT
-    ),
+    Option("Write one JSON object to stdout and nothing else.", group=OUTPUT, flags=("--json",)),
 ]
 
 
 AllOption = Annotated[
     bool,
-    typer.Option(
-        "--all", help="Passive joints and named points in the table too.", rich_help_panel=OUTPUT
-    ),
+    Option("Passive joints and named points in the table too.", group=OUTPUT, flags=("--all",)),
 ]
 
 
@@ -249,6 +163,50 @@ def named_from(
         name: values if name == "pose" and len(values) > 1 else values[0]
         for name, values in found.items()
     }
+
+
+def names_from(text: str | None) -> list[str]:
+    """Names that commas part."""
+    return [] if text is None else [name.strip() for name in text.split(",")]
+
+
+def ranges_from(
+    text: str, what: str, angle_unit: str, needed: str, counts: Sequence[int] = (2,)
+) -> dict[str, list[float]]:
+    """Values by name from `crank=0:360,lift=5`, of each as many as `counts` allows; `needed` is how
+    they are written.
+    """
+    found: dict[str, list[float]] = {}
+    for part in text.split(","):
+        name, equals, ends = (piece.strip() for piece in part.partition("="))
+        values = _ends(ends, equals and name, part, f"--{what}", needed, counts)
+        if name in found:
+            raise InputError(f"--{what}: {shown(name)} is given twice")
+        found[name] = [_number(value, name, what, angle_unit) for value in values]
+    return found
+
+
+def pairs_from(
+    text: str, what: str, angle_unit: str, needed: str, counts: Sequence[int] = (2,)
+) -> list[list[float]]:
+    """Values in places, from `-5:5,0:10`, as `ranges_from` reads them by name."""
+    return [
+        [
+            _number(value, f"value {k}", what, angle_unit)
+            for value in _ends(part, "=", part, f"--{what}", needed, counts)
+        ]
+        for k, part in enumerate(text.split(","), start=1)
+    ]
+
+
+def _ends(
+    text: str, given: str, part: str, option: str, needed: str, counts: Sequence[int]
+) -> list[str]:
+    """The values that colons part, none where nothing is `given`, as many as are allowed."""
+    values = [value.strip() for value in text.split(":")] if given else []
+    if len(values) not in counts or not all(values) or not part.partition("=")[0].strip():
+        raise InputError(f"{option}: {shown(part.strip())} is no range; {needed} is needed")
+    return values
 
 
 def start_from(

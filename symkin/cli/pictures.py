@@ -5,34 +5,27 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from symkin.cli.help import OUTPUT
 from symkin.errors import InputError
+from symkin.verb_options import OUTPUT, Option
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
 
 NamesOption = Annotated[
     str | None,
-    typer.Option(
-        metavar="all|joints|links|loops|none",
-        help=(
-            "Names in the picture of --plot: of joints and links, of one of them, of the "
-            "joints that close loops of a graph, of none."
-        ),
-        rich_help_panel=OUTPUT,
+    Option(
+        "Names in the picture of --plot: of joints and links, of one of them, of the "
+        "joints that close loops of a graph, of none.",
+        "all|joints|links|loops|none",
+        OUTPUT,
     ),
 ]
 ViewsOption = Annotated[
     str | None,
-    typer.Option(
-        metavar="VIEW,...",
-        help=(
-            "Sides in the picture of --plot, of main, top, front, side: a panel each. Default: "
-            "main."
-        ),
-        rich_help_panel=OUTPUT,
+    Option(
+        "Sides in the picture of --plot, of main, top, front, side: a panel each. Default: main.",
+        "VIEW,...",
+        OUTPUT,
     ),
 ]
 

@@ -5,40 +5,34 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from symkin.cli.help import GIVEN
 from symkin.cli.options import named_from, numbers_from, start_from
 from symkin.cli.streams import say
 from symkin.errors import InputError
 from symkin.model.oddities import FULL_TURN
 from symkin.text import counted
+from symkin.verb_options import GIVEN, Option
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
 
 RpyOption = Annotated[
     str | None,
-    typer.Option(
-        "--rpy",
-        metavar="R,P,Y",
-        help=(
-            "Roll, pitch, yaw of a pose that is given as X,Y,Z: turns about the fixed axes x, "
-            "then y, then z."
-        ),
-        rich_help_panel=GIVEN,
+    Option(
+        "Roll, pitch, yaw of a pose that is given as X,Y,Z: turns about the fixed axes x, "
+        "then y, then z.",
+        "R,P,Y",
+        GIVEN,
+        flags=("--rpy",),
     ),
 ]
 EulerOption = Annotated[
     str | None,
-    typer.Option(
-        "--euler",
-        metavar="SEQUENCE",
-        help=(
-            "Poses are X,Y,Z,A,B,C with three angles: capitals (ZYX) turn about moving axes, "
-            "small letters (xyz, or rpy) about fixed ones."
-        ),
-        rich_help_panel=GIVEN,
+    Option(
+        "Poses are X,Y,Z,A,B,C with three angles: capitals (ZYX) turn about moving axes, "
+        "small letters (xyz, or rpy) about fixed ones.",
+        "SEQUENCE",
+        GIVEN,
+        flags=("--euler",),
     ),
 ]
 ROLL_PITCH_YAW, _FIXED = "rpy", "xyz"

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import typer
-
-from symkin.cli.help import HOW, OUTPUT
 from symkin.cli.options import (
     AllOption,
     GivenOption,
@@ -18,91 +14,67 @@ from symkin.cli.options import (
     PoseOption,
     SearchSeedOption,
     StartOption,
-    choice,
     joints_from,
     print_result,
-    whole_number,
     whole_numbers,
 )
 from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import loaded, reads_robots
-from symkin.formats.read_options import ReadOptions
+from symkin.cli.reading import RobotFile, loaded
+from symkin.verb_options import HOW, OUTPUT, Option
 
 if TYPE_CHECKING:
     from symkin.assembly.modes_result import Modes
 
 
-class Method(StrEnum):
-    continuation = "continuation"
-    multistart = "multistart"
-
-
-class SolverName(StrEnum):
-    newton = "newton"
-    ipopt = "ipopt"
-    closed = "closed"
-
-
-@reads_robots
 def modes(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     joints: JointsOption = None,
     pose: PoseOption = None,
     rpy: RpyOption = None,
     euler: EulerOption = None,
     given: GivenOption = None,
     method: Annotated[
-        Method | None,
-        choice(
-            Method,
-            "--method",
+        Literal["continuation", "multistart"] | None,
+        Option(
             "Track all complex solutions, or keep what random starts reach. Default: formulas of "
             "arms that have some, else "
             "continuation.",
-            HOW,
+            group=HOW,
         ),
     ] = None,
     starts: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=whole_number,
-            help="Random starts of multistart, or of what is sampled. Default: 2000.",
-            rich_help_panel=HOW,
-        ),
+        Option("Random starts of multistart, or of what is sampled. Default: 2000.", "N"),
     ] = None,
     seed: SearchSeedOption = None,
     choose: Annotated[
         str | None,
-        typer.Option(
-            metavar="K1,K2,...",
-            help="Of given values: one solution of each of the first blocks, by number from 0.",
-            rich_help_panel=HOW,
+        Option(
+            "Of given values: one solution of each of the first blocks, by number from 0.",
+            "K1,K2,...",
         ),
     ] = None,
     everything: AllOption = False,
     as_json: JsonOption = False,
     plot: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.png", help="Draw the modes into a file.", rich_help_panel=OUTPUT
-        ),
+        Option("Draw the modes into a file.", "FILE.png", OUTPUT),
     ] = None,
     shown: Annotated[
         str | None,
-        typer.Option(
-            "--modes",
-            metavar="K1-K2,...",
-            help="Modes in the picture, such as 1-16 or 1,3, or all. Default: 12 of them.",
-            rich_help_panel=OUTPUT,
+        Option(
+            "Modes in the picture, such as 1-16 or 1,3, or all. Default: 12 of them.",
+            "K1-K2,...",
+            OUTPUT,
+            flags=("--modes",),
         ),
     ] = None,
     names: NamesOption = None,
     views: ViewsOption = None,
-) -> None:
+) -> int:
     """Find every solution: assembly modes of given joints, working modes of a given pose."""
     from symkin.assembly.modes import modes as find_modes
 
@@ -117,7 +89,7 @@ def modes(
             pose=reader.pose(pose, "pose"),
             given=reader.given(given),
             choose=whole_numbers(choose, "choose"),
-            method=None if method is None else method.value,
+            method=method,
             starts=starts,
             seed=seed,
             progress=progress,
@@ -126,7 +98,7 @@ def modes(
     print_result(
         as_json, found.to_dict, lambda: found.summary(everything=everything).text() + drawn
     )
-    raise typer.Exit(0 if found.modes or found.positive_dimensional else 3)
+    return 0 if found.modes or found.positive_dimensional else 3
 
 
 def _drawn(found: Modes, plot: Path | None, options: dict[str, Any]) -> str:
@@ -140,10 +112,9 @@ def _drawn(found: Modes, plot: Path | None, options: dict[str, Any]) -> str:
     return f"\npicture: {plot}" + (f" ({missing})" if missing else "")
 
 
-@reads_robots
 def solve(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     joints: JointsOption = None,
     pose: PoseOption = None,
     rpy: RpyOption = None,
@@ -151,22 +122,18 @@ def solve(
     given: GivenOption = None,
     start: StartOption = None,
     solver: Annotated[
-        SolverName,
-        choice(
-            SolverName, "--solver", "CasADi's rootfinder, or IPOPT on the squared closure.", HOW
-        ),
-    ] = SolverName.newton,
+        Literal["newton", "ipopt", "closed"],
+        Option("CasADi's rootfinder, or IPOPT on the squared closure.", group=HOW),
+    ] = "newton",
     everything: AllOption = False,
     as_json: JsonOption = False,
     plot: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.png", help="Draw the solution into a file.", rich_help_panel=OUTPUT
-        ),
+        Option("Draw the solution into a file.", "FILE.png", OUTPUT),
     ] = None,
     names: NamesOption = None,
     views: ViewsOption = None,
-) -> None:
+) -> int:
     """Find one solution near a start."""
     from symkin.position.solve import solve as solve_one
 
@@ -180,7 +147,7 @@ def solve(
         pose=reader.pose(pose, "pose"),
         given=reader.given(given),
         start=reader.start(start, is_pose=pose is None),
-        solver=solver.value,
+        solver=solver,
         check=False,
     )
     picture = ""
@@ -190,4 +157,4 @@ def solve(
     print_result(
         as_json, result.to_dict, lambda: result.summary(everything=everything).text() + picture
     )
-    raise typer.Exit(0 if result.solution is not None else 3)
+    return 0 if result.solution is not None else 3

@@ -18,8 +18,8 @@ Show = Callable[[int, int], None]
 
 @contextmanager
 def progress_bar(what: str) -> Iterator[Show | None]:
-    """A progress bar on stderr where that is a terminal, else lines; `symkin`'s log says what is
-    being done.
+    """A bar with counts, rate and remaining time on stderr where that is a terminal, else lines;
+    `symkin`'s log says what is being done.
     """
     if sys.stderr is None:
         yield None
@@ -34,13 +34,37 @@ def progress_bar(what: str) -> Iterator[Show | None]:
 @contextmanager
 def _bar(what: str) -> Iterator[Show]:
     from rich.console import Console
-    from rich.progress import Progress
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TimeRemainingColumn(),
+    )
     moves = _started(threading.Thread(target=int))
-    with Progress(console=Console(stderr=True), transient=True, auto_refresh=moves) as bar:
-        task = bar.add_task(what)
+    with Progress(
+        *columns, console=Console(stderr=True), transient=True, auto_refresh=moves
+    ) as bar:
+        task = bar.add_task(what, total=None, rate="")
+
+        def show(done: int, total: int) -> None:
+            if bar.tasks[0].total is None:  # what an earlier run has done is of no rate
+                bar.reset(task, total=total, completed=done, rate="")
+                return
+            speed = bar.tasks[0].speed
+            rate = "" if speed is None else f"{speed:.3g}/s"
+            bar.update(task, completed=done, total=total, rate=rate)
+
         with _logged(lambda text: bar.update(task, description=text)):
-            yield lambda done, total: bar.update(task, completed=done, total=total)
+            yield show
 
 
 @contextmanager

@@ -4,122 +4,71 @@ takes MECH.
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable
-from enum import StrEnum
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints, is_typeddict
+from typing import TYPE_CHECKING, Annotated, TypedDict
 
-import typer
-
-from symkin.cli.help import ROBOT_FILES
-from symkin.cli.options import record_options
 from symkin.cli.streams import say
 from symkin.errors import InputError
-from symkin.formats.read_options import ReadOptions
 from symkin.text import first_of, shown
+from symkin.verb_options import ROBOT_FILES, Option
 
 if TYPE_CHECKING:
+    from symkin.formats.read_options import ReadOptions
     from symkin.model.mechanism import Mechanism
 
-LoopOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="NAME=KIND,...",
-        help=(
+
+class RobotFile(TypedDict):
+    """Options that tell how a robot's file is read."""
+
+    loop: Annotated[
+        list[str] | None,
+        Option(
             "The kind of a closure, R, S, C, P, U or weld, about the z axis of its frames; R:x "
-            "names another axis."
+            "names another axis.",
+            "NAME=KIND,...",
+            ROBOT_FILES,
         ),
-        rich_help_panel=ROBOT_FILES,
-    ),
-]
-ActuatedOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="NAME,...",
-        help="The joints that motors drive, in place of what the file tells.",
-        rich_help_panel=ROBOT_FILES,
-    ),
-]
-PlatformOption = Annotated[
-    str | None,
-    typer.Option(
-        metavar="LINK",
-        help="The link whose frame is the platform's, so that poses can be given and are told.",
-        rich_help_panel=ROBOT_FILES,
-    ),
-]
-ArgumentsOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="NAME=VALUE,...", help="Arguments of a file in xacro.", rich_help_panel=ROBOT_FILES
-    ),
-]
-PackagesOption = Annotated[
-    list[Path] | None,
-    typer.Option(
-        metavar="FOLDER",
-        help="A package, or a folder of packages; may be given several times.",
-        rich_help_panel=ROBOT_FILES,
-    ),
-]
-ModelOption = Annotated[
-    str | None,
-    typer.Option(metavar="NAME", help="Which model of an SDF file.", rich_help_panel=ROBOT_FILES),
-]
-_OPTIONS: dict[str, Any] = {
-    "loop": LoopOption,
-    "actuated": ActuatedOption,
-    "platform": PlatformOption,
-    "arguments": ArgumentsOption,
-    "packages": PackagesOption,
-    "model": ModelOption,
-}
-
-
-def reads_robots(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command the options of how a robot's file is read; they reach it as `read`, a
-    `ReadOptions`. Options of a record (a TypedDict) stand in the place of the parameter whose type
-    it is, and reach it as one.
-    """
-    own, hints = inspect.signature(command).parameters, get_type_hints(command, include_extras=True)
-    if "read" not in own:
-        raise TypeError(f"{command.__name__} has no parameter `read`")
-    records = {name: record_options(hints[name]) for name in own if is_typeddict(hints[name])}
-
-    def with_options(*values: Any, **named: Any) -> Any:
-        told = {key: named.pop(key) for key in _OPTIONS}
-        for name, options in records.items():
-            named[name] = {p.name: _word(named.pop(p.name)) for p in options}
-        return command(*values, read=_read_options(**told), **named)
-
-    kept: list[inspect.Parameter] = []
-    for name, p in own.items():
-        if name != "read":
-            kept += records.get(name, [p.replace(annotation=hints[name], kind=p.KEYWORD_ONLY)])
-    added = [
-        inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
-        for key, kind in _OPTIONS.items()
     ]
-    with_options.__name__, with_options.__doc__ = command.__name__, command.__doc__
-    with_options.__annotations__ = {p.name: p.annotation for p in (*kept, *added)}
-    with_options.__signature__ = inspect.Signature([*kept, *added])  # type: ignore[attr-defined]
-    return with_options
+    actuated: Annotated[
+        list[str] | None,
+        Option(
+            "The joints that motors drive, in place of what the file tells.",
+            "NAME,...",
+            ROBOT_FILES,
+        ),
+    ]
+    platform: Annotated[
+        str | None,
+        Option(
+            "The link whose frame is the platform's, so that poses can be given and are told.",
+            "LINK",
+            ROBOT_FILES,
+        ),
+    ]
+    arguments: Annotated[
+        list[str] | None,
+        Option("Arguments of a file in xacro.", "NAME=VALUE,...", ROBOT_FILES),
+    ]
+    packages: Annotated[
+        list[Path] | None,
+        Option(
+            "A package, or a folder of packages; may be given several times.",
+            "FOLDER",
+            ROBOT_FILES,
+        ),
+    ]
+    model: Annotated[str | None, Option("Which model of an SDF file.", "NAME", ROBOT_FILES)]
 
 
-def _word(value: Any) -> Any:
-    """The word that a choice stands for."""
-    return value.name if isinstance(value, StrEnum) else value
-
-
-def loaded(mech: str, read: ReadOptions) -> Mechanism:
+def loaded(mech: str, read: RobotFile | None) -> Mechanism:
     """The mechanism of a command; what is odd about a mechanism file's numbers is said on stderr,
     of a robot's file its limits.
     """
     from symkin.formats.load import is_robot, load
     from symkin.model.oddities import degrees_question, oddities
 
-    mechanism = load(mech, read)
+    mechanism = load(mech) if read is None else load(mech, read_options(read))
     question = degrees_question(mechanism)
     of_robot = () if question is None else (question,)
     for text in of_robot if is_robot(Path(mech)) else oddities(mechanism):
@@ -139,29 +88,25 @@ def say_left_out(mechanism: Mechanism) -> None:
         )
 
 
-def _read_options(
-    loop: list[str] | None,
-    actuated: list[str] | None,
-    platform: str | None,
-    arguments: list[str] | None,
-    packages: list[Path] | None,
-    model: str | None,
-) -> ReadOptions:
-    if model is not None and not model.strip():
-        raise InputError("--model is empty; the name of a model is needed")
-    if platform is not None and not platform.strip():
-        raise InputError("--platform is empty; the name of a link is needed")
+def read_options(told: RobotFile) -> ReadOptions:
+    """What is told beside a robot's file."""
+    from symkin.formats.read_options import ReadOptions
+
+    for name, what in (("model", "a model"), ("platform", "a link")):
+        value = told[name]  # type: ignore[literal-required]
+        if value is not None and not value.strip():
+            raise InputError(f"--{name} is empty; the name of {what} is needed")
     return ReadOptions(
-        loop=_pairs(loop, "loop"),
-        actuated=_words(actuated, "actuated"),
-        platform=platform,
-        arguments=_pairs(arguments, "arguments"),
-        packages=packages or (),
-        model=model,
+        loop=_pairs(told["loop"], "loop"),
+        actuated=_words(told["actuated"], "actuated"),
+        platform=told["platform"],
+        arguments=_pairs(told["arguments"], "arguments"),
+        packages=told["packages"] or (),
+        model=told["model"],
     )
 
 
-def _words(texts: list[str] | None, option: str) -> list[str]:
+def _words(texts: Sequence[str] | None, option: str) -> list[str]:
     """The names of a list, which may be given several times."""
     words = [word.strip() for text in texts or () for word in text.split(",")]
     if "" in words:
@@ -172,7 +117,7 @@ def _words(texts: list[str] | None, option: str) -> list[str]:
     return words
 
 
-def _pairs(texts: list[str] | None, option: str) -> dict[str, str]:
+def _pairs(texts: Sequence[str] | None, option: str) -> dict[str, str]:
     """Values by name."""
     found: dict[str, str] = {}
     for word in _words(texts, option):

@@ -6,9 +6,6 @@ import json
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from symkin.cli.help import ASKED, HOW, OUTPUT
 from symkin.cli.options import (
     GivenOption,
     JointsOption,
@@ -18,26 +15,26 @@ from symkin.cli.options import (
     SearchSeedOption,
     StartOption,
     joints_from,
+    names_from,
     numbers_from,
+    pairs_from,
     print_result,
-    whole_number,
 )
 from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.reading import RobotFile, loaded
 from symkin.cli.streams import say
 from symkin.errors import InputError
-from symkin.formats.read_options import ReadOptions
 from symkin.ignored_options import refuse_ignored
-from symkin.model.written_number import written_number
 from symkin.position.solve_result import SolveError
+from symkin.result import Result
+from symkin.verb_options import ASKED, OUTPUT, Option
 
 
-@reads_robots
 def singularities(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     joints: JointsOption = None,
     pose: PoseOption = None,
     rpy: RpyOption = None,
@@ -46,64 +43,52 @@ def singularities(
     start: StartOption = None,
     plane: Annotated[
         str | None,
-        typer.Option(
-            metavar="U,V",
-            help="Loci over two pose coordinates (x, y, z, gamma from the reference, or the "
+        Option(
+            "Loci over two pose coordinates (x, y, z, gamma from the reference, or the "
             "rotation vector rx, ry, rz before the "
             "configuration's orientation), two actuated joints, or two coordinates of --given "
             "(one: points), others held.",
-            rich_help_panel=ASKED,
+            "U,V",
+            ASKED,
         ),
     ] = None,
     window: Annotated[
         str | None,
-        typer.Option(
-            "--range",
-            metavar="U0:U1,V0:V1",
-            help="The window of --plane, in the file's units.",
-            rich_help_panel=ASKED,
+        Option(
+            "The window of --plane, in the file's units.", "U0:U1,V0:V1", ASKED, flags=("--range",)
         ),
     ] = None,
     plot: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.png",
-            help="Draw the configuration, or the loci of --plane, into a file.",
-            rich_help_panel=OUTPUT,
-        ),
+        Option("Draw the configuration, or the loci of --plane, into a file.", "FILE.png", OUTPUT),
     ] = None,
     names: NamesOption = None,
     views: ViewsOption = None,
     starts: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=whole_number,
-            help="Random starts for --plane. Default: 200.",
-            rich_help_panel=HOW,
-        ),
+        Option("Random starts for --plane. Default: 200.", "N"),
     ] = None,
     seed: SearchSeedOption = None,
     output: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME,...",
-            help="What type 1 and 2 are about, of x, y, z, rx, ry, rz (velocities, base frame) or "
+        Option(
+            "What type 1 and 2 are about, of x, y, z, rx, ry, rz (velocities, base frame) or "
             "joints, in place of position and "
             "orientation together.",
-            rich_help_panel=ASKED,
+            "NAME,...",
+            ASKED,
         ),
     ] = None,
     point: Annotated[
         str | None,
-        typer.Option(
-            metavar="X,Y,Z",
-            help="The output's point in the platform's frame; without --output x,y,z of it.",
-            rich_help_panel=ASKED,
+        Option(
+            "The output's point in the platform's frame; without --output x,y,z of it.",
+            "X,Y,Z",
+            ASKED,
         ),
     ] = None,
     as_json: JsonOption = False,
-) -> None:
+) -> int:
     """Name the singularity of one configuration, driven by its actuated joints or what --given
     names, or draw the loci over a plane through it.
     """
@@ -129,11 +114,12 @@ def singularities(
         )
     options = picture_options(plot, mechanism, names=names, views=views)
     unit = mechanism.angle_unit
-    sides = _window(window, unit)
+    needed = "U0:U1,V0:V1, such as -100:100,-50:50,"
+    sides = None if window is None else pairs_from(window, "range", unit, needed)
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(pose, given, start)
     values = reader.given(given)
-    outputs = None if output is None else [name.strip() for name in output.split(",")]
+    outputs = None if output is None else names_from(output)
     try:
         solution = configuration(
             mechanism,
@@ -146,7 +132,8 @@ def singularities(
         if as_json and error.result is not None:
             print(json.dumps(error.result.to_dict(), allow_nan=False))
         say(error)
-        raise typer.Exit(3) from None
+        return 3
+    found: Result
     if plane is None:
         from symkin.singularities.classification import singularity
 
@@ -154,48 +141,21 @@ def singularities(
         found = singularity(
             solution, given=driven, output=outputs, point=numbers_from(point, "point", unit)
         )
-        if plot is not None:
-            found.plot(plot, **options)
-        print_result(
-            as_json,
-            found.to_dict,
-            lambda: str(found) + (f"\npicture: {plot}" if plot is not None else ""),
-        )
-        return
-    from symkin.singularities.singular_loci import DEFAULT_STARTS, singular_loci
+    else:
+        from symkin.singularities.singular_loci import DEFAULT_STARTS, singular_loci
 
-    axes = [name.strip() for name in plane.split(",")]
-    with progress_bar("singularity loci"):
-        count = DEFAULT_STARTS if starts is None else starts
-        loci = singular_loci(
-            solution,
-            axes,
-            given=None if values is None else list(values),
-            ranges=sides,
-            starts=count,
-            seed=0 if seed is None else seed,
-        )
+        with progress_bar("singularity loci"):
+            found = singular_loci(
+                solution,
+                names_from(plane),
+                given=None if values is None else list(values),
+                ranges=sides,
+                starts=DEFAULT_STARTS if starts is None else starts,
+                seed=0 if seed is None else seed,
+            )
+    picture = ""
     if plot is not None:
-        loci.plot(plot)
-    print_result(
-        as_json,
-        loci.to_dict,
-        lambda: str(loci) + (f"\npicture: {plot}" if plot is not None else ""),
-    )
-
-
-def _window(text: str | None, angle_unit: str) -> list[tuple[float, float]] | None:
-    """Pairs low:high."""
-    if text is None:
-        return None
-    pairs = []
-    for part in text.split(","):
-        try:
-            low, high = part.split(":")
-            pairs.append((written_number(low, angle_unit), written_number(high, angle_unit)))
-        except (ValueError, InputError):
-            raise InputError(
-                f"--range: {part.strip()!r} is no range; U0:U1,V0:V1 is needed, such as "
-                f"-100:100,-50:50"
-            ) from None
-    return pairs
+        found.plot(plot, **options)
+        picture = f"\npicture: {plot}"
+    print_result(as_json, found.to_dict, lambda: str(found) + picture)
+    return 0

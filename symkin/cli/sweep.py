@@ -2,171 +2,127 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Literal
 
-import typer
-
-from symkin.cli.help import GIVEN, HOW, OUTPUT
 from symkin.cli.options import (
     Interrupted,
     JsonOption,
     MechArgument,
     SearchSeedOption,
     check_output,
-    choice,
     joints_from,
+    names_from,
     print_result,
-    whole_number,
 )
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.reading import RobotFile, loaded
 from symkin.errors import InputError
-from symkin.formats.read_options import ReadOptions
 from symkin.model.mechanism import Mechanism
+from symkin.verb_options import GIVEN, OUTPUT, Option
 
 
-class Quantity(StrEnum):
-    modes = "modes"
-    conditioning = "conditioning"
-    reach = "reach"
-
-
-def _count(name: str, text: str, group: str = HOW) -> Any:
-    return typer.Option(name, metavar="N", parser=whole_number, help=text, rich_help_panel=group)
-
-
-@reads_robots
 def sweep(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     output: Annotated[
         Path,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="DIR",
-            help="Folder of the arrays (Zarr); a begun sweep goes on.",
-            rich_help_panel=OUTPUT,
+        Option(
+            "Folder of the arrays (Zarr); a begun sweep goes on.",
+            "DIR",
+            OUTPUT,
+            flags=("-o", "--output"),
         ),
     ],
     grid: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME=LOW:HIGH:COUNT,...",
-            help=(
-                "What is swept of the actuated joints, or of poses; NAME=LOW:HIGH with "
-                "--random, NAME=VALUE for one value."
-            ),
-            rich_help_panel=GIVEN,
+        Option(
+            "What is swept of the actuated joints, or of poses; NAME=LOW:HIGH with "
+            "--random, NAME=VALUE for one value.",
+            "NAME=LOW:HIGH:COUNT,...",
+            GIVEN,
         ),
     ] = None,
     given: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME=LOW:HIGH:COUNT,NAME=VALUE,...",
-            help=(
-                "In place of --grid: any coordinates, as many as the mobility, swept or held; "
-                "as --given of modes."
-            ),
-            rich_help_panel=GIVEN,
+        Option(
+            "In place of --grid: any coordinates, as many as the mobility, swept or held; "
+            "as --given of modes.",
+            "NAME=LOW:HIGH:COUNT,NAME=VALUE,...",
+            GIVEN,
         ),
     ] = None,
     poses: Annotated[
         bool,
-        typer.Option(
-            "--poses",
-            help=(
-                "Sweep x, y, z, gamma from the reference, or the rotation vector rx, ry, rz "
-                "before the orientation of --at; those of the motion."
-            ),
-            rich_help_panel=GIVEN,
+        Option(
+            "Sweep x, y, z, gamma from the reference, or the rotation vector rx, ry, rz "
+            "before the orientation of --at; those of the motion.",
+            group=GIVEN,
         ),
     ] = False,
     at: Annotated[
         str | None,
-        typer.Option(
-            metavar="V1,V2,...",
-            help="What is not swept: all actuated joints, or a pose with --poses.",
-            rich_help_panel=GIVEN,
+        Option(
+            "What is not swept: all actuated joints, or a pose with --poses.", "V1,V2,...", GIVEN
         ),
     ] = None,
     rpy: RpyOption = None,
     euler: EulerOption = None,
-    random: Annotated[
-        int | None, _count("--random", "Random points in place of a grid.", GIVEN)
-    ] = None,
+    random: Annotated[int | None, Option("Random points in place of a grid.", "N", GIVEN)] = None,
     seed: SearchSeedOption = None,
     quantity: Annotated[
-        Quantity, choice(Quantity, "--quantity", "What is stored.", OUTPUT)
-    ] = Quantity.modes,
+        Literal["modes", "conditioning", "reach"], Option("What is stored.", group=OUTPUT)
+    ] = "modes",
     certify: Annotated[
         bool,
-        typer.Option(
-            "--certify", help="Prove every mode; takes many times as long.", rich_help_panel=HOW
-        ),
+        Option("Prove every mode; takes many times as long."),
     ] = False,
     starts: Annotated[
-        int | None, _count("--starts", "Random starts where paths do not decide. Default: 2000.")
+        int | None, Option("Random starts where paths do not decide. Default: 2000.", "N")
     ] = None,
     workers: Annotated[
-        int | None, _count("--workers", "Local processes; 0: this one. Default: one a processor.")
+        int | None, Option("Local processes; 0: this one. Default: one a processor.", "N")
     ] = None,
     dask: Annotated[
         str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="Dask scheduler that computes in place of local processes.",
-            rich_help_panel=HOW,
-        ),
+        Option("Dask scheduler that computes in place of local processes.", "ADDRESS"),
     ] = None,
     chunk: Annotated[
-        int | None, _count("--chunk", "Points that are computed and written at a time.")
+        int | None, Option("Points that are computed and written at a time.", "N")
     ] = None,
     as_json: JsonOption = False,
     plot: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.png", help="Draw a map of the result into a file.", rich_help_panel=OUTPUT
-        ),
+        Option("Draw a map of the result into a file.", "FILE.png", OUTPUT),
     ] = None,
     of: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME,...",
-            help="What is drawn in place of the map: the paths of named points, or joints.",
-            rich_help_panel=OUTPUT,
+        Option(
+            "What is drawn in place of the map: the paths of named points, or joints.",
+            "NAME,...",
+            OUTPUT,
         ),
     ] = None,
     loci: Annotated[
         bool,
-        typer.Option(
-            "--loci",
-            help="Lay the curves of singular configurations over the map of --plot.",
-            rich_help_panel=OUTPUT,
-        ),
+        Option("Lay the curves of singular configurations over the map of --plot.", group=OUTPUT),
     ] = False,
     table: Annotated[
         Path | None,
-        typer.Option(
-            "--csv",
-            metavar="FILE.csv",
-            help="Write the result as a table too, a row a mode.",
-            rich_help_panel=OUTPUT,
+        Option(
+            "Write the result as a table too, a row a mode.", "FILE.csv", OUTPUT, flags=("--csv",)
         ),
     ] = None,
     slices: Annotated[
         str | None,
-        typer.Option(
-            "--slice",
-            metavar="NAME=VALUE,...",
-            help="Where the map cuts a grid of more than two dimensions.",
-            rich_help_panel=OUTPUT,
+        Option(
+            "Where the map cuts a grid of more than two dimensions.",
+            "NAME=VALUE,...",
+            OUTPUT,
+            flags=("--slice",),
         ),
     ] = None,
 ) -> None:
@@ -204,12 +160,12 @@ def sweep(
 
         check_picture_path(plot)
     if drawn:
-        check_drawable(mechanism, quantity.value, list(values), drawn)
+        check_drawable(mechanism, quantity, list(values), drawn)
     check_output(table)
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(at if poses else None)
     held = reader.pose(at, "at") if poses else joints_from(at, "at", unit)
-    with _kept_when_interrupted(output), _progress() as progress:
+    with _kept_when_interrupted(output), progress_bar("points") as progress:
         swept = run(
             mechanism,
             ranges,
@@ -219,7 +175,7 @@ def sweep(
             at=held,
             random=random,
             seed=seed,
-            quantity=quantity.value,
+            quantity=quantity,
             certify=certify,
             starts=starts,
             chunk=chunk,
@@ -257,7 +213,7 @@ def _drawn(of: str | None, slices: str | None, plot: Path | None, *, loci: bool)
             "both --loci and --of are given; --loci belongs to the map, in whose place --of draws "
             "points or joints"
         )
-    names = [] if of is None else [name.strip() for name in of.split(",")]
+    names = names_from(of)
     if of is not None and not all(names):
         raise InputError(f"--of {of!r}: names separated by commas are needed")
     return names
@@ -287,42 +243,3 @@ def _kept_when_interrupted(folder: Path) -> Iterator[None]:
         raise Interrupted(
             kept if (folder / "zarr.json").exists() else "nothing was begun"
         ) from None
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int], None] | None]:
-    """A bar with rate and remaining time on stderr when it is a terminal, else a line now and
-    then.
-    """
-    if sys.stderr is None or not sys.stderr.isatty():
-        with progress_bar("points") as lines:
-            yield lines
-        return
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeRemainingColumn,
-    )
-
-    columns = (
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("points"),
-        TextColumn("{task.fields[rate]}"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("points", total=None, rate="")
-
-        def show(done: int, total: int) -> None:
-            if bar.tasks[0].total is None:
-                bar.reset(task, total=total, completed=done, rate="")
-                return
-            bar.update(task, completed=done)
-            speed = bar.tasks[0].speed
-            bar.update(task, rate="" if speed is None else f"{speed:.3g}/s")
-
-        yield show

@@ -3,114 +3,87 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
-import typer
-
-from symkin.cli.help import GIVEN, HOW, OUTPUT
 from symkin.cli.options import (
     JsonOption,
     MechArgument,
     StartOption,
     check_output,
     joints_from,
-    numbers_from,
     print_result,
-    whole_number,
+    ranges_from,
 )
 from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
 from symkin.cli.poses import EulerOption, PoseReader
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.reading import RobotFile, loaded
 from symkin.errors import InputError
-from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
+from symkin.verb_options import GIVEN, OUTPUT, Option
 
-if TYPE_CHECKING:
-    pass
+_PATH = "NAME=FROM:TO,..., such as crank=0:360,"
+"""How a path by names is written."""
 
 
-@reads_robots
 def track(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     begin: Annotated[
         str | None,
-        typer.Option(
-            "--from",
-            metavar="V1,V2,...",
-            help="All actuated joints at the beginning, or NAME=VALUE,... of any coordinates.",
-            rich_help_panel=GIVEN,
+        Option(
+            "All actuated joints at the beginning, or NAME=VALUE,... of any coordinates.",
+            "V1,V2,...",
+            GIVEN,
+            flags=("--from",),
         ),
     ] = None,
     end: Annotated[
         str | None,
-        typer.Option(
-            "--to", metavar="V1,V2,...", help="The same at the end.", rich_help_panel=GIVEN
-        ),
+        Option("The same at the end.", "V1,V2,...", GIVEN, flags=("--to",)),
     ] = None,
     poses: Annotated[
         bool,
-        typer.Option(
-            "--poses",
-            help="--from, --to or the CSV file are poses: the inverse problem.",
-            rich_help_panel=GIVEN,
-        ),
+        Option("--from, --to or the CSV file are poses: the inverse problem.", group=GIVEN),
     ] = False,
     euler: EulerOption = None,
     csv: Annotated[
         Path | None,
-        typer.Option(
-            "--csv",
-            metavar="FILE.csv",
-            help="A trajectory, in place of --from and --to.",
-            rich_help_panel=GIVEN,
-        ),
+        Option("A trajectory, in place of --from and --to.", "FILE.csv", GIVEN),
     ] = None,
     given: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME=FROM:TO,...",
-            help="A path of any coordinates, as many as the mobility, in place of --from and --to; "
+        Option(
+            "A path of any coordinates, as many as the mobility, in place of --from and --to; "
             "NAME=VALUE stands, NAME alone is a "
             "column of --csv.",
-            rich_help_panel=GIVEN,
+            "NAME=FROM:TO,...",
+            GIVEN,
         ),
     ] = None,
     start: StartOption = None,
     samples: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=whole_number,
-            help="Samples on the path; default 101, or those of the file.",
-            rich_help_panel=HOW,
-        ),
+        Option("Samples on the path; default 101, or those of the file.", "N"),
     ] = None,
     ignore_limits: Annotated[
         bool,
-        typer.Option("--ignore-limits", help="Go on beyond joint limits.", rich_help_panel=HOW),
+        Option("Go on beyond joint limits."),
     ] = False,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE.csv",
-            help="Write the configurations into a file.",
-            rich_help_panel=OUTPUT,
+        Option(
+            "Write the configurations into a file.", "FILE.csv", OUTPUT, flags=("-o", "--output")
         ),
     ] = None,
     plot: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.png", help="Draw the track into a file.", rich_help_panel=OUTPUT
-        ),
+        Option("Draw the track into a file.", "FILE.png", OUTPUT),
     ] = None,
     names: NamesOption = None,
     views: ViewsOption = None,
     as_json: JsonOption = False,
-) -> None:
+) -> int:
     """Follow one mode along a path of joints, poses or any coordinates, with a proof, up to the
     first singularity or limit.
     """
@@ -165,7 +138,7 @@ def track(
         if name is not None
     )
     print_result(as_json, found.to_dict, lambda: str(found) + files)
-    raise typer.Exit(0 if found.reached else 3)
+    return 0 if found.reached else 3
 
 
 def _straight(
@@ -201,14 +174,13 @@ def _named(given: str, begin: str | None, end: str | None, unit: str) -> dict[st
     if begin is not None or end is not None:
         raise InputError("both --given and --from or --to are given; give one of them")
     columns: dict[str, float | list[float]] = {}
-    for name, values in _parts(given):
+    for name, values in ranges_from(given, "given", unit, _PATH, (0, 1, 2)).items():
         if not values:
             raise InputError(
                 f"--given: {name} has no values; NAME=FROM:TO,... is needed without --csv, "
                 f"NAME=VALUE for one that stands"
             )
-        numbers = [numbers_from(value, f"given {name}", unit) or [] for value in values]
-        columns[name] = [row[0] for row in numbers] if len(numbers) == 2 else numbers[0][0]
+        columns[name] = values if len(values) == 2 else values[0]
     if not any(isinstance(column, list) for column in columns.values()):
         raise InputError(
             f"--given {shown(given)}: nothing moves; a path has NAME=FROM:TO for at least one "
@@ -222,30 +194,11 @@ def _columns(given: str | None, unit: str) -> dict[str, float | None] | None:
     if given is None:
         return None
     found: dict[str, float | None] = {}
-    for name, values in _parts(given):
+    for name, values in ranges_from(given, "given", unit, _PATH, (0, 1, 2)).items():
         if len(values) > 1:
             raise InputError(
-                f"--given: {name}={':'.join(values)} is a path of its own; with --csv a name is a "
-                f"column, NAME=VALUE stands"
+                f"--given: {name}={values[0]:g}:{values[1]:g} is a path of its own; with --csv a "
+                f"name is a column, NAME=VALUE stands"
             )
-        found[name] = (
-            (numbers_from(values[0], f"given {name}", unit) or [0.0])[0] if values else None
-        )
-    return found
-
-
-def _parts(given: str) -> list[tuple[str, list[str]]]:
-    """Names and what follows them: nothing, a value, or two."""
-    found: list[tuple[str, list[str]]] = []
-    for part in given.split(","):
-        name, equals, text = (piece.strip() for piece in part.partition("="))
-        values = [value.strip() for value in text.split(":")] if equals else []
-        if not name or len(values) > 2 or not all(values):
-            raise InputError(
-                f"--given: {shown(part.strip())} is no path; NAME=FROM:TO,... is needed, such as "
-                f"crank=0:360"
-            )
-        if name in dict(found):
-            raise InputError(f"--given: {shown(name)} is given twice")
-        found.append((name, values))
+        found[name] = values[0] if values else None
     return found

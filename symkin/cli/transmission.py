@@ -4,28 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import typer
-
-from symkin.cli.firmware import names_from
-from symkin.cli.help import ASKED, GIVEN, HOW, OUTPUT
 from symkin.cli.options import (
     JsonOption,
     MechArgument,
-    choice,
     named_from,
+    names_from,
     numbers_from,
+    pairs_from,
     print_result,
+    ranges_from,
 )
 from symkin.cli.pictures import picture_options
-from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.reading import RobotFile, loaded
 from symkin.cli.streams import say
 from symkin.errors import InputError, NoConfigurationError
-from symkin.formats.read_options import ReadOptions
-from symkin.text import shown
+from symkin.verb_options import ASKED, GIVEN, HOW, OUTPUT, Option
 
 if TYPE_CHECKING:
     from symkin.transmissions.transmission_result import Transmission
@@ -33,88 +29,70 @@ if TYPE_CHECKING:
 _MOTORS = "Motors"
 
 
-class Format(StrEnum):
-    array = "array"
-    c = "c"
-    ros2 = "ros2"
-
-
-def _option(metavar: str, text: str, group: str) -> Any:
-    return typer.Option(metavar=metavar, help=text, rich_help_panel=group)
-
-
-@reads_robots
 def transmission(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     motors: Annotated[
         str | None,
-        _option("A,B,...", "Coordinates that motors drive. Default: those of the file.", ASKED),
+        Option("Coordinates that motors drive. Default: those of the file.", "A,B,...", ASKED),
     ] = None,
     joints: Annotated[
         str | None,
-        _option("C,D,...", "Joints of the limb. Default: a serial way is found.", ASKED),
+        Option("Joints of the limb. Default: a serial way is found.", "C,D,...", ASKED),
     ] = None,
     at: Annotated[
         str | None,
-        typer.Option(
-            "--at",
-            metavar="V1,V2,...",
-            help="The motors' values at the configuration that is told. Default: the reference.",
-            rich_help_panel=GIVEN,
+        Option(
+            "The motors' values at the configuration that is told. Default: the reference.",
+            "V1,V2,...",
+            GIVEN,
         ),
     ] = None,
     at_joints: Annotated[
-        str | None, _option("V1,V2,...", "The joints' values, in place of --at.", GIVEN)
+        str | None, Option("The joints' values, in place of --at.", "V1,V2,...", GIVEN)
     ] = None,
     start: Annotated[
         str | None,
-        _option("NAME=VALUE,...", "A configuration whose mode is meant, by some values.", HOW),
+        Option("A configuration whose mode is meant, by some values.", "NAME=VALUE,...", HOW),
     ] = None,
     ranges: Annotated[
         str | None,
-        typer.Option(
-            "--range",
-            metavar="NAME=LOW:HIGH,...",
-            help="Limits of coordinates in place of the file's.",
-            rich_help_panel=HOW,
+        Option(
+            "Limits of coordinates in place of the file's.", "NAME=LOW:HIGH,...", flags=("--range",)
         ),
     ] = None,
     inertia: Annotated[
-        str | None, _option("I1,I2,...", "Inertia of each motor, at its coordinate.", _MOTORS)
+        str | None, Option("Inertia of each motor, at its coordinate.", "I1,I2,...", _MOTORS)
     ] = None,
     torque_limits: Annotated[
-        str | None, _option("T1,T2,...", "Largest torques, or LOW:HIGH of each.", _MOTORS)
+        str | None, Option("Largest torques, or LOW:HIGH of each.", "T1,T2,...", _MOTORS)
     ] = None,
     speed_limits: Annotated[
-        str | None, _option("W1,W2,...", "Largest rates, or LOW:HIGH of each.", _MOTORS)
+        str | None, Option("Largest rates, or LOW:HIGH of each.", "W1,W2,...", _MOTORS)
     ] = None,
     resolution: Annotated[
-        str | None, _option("R1,R2,...", "Steps of each motor's sensor, for the play.", _MOTORS)
+        str | None, Option("Steps of each motor's sensor, for the play.", "R1,R2,...", _MOTORS)
     ] = None,
     language: Annotated[
-        Format,
-        choice(
-            Format,
-            "--format",
+        Literal["array", "c", "ros2"],
+        Option(
             "What -o writes: array operations, C with a header for C++, also a ROS 2 package.",
-            OUTPUT,
+            group=OUTPUT,
+            flags=("--format",),
         ),
-    ] = Format.array,
+    ] = "array",
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o", "--output", metavar="DIR", help="Folder to write into.", rich_help_panel=OUTPUT
-        ),
+        Option("Folder to write into.", "DIR", OUTPUT, flags=("-o", "--output")),
     ] = None,
     serial: Annotated[
         Path | None,
-        _option(
-            "FILE.urdf|.xml", "Write the robot with driven joints in its linkages' place.", OUTPUT
+        Option(
+            "Write the robot with driven joints in its linkages' place.", "FILE.urdf|.xml", OUTPUT
         ),
     ] = None,
     plot: Annotated[
-        Path | None, _option("FILE.png", "Draw torques and ratios over the range.", OUTPUT)
+        Path | None, Option("Draw torques and ratios over the range.", "FILE.png", OUTPUT)
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -129,8 +107,8 @@ def transmission(
     unit = mechanism.angle_unit
     if motors is None and joints is not None:
         raise InputError("--joints needs --motors beside it: the coordinates that motors drive")
-    if output is None and language != Format.array:
-        raise InputError(f"--format {language.value} needs -o DIR: the folder to write into")
+    if output is None and language != "array":
+        raise InputError(f"--format {language} needs -o DIR: the folder to write into")
     names = (names_from(motors), names_from(joints) or None) if motors is not None else ()
     found = find(
         mechanism,
@@ -139,7 +117,7 @@ def transmission(
         torque_limits=_limits(torque_limits, "torque-limits", unit),
         speed_limits=_limits(speed_limits, "speed-limits", unit),
         resolution=numbers_from(resolution, "resolution", unit),
-        ranges=_ranges(ranges, unit),
+        ranges=ranges_from(ranges, "range", unit, "NAME=LOW:HIGH,...") if ranges else {},
         start=named_from(start, "start", unit),
     )
     several: list[Transmission] = list(found.values() if isinstance(found, Mapping) else [found])
@@ -199,7 +177,7 @@ def _short(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _written(several: list[Transmission], folder: Path, language: Format) -> list[Path]:
+def _written(several: list[Transmission], folder: Path, language: str) -> list[Path]:
     """Write the files of all transmissions, C of several into a folder each."""
     from symkin.codegen.folder import write_firmware
     from symkin.codegen.transmission_array import array_source
@@ -213,12 +191,12 @@ def _written(several: list[Transmission], folder: Path, language: Format) -> lis
         stems = [f"{stem}_{one.joints[0]}" for stem, one in zip(stems, several, strict=True)]
     named = list(zip(identifiers(stems), several, strict=True))
     folder.mkdir(parents=True, exist_ok=True)
-    if language is Format.array:
+    if language == "array":
         texts = {folder / f"{stem}_transmission.py": array_source(one) for stem, one in named}
         for path, text in texts.items():
             write_output(path, text)
         return list(texts)
-    also: list[Any] = ["cpp", *(["ros2"] if language is Format.ros2 else [])]
+    also: list[Any] = ["cpp", *(["ros2"] if language == "ros2" else [])]
     return [
         path
         for stem, one in named
@@ -236,24 +214,6 @@ def _limits(text: str | None, what: str, unit: str) -> list[Any] | None:
     """A number for each motor, or a pair LOW:HIGH."""
     if text is None:
         return None
-    parts = [_pair(part, what, unit) for part in text.split(",")]
+    parts = pairs_from(text, what, unit, "a number, or LOW:HIGH,", (1, 2))
     pairs = [[-part[0], part[0]] if len(part) == 1 else part for part in parts]
     return pairs if len(pairs) > 1 or len(parts[0]) > 1 else [parts[0][0]]
-
-
-def _pair(text: str, what: str, unit: str) -> list[float]:
-    values = [v for part in text.split(":") for v in numbers_from(part, what, unit) or []]
-    if len(values) > 2:
-        raise InputError(f"--{what}: {shown(text)} is neither a number nor LOW:HIGH")
-    return values
-
-
-def _ranges(text: str | None, unit: str) -> dict[str, list[float]]:
-    found: dict[str, list[float]] = {}
-    for part in text.split(",") if text else []:
-        name, equals, bounds = (piece.strip() for piece in part.partition("="))
-        values = _pair(bounds, "range", unit) if equals and bounds else []
-        if not name or len(values) != 2 or name in found:
-            raise InputError(f"--range: {shown(part.strip())}; NAME=LOW:HIGH,... is needed")
-        found[name] = values
-    return found

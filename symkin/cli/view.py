@@ -6,9 +6,6 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from symkin.cli.help import GIVEN, OUTPUT
 from symkin.cli.options import (
     GivenOption,
     JointsOption,
@@ -19,19 +16,18 @@ from symkin.cli.options import (
 )
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.reading import RobotFile, loaded
 from symkin.errors import InputError
-from symkin.formats.read_options import ReadOptions
+from symkin.verb_options import GIVEN, OUTPUT, Option
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
     from symkin.page.view import View
 
 
-@reads_robots
 def view(
     mech: MechArgument,
-    read: ReadOptions,
+    read: RobotFile,
     joints: JointsOption = None,
     pose: PoseOption = None,
     rpy: RpyOption = None,
@@ -39,50 +35,36 @@ def view(
     given: GivenOption = None,
     path: Annotated[
         Path | None,
-        typer.Option(
-            "--path",
-            metavar="FILE.csv",
-            help="A trajectory to play: columns of the given coordinates, or poses.",
-            rich_help_panel=GIVEN,
+        Option(
+            "A trajectory to play: columns of the given coordinates, or poses.", "FILE.csv", GIVEN
         ),
     ] = None,
     swept: Annotated[
         Path | None,
-        typer.Option(
-            "--map",
-            metavar="FOLDER",
-            help=(
-                "A folder of `symkin sweep`: its map is shown, and the mechanism goes where "
-                "one points."
-            ),
-            rich_help_panel=GIVEN,
+        Option(
+            "A folder of `symkin sweep`: its map is shown, and the mechanism goes where "
+            "one points.",
+            "FOLDER",
+            GIVEN,
+            flags=("--map",),
         ),
     ] = None,
     slices: Annotated[
         str | None,
-        typer.Option(
-            "--slice",
-            metavar="NAME=VALUE,...",
-            help="Where --map cuts a grid of more than two dimensions.",
-            rich_help_panel=GIVEN,
+        Option(
+            "Where --map cuts a grid of more than two dimensions.",
+            "NAME=VALUE,...",
+            GIVEN,
+            flags=("--slice",),
         ),
     ] = None,
     loci: Annotated[
         bool,
-        typer.Option(
-            "--loci",
-            help="Lay the curves of singular configurations over --map.",
-            rich_help_panel=GIVEN,
-        ),
+        Option("Lay the curves of singular configurations over --map.", group=GIVEN),
     ] = False,
     html: Annotated[
         Path | None,
-        typer.Option(
-            "--html",
-            metavar="FILE.html",
-            help="Write the page, and open no browser.",
-            rich_help_panel=OUTPUT,
-        ),
+        Option("Write the page, and open no browser.", "FILE.html", OUTPUT),
     ] = None,
 ) -> None:
     """Show the mechanism in the browser, where it moves; `symkin view MECH --html FILE.html` writes

@@ -81,8 +81,8 @@ def write_firmware(
     >>> import symkin, tempfile
     >>> arm = symkin.load("gluon_6l3")
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     [path.name for path in symkin.write_firmware(arm, folder, real="float")][:3]
-    ['gluon_6l3.h', 'gluon_6l3.c', 'gluon_6l3_test.c']
+    ...     [path.suffix for path in symkin.write_firmware(arm, folder, real="float")][:3]
+    ['.h', '.c', '.c']
     """
     require_mechanism(mechanism)
     pose = None if home is None else tuple(float(v) for v in home)
@@ -120,7 +120,9 @@ def write_folder(
 
 
 def check_folder(mechanism: Mechanism, folder: Path) -> None:
-    """Raise InputError where the folder has the code of another mechanism."""
+    """Raise InputError where the folder is a file or has the code of another mechanism."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file; the name of a folder is needed")
     written = read_manifest(folder, _KEY)
     if written.get("mechanism", mechanism.name) != mechanism.name:
         raise InputError(

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from symkin.errors import InputError
-from symkin.regular_file import open_regular
+from symkin.regular_file import content_of
 
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 _NAMED = re.compile(r"sep=(.)", re.IGNORECASE)
@@ -40,13 +40,7 @@ _LISTED = 5
 
 def read_text(path: str | Path) -> tuple[str, tuple[str, ...]]:
     """A file's text, UTF-8 or else Windows-1252, and a note on the latter."""
-    try:
-        with open_regular(path) as file:
-            content = file.read()
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"{path}: the file cannot be read ({getattr(error, 'strerror', None) or error})"
-        ) from None
+    content = content_of(path)
     try:
         return content.decode("utf-8-sig"), ()
     except UnicodeDecodeError:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import io
 import os
-import secrets
 import stat
 import sys
 from collections.abc import Iterable, Sequence
@@ -89,7 +88,7 @@ def _replace(target: Path, data: Iterable[bytes], there: os.stat_result | None) 
     if there is not None and not os.access(target.parent, os.W_OK):
         _overwrite(target, b"".join(data))
         return
-    temporary = target.parent / f"{f'.{target.name}'[:100]}.{secrets.token_hex(8)}"
+    temporary = target.parent / f"{f'.{target.name}'[:100]}.{os.urandom(8).hex()}"
     try:
         with temporary.open("xb") as file:
             file.writelines(data)

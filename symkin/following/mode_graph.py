@@ -315,7 +315,9 @@ def _checked(
                 f"is needed"
             )
     if n < 2 or n * n > _MOST_POINTS:
-        raise InputError(f"n = {n}; allowed: 2 to {int(_MOST_POINTS**0.5)}")
+        raise InputError(
+            f"n = {n} points along a range (--points); allowed: 2 to {int(_MOST_POINTS**0.5)}"
+        )
     return chosen
 
 

@@ -15,7 +15,7 @@ from typing import Any
 from symkin.errors import InputError, MechanismError
 from symkin.formats.joint_graph import Direction
 from symkin.model.joint import JointType
-from symkin.regular_file import open_regular
+from symkin.regular_file import content_of
 from symkin.text import first_of, not_among, shown
 
 _CLOSURES: dict[str, JointType] = {"3d": "S", "6d": "weld"}
@@ -191,11 +191,7 @@ def _size(node: Any, known: dict[int, float]) -> float:
 
 
 def _text(file: Path) -> str:
-    try:
-        with open_regular(file) as opened:
-            content = opened.read(_LARGEST + 1)
-    except OSError as error:
-        raise InputError(f"{file}: the file cannot be read ({error.strerror or error})") from None
+    content = content_of(file, _LARGEST + 1)
     if len(content) > _LARGEST:
         raise MechanismError(
             f"{file}: the file has more than {_LARGEST / 1e6:g} MB, which are allowed for loops "

@@ -7,17 +7,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from symkin.errors import InputError, MechanismError
-from symkin.formats.assembled import mechanism_of
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
-from symkin.formats.robot import Robot
 from symkin.model.file import read as read_file
 from symkin.model.file import shipped
 from symkin.model.mechanism import Mechanism
 from symkin.model.shipped import shipped_names
 from symkin.text import meant, shown
 from symkin.verb import verb
+
+if TYPE_CHECKING:
+    from symkin.formats.robot import Robot
 
 
 @verb
@@ -45,6 +47,8 @@ def load(name_or_path: str | Path, read: ReadOptions = AS_IT_IS) -> Mechanism:
         _refuse_for_files_of_ours(read, text)
         return read_file(path)
     if is_robot(path):
+        from symkin.formats.assembled import mechanism_of
+
         with _naming(path):
             return mechanism_of(read_robot(path, read))
     raise InputError(_no_mechanism(text, path))

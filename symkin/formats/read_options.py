@@ -7,20 +7,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import get_args
+from typing import TYPE_CHECKING, get_args
 
 from symkin.errors import InputError
-from symkin.formats.joint_graph import frame_along
-from symkin.formats.robot import Closure, ClosureType, Robot
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE
 from symkin.text import first_of, meant, shown
 
+if TYPE_CHECKING:
+    from symkin.formats.robot import Closure, ClosureType, Robot
+
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-_KINDS = {kind.lower(): kind for kind in get_args(ClosureType) if kind != "H"}
-"""Kinds of closures that a word tells: a screw takes its pitch as well, which the file must
-tell.
-"""
 _DRIVEN = ("R", "P", "H", "C", "U")
 """Joints that may be actuated."""
 
@@ -99,12 +96,16 @@ AS_IT_IS = ReadOptions()
 
 def _closure_kind(name: str, told: str) -> tuple[ClosureType, str]:
     """Kind and axis of a text such as R or R:x."""
+    from symkin.formats.robot import ClosureType
+
+    # a screw takes its pitch as well, which the file must tell
+    kinds = {kind.lower(): kind for kind in get_args(ClosureType) if kind != "H"}
     word, colon, axis = told.strip().partition(":")
-    kind = _KINDS.get(word.strip().lower())
+    kind = kinds.get(word.strip().lower())
     if kind is None or (colon and axis.strip().lower() not in _AXES):
         raise InputError(
             f"loop: {name} = {shown(told)} is no kind of closure; allowed: "
-            f"{', '.join(_KINDS.values())}, and behind them :x, :y or :z "
+            f"{', '.join(kinds.values())}, and behind them :x, :y or :z "
             "for the axis in its frames"
         )
     if colon and kind in ("S", "weld"):
@@ -142,6 +143,8 @@ def _of_kind(closure: Closure, kind: ClosureType, axis: str) -> Closure:
     """The closure as one of another kind, about or along an axis of its frames; ranges and motors
     were those of the other kind.
     """
+    from symkin.formats.joint_graph import frame_along
+
     turn = frame_along(_AXES[axis])
     turned = replace(closure, first=closure.first @ turn, second=closure.second @ turn)
     return (

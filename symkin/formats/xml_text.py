@@ -14,9 +14,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
-from symkin.errors import InputError, MechanismError
-from symkin.model.file import no_such_file
-from symkin.regular_file import open_regular
+from symkin.errors import MechanismError
+from symkin.regular_file import content_of
 from symkin.text import first_of, shown
 
 LARGEST_FILE = 8_000_000
@@ -264,15 +263,7 @@ def read_text(path: Path) -> bytes:
     """A file's content, at most one byte more than is allowed. Raises InputError for one that
     cannot be read.
     """
-    try:
-        with open_regular(path) as file:
-            return file.read(LARGEST_FILE + 1)
-    except FileNotFoundError:
-        raise InputError(no_such_file(path)) from None
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"{path}: the file cannot be read ({getattr(error, 'strerror', None) or error})"
-        ) from None
+    return content_of(path, LARGEST_FILE + 1)
 
 
 def _choice(tags: Sequence[str]) -> str:

@@ -4,6 +4,7 @@ cannot import its class.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Protocol
 
@@ -55,3 +56,9 @@ class Description(Graph, Protocol):
     def example(self) -> object | None: ...
     @property
     def is_graph(self) -> bool: ...
+
+
+def unit_of_coordinates(described: Description) -> dict[str, float]:
+    """The unit of each coordinate in its file, by name: radians of a degree, or 1."""
+    degree = math.radians(1.0) if described.angle_unit == "deg" else 1.0
+    return {c.name: degree if c.is_angular else 1.0 for c in described.coordinates}

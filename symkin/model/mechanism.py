@@ -17,6 +17,9 @@ from symkin.model.dh import DHTable, reference_frames
 from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
 from symkin.model.graph_checks import check_graph, links_of
 from symkin.model.joint import BASE, PLATFORM, POSE_CONDITIONS, Coordinate, Joint, finite, vector3
+from symkin.model.keys import ANGLE_UNITS, LENGTH_UNITS
+from symkin.model.keys import MOTIONS as MOTIONS
+from symkin.model.keys import Motion as Motion
 from symkin.model.limb import Limb, RodLimb, coincide
 from symkin.model.mesh import LinkMesh
 from symkin.model.names import check_mechanism_name, check_name, check_text
@@ -24,10 +27,6 @@ from symkin.model.placement import placed_points
 from symkin.spatial.pose import Pose
 from symkin.text import meant, not_among
 
-Motion = Literal["spatial", "schoenflies", "planar", "translation", "spherical"]
-MOTIONS: tuple[Motion, ...] = ("spatial", "schoenflies", "planar", "translation", "spherical")
-LENGTH_UNITS = ("m", "mm")
-ANGLE_UNITS = ("deg", "rad")
 _MUCH_LARGER = 3.0
 """Points along nearly parallel axes are moved where the described ones spread more than this many
 times as far.

@@ -1,4 +1,4 @@
-"""The mechanisms that come with symkin: their files, names and titles."""
+"""The mechanisms that come with symkin: their files, names and titles, and examples of commands."""
 
 from __future__ import annotations
 
@@ -29,3 +29,14 @@ def shipped_title(name: str) -> str:
     """The title in the file of a shipped mechanism."""
     text = (SHIPPED / f"{name}.toml").read_text(encoding="utf-8")
     return str(tomllib.loads(text).get("title", ""))
+
+
+def shipped_examples(command: str, *, remarks: bool = False) -> list[str]:
+    """The examples of a command as they are typed, or with `remarks` those with a remark beside
+    them.
+    """
+    file = SHIPPED / "examples.txt"
+    lines = file.read_text(encoding="utf-8").splitlines() if file.is_file() else []
+    return [
+        line for line in lines if f"{line} ".startswith(f"{command} ") and ("  " in line) == remarks
+    ]

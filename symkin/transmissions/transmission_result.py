@@ -15,7 +15,7 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.solve_result import SolveError
 from symkin.result import Result, Summary
-from symkin.text import shown
+from symkin.text import counted, shown
 from symkin.transmissions.lines import follow_lines
 from symkin.transmissions.linkage import Linkage
 from symkin.transmissions.motors import Motors, read_motors
@@ -287,9 +287,14 @@ class Transmission(Result):
         except (TypeError, ValueError):
             raise InputError(f"{self.name}: {shown(values)} are no numbers") from None
         if found.ndim == 0 or found.shape[-1] != len(names):
+            needed = f"needed: {', '.join(names)}"
+            if found.ndim < 2:
+                raise InputError(
+                    f"{self.name}: {counted(found.size)} given, {len(names)} are {needed}"
+                )
             raise InputError(
-                f"{self.name}: an array of shape {found.shape}; the last axis needs "
-                f"{len(names)} numbers: {', '.join(names)}"
+                f"{self.name}: an array of shape {found.shape}; {len(names)} numbers along its "
+                f"last axis are {needed}"
             )
         return found
 

@@ -88,6 +88,8 @@ def test_a_fit_gives_a_mechanism_that_modes_takes(capsys, tmp_path, data):
         "0.2,0.25,0.2,0.22,0.3,0.25",
         "--method",
         "multistart",
+        "--starts",
+        "200",
         "--json",
     )
     assert status == 0
@@ -370,7 +372,7 @@ def test_single_bad_rows_are_named(capsys, tmp_path, data):
     ("arguments", "fragment"),
     [
         (["fit", "ren2008", "DATA", "-o", "KEPT"], "is a file; the name of a folder"),
-        (["fit", "ren2008", "none.csv", "-o", "OUT"], "none.csv: the file cannot be read"),
+        (["fit", "ren2008", "none.csv", "-o", "OUT"], "none.csv: there is no such file"),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--parameters", "leg*.bse.*"], "matches nothing"),
         (["fit", "ren2008", "DATA", "-o", "OUT", "--hold", "nonsense"], "matches nothing"),
         (

@@ -7,13 +7,12 @@ from __future__ import annotations
 import inspect
 
 import pytest
-import typer
 
 import symkin
 from helpers.inside import app, fit_file
 from symkin import InputError, calibrate
 
-FIT = typer.main.get_command(app).commands["calibrate"].commands["fit"]
+FIT = app.get_command(None, "calibrate").get_command(None, "fit")
 OFFERED = {parameter.name: parameter for parameter in FIT.params}
 ARM = symkin.load("scara")
 READINGS = symkin.Measurements([[0.1, 0.2, 0.3, 0.4]], position=[[1.0, 2.0, 3.0]])

@@ -12,7 +12,7 @@ import casadi as ca
 import mpmath as mp
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from click.testing import CliRunner
 
 import symkin
 from helpers import firmware_tools as tools

@@ -21,7 +21,7 @@ DOOR = TESTS / "helpers" / "inside.py"
 PAGE = ROOT / "docs" / "architecture.md"
 MOST_PARAMETERS = 8
 COMMANDS = "symkin.cli"
-"""Typer makes an option of each parameter of a command: these functions have as many as the command
+"""An option is made of each parameter of a command: these functions have as many as the command
 line has options.
 """
 PUBLIC = "symkin"
@@ -206,7 +206,7 @@ def parameters(
 
 
 def many_parameters() -> Iterator[str]:
-    """Functions take at most eight. Commands of Typer are excepted, and the options of verbs, which
+    """Functions take at most eight. Commands are excepted, and the options of verbs, which
     are those of their commands: a copy of them in a dictionary or a class hides them from the
     reader, and saves nothing.
     """

@@ -55,14 +55,30 @@ def test_list_names_all(capsys: pytest.CaptureFixture[str]) -> None:
     assert [line.split()[0] for line in out.splitlines()] == symkin.shipped_names()
 
 
+def imported_by(*words: str) -> set[str]:
+    """The modules that a command imports, in a process of its own."""
+    command = [sys.executable, "-X", "importtime", "-m", "symkin", *words]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return {line.split()[-1] for line in done.stderr.splitlines()}
+
+
 @pytest.mark.parametrize("word", ["--help", "--version", "list"])
 def test_what_computes_nothing_starts_without_numbers(word: str) -> None:
     """Neither NumPy nor CasADi is imported, which take longer than all else."""
-    command = [sys.executable, "-X", "importtime", "-m", "symkin", word]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    imported = [line.split()[-1] for line in done.stderr.splitlines()]
-    assert "typer" in imported
-    assert not {"numpy", "casadi"} & set(imported)
+    imported = imported_by(word)
+    assert "click" in imported
+    assert not {"numpy", "casadi"} & imported
+
+
+def test_an_account_starts_without_what_it_does_not_need() -> None:
+    """`show` of a mechanism file: no pictures, no paths of solutions, no readers of robots' files,
+    no masked arrays.
+    """
+    imported = imported_by("show", "zhao2000")
+    inner = {name.removeprefix("symkin.") for name in imported}
+    heavy = ("matplotlib", "rich", "tomlkit", "flint", "numpy.ma.", "homotopy", "plots")
+    assert {"casadi", "position.mobility"} <= inner
+    assert [name for name in inner if name.startswith((*heavy, "formats.parts"))] == []
 
 
 @pytest.mark.parametrize(
@@ -269,7 +285,7 @@ def test_numbers_may_be_arithmetic(capsys: pytest.CaptureFixture[str]) -> None:
     assert answers[0] == answers[1] is not None
 
 
-@pytest.mark.parametrize("name", ["load", "app"])
+@pytest.mark.parametrize("name", ["load", "_run"])
 def test_ctrl_c_is_one_line(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
@@ -280,7 +296,7 @@ def test_ctrl_c_is_one_line(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr({"load": inside.load_file, "app": inside.cli_app}[name], name, interrupted)
+    monkeypatch.setattr({"load": inside.load_file, "_run": inside.cli_app}[name], name, interrupted)
     assert run(capsys, "solve", "zhao2000") == (130, "", "symkin: interrupted\n")
 
 
@@ -348,13 +364,13 @@ def test_show_latex(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.slow
 def test_module_runs_and_imports_stay_light() -> None:
-    """`python -m symkin` is the command; `import symkin` loads neither matplotlib nor typer."""
+    """`python -m symkin` is the command; `import symkin` loads neither matplotlib nor click."""
     done = subprocess.run(
         [sys.executable, "-m", "symkin", "list"], capture_output=True, text=True, check=True
     )
     assert "zhao2000" in done.stdout
     code = (
-        "import symkin, sys; print(sorted({'matplotlib', 'typer', 'rich', 'pydantic'} & "
+        "import symkin, sys; print(sorted({'matplotlib', 'click', 'rich', 'numpy'} & "
         "set(sys.modules)))"
     )
     loaded = subprocess.run(

@@ -9,21 +9,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import typer
 
 import symkin
-from helpers import inside
 from helpers.command_line import run
 from helpers.gate import in_gate_but
 from helpers.inside import app
 
-COMMANDS = typer.main.get_command(app)
-
 
 def _commands(
-    group: Any = COMMANDS, before: tuple[str, ...] = ()
+    group: Any = app, before: tuple[str, ...] = ()
 ) -> Iterator[tuple[tuple[str, ...], Any]]:
-    for name, command in group.commands.items():
+    for name in group.list_commands(None):
+        command = group.get_command(None, name)
         yield (*before, name), command
         if hasattr(command, "commands"):
             yield from _commands(command, (*before, name))
@@ -32,7 +29,7 @@ def _commands(
 ALL = list(_commands())
 EXAMPLES = {
     name: [line for words, c in ALL if words[0] == name for line in (c.epilog or "").splitlines()]
-    for name in COMMANDS.commands
+    for name in app.list_commands(None)
 }
 """By command, those of `calibrate` in one list: they read what others have written."""
 
@@ -48,7 +45,7 @@ def test_symkin_alone_prints_its_help(capsys: pytest.CaptureFixture[str]) -> Non
 
 @pytest.mark.parametrize(
     ("words", "command"),
-    [((), COMMANDS), *ALL],
+    [((), app), *ALL],
     ids=lambda w: " ".join(w) if isinstance(w, tuple) else "",
 )
 def test_help_fits_a_terminal_and_has_examples(
@@ -97,7 +94,7 @@ def test_examples_run(
     [
         ("symkin mod", ["modes", "mode-graph"]),
         ("symkin modes zhao", ["zhao2000", "zhao2000_links", "zhao_mine.toml"]),
-        ("symkin modes other", []),
+        ("symkin modes other", ["file,other"]),
         ("symkin modes zhao2000 --method m", ["multistart"]),
         ("symkin calibrate pl", ["plan"]),
         ("symkin jacobian ankle --format n", ["numpy"]),
@@ -111,12 +108,12 @@ def test_bash_completes(
     expected: list[str],
 ) -> None:
     """What bash is offered: commands, mechanisms by name, files of mechanisms beside them, values
-    of options. Where nothing fits, it goes on with files by itself.
+    of options. Where nothing fits, it goes on with files.
     """
     for name in ("zhao_mine.toml", "zhao.txt", "other.toml"):
         (tmp_path / name).write_text("")
     environment = {
-        "_SYMKIN_COMPLETE": "complete_bash",
+        "_SYMKIN_COMPLETE": "bash_complete",
         "COMP_WORDS": words,
         "COMP_CWORD": str(len(words.split()) - 1),
     }
@@ -124,19 +121,40 @@ def test_bash_completes(
         monkeypatch.setenv(name, value)
     monkeypatch.chdir(tmp_path)
     status, out, _ = run(capsys)
-    assert (status, out.split()) == (0, expected)
+    assert (status, out.replace("plain,", "").split()) == (0, expected)
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash is needed")
-def test_completion_is_a_script(monkeypatch: pytest.MonkeyPatch) -> None:
-    """`--show-completion bash` prints a script that bash reads."""
-    monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")
-    code = f"from {inside.where('main')} import main; main(['--show-completion', 'bash'])"
-    script = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    ).stdout
-    assert "_SYMKIN_COMPLETE" in script
+def test_completion_is_a_script(capsys: pytest.CaptureFixture[str]) -> None:
+    """`--show-completion bash` prints a script that bash reads; an unknown shell is refused with
+    those that are known.
+    """
+    status, script, _ = run(capsys, "--show-completion", "bash")
+    assert (status, "_SYMKIN_COMPLETE" in script) == (0, True)
     subprocess.run(["bash", "-n"], input=script, text=True, check=True)
+    status, out, err = run(capsys, "--show-completion", "zhs")
+    assert (status, out, "do you mean 'zsh'?" in err) == (2, "", True)
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="bash is needed")
+def test_completion_is_installed_once(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Of the terminal's own shell; what the user's file held stays, and a second time adds
+    nothing.
+    """
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("SHELL", "/bin/bash")
+    start = tmp_path / ".bashrc"
+    start.write_text("export KEPT=1\n")
+    for _ in range(2):
+        status, out, err = run(capsys, "--install-completion")
+        assert (status, err) == (0, "")
+        assert "bash completion installed" in out
+        lines = start.read_text().splitlines()
+        assert len(lines) == 2
+        assert lines[0] == "export KEPT=1"
+        subprocess.run(["bash", "-c", lines[1]], check=True)
 
 
 @pytest.mark.parametrize(

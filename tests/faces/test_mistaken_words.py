@@ -144,6 +144,12 @@ def test_a_key_of_a_file_is_told_the_nearest_one(
         ("modes zhao2000 --pose x=0,y=0,z=100", "these values have no names"),
         ("solve zhao2000 --start 1", "start: 1 value given"),
         ("track zhao2000 81,202,330,105 85,200,330,110", "a path is --from 81,202,330,105 --to"),
+        ("mode-graph zhao2000 --over theta1", "--over: 'theta1' is no range; NAME=LOW:HIGH"),
+        ("mode-graph zhao2000 --over theta1=70:90 --points 1", "--points"),
+        (
+            "transmission ankle --motors upper_motor,lower_motor --at 8",
+            "1 value given, 2 are needed: upper_motor, lower_motor",
+        ),
         (
             "view zhao2000 --joints 1,2 --html x.html",
             "2 values given, zhao2000 has 4 actuated joints",
@@ -159,3 +165,26 @@ def test_values_are_told_how_they_are_written(
     status, out, err = run(capsys, *words.split())
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert expected in err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "track zhao2000 --csv paht.csv",
+        "view zhao2000 --path paht.csv --html page.html",
+        "calibrate fit zhang2009 paht.csv -o fitted",
+    ],
+)
+def test_a_table_that_is_not_there_is_told_the_nearest_file(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    words: str,
+) -> None:
+    """As for a mechanism's own file, and nothing is written."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "path.csv").write_text("")
+    status, out, err = run(capsys, *words.split())
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert "paht.csv: there is no such file (do you mean 'path.csv'?)" in err
+    assert [file.name for file in tmp_path.iterdir()] == ["path.csv"]

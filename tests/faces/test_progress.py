@@ -1,5 +1,6 @@
 """What commands say of long work off a terminal: lines on stderr, stdout as it is."""
 
+import io
 import json
 import logging
 import re
@@ -68,3 +69,20 @@ def test_json_stays_alone_on_stdout():
     assert json.loads(done.stdout)["mechanism"] == "zhang2009"
     assert done.stderr.startswith("symkin: ")
     assert done.returncode == 0
+
+
+def test_a_bar_on_a_terminal_counts(monkeypatch):
+    """What is done of how much, beside the words for it; the rate is of what is done since."""
+
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    with progress.progress_bar("points") as show:
+        show(2, 10)
+        show(5, 10)
+    assert "points" in terminal.getvalue()
+    assert "5/10" in terminal.getvalue()

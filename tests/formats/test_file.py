@@ -329,10 +329,21 @@ BAD = {
     ),
     "name a number": (swap(PARALLEL, '"robot"', "3"), ["name", "3"]),
     "name empty": (swap(PARALLEL, '"robot"', '""'), ["name", "''"]),
-    "title a number": (swap(PARALLEL, "format = 1", "format = 1\ntitle = 3"), ["title", "3"]),
+    "title a number": (
+        swap(PARALLEL, "format = 1", "format = 1\ntitle = 3"),
+        ["title = 3", "a text"],
+    ),
+    "platform a number": (
+        PARALLEL.replace("format = 1", "format = 1\nplatform = 3"),
+        ["platform = 3", "a table"],
+    ),
+    "base a number": (
+        swap(PARALLEL, "base = [0.0, 0.0, 0.0]", "base = 3"),
+        ["limb[0] (leg1).base = 3", "a list of 3 numbers"],
+    ),
     "limb a number": (HEAD + "limb = 3\n", ["limb", "3"]),
     "limb a list of numbers": (HEAD + "limb = [3]\n", ["limb[0]", "3"]),
-    "limb a table": (swap(PARALLEL, "[[limb]]", "[limb]"), ["limb"]),
+    "limb a table": (swap(PARALLEL, "[[limb]]", "[limb]"), ["limb", "[[limb]]"]),
     "joint a table": (swap(ARM, "[[joint]]", "[joint]"), ["joint"]),
     "unknown key at the top": (
         swap(PARALLEL, "format = 1", "format = 1\ncolour = 3"),
@@ -513,7 +524,7 @@ BAD = {
     ),
     "actuated is text": (
         swap(MIXED, "actuated = true", 'actuated = "yes"'),
-        ["waist", "actuated", "'yes'"],
+        ["waist", "actuated", "'yes'", "true or false"],
     ),
     "passive joint of an arm": (swap(ARM, "zero = 90.0", "actuated = false"), ["'q1'", "actuated"]),
     "ball in an arm": (
@@ -543,7 +554,7 @@ BAD = {
     "dh row of a ball": (swap(DH, '"R"', '"S"'), ["dh.rows[0]", "type", "'S'", "'R', 'P'"]),
     "dh limits reversed": (
         swap(DH, "alpha = 90.0", "limits = [2, 1]"),
-        ["q1", "limits", "low < high"],
+        ["dh.rows[0].limits", "low < high"],
     ),
     "example count": (
         swap(PARALLEL, "joints = [95.0]", "joints = [95.0, 1.0]"),

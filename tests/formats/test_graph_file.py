@@ -226,6 +226,14 @@ BAD = {
         swap("{ crank = 2.0 }", "{}"),
         ["coupling of 'elbow'", "no joint", "factors"],
     ),
+    "a coupling to a number": (
+        swap("{ crank = 2.0 }", "3"),
+        ["coupling[0].of = 3", "name of a joint", "factors"],
+    ),
+    "points in a list": (
+        swap("{ toe = [100, 50, 0] }", "[100, 50, 0]"),
+        ["link[0] (foot).points", "a table"],
+    ),
     "a polynomial of several": (
         swap("{ crank = 2.0 }", "{ crank = 2.0 }\npolynomial = [0, 1]"),
         ["coupling of 'elbow'", "polynomial", "one joint"],

@@ -542,7 +542,7 @@ NAMES = {
     "_status": "symkin.cli.app",
     "app": "symkin.cli.app",
     "main": "symkin.cli.app",
-    "whole_number": "symkin.cli.options",
+    "whole_number": "symkin.cli.commands",
     "noise_quantity": "symkin.cli.quantities",
     "quantity": "symkin.cli.quantities",
 }

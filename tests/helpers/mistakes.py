@@ -23,4 +23,3 @@ def assert_refused_in_one_line(path: Path, text: str, fragments: Sequence[str]) 
     for fragment in fragments:
         assert fragment in message[len(str(path)) :]
     assert "\n" not in message
-    assert "pydantic" not in message

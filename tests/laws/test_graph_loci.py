@@ -219,7 +219,7 @@ def test_the_command_tells_the_same_graph(
     assert picture.stat().st_size > 1000
     status, _, err = run(capsys, "mode-graph", "four_bar", "--over", "crank=0")
     assert (status, err.count("\n")) == (2, 1)
-    assert "--over: 'crank=0' is no range; NAME=LOW:HIGH is needed" in err
+    assert "--over: 'crank=0' is no range; NAME=LOW:HIGH,..., such as" in err
 
 
 def test_modes_over_the_follower_end_at_the_cranks_dead_point(tmp_path) -> None:

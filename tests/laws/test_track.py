@@ -275,7 +275,7 @@ def test_repeated_rows_stand_still(tmp_path, capsys):
         (["--from", EXAMPLE, "--to", NEAR, "--start", "1,2"], "start: 2 values"),
         (["--from", EXAMPLE, "--to", NEAR, "--plot", "nowhere.xyz"], "nowhere.xyz"),
         (["--csv", "missing.csv", "--from", EXAMPLE], "give one of them"),
-        (["--csv", "missing.csv"], "cannot be read"),
+        (["--csv", "missing.csv"], "there is no such file"),
         (["--from", EXAMPLE, "--to", NEAR, "-o", "/no/such/folder/t.csv"], "folder"),
     ],
 )
