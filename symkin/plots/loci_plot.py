@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.plots.style import COLOURS, drawing
+from symkin.drawing.palette import COLOURS
+from symkin.plots.sheet import foot_legend, head, new_figure
+from symkin.plots.style import drawing
 from symkin.position.varied_pose import axis_title
 from symkin.singularities.loci import MISSING, NONE_MET
 
@@ -29,37 +31,14 @@ def figure_of_loci(loci: Loci) -> Figure:
     thin elsewhere; cusps as rings, the configuration as a cross; equal scales where both sides are
     of one unit.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     with drawing():
-        figure = Figure(
-            figsize=(7.4, 7.2 if len(loci.ranges) == 2 else 2.6),
-            facecolor="white",
-            layout="constrained",
-        )
-        FigureCanvasAgg(figure)
+        figure = new_figure(7.4, 7.2 if len(loci.ranges) == 2 else 2.6)
         axes = figure.subplots()
         draw_curves(axes, loci)
-        figure.suptitle(
-            f"{loci.plane.mechanism.name}: singularity loci",
-            fontsize=13,
-            fontweight="bold",
-            color=COLOURS["text"],
-        )
+        head(figure, f"{loci.plane.mechanism.name}: singularity loci")
         axes.set_title(loci.held, fontsize=9, color=COLOURS["quiet"], parse_math=False)
         handles, labels = axes.get_legend_handles_labels()
-        if handles:
-            unique = dict(zip(labels, handles, strict=True))
-            figure.legend(
-                list(unique.values()),
-                list(unique),
-                loc="outside lower center",
-                ncols=3,
-                frameon=False,
-                fontsize=9,
-                labelcolor=COLOURS["quiet"],
-            )
+        foot_legend(figure, dict(zip(labels, handles, strict=True)), 3)
     return figure
 
 

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from symkin.drawing.palette import COLOURS
 from symkin.plots.loci_plot import KIND_COLOURS, point_look
-from symkin.plots.style import COLOURS
+from symkin.plots.sheet import foot_legend
 from symkin.singularities.loci import MISSING, NONE_MET, Loci
 
 _WIDTH, _EDGE = 1.8, 4.0
@@ -79,13 +80,4 @@ def draw_loci(figure: Any, ax: Any, loci: Loci, names: Sequence[str]) -> None:
             color=COLOURS["text"],
             path_effects=edge,
         )
-    if handles:
-        figure.legend(
-            list(handles.values()),
-            list(handles),
-            loc="outside lower center",
-            ncols=3,
-            frameon=False,
-            fontsize=9,
-            labelcolor=COLOURS["text"],
-        )
+    foot_legend(figure, handles, 3)
