@@ -63,7 +63,8 @@ def draw_small_multiples(
             centre = corner + [0.5 * wide, 0.5 * (tall + caption)]
             shift = centre - 0.5 * pixels * (low + high)
             colours = {} if mechanism.serial else _limb_colours(layout)
-            look = {"symbol": 20.0 * scale, "width": 2.4 * scale, "colours": colours}
+            wide_lines = 1.2 if mechanism.serial else 2.4
+            look = {"symbol": 20.0 * scale, "width": wide_lines * scale, "colours": colours}
             Painter(ax, layout, camera, pixels, shift, **look).draw()
             number = {"ha": "left", "fontweight": "bold", "color": COLOURS["quiet"]}
             _write(

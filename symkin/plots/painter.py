@@ -150,7 +150,9 @@ class Painter:
             self._flat(corners[0], corners[1], 1.2, COLOURS["base edge"], BASE, 1.0, style)
         if self.layout.mechanism.serial:
             points = points[:1]
-        for point in np.unique(np.round(points, 9), axis=0) if self.colours is None else ():
+        elif self.colours is not None:
+            return
+        for point in np.unique(np.round(points, 9), axis=0):
             self._ground(point)
 
     def _ground(self, point: np.ndarray) -> None:

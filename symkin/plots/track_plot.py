@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 _LEAST_WIDTH = 9.0
 """Inches of the figure at least."""
+_MARGIN = 0.4
+"""Inches beside the robots."""
 _PANEL, _PANEL_GAP = 1.55, 0.28
 """Inches of a panel of curves, and between two."""
 _HEAD, _HEAD_LINE, _LEGEND, _ROW = 0.5, 0.2, 0.75, 0.185
@@ -129,7 +131,7 @@ class _Sheet:
             max(1.1, _CHARACTER * max(map(len, rows)) + 0.5),
             max(1.0, _CHARACTER * max(map(len, entries), default=0) + 0.55),
         )
-        width = max(_LEAST_WIDTH, block.size[0])
+        width = max(_LEAST_WIDTH, block.size[0] + _MARGIN)
         facts = textwrap.wrap(track.statement[0].upper() + track.statement[1:], int(13 * width))
         return _Sheet(
             track, block, tuple(facts), panels, x, title, tuple(moved[:_MOST_INPUTS]), margins
@@ -137,7 +139,7 @@ class _Sheet:
 
     @property
     def width(self) -> float:
-        return max(_LEAST_WIDTH, float(self.block.size[0]))
+        return max(_LEAST_WIDTH, float(self.block.size[0]) + _MARGIN)
 
     @property
     def foot(self) -> float:
