@@ -19,6 +19,7 @@ from symkin.drawing.palette import COLOURS, LINK_COLOURS
 from symkin.drawing.slides import joint_places, slide_routes
 from symkin.model.bar import Bar
 from symkin.model.graph_checks import links_of
+from symkin.model.joined import Joined
 from symkin.model.joint import BASE, Joint, JointType
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
@@ -413,17 +414,6 @@ def _unit(vector: np.ndarray) -> np.ndarray:
 
 def _closing(edges: Sequence[Branch]) -> frozenset[str]:
     """Joints of a graph between links that joints and rods before them in the file join already."""
-    heads: dict[str, str] = {}
-
-    def head(link: str) -> str:
-        while heads.setdefault(link, link) != link:
-            link = heads[link]
-        return link
-
-    found = set()
-    for edge in edges:
-        first, second = (head(link) for link in edge.ends)
-        if first == second and isinstance(edge.elements[0].part, Joint):
-            found.add(edge.elements[0].part.name)
-        heads[first] = second
-    return frozenset(found)
+    joined = Joined[str]()
+    found = [edge.elements[0].part for edge in edges if not joined.join(*edge.ends)]
+    return frozenset(part.name for part in found if isinstance(part, Joint))
