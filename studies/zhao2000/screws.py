@@ -19,7 +19,7 @@ import symkin
 from studies.shared.report import Report
 from studies.zhao2000.model import BASE, LINK, SIZE, TABLE_1, corners, inverse
 from symkin.model.limb import Limb
-from symkin.plots.sketch import figure_of_sketch
+from symkin.plots.figures import figure_of_sketch
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

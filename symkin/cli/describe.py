@@ -36,7 +36,7 @@ def show(
     mechanism = loaded(mech, read)
     options = picture_options(plot, mechanism, names=names)
     if plot is not None:
-        from symkin.plots.sketch import draw_sketch
+        from symkin.plots.figures import draw_sketch
 
         draw_sketch(mechanism, plot, **options)
     if latex:

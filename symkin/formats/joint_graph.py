@@ -21,6 +21,7 @@ from symkin.formats.naming import allowed_names, renamed
 from symkin.formats.parts import Parts, turned
 from symkin.formats.robot import Closure, ClosureType, Mesh, Robot
 from symkin.model.graph import Coupling, LinkJoint
+from symkin.model.joined import Joined
 from symkin.model.joint import BASE, FREEDOMS, Joint, JointType
 from symkin.spatial.pose import Pose
 from symkin.text import first_of
@@ -91,16 +92,11 @@ def spanning_tree(graph: JointGraph) -> list[GraphJoint]:
     """The joints that place every link that the root reaches, each once (Kruskal's choice in the
     order of preference).
     """
-    heads = {link: link for link in graph.links}
     coupled = {name.partition(".")[0] for c in graph.couplings for name in (c.joint, *c.names)}
     coupled |= {name for c in graph.couplings for name in (c.joint, *c.names)}
-    chosen = []
-    for joint in sorted(graph.joints, key=lambda joint: _preference(joint, joint.name in coupled)):
-        first, second = (_head(heads, link) for link in joint.links)
-        if first != second:
-            heads[first] = second
-            chosen.append(joint)
-    return chosen
+    ranked = sorted(graph.joints, key=lambda joint: _preference(joint, joint.name in coupled))
+    joined = Joined[str]()
+    return [joint for joint in ranked if joined.join(*joint.links)]
 
 
 def place(
@@ -377,13 +373,6 @@ def _uniquely_named(graph: JointGraph) -> JointGraph:
 def _unreached_note(graph: JointGraph, reached: Collection[str]) -> list[str]:
     lost = [link for link in graph.links if link not in reached]
     return [f"nothing joins to the robot, and left out: {first_of(lost)}"] if lost else []
-
-
-def _head(heads: dict[str, str], link: str) -> str:
-    while heads[link] != link:
-        heads[link] = heads[heads[link]]
-        link = heads[link]
-    return link
 
 
 def _within_a_link(closure: Closure) -> str:

@@ -25,6 +25,7 @@ from symkin.formats.naming import allowed_names, renamed, robot_name
 from symkin.formats.parts import KEY, Parts, parts_from
 from symkin.formats.robot import Closure, Mesh, Robot
 from symkin.model.graph import LinkJoint
+from symkin.model.joined import Joined
 from symkin.model.joint import BASE, Joint, JointType
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply
@@ -109,27 +110,17 @@ class Reader:
         somewhere.
         """
         model = self.model
-        heads = list(range(model.nbody))
-
-        def head(body: int) -> int:
-            while heads[body] != body:
-                body = heads[body]
-            return body
-
+        joined = Joined[int]()
         for body in range(1, model.nbody):
             if body not in self.free:
-                heads[head(body)] = head(int(model.body_parentid[body]))
+                joined.join(body, int(model.body_parentid[body]))
         for equality in self.equalities:
             if equality.kind in ("connect", "weld"):
                 first, second = (body_of(self.compiled, equality, end) for end in (0, 1))
-                heads[head(first)] = head(second)
-        floating, still = [], []
+                joined.join(first, second)
+        floating, still = list[int](), list[int]()
         for body in sorted(self.free):
-            if head(body) == head(0):
-                floating.append(body)
-            else:
-                still.append(body)
-                heads[head(body)] = head(0)
+            (still if joined.join(body, 0) else floating).append(body)
         if still:
             names = first_of([self.compiled.body_name(body) for body in still])
             self.notes.append(

@@ -20,6 +20,7 @@ from symkin.formats.graph_form import as_graph, is_closed_at_reference
 from symkin.formats.parts import Parts, Whole, turned
 from symkin.model.graph import Coupling, LinkJoint, LinkRod
 from symkin.model.graph_checks import links_of
+from symkin.model.joined import Joined
 from symkin.model.joint import BASE, Joint, JointType
 from symkin.model.mechanism import Mechanism
 
@@ -129,8 +130,8 @@ class _Writer:
 
     def tree(self) -> WrittenTree:
         ranked = sorted(self.entries, key=self._rank)
-        heads: dict[str, str] = {}
-        inside = [entry for entry in ranked if _join(heads, entry.links)]
+        joined = Joined[str]()
+        inside = [entry for entry in ranked if joined.join(*entry.links)]
         self._refuse_welds(inside)
         closures = [self._closed(entry, inside) for entry in self.entries if entry not in inside]
         carried = self._carried(inside)
@@ -347,18 +348,3 @@ def fresh_name(name: str, taken: set[str]) -> str:
         found, number = f"{name}_{number}", number + 1
     taken.add(found)
     return found
-
-
-def _join(heads: dict[str, str], links: Sequence[str]) -> bool:
-    """Join two links that nothing joins yet (Kruskal's choice)."""
-    first, second = (_head(heads, link) for link in links)
-    if first != second:
-        heads[first] = second
-    return first != second
-
-
-def _head(heads: dict[str, str], link: str) -> str:
-    while (above := heads.setdefault(link, link)) != link:
-        heads[link] = heads[above]
-        link = heads[link]
-    return link

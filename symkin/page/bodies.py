@@ -7,7 +7,7 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from symkin.plots.mechanism_lines import outline
+from symkin.drawing.outline import distinct, outline
 
 _FLAT = 1e-6
 """Distance from a plane, over the size, below which a point lies in it."""
@@ -45,15 +45,6 @@ def body_of(points: np.ndarray, size: float) -> Body:
         nearest = min(held, key=lambda other: float(np.linalg.norm(kept[other] - kept[index])))
         edges.add(_ordered(index, nearest))
     return Body(kept, sorted(edges), faces)
-
-
-def distinct(points: np.ndarray, near: float) -> np.ndarray:
-    """The points (n, 3) that are no nearer to one before them than `near`."""
-    kept: list[np.ndarray] = []
-    for point in points:
-        if all(np.linalg.norm(point - other) > near for other in kept):
-            kept.append(point)
-    return np.array(kept).reshape(-1, 3)
 
 
 def _rank(points: np.ndarray, size: float) -> int:

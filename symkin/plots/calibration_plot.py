@@ -13,8 +13,9 @@ import numpy as np
 
 from symkin.calibration.data.observables import judged_link
 from symkin.calibration.data.parameters import MEASURING_FRAMES
+from symkin.drawing.palette import COLOURS
 from symkin.errors import InputError
-from symkin.plots.style import COLOURS, drawing
+from symkin.plots.style import drawing
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import quaternion_from_rotation_vector
 from symkin.text import matplotlib_text, not_among

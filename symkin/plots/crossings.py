@@ -29,16 +29,16 @@ class Piece:
     free: tuple[bool, bool]
 
 
-def pieces(lines: Sequence[tuple[np.ndarray, np.ndarray]], axes: np.ndarray) -> list[Piece]:
+def pieces(
+    lines: Sequence[tuple[np.ndarray, np.ndarray]], axes: np.ndarray, *, whole: bool = False
+) -> list[Piece]:
     """The pieces of straight lines from start to end; rows of `axes` are the picture's right and up
-    and the direction to the eye.
+    and the direction to the eye. With `whole`, where all lie in one plane, no line is cut.
     """
-    seen = [np.array([axes @ start, axes @ end]) for start, end in lines]
+    seen = np.array([[axes @ start, axes @ end] for start, end in lines]).reshape(-1, 2, 3)
     found = []
     for number, (start, end) in enumerate(lines):
-        places = sorted(
-            _crossings(seen[number], [other for k, other in enumerate(seen) if k != number])
-        )
+        places = [] if whole else _crossings(seen[number], np.delete(seen, number, axis=0))
         shares = [share for share, _ in places]
         cuts = [0.0, *(0.5 * (a + b) for a, b in pairwise(shares)), 1.0]
         depths = seen[number][:, 2]
@@ -51,28 +51,18 @@ def pieces(lines: Sequence[tuple[np.ndarray, np.ndarray]], axes: np.ndarray) -> 
     return found
 
 
-def _crossings(line: np.ndarray, others: Sequence[np.ndarray]) -> list[tuple[float, bool]]:
-    """Where others (2, 3) cross a line (2, 3) in the picture, from 0 at its start to 1 at its end,
-    and whether it is nearer there.
+def _crossings(line: np.ndarray, others: np.ndarray) -> list[tuple[float, bool]]:
+    """Where others (n, 2, 3) cross a line (2, 3) in the picture, from 0 at its start to 1 at its
+    end, and whether it is nearer there.
     """
-    found = []
-    along = (line[1] - line[0])[:2]
-    for other in others:
-        across = (other[1] - other[0])[:2]
-        turn = along[0] * across[1] - along[1] * across[0]
-        if abs(turn) <= 1e-12 * float(np.linalg.norm(along) * np.linalg.norm(across)):
-            continue
-        gap = (other[0] - line[0])[:2]
-        t = (gap[0] * across[1] - gap[1] * across[0]) / turn
-        u = (gap[0] * along[1] - gap[1] * along[0]) / turn
-        if _INSIDE < t < 1.0 - _INSIDE and _INSIDE < u < 1.0 - _INSIDE:
-            found.append(
-                (
-                    float(t),
-                    bool(
-                        (1.0 - t) * line[0, 2] + t * line[1, 2]
-                        > (1.0 - u) * other[0, 2] + u * other[1, 2]
-                    ),
-                )
-            )
-    return found
+    along, across = (line[1] - line[0])[:2], (others[:, 1] - others[:, 0])[:, :2]
+    turn = along[0] * across[:, 1] - along[1] * across[:, 0]
+    apart = np.abs(turn) > 1e-12 * np.linalg.norm(along) * np.linalg.norm(across, axis=1)
+    others, across, turn = others[apart], across[apart], turn[apart]
+    gap = (others[:, 0] - line[0])[:, :2]
+    t = (gap[:, 0] * across[:, 1] - gap[:, 1] * across[:, 0]) / turn
+    u = (gap[:, 0] * along[1] - gap[:, 1] * along[0]) / turn
+    own = (1.0 - t) * line[0, 2] + t * line[1, 2]
+    nearer = own > (1.0 - u) * others[:, 0, 2] + u * others[:, 1, 2]
+    inside = (np.minimum(t, u) > _INSIDE) & (np.maximum(t, u) < 1.0 - _INSIDE)
+    return sorted(zip(t[inside].tolist(), nearer[inside].tolist(), strict=True))

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from symkin.drawing.palette import COLOURS
 from symkin.errors import InputError
-from symkin.plots.style import COLOURS, drawing
+from symkin.plots.sheet import new_figure
+from symkin.plots.style import drawing
 from symkin.position.given_by_name import given_coordinates
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
@@ -66,14 +68,10 @@ def figure_of_rates(jacobian: RateJacobian, *, at: Solution | None = None) -> Fi
 
 
 def _matrix_figure(jacobian: Jacobian | RateJacobian, matrix: np.ndarray, title: str) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     rows, columns = jacobian.shape
     with drawing():
         size = max(4.2, 2.6 + 0.75 * columns, 0.1 * len(title)), max(2.6, 1.9 + 0.42 * rows)
-        figure = Figure(figsize=size, facecolor="white", layout="constrained")
-        FigureCanvasAgg(figure)
+        figure = new_figure(*size)
         ax: Any = figure.add_subplot()
         shade = (
             matrix

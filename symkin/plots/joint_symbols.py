@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from symkin.drawing.palette import COLOURS
 from symkin.model.joint import JointType
-from symkin.plots.style import COLOURS
 
 NAMES: dict[JointType, str] = {
     "R": "R revolute",

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.plots.style import COLOURS, drawing
+from symkin.drawing.palette import COLOURS
+from symkin.plots.sheet import foot_legend, head, new_figure
+from symkin.plots.style import drawing
 from symkin.position.varied_pose import axis_title
 from symkin.singularities.loci import MISSING, NONE_MET
 
@@ -29,37 +31,14 @@ def figure_of_loci(loci: Loci) -> Figure:
     thin elsewhere; cusps as rings, the configuration as a cross; equal scales where both sides are
     of one unit.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     with drawing():
-        figure = Figure(
-            figsize=(7.4, 7.2 if len(loci.ranges) == 2 else 2.6),
-            facecolor="white",
-            layout="constrained",
-        )
-        FigureCanvasAgg(figure)
+        figure = new_figure(7.4, 7.2 if len(loci.ranges) == 2 else 2.6)
         axes = figure.subplots()
         draw_curves(axes, loci)
-        figure.suptitle(
-            f"{loci.plane.mechanism.name}: singularity loci",
-            fontsize=13,
-            fontweight="bold",
-            color=COLOURS["text"],
-        )
+        head(figure, f"{loci.plane.mechanism.name}: singularity loci")
         axes.set_title(loci.held, fontsize=9, color=COLOURS["quiet"], parse_math=False)
         handles, labels = axes.get_legend_handles_labels()
-        if handles:
-            unique = dict(zip(labels, handles, strict=True))
-            figure.legend(
-                list(unique.values()),
-                list(unique),
-                loc="outside lower center",
-                ncols=3,
-                frameon=False,
-                fontsize=9,
-                labelcolor=COLOURS["quiet"],
-            )
+        foot_legend(figure, dict(zip(labels, handles, strict=True)), 3)
     return figure
 
 
@@ -71,7 +50,7 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
         _draw_points(axes, loci)
         return
     for curve in loci.curves:
-        _curve(axes, curve, emphasise)
+        draw_locus(axes, curve, emphasise=emphasise)
         ends = curve.loose_ends(loci.ranges)
         if len(ends):
             axes.plot(
@@ -136,11 +115,6 @@ def _draw_points(axes: Any, loci: Loci) -> None:
     )
 
 
-def point_look(curve: Locus) -> tuple[str, str]:
-    """Marker and name of a locus that is a point."""
-    return ("s", "self-motion") if curve.self_motion else ("D", "curves that nearly touch")
-
-
 def _caption(loci: Loci) -> str:
     """Below the axes, where no curve is: that some may be missing."""
     return (
@@ -150,34 +124,30 @@ def _caption(loci: Loci) -> str:
     )
 
 
-def _curve(axes: Any, curve: Locus, emphasise: bool) -> None:
-    colour = KIND_COLOURS[curve.kind]
+def draw_locus(axes: Any, curve: Locus, *, emphasise: bool, words: str = "", **look: Any) -> None:
+    """A curve, thin where it belongs to other working modes, with rings at its cusps; or a point.
+    `words` stand before its kind in the legend.
+    """
+    name, style = words + curve.kind, {"color": KIND_COLOURS[curve.kind], **look}
+    style |= {"gid": f"locus {curve.kind}"}
     points, mode = curve.points, curve.in_mode | (not emphasise)
     if curve.is_point:
-        marker, what = point_look(curve)
-        axes.plot(
-            *points[:1].T, marker, color=colour, ms=6, label=f"{curve.kind}, {what}", zorder=4
+        marker, what = (
+            ("s", "self-motion") if curve.self_motion else ("D", "curves that nearly touch")
         )
+        axes.plot(*points[:1].T, marker, ms=6, label=f"{name}, {what}", zorder=4, **style)
         return
     if curve.closed:
         points, mode = np.vstack([points, points[:1]]), np.append(mode, mode[0])
     if not mode.all():
-        axes.plot(
-            *points.T,
-            "-",
-            color=colour,
-            lw=0.8,
-            alpha=0.45,
-            label=f"{curve.kind}, other working modes",
-            zorder=2,
-        )
+        others = f"{name}, other working modes"
+        axes.plot(*points.T, "-", lw=0.8, alpha=0.45, label=others, zorder=2, **style)
     if mode.any():
         strong = np.where(mode[:, None], points, np.nan)
-        axes.plot(*strong.T, "-", color=colour, lw=1.9, label=curve.kind, zorder=3)
+        axes.plot(*strong.T, "-", lw=1.9, label=name, zorder=3, **style)
     if len(curve.cusps):
-        axes.plot(
-            *curve.cusps.T, "o", mfc="white", mec=colour, ms=6, mew=1.4, label="cusp", zorder=4
-        )
+        ring = {"mfc": "white", "mec": style["color"], "ms": 6, "mew": 1.4}
+        axes.plot(*curve.cusps.T, "o", label="cusp", zorder=4, gid="cusp", **ring)
 
 
 def _out(loci: Loci, k: int) -> float:

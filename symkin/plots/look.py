@@ -1,65 +1,27 @@
-"""How configurations are drawn and told: limbs with base and platform in space, or links joined in
-any way with a colour each.
-"""
+"""How configurations are told: panels with what is found above them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from symkin.closure.closure import build_closure
-from symkin.model.mechanism import Mechanism
-from symkin.plots.graph_figures import GraphBlock, GraphPanel, panels_of_graph
-from symkin.plots.graph_lines import reference_graph_lines, solution_lines
-from symkin.plots.mechanism_lines import lines_at, reference_lines
-from symkin.plots.panel_figure import Panel, PanelBlock, panel_figure
+from symkin.drawing.layout import layout_of
+from symkin.plots.figures import Panel
 from symkin.position.given import leaves_motion
 from symkin.position.solution import Solution
 from symkin.spatial.rotation import euler_from_quaternion
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
-
-@dataclass(frozen=True)
-class Look:
-    """How configurations are drawn: a panel's type, lines of a solution and of the reference, text
-    of a solution for given names, the figure of several panels, and the panels as a part of another
-    figure.
+def panel_of(title: str, solution: Solution, given: Sequence[str], text: str = "") -> Panel:
+    """The panel of a solution for given names: below `text` where it is, and whether within
+    limits.
     """
-
-    panel: Callable[[str, str, Any], Any]
-    lines: Callable[[Solution], Any]
-    reference: Callable[[Mechanism], Any]
-    text: Callable[[Solution, Sequence[str]], str]
-    figure: Callable[..., Figure]
-    block: Callable[..., PanelBlock | GraphBlock]
-
-
-def look_of(mechanism: Mechanism) -> Look:
-    """Limbs are drawn with base and platform in space; links joined in any way with a colour each,
-    in a plane where they move in one.
-    """
-    if mechanism.is_graph:
-        return Look(
-            GraphPanel,
-            solution_lines,
-            reference_graph_lines,
-            _joints_text,
-            panels_of_graph,
-            GraphBlock.of,
-        )
-    return Look(
-        Panel,
-        lambda s: lines_at(s.mechanism, s.values, s.pose),
-        reference_lines,
-        _mode_text,
-        panel_figure,
-        PanelBlock.of,
-    )
+    mechanism = solution.mechanism
+    told = _joints_text if mechanism.is_graph else _mode_text
+    words = f"{text}\n{told(solution, given)}{_limits_text(solution)}"
+    return Panel(title, words.strip(), layout_of(mechanism).at(solution.link_poses))
 
 
 def _joints_text(solution: Solution, given: Sequence[str]) -> str:
@@ -91,7 +53,7 @@ def _mode_text(solution: Solution, given: Sequence[str]) -> str:
     return f"joints {listed(solution.actuated_values)}" if posed else _pose_text(solution)
 
 
-def limits_text(solution: Solution) -> str:
+def _limits_text(solution: Solution) -> str:
     return {
         None: "",
         True: "\n\N{CHECK MARK} within limits",

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.plots.style import COLOURS, drawing
+from symkin.drawing.palette import COLOURS
+from symkin.plots.sheet import foot_legend, head, new_figure
+from symkin.plots.style import drawing
 from symkin.position.given_by_name import given_coordinates
 
 if TYPE_CHECKING:
@@ -27,20 +29,12 @@ def figure_of_mode_graph(graph: ModeGraph, *, route: np.ndarray | None = None) -
     without a singularity, the chosen input as a cross; `route` (m, joints), a path of
     `ModeGraph.path`, on the first panel.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     count = min(len(graph.sheets), _MOST_PANELS)
     across = min(count, 4)
     down = max(1, -(-count // max(across, 1)))
     with drawing():
         high = 3.5 if len(graph.axes) == 2 else 1.3
-        figure = Figure(
-            figsize=(3.6 * max(across, 1) + 0.6, high * down + 0.9),
-            facecolor="white",
-            layout="constrained",
-        )
-        FigureCanvasAgg(figure)
+        figure = new_figure(3.6 * max(across, 1) + 0.6, high * down + 0.9)
         axes = np.atleast_1d(figure.subplots(down, max(across, 1), squeeze=False)).ravel()
         for k, panel in enumerate(axes):
             if k < count:
@@ -57,17 +51,9 @@ def figure_of_mode_graph(graph: ModeGraph, *, route: np.ndarray | None = None) -
             )
         more = "" if count == len(graph.sheets) else f", the {count} largest of {len(graph.sheets)}"
         keys = [axes[0].scatter([], [], s=22, c=colour) for colour in _COLOURS]
-        figure.legend(
-            keys,
-            _COUNTS,
-            loc="outside lower center",
-            ncols=4,
-            frameon=False,
-            fontsize=9,
-            labelcolor=COLOURS["quiet"],
-        )
+        foot_legend(figure, dict(zip(_COUNTS, keys, strict=True)), 4)
         title = f"{graph.mechanism.name}: modes joined without a singularity{more}"
-        figure.suptitle(title, fontsize=12, fontweight="bold", color=COLOURS["text"])
+        head(figure, title, 12)
     return figure
 
 

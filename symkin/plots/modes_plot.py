@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.assembly.modes_result import Modes, nothing_found
+from symkin.drawing.layout import layout_of
 from symkin.errors import InputError
-from symkin.plots.look import limits_text, listed, look_of
+from symkin.plots.figures import Panel, figure_of_panels
+from symkin.plots.look import listed, panel_of
 from symkin.plots.picture_options import chosen_numbers, looks_of, ranges_text
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveResult
@@ -39,23 +41,17 @@ def figure_of_modes(
     """
     mechanism = found.problem.mechanism
     numbers = shown_numbers(found, modes, most)
-    look, given = look_of(mechanism), [c.name for c in found.problem.known_coordinates]
-    shown = [(k, found[k - 1]) for k in numbers]
-    panels = [
-        look.panel(f"mode {k}", look.text(s, given) + limits_text(s), look.lines(s))
-        for k, s in shown
-    ]
-    panels = panels or [
-        look.panel(
-            nothing_found(found), "drawn at the reference configuration", look.reference(mechanism)
-        )
+    given = [c.name for c in found.problem.known_coordinates]
+    panels = [panel_of(f"mode {k}", found[k - 1], given) for k in numbers] or [
+        Panel(nothing_found(found), "drawn at the reference configuration", layout_of(mechanism))
     ]
     part = (
         f" \N{EM DASH} {len(numbers)} of {found.total} modes shown"
         if len(numbers) < found.total
         else ""
     )
-    return look.figure(mechanism, panels, _facts(found), part, **looks_of(mechanism, names, views))
+    looks = looks_of(mechanism, names, views)
+    return figure_of_panels(mechanism, panels, _facts(found), part, **looks)
 
 
 def shown_numbers(
@@ -92,13 +88,10 @@ def figure_of_solution(
     solution: Solution, *, names: str = "none", views: str | Sequence[str] = "main"
 ) -> Figure:
     """The mechanism in this configuration, a panel for each view."""
-    look = look_of(solution.mechanism)
-    panel = look.panel("", look.text(solution, ()) + limits_text(solution), look.lines(solution))
-    unit = solution.mechanism.length_unit
+    mechanism = solution.mechanism
+    unit, looks = mechanism.length_unit, looks_of(mechanism, names, views)
     facts = [f"closure error {solution.residual:.1e} {unit}, condition {solution.condition:.3g}"]
-    return look.figure(
-        solution.mechanism, [panel], facts, **looks_of(solution.mechanism, names, views)
-    )
+    return figure_of_panels(mechanism, [panel_of("", solution, ())], facts, **looks)
 
 
 def figure_of_solve(

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Literal, cast, get_args
 
+from symkin.drawing.camera import ViewName
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.model.written_number import whole
@@ -15,10 +16,6 @@ from symkin.text import not_among, shown
 Names = Literal["all", "joints", "links", "loops", "none"]
 """What is named: all that is drawn, joints, links with base and platform, only the joints that
 close loops of a graph, or nothing.
-"""
-ViewName = Literal["main", "top", "front", "side"]
-"""Sides from which a mechanism is seen: at an angle (a planar one along its axes), against z, along
-y, against x of the base frame.
 """
 MOST_PANELS = 200
 """Panels of one picture at most."""

@@ -32,10 +32,10 @@ def draw(result: object, path: Path | str | None = None, **options: Any) -> Figu
 
 _FIGURES = {
     "Calibration": ("calibration_plot", "figure_of_calibration"),
-    "ClosedConfiguration": ("sketch", "figure_of_closed"),
+    "ClosedConfiguration": ("figures", "figure_of_closed"),
     "Jacobian": ("jacobian_plot", "figure_of_jacobian"),
     "Loci": ("loci_plot", "figure_of_loci"),
-    "Mobility": ("sketch", "figure_of_mobility"),
+    "Mobility": ("figures", "figure_of_mobility"),
     "ModeGraph": ("mode_graph_plot", "figure_of_mode_graph"),
     "Modes": ("modes_plot", "figure_of_modes"),
     "Plan": ("plan_plot", "figure_of_plan"),

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.calibration.design.planning import Plan
-from symkin.plots.style import COLOURS, drawing
+from symkin.drawing.palette import COLOURS, SERIES
+from symkin.plots.sheet import foot_legend, head, new_figure
+from symkin.plots.style import drawing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a2ea0", "#3e4c59")
-"""Colours of groups, in turn."""
 _MOST_NUMBERED = 60
 """Configurations whose numbers are written beside them."""
 _NEAR = 0.06
@@ -27,12 +27,8 @@ def figure_of_plan(plan: Plan) -> Figure:
     """Positions of the platform or tool in two planes with their numbers, a colour a group, and the
     expected pose errors of the plan beside those of random configurations.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     m = plan.mechanism
-    figure = Figure(figsize=(11.0, 4.6), facecolor="white", layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(11.0, 4.6)
     first, second, third, fourth = figure.subplots(1, 4, width_ratios=(3, 3, 1, 1))
     for ax, (u, v) in ((first, (0, 1)), (second, (0, 2))):
         _places(ax, plan, u, v)
@@ -43,12 +39,9 @@ def figure_of_plan(plan: Plan) -> Figure:
         [m.angle_out(plan.accuracy.angle), m.angle_out(plan.random.angle)],
     )
     title = f"{m.name}: {len(plan.groups)} configurations to measure, {plan.criterion}-optimal"
-    figure.suptitle(title, fontsize=12, fontweight="bold", color=COLOURS["text"], parse_math=False)
-    if plan.groups.max(initial=-1) >= 0:
-        handles, labels = first.get_legend_handles_labels()
-        figure.legend(
-            handles, labels, loc="outside lower center", ncols=6, frameon=False, fontsize=9
-        )
+    head(figure, title, 12)
+    handles, labels = first.get_legend_handles_labels()
+    foot_legend(figure, dict(zip(labels, handles, strict=True)), 6)
     return figure
 
 
@@ -57,7 +50,7 @@ def _places(ax: Any, plan: Plan, u: int, v: int) -> None:
     for group in np.unique(plan.groups):
         here = points[plan.groups == group]
         name = "" if group < 0 else f"group {group + 1}"
-        ax.plot(*here.T, "o", ms=5, color=_COLOURS[int(group) % len(_COLOURS)], label=name or None)
+        ax.plot(*here.T, "o", ms=5, color=SERIES[int(group) % len(SERIES)], label=name or None)
     for numbers, point in _numbered(points):
         ax.annotate(
             numbers,

@@ -1,10 +1,13 @@
-"""A page in pixels, y upward, on which sketches are drawn, and the texts on it."""
+"""Figures, and pages in pixels, y upward, on which sketches are drawn, with the texts on them."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from symkin.drawing.palette import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -13,6 +16,30 @@ SHEET_DPI = 150
 """Pixels an inch."""
 _APART = 8.0
 """Pixels below which two symbols stand at one place."""
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """A figure of some inches whose axes lay themselves out."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), facecolor="white", layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def foot_legend(figure: Figure, entries: Mapping[str, Any], columns: int) -> None:
+    """A legend below all axes; none without entries."""
+    if entries:
+        look: dict[str, Any] = {"frameon": False, "fontsize": 9, "labelcolor": COLOURS["quiet"]}
+        place: Any = "outside lower center"
+        figure.legend(list(entries.values()), list(entries), loc=place, ncols=columns, **look)
+
+
+def head(figure: Figure, title: str, size: float = 13.0) -> None:
+    """The title of a figure."""
+    look: dict[str, Any] = {"fontsize": size, "fontweight": "bold", "color": COLOURS["text"]}
+    figure.suptitle(title, parse_math=False, **look)
 
 
 def make_sheet(width: float, height: float) -> tuple[Figure, Any]:

@@ -7,11 +7,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from symkin.drawing.layout import layout_of
 from symkin.plain_number import plain
-from symkin.plots.graph_figures import GraphPanel, panels_of_graph
-from symkin.plots.graph_lines import solution_lines
-from symkin.plots.mechanism_lines import lines_at
-from symkin.plots.panel_figure import Panel, panel_figure
+from symkin.plots.figures import Panel, figure_of_panels
 from symkin.plots.picture_options import looks_of
 from symkin.singularities.singularity_result import Singularity
 
@@ -36,7 +34,6 @@ def figure_of_singularity(
     )
     distances = ", ".join(f"{kind} {plain(value):.3g}" for kind, value in found.distances.items())
     facts = [f"distance from singularities (0 singular): {distances}"]
-    looks = looks_of(mechanism, names, views)
     if found.given:
         facts.insert(0, f"driven by {', '.join(found.given)}")
         rates = [
@@ -44,10 +41,10 @@ def figure_of_singularity(
             for motion in found.motions
             if found.rank_loss
         ]
-        text = "\n".join(f"free to move: {motion}" for motion in rates)
-        return panels_of_graph(
-            mechanism, [GraphPanel(kinds, text, solution_lines(solution))], facts, **looks
-        )
-    twists = "\n".join(str(twist) for twist in found.twists)
-    panel = Panel(kinds, twists, lines_at(mechanism, solution.values, solution.pose), found.twists)
-    return panel_figure(mechanism, [panel], facts, **looks)
+        texts = [f"free to move: {motion}" for motion in rates]
+    else:
+        texts = [str(twist) for twist in found.twists]
+    twists = () if found.given else found.twists
+    layout = layout_of(mechanism).at(solution.link_poses)
+    panel = Panel(kinds, "\n".join(texts), layout, twists)
+    return figure_of_panels(mechanism, [panel], facts, **looks_of(mechanism, names, views))

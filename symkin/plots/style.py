@@ -1,4 +1,4 @@
-"""Colours, fonts and settings of every picture, and the lock under which pictures are drawn."""
+"""Fonts and settings of every picture, and the lock under which pictures are drawn."""
 
 from __future__ import annotations
 
@@ -7,23 +7,10 @@ from contextlib import contextmanager
 from typing import Any
 
 from symkin.computed_once import not_waiting
+from symkin.drawing.palette import COLOURS
 from symkin.locks import Lock
 from symkin.quiet import warnings_ignored
 
-COLOURS = {
-    "text": "#1f2933",
-    "quiet": "#52606d",
-    "base": "#9aa5b1",
-    "base edge": "#616e7c",
-    "platform": "#2f7fc1",
-    "platform edge": "#1b5a91",
-    "link": "#3e4c59",
-    "accent": "#e8743b",
-    "loop": "#7a2ea0",
-    "grid": "#dde3ea",
-    "pane": "#fafbfc",
-    "axis": "#9aa5b1",
-}
 _matplotlib = Lock()
 _FONTS = (
     "DejaVu Sans",
@@ -41,7 +28,6 @@ def style() -> Any:
     from matplotlib.font_manager import get_font_names
 
     there = set(get_font_names())
-    panes = {f"axes3d.{axis}axis.panecolor": COLOURS["pane"] for axis in "xyz"}
     grid = {"grid.color": COLOURS["grid"], "grid.linewidth": 0.6, "axes.edgecolor": COLOURS["axis"]}
     fonts = {
         "font.family": [name for name in _FONTS if name in there],
@@ -56,7 +42,7 @@ def style() -> Any:
         "pdf.fonttype": 42,
         "svg.hashsalt": "symkin",
     }
-    return panes | grid | fonts | files
+    return grid | fonts | files
 
 
 @contextmanager

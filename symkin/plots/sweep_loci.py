@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from symkin.plots.loci_plot import KIND_COLOURS, point_look
-from symkin.plots.style import COLOURS
+from symkin.drawing.palette import COLOURS
+from symkin.plots.loci_plot import KIND_COLOURS, draw_locus
+from symkin.plots.sheet import foot_legend
 from symkin.singularities.loci import MISSING, NONE_MET, Loci
 
+_WORDS = "singular, "
 _WIDTH, _EDGE = 1.8, 4.0
 """Widths in points of a curve and of the white edge that parts it from the map."""
 
@@ -22,46 +23,20 @@ def draw_loci(figure: Any, ax: Any, loci: Loci, names: Sequence[str]) -> None:
     edge = [withStroke(linewidth=_EDGE, foreground="white", alpha=0.9)]
     limits = ax.get_xlim(), ax.get_ylim()
     order = [loci.plane.names.index(name) for name in names]
-    handles: dict[str, Any] = {}
     for curve in loci.curves:
-        colour = KIND_COLOURS[curve.kind]
-        points = curve.points[:, order] if len(order) == 2 else curve.points
-        name = f"singular, {curve.kind}"
         if len(order) == 1:
-            drawn = ax.axvline(
-                points[0, 0],
-                color=colour,
-                lw=_WIDTH,
+            look = {"lw": _WIDTH, "zorder": 5.0, "gid": f"locus {curve.kind}"}
+            ax.axvline(
+                curve.points[0, 0],
+                color=KIND_COLOURS[curve.kind],
+                label=f"{_WORDS}{curve.kind}",
                 path_effects=edge,
-                zorder=5.0,
-                gid=f"locus {curve.kind}",
+                **look,
             )
         else:
-            closed = np.vstack([points, points[:1]]) if curve.closed else points
-            look: dict[str, Any] = {"lw": _WIDTH}
-            if curve.is_point:
-                marker, what = point_look(curve)
-                look, name = {"marker": marker, "ms": 6, "ls": "none"}, f"{name}, {what}"
-            drawn = ax.plot(
-                *closed.T,
-                color=colour,
-                path_effects=edge,
-                zorder=5.0,
-                gid=f"locus {curve.kind}",
-                **look,
-            )[0]
-            if len(curve.cusps):
-                ax.plot(
-                    *curve.cusps[:, order].T,
-                    "o",
-                    mfc="white",
-                    mec=colour,
-                    ms=6,
-                    mew=1.4,
-                    zorder=6.0,
-                    gid="cusp",
-                )
-        handles.setdefault(name, drawn)
+            turned = replace(curve, points=curve.points[:, order], cusps=curve.cusps[:, order])
+            draw_locus(ax, turned, emphasise=False, words=_WORDS, path_effects=edge)
+    handles, labels = ax.get_legend_handles_labels()
     ax.set(xlim=limits[0], ylim=limits[1])
     missing = {MISSING, NONE_MET} & set(loci.notes)
     told = "" if loci.curves else f"{loci.without_curves}; "
@@ -79,13 +54,4 @@ def draw_loci(figure: Any, ax: Any, loci: Loci, names: Sequence[str]) -> None:
             color=COLOURS["text"],
             path_effects=edge,
         )
-    if handles:
-        figure.legend(
-            list(handles.values()),
-            list(handles),
-            loc="outside lower center",
-            ncols=3,
-            frameon=False,
-            fontsize=9,
-            labelcolor=COLOURS["text"],
-        )
+    foot_legend(figure, dict(zip(labels, handles, strict=True)), 3)

@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from symkin.drawing.palette import COLOURS
 from symkin.errors import InputError
 from symkin.plots.picture_file import check_picture_path, write_picture
-from symkin.plots.style import COLOURS, drawing
+from symkin.plots.sheet import new_figure
+from symkin.plots.style import drawing
 from symkin.plots.sweep_loci import draw_loci
 from symkin.plots.sweep_text import axis_text, write_title
 from symkin.plots.sweep_values import figure_of_values
@@ -63,9 +65,6 @@ def figure_of_sweep(
     True for a search, are laid over the map. Raises InputError for a folder that holds no sweep, a
     slice outside what is swept, and loci of another plane.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     slices, folder = slices or {}, sweep.folder if isinstance(sweep, Swept) else Path(sweep)
     with interrupts_held():
         attributes, data = opened(folder)
@@ -83,10 +82,7 @@ def figure_of_sweep(
         part = map_slice(attributes, data, name, slices)
     curves = loci_over(loci, attributes, part.ranges, part.cuts, part.some)
     with drawing():
-        figure = Figure(
-            figsize=(7.4, 6.0 if part.y else 4.4), facecolor="white", layout="constrained"
-        )
-        FigureCanvasAgg(figure)
+        figure = new_figure(7.4, 6.0 if part.y else 4.4)
         ax: Any = figure.add_subplot()
         if part.y is None:
             _curve(ax, part, name)

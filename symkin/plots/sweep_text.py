@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.closure.closure import build_closure
+from symkin.drawing.palette import COLOURS
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
 from symkin.plain_number import plain
-from symkin.plots.style import COLOURS
+from symkin.plots.sheet import head
 from symkin.position.given_by_name import given_coordinates
 from symkin.position.varied_pose import axis_title, turn_text
 from symkin.spatial.rotation import conjugate, multiply
@@ -25,13 +26,7 @@ def write_title(
     figure: Figure, ax: Any, what: str, attributes: Mapping[str, Any], fixed: Sequence[str]
 ) -> None:
     """The title, and below it what is fixed besides what the sweep holds."""
-    figure.suptitle(
-        f"{what}: {attributes['mechanism']}, {_problem(attributes)}",
-        fontsize=13,
-        fontweight="bold",
-        color=COLOURS["text"],
-        parse_math=False,
-    )
+    head(figure, f"{what}: {attributes['mechanism']}, {_problem(attributes)}")
     lines = ", ".join([*fixed, *held_texts(attributes)])
     ax.set_title(
         f"at {lines}" if lines else "",

@@ -14,9 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from symkin.drawing.palette import COLOURS
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
-from symkin.plots.style import COLOURS, drawing
+from symkin.plots.sheet import new_figure
+from symkin.plots.style import drawing
 from symkin.plots.sweep_text import axis_text, write_title
 from symkin.sweeps.drawable import check_drawable
 from symkin.sweeps.layout import labels
@@ -65,17 +67,11 @@ def figure_of_values(
     """The picture of named points, or of joints. Raises InputError for a name that the sweep does
     not have.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     mechanism = parse(attributes["mechanism_file"])
     points = check_drawable(mechanism, attributes["quantity"], list(attributes["axes"]), names)
     modes = _modes(mechanism, attributes, data, slices, points)
     with drawing():
-        figure = Figure(
-            figsize=(7.4, 6.0 if points else 4.8), facecolor="white", layout="constrained"
-        )
-        FigureCanvasAgg(figure)
+        figure = new_figure(7.4, 6.0 if points else 4.8)
         ax: Any = figure.add_subplot()
         if points:
             _paths(figure, ax, modes, attributes, names)

@@ -11,13 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from symkin.drawing.palette import COLOURS, SERIES
 from symkin.errors import InputError
 from symkin.following.sample import Sample
 from symkin.following.track_result import Track
-from symkin.plots.look import limits_text, look_of
+from symkin.plots.figures import Block
+from symkin.plots.look import panel_of
 from symkin.plots.picture_options import looks_of
 from symkin.plots.sheet import SHEET_DPI
-from symkin.plots.style import COLOURS, drawing
+from symkin.plots.style import drawing
 from symkin.plots.track_curves import Curve, CurvePanel, Input, inputs_of, panels_of
 
 if TYPE_CHECKING:
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
 
 _LEAST_WIDTH = 9.0
 """Inches of the figure at least."""
+_MARGIN = 0.4
+"""Inches beside the robots."""
 _PANEL, _PANEL_GAP = 1.55, 0.28
 """Inches of a panel of curves, and between two."""
 _HEAD, _HEAD_LINE, _LEGEND, _ROW = 0.5, 0.2, 0.75, 0.185
@@ -41,8 +45,6 @@ _BESIDE = 0.02
 """Share of the path below which the place nearest to a singularity counts as the start or the
 end.
 """
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#3e4c59", "#7a2ea0")
-"""Colours that stay apart for all kinds of colour vision (Okabe and Ito)."""
 _THIN, _WIDER = 1.5, 2.2
 """Width of a curve in points, and what it is wider for each later curve that covers it."""
 _COVERED = 0.008
@@ -65,19 +67,12 @@ def figure_of_track(
             f"to draw"
         )
     mechanism = track.trajectory.mechanism
-    look, options = look_of(mechanism), looks_of(mechanism, names, views)
+    options = looks_of(mechanism, names, views)
     told = [c.name for c in track.problem.known_coordinates]
-    robots = [
-        look.panel(
-            title,
-            f"{text}\n{look.text(s.solution, told)}{limits_text(s.solution)}".strip(),
-            look.lines(s.solution),
-        )
-        for title, text, s in _places(track)
-    ]
+    robots = [panel_of(title, s.solution, told, text) for title, text, s in _places(track)]
     with drawing():
         views_of_each = len(options["views"])
-        block = look.block(
+        block = Block.of(
             mechanism,
             robots,
             options["names"],
@@ -113,7 +108,7 @@ class _Sheet:
     """
 
     track: Track
-    block: Any
+    block: Block
     facts: tuple[str, ...]
     panels: tuple[CurvePanel, ...]
     x: np.ndarray
@@ -122,7 +117,7 @@ class _Sheet:
     margins: tuple[float, float]
 
     @staticmethod
-    def of(track: Track, block: Any) -> _Sheet:
+    def of(track: Track, block: Block) -> _Sheet:
         panels, moved = tuple(panels_of(track)), inputs_of(track)
         timed = track.trajectory.times is not None
         title, x = "time [s]" if timed else "share of the path", _abscissa(track, timed)
@@ -136,7 +131,7 @@ class _Sheet:
             max(1.1, _CHARACTER * max(map(len, rows)) + 0.5),
             max(1.0, _CHARACTER * max(map(len, entries), default=0) + 0.55),
         )
-        width = max(_LEAST_WIDTH, block.size[0])
+        width = max(_LEAST_WIDTH, block.size[0] + _MARGIN)
         facts = textwrap.wrap(track.statement[0].upper() + track.statement[1:], int(13 * width))
         return _Sheet(
             track, block, tuple(facts), panels, x, title, tuple(moved[:_MOST_INPUTS]), margins
@@ -144,7 +139,7 @@ class _Sheet:
 
     @property
     def width(self) -> float:
-        return max(_LEAST_WIDTH, float(self.block.size[0]))
+        return max(_LEAST_WIDTH, float(self.block.size[0]) + _MARGIN)
 
     @property
     def foot(self) -> float:
@@ -170,8 +165,8 @@ class _Sheet:
         FigureCanvasAgg(figure)
         self._heading(figure)
         top = self.height - _HEAD - _HEAD_LINE * (len(self.facts) + 1)
-        self.block.draw(figure, 0.5 * self.width, top)
-        self.block.draw_legend(figure, top - self.block.size[1] - _LEGEND + 0.2)
+        legend = top - self.block.size[1] - _LEGEND + 0.2
+        self.block.draw(figure, 0.5 * self.width, top, legend)
         for k, panel in enumerate(self.panels):
             self._panel(figure, panel, k)
         return figure
@@ -332,7 +327,7 @@ def _draw_curves(ax: Any, panel: CurvePanel, x: np.ndarray) -> None:
             float(np.abs(whole).max()) if panel.floor is not None else 0.0,
         )
     for k, curve in enumerate(panel.curves):
-        look: dict[str, Any] = {"color": _COLOURS[k % len(_COLOURS)], "zorder": 2.0 + 0.01 * k}
+        look: dict[str, Any] = {"color": SERIES[k % len(SERIES)], "zorder": 2.0 + 0.01 * k}
         marker = "." if len(curve.at) < 2 else None
         ax.plot(x[curve.at], curve.values, linewidth=_THIN, label=curve.name, marker=marker, **look)
         over = np.sum(

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.plots.style import COLOURS, drawing
+from symkin.drawing.palette import COLOURS, SERIES
+from symkin.plots.sheet import new_figure
+from symkin.plots.style import drawing
 from symkin.text import matplotlib_text
 from symkin.transmissions.transmission_result import Transmission, Transmissions
 
@@ -17,7 +19,6 @@ if TYPE_CHECKING:
 
 _PANEL = (4.0, 3.7)
 """Inches of a panel."""
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 _SPREAD = 95.0
 """Percentile of torques at which colours and axes end: near a dead centre they grow without
 bound.
@@ -38,14 +39,10 @@ def figure_of_transmissions(found: Transmissions) -> Figure:
 
 
 def _figure(several: list[Transmission]) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     columns = max(_panels(one) for one in several)
     with drawing():
         size = (_PANEL[0] * columns, _PANEL[1] * len(several))
-        figure = Figure(figsize=size, facecolor="white", layout="constrained")
-        FigureCanvasAgg(figure)
+        figure = new_figure(*size)
         axes: Any = figure.subplots(len(several), columns, squeeze=False)
         for row, one in zip(axes, several, strict=True):
             _draw(one, row)
@@ -85,7 +82,7 @@ def _draw(one: Transmission, axes: Any) -> None:
             continue
         order = np.argsort(joints[:, i])
         look = "-" if n == 1 else "."
-        ax.plot(joints[order, i], torque[order], look, color=_COLOURS[0], markersize=3)
+        ax.plot(joints[order, i], torque[order], look, color=SERIES[0], markersize=3)
         ax.set_ylim(0.0, 1.1 * high)
         ax.set_xlabel(labels[i])
         ax.grid(True)
@@ -110,7 +107,7 @@ def _ratios(one: Transmission, ax: Any, joints: np.ndarray, label: str) -> None:
         ax.plot(
             joints[order, 0],
             ratios[:, a],
-            color=_COLOURS[a % len(_COLOURS)],
+            color=SERIES[a % len(SERIES)],
             label=matplotlib_text(name),
         )
     low, high = np.percentile(ratios, [100.0 - _SPREAD, _SPREAD])
@@ -125,7 +122,7 @@ def _polytopes(one: Transmission, ax: Any, joints: np.ndarray) -> None:
     """All torques of two joints at some places."""
     survey = one.survey
     rows = dict.fromkeys([0, *(int(np.argmin(survey.alone[:, i])) for i in range(2))])
-    for colour, row in zip(_COLOURS, rows, strict=False):
+    for colour, row in zip(SERIES, rows, strict=False):
         corners = survey.torques_at(row)
         name = ", ".join(f"{v:.2g}" for v in joints[row]) if row else "reference"
         ax.fill(*corners.T, facecolor="none", edgecolor=colour, linewidth=1.6, label=name)

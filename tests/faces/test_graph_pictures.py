@@ -15,15 +15,14 @@ import symkin
 from helpers.command_line import run
 from helpers.gate import in_gate, in_gate_but
 from helpers.inside import (
+    Camera,
     drawing,
+    drawn_layout,
     figure_of_modes,
+    figure_of_sketch,
     figure_of_solution,
     parse,
     read_robot,
-    reference_graph_lines,
-    sketch_of_graph,
-    solution_lines,
-    view_axes,
 )
 from symkin import Joint, LinkJoint
 
@@ -141,15 +140,16 @@ def test_links_keep_their_shapes_in_every_mode(name):
     """
     mechanism = symkin.load(name)
     slides = {joint.name for joint in mechanism.all_joints if joint.type == "P"}
-    reference = reference_graph_lines(mechanism)
+    reference = drawn_layout(mechanism)
     for mode in first_modes(name).modes[:8]:
-        lines = solution_lines(mode)
-        for link, points in reference.links.items():
+        lines = drawn_layout(mechanism).at(mode.link_poses)
+        for link, mark in reference.links.items():
             if link == "base" and slides:
                 continue
+            points, moved = mark.points, lines.links[link].points
             for i, j in combinations(range(len(points)), 2):
                 before = np.linalg.norm(points[i] - points[j])
-                now = np.linalg.norm(lines.links[link][i] - lines.links[link][j])
+                now = np.linalg.norm(moved[i] - moved[j])
                 assert abs(now - before) < 1e-6 * mechanism.characteristic_length
 
 
@@ -162,21 +162,24 @@ def test_links_keep_their_shapes_in_every_mode(name):
 def test_rods_keep_their_lengths_in_every_mode(name):
     mechanism = symkin.load(name)
     for mode in first_modes(name):
-        for line, rod in zip(solution_lines(mode).rods, mechanism.link_rods, strict=True):
+        for line, rod in zip(
+            drawn_layout(mechanism).at(mode.link_poses).rods, mechanism.link_rods, strict=True
+        ):
             assert abs(np.linalg.norm(line.end - line.start) - rod.reference_length) < 1e-6
 
 
 def test_named_points_and_frame_are_those_of_the_solution():
     for mode in first_modes("jansen_leg"):
-        lines = solution_lines(mode)
-        np.testing.assert_allclose(lines.points["foot"], mode.points["foot"], atol=1e-9)
+        lines = drawn_layout(symkin.load("jansen_leg")).at(mode.link_poses)
+        np.testing.assert_allclose(lines.points["foot"][1], mode.points["foot"], atol=1e-9)
         np.testing.assert_allclose(lines.pose.position, mode.position, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", sorted(GALLERY))
 def test_planar_graphs_are_seen_along_their_axes(name):
-    lines = reference_graph_lines(symkin.load(name))
-    axes, planar = view_axes(lines)
+    lines = drawn_layout(symkin.load(name))
+    camera = Camera.of(lines)
+    axes, planar = camera.axes, camera.planar
     assert planar == (name in PLANAR)
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
     if planar:
@@ -202,7 +205,7 @@ SKETCHED = [
 
 @cache
 def sketch(name: str):
-    return sketch_of_graph(parse(ALL_TYPES) if name == "all types" else symkin.load(name))
+    return figure_of_sketch(parse(ALL_TYPES) if name == "all types" else symkin.load(name))
 
 
 @pytest.mark.parametrize(
@@ -227,7 +230,7 @@ def test_every_joint_rod_and_point_is_drawn_and_named(name):
     assert "base" in groups
     if (
         mechanism.platform_link is not None
-        and len(reference_graph_lines(mechanism).links[mechanism.platform_link]) > 1
+        and len(drawn_layout(mechanism).links[mechanism.platform_link].points) > 1
     ):
         assert f"link {mechanism.platform_link}" in groups
 
@@ -315,7 +318,7 @@ def test_a_robot_is_legible(name):
     """Its closures are ringed and no other joint; names lie apart, those that find no room are
     counted.
     """
-    figure = sketch_of_graph(robot(name))
+    figure = figure_of_sketch(robot(name))
     (ax,) = figure.axes
     closures = {closure.name for closure in read_robot(ROBOTS / name).closures}
     rings = {
@@ -345,20 +348,20 @@ def test_a_planar_linkage_that_a_ball_closes_is_seen_along_its_axes():
     ]
     ball = LinkJoint(Joint("pin", "S", (4, 3, 0)), ("rod", "rocker"))
     closed = symkin.Mechanism("closed", link_joints=[*joints, ball])
-    assert view_axes(reference_graph_lines(closed))[1]
+    assert Camera.of(drawn_layout(closed)).planar
     within = symkin.Mechanism("within", link_joints=[ball, *joints])
-    assert not view_axes(reference_graph_lines(within))[1]
+    assert not Camera.of(drawn_layout(within)).planar
 
 
 @pytest.mark.slow
 def test_names_of_loops_alone_or_none(tmp_path, capsys):
     mechanism, where = robot(CROWDED[1]), ROBOTS / CROWDED[1]
-    closing = reference_graph_lines(mechanism).closing
+    closing = drawn_layout(mechanism).closing
     assert set(closing) == {closure.name for closure in read_robot(where).closures}
     texts = {
         names: {
             t.get_text()
-            for t in sketch_of_graph(mechanism, names).axes[0].texts
+            for t in figure_of_sketch(mechanism, names).axes[0].texts
             if t.get_gid() == "label"
         }
         for names in ("loops", "none")

@@ -16,12 +16,11 @@ from matplotlib.figure import Figure
 
 import symkin
 from helpers.inside import (
-    GraphPainter,
-    graph_lines,
+    Camera,
+    Painter,
+    drawn_layout,
     links_of,
     pieces,
-    reference_graph_lines,
-    view_axes,
 )
 from helpers.random_graphs import random_graph
 from helpers.samples import unit
@@ -38,7 +37,7 @@ def displaced(seed):
         pose = symkin.Pose(size * rng.normal(size=3), unit(rng, 4))
         poses[link] = symkin.Pose.identity() if link == "base" else pose
     moves = {link: (pose.rotation, pose.position) for link, pose in poses.items()}
-    return mechanism, moves, graph_lines(mechanism, poses)
+    return mechanism, moves, drawn_layout(mechanism).at(poses)
 
 
 def moved(moves, link, point):
@@ -52,9 +51,8 @@ def painted(lines, axes, *, origin=True):
     FigureCanvasAgg(figure)
     ax = figure.add_axes((0, 0, 1, 1))
     size = lines.mechanism.characteristic_length
-    painter = GraphPainter(
-        ax, lines, axes, False, 100.0 / size, np.array([7.0, -3.0]), 5.0, origin=origin
-    )
+    camera = Camera(axes, planar=False)
+    painter = Painter(ax, lines, camera, 100.0 / size, np.array([7.0, -3.0]), 5.0, origin=origin)
     painter.draw()
     return painter
 
@@ -94,7 +92,9 @@ def test_drawn_points_are_moved_by_their_links(seed):
             place = mechanism.places[entry.joint.name]
             for link in entry.links:
                 point = moved(moves, link, place)
-                assert min(np.linalg.norm(point - p) for p in lines.links[link]) < 1e-12 * size
+                assert (
+                    min(np.linalg.norm(point - p) for p in lines.links[link].points) < 1e-12 * size
+                )
             np.testing.assert_allclose(
                 marks[entry.joint.name].centre,
                 moved(moves, entry.links[1], place),
@@ -109,8 +109,8 @@ def test_drawn_points_are_moved_by_their_links(seed):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_picture_is_a_view_of_the_points(seed):
-    """Rods and joints are drawn where shift + scale (right, up) leads their points; of two rods,
-    and of two joints that are driven alike, the one nearer to the eye covers the other."""
+    """Rods and joints are drawn where shift + scale (right, up) leads their points; of two joints
+    that are driven alike, the one nearer to the eye covers the other."""
     mechanism, _, lines = displaced(seed)
     axes, size = random_view(seed), mechanism.characteristic_length
     painter = painted(lines, axes)
@@ -120,11 +120,9 @@ def test_the_picture_is_a_view_of_the_points(seed):
 
     ordered = {}
     for rod in lines.rods:
-        (line,) = [a for a in named(painter, f"rod {rod.name}") if len(a.get_xdata()) == 2]
-        np.testing.assert_allclose(line.get_xydata(), [seen(rod.start), seen(rod.end)], atol=1e-9)
-        ordered.setdefault("rod", []).append(
-            (axes[2] @ (0.5 * (rod.start + rod.end)), line.get_zorder())
-        )
+        drawn = [a.get_xydata() for a in named(painter, f"rod {rod.name}")]
+        np.testing.assert_allclose(drawn[0][0], seen(rod.start), atol=1e-9)
+        np.testing.assert_allclose(drawn[-1][1], seen(rod.end), atol=1e-9)
     for mark in lines.joints:
         first, *_ = named(painter, f"joint {mark.type} {mark.name}")
         ordered.setdefault(mark.actuated, []).append((axes[2] @ mark.centre, first.get_zorder()))
@@ -161,7 +159,7 @@ def crossing(upper):
 def test_the_nearer_link_has_the_pixel_of_the_crossing(upper, below):
     """Seen from above and from below: the colour at the crossing is that of the link nearer to the
     eye."""
-    lines = reference_graph_lines(crossing(upper))
+    lines = drawn_layout(crossing(upper))
     axes = np.diag([1.0, -1.0, -1.0]) if below else np.eye(3)
     painter = painted(bars_alone(lines), axes, origin=False)
     nearer = upper if not below else {"first": "second", "second": "first"}[upper]
@@ -181,14 +179,14 @@ def test_the_nearer_link_has_the_pixel_of_the_crossing(upper, below):
 def bars_alone(lines):
     """The same without base and tails, which have no part in the crossing, and without symbols."""
     kept = {link: points for link, points in lines.links.items() if link in ("first", "second")}
-    return replace(lines, links=kept, joints=[])
+    return replace(lines, links=kept, joints=())
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_views_are_right_handed(seed):
     """Right, up and towards the eye are orthonormal and of positive hand: no picture is a mirror
     image."""
-    axes, _ = view_axes(displaced(seed)[2])
+    axes = Camera.of(displaced(seed)[2]).axes
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
     assert np.linalg.det(axes) > 0
 

@@ -3,7 +3,7 @@ their plane, the same bytes again.
 """
 
 from functools import cache
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +15,14 @@ import symkin
 from helpers.command_line import run
 from helpers.inside import (
     COLOURS,
+    Camera,
     Label,
     Page,
-    apart,
     draw_sketch,
+    drawn_layout,
     figure_of_sketch,
-    make_layout,
+    parse,
+    raised,
     write_picture,
 )
 from helpers.inside import LabelBox as Box
@@ -85,6 +87,38 @@ def upright_five_bar() -> Mechanism:
         ],
     )
     return Mechanism("upright", [left, right], platform_position=(20, 0, 200), length_unit="mm")
+
+
+FOUR_BAR = """format = 1
+name = "bar"
+length_unit = "mm"
+angle_unit = "deg"
+[[joint]]
+name = "crank"
+type = "R"
+links = ["base", "crank_link"]
+point = [0, 0, 0]
+axis = [0, 0, 1]
+actuated = true
+[[joint]]
+name = "pin"
+type = "R"
+links = ["crank_link", "rod"]
+point = [0, {1}, 0]
+axis = [0, 0, 1]
+[[joint]]
+name = "rocker_pin"
+type = "R"
+links = ["rod", "rocker"]
+point = [{0}, {2}, 0]
+axis = [0, 0, 1]
+[[joint]]
+name = "follower"
+type = "R"
+links = ["base", "rocker"]
+point = [{0}, 0, 0]
+axis = [0, 0, 1]
+"""
 
 
 OWN = {
@@ -183,50 +217,74 @@ def test_a_planar_mechanism_is_drawn_in_its_plane(name: str, normal: int) -> Non
     """Seen along its axes: distances in the picture are true, x to the right, what is up stays
     up.
     """
-    layout = make_layout(mechanism_of(name))
-    assert layout.planar
-    assert abs(layout.axes[2][normal]) == pytest.approx(1.0)
+    layout = drawn_layout(mechanism_of(name))
+    camera = Camera.of(layout)
+    assert camera.planar
+    assert abs(camera.axes[2][normal]) == pytest.approx(1.0)
     points = np.array([joint.centre for joint in layout.joints])
-    flat = layout.seen(points)
+    flat = camera.flat(points)
     for i, j in combinations(range(len(points)), 2):
         assert np.linalg.norm(flat[i] - flat[j]) == pytest.approx(
             np.linalg.norm(points[i] - points[j])
         )
-    assert layout.axes[0] @ np.eye(3)[0] == pytest.approx(1.0)
-    assert layout.axes[1] @ np.eye(3)[3 - normal] == pytest.approx(1.0)
+    assert camera.axes[0] @ np.eye(3)[0] == pytest.approx(1.0)
+    assert camera.axes[1] @ np.eye(3)[3 - normal] == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("name", ["zhao2000", "zhang2009", "gluon_6l3", "one_of_each"])
 def test_a_spatial_mechanism_is_seen_at_an_angle(name: str) -> None:
-    layout = make_layout(mechanism_of(name))
-    assert not layout.planar
-    np.testing.assert_allclose(layout.axes @ layout.axes.T, np.eye(3), atol=1e-12)
+    camera = Camera.of(drawn_layout(mechanism_of(name)))
+    assert not camera.planar
+    np.testing.assert_allclose(camera.axes @ camera.axes.T, np.eye(3), atol=1e-12)
 
 
 def test_a_platform_in_the_plane_of_its_base_is_raised_and_says_so() -> None:
     """The 6-SPS platform of the file lies in its base's plane; raised, its circles keep their
     radii.
     """
-    layout = make_layout(symkin.load("zhang2009"))
-    assert layout.body.platform[:, 2].min() > 100
-    assert layout.notes == (
+    layout, _ = raised(drawn_layout(symkin.load("zhang2009")))
+    assert layout.links["platform"].points[:, 2].min() > 100
+    said = " ".join(t.get_text().replace("\n", " ") for t in figure_of("zhang2009").axes[0].texts)
+    for note in (
         "platform raised by 318.8 mm from its reference",
         "base joints on a circle of 275 mm",
         "platform joints on a circle of 250 mm",
-    )
+    ):
+        assert note in said
 
 
 def test_joints_that_share_a_point_stand_apart_on_their_axes() -> None:
     """Three axes through one point: the symbols lie a step and more from each other, each on its
-    own axis.
+    own axis, and the links between them go from one to the next.
     """
-    layout = make_layout(symkin.load("yao2020"))
-    drawn = apart(layout.joints, 555.0, 40.0)
-    shoulder = drawn[:3]
+    layout = drawn_layout(symkin.load("yao2020")).spread(40.0)
+    shoulder = layout.joints[:3]
     for one, other in combinations(shoulder, 2):
         assert np.linalg.norm(one.centre - other.centre) >= 40.0 - 1e-9
     for joint in shoulder:
         assert np.linalg.norm(np.cross(joint.centre, joint.axes[0])) < 1e-9
+    for one, other in pairwise(shoulder):
+        points = layout.links[one.links[1]].points
+        np.testing.assert_allclose(points, [one.centre, other.centre], atol=1e-12)
+
+
+@pytest.mark.parametrize("scale", [0.003, 0.17, 1.0, 44.0])
+def test_the_scale_bar_is_as_long_as_it_says(scale: float) -> None:
+    """Law: a mechanism of any size in its picture has a bar of a round length, to the scale of its
+    links.
+    """
+    mechanism = parse(FOUR_BAR.format(*(round(v / scale, 6) for v in (100, 40, 75))))
+    (ax,) = figure_of_sketch(mechanism).axes
+    (bar,) = [line for line in ax.lines if line.get_gid() == "scale"]
+    drawn = float(np.ptp(bar.get_xdata()))
+    centres = [a for a in ax.get_children() if str(a.get_gid()) == "link crank_link"]
+    ends = centres[0].get_xydata()
+    pixels = float(np.linalg.norm(ends[1] - ends[0])) / (40 / scale)
+    (said,) = [
+        t.get_text() for t in ax.texts if t.get_text().endswith(" mm") and len(t.get_text()) < 12
+    ]
+    assert drawn == pytest.approx(float(said.split()[0]) * pixels, rel=1e-5)
+    assert 20.0 < drawn <= 130.0
 
 
 def test_labels_find_a_place_even_where_all_is_full() -> None:

@@ -345,14 +345,14 @@ def test_picture_is_written(tmp_path, problem):
             mechanism, poses=[[0, 0, 100, 1, 0, 0, 0], [0, 0, 120, 1, 0, 0, 0]], samples=5
         )
     figure = figure_of_track(found)
-    panels = [ax for ax in figure.axes if ax.name == "rectilinear"]
+    sheet, *panels = figure.axes
     assert [sum(line.get_gid() == "stop" for line in ax.get_lines()) for ax in panels] == [
         int(not found.reached)
     ] * len(panels)
     labels = " ".join(ax.get_ylabel() for ax in panels)
     assert "distance to\nsingularity" in labels
     assert ("turned" in labels) == (problem == "direct")
-    titles = {text.get_text() for text in figure.texts}
+    titles = {text.get_text() for text in sheet.texts}
     assert {"start", "end" if found.reached else f"stop: {found.stop.kind}"} <= titles
     told = " ".join(text.get_text() for text in panels[-1].texts) + panels[-1].get_xlabel()
     assert ("leg1 [mm]" in told) == (problem == "direct")
@@ -382,7 +382,7 @@ def test_texts_of_the_picture_lie_apart_and_within(name):
     renderer = figure.canvas.get_renderer()
     texts = [*figure.texts, *(text for ax in figure.axes for text in ax.texts)]
     for ax in figure.axes:
-        if ax.name == "rectilinear" and ax.axison:
+        if ax.axison:
             texts += [
                 ax.xaxis.label,
                 ax.yaxis.label,

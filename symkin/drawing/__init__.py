@@ -1,0 +1,1 @@
+"""What is drawn of a mechanism, for pictures and pages alike: marks on links, sides, colours."""

@@ -1,0 +1,48 @@
+"""Outlines of points: NumPy only."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+
+def outline(points: np.ndarray) -> np.ndarray:
+    """Corners (k, n) of the convex hull of points (m, n) seen along the normal of their best plane,
+    in order around it; fewer than three for points on a line.
+    """
+    centred = points - points.mean(axis=0)
+    _, s, vt = np.linalg.svd(centred, full_matrices=True)
+    if len(s) < 2 or s[1] <= 1e-6 * max(s[0], 1e-300):
+        along = centred @ vt[0]
+        return points[sorted({int(np.argmin(along)), int(np.argmax(along))})]
+    return points[_hull(centred @ vt[:2].T)]
+
+
+def distinct(points: np.ndarray, near: float) -> np.ndarray:
+    """The points (n, 3) that are no nearer to one before them than `near`."""
+    kept: list[np.ndarray] = []
+    for point in points:
+        if all(np.linalg.norm(point - other) > near for other in kept):
+            kept.append(point)
+    return np.array(kept).reshape(-1, 3)
+
+
+def _hull(flat: np.ndarray) -> list[int]:
+    """Indices of the convex hull of points (n, 2), counter-clockwise (Andrew's monotone chain)."""
+    order = [int(i) for i in np.lexsort((flat[:, 1], flat[:, 0]))]
+    slack = 1e-9 * float(np.ptp(flat, axis=0).max()) ** 2
+
+    def half(indices: Sequence[int]) -> list[int]:
+        chain: list[int] = []
+        for i in indices:
+            while len(chain) >= 2 and _turn(flat[chain[-2]], flat[chain[-1]], flat[i]) <= slack:
+                chain.pop()
+            chain.append(i)
+        return chain[:-1]
+
+    return half(order) + half(order[::-1])
+
+
+def _turn(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))

@@ -1,0 +1,148 @@
+"""The legend at the foot of a sheet: what symbols, lines and colours mean, and the scale."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from symkin.drawing.camera import Camera
+from symkin.drawing.layout import Layout
+from symkin.drawing.palette import COLOURS, FRAME_COLOURS
+from symkin.model.mechanism import Mechanism
+from symkin.plots.joint_symbols import NAMES, draw_symbol
+from symkin.plots.sheet import text_extent
+
+_ENTRY = 84.0
+"""Pixels of an entry of the legend beside its text."""
+_LONGEST_BAR = 130.0
+"""Pixels of a scale bar at most."""
+_STROKES: dict[str, dict[str, Any]] = {
+    "rod": {"color": COLOURS["link"], "linewidth": 1.7},
+    "link of the frame": {"color": COLOURS["platform edge"], "linewidth": 3.4},
+    "closes a loop, in the file's order": {
+        "color": COLOURS["loop"],
+        "marker": "o",
+        "markersize": 11.0,
+        "markerfacecolor": "none",
+        "markeredgewidth": 1.3,
+        "linewidth": 0.0,
+    },
+    "coupling": {"color": COLOURS["accent"], "linewidth": 1.2, "linestyle": (0, (1.5, 2.0))},
+    "point": {"color": COLOURS["text"], "marker": "D", "markersize": 4.5, "linewidth": 0.0},
+    "motion that is not held": {"color": COLOURS["motion"], "linewidth": 1.8, "linestyle": "--"},
+}
+"""Lines and marks by what they mean."""
+
+
+def draw_legend(
+    ax: Any,
+    layouts: Sequence[Layout],
+    camera: Camera,
+    scale: float,
+    width: float,
+    foot: float,
+    *,
+    named: bool,
+    twists: bool = False,
+) -> None:
+    """Symbols of the joint types that are drawn, of rods, of the platform's link, of couplings and
+    of frames, and a bar for the `scale` (pixels a length unit), in as few rows as hold them.
+    """
+    entries = list(_entries(layouts[0], scale, named, twists))
+    gaps = [_gap(look) for _, look in entries]
+    widths = [
+        text_extent(ax.figure, ax, name, 9.5)[0] + gap + 0.38 * _ENTRY
+        for (name, _), gap in zip(entries, gaps, strict=True)
+    ]
+    count = 1
+    while count < len(entries) and any(
+        sum(widths[row]) > width - 20.0 for row in _rows(len(entries), count)
+    ):
+        count += 1
+    for k, row in enumerate(_rows(len(entries), count)):
+        y = foot + 38.0 + (40.0 if count < 3 else 28.0) * (count - 1 - k)
+        x = 0.5 * (width - sum(widths[row]) + 24.0)
+        for (name, look), gap, wide in zip(entries[row], gaps[row], widths[row], strict=True):
+            _entry(ax, look, np.array([x, y]), end_on=camera.planar)
+            style = {"ha": "left", "va": "center", "color": COLOURS["quiet"], "parse_math": False}
+            ax.text(x + gap, y, name, fontsize=9.5, **style)
+            x += wide
+
+
+def _gap(look: Any) -> float:
+    """Pixels from the beginning of an entry to its text."""
+    return 0.62 * _ENTRY if not isinstance(look, float) else look + 0.12 * _ENTRY
+
+
+def _rows(entries: int, count: int) -> list[slice]:
+    cuts = [math.ceil(entries * k / count) for k in range(count + 1)]
+    return [slice(a, b) for a, b in pairwise(cuts)]
+
+
+def _entries(layout: Layout, scale: float, named: bool, twists: bool) -> Iterator[tuple[str, Any]]:
+    """Texts with what stands before them: a symbol (type, actuated), colours of frames, the length
+    of a bar, or the look of a line.
+    """
+    ends = {kind for rod in layout.rods for kind in rod.kinds}
+    slides = {"P"} if any(rod.actuated for rod in layout.rods) else set()
+    drawn = {joint.type for joint in layout.joints} | ends | slides
+    yield from ((text, (kind, False)) for kind, text in NAMES.items() if kind in drawn)
+    driven = [joint.type for joint in layout.joints if joint.actuated]
+    if driven or slides:
+        yield "actuated", ((driven or ["P"])[0], True)
+    is_drawn = (
+        any(not rod.actuated for rod in layout.rods),
+        layout.pose is not None,
+        bool(layout.closing),
+        bool(layout.couplings),
+        bool(layout.points),
+        twists,
+    )
+    for (text, look), there in zip(_STROKES.items(), is_drawn, strict=True):
+        if there:
+            yield text.replace("the frame", f"the {layout.mechanism.frame_name} frame"), look
+    yield frame_text(layout.mechanism, named), FRAME_COLOURS
+    length, pixels = scale_bar(scale)
+    yield f"{length:g} {layout.mechanism.length_unit}", pixels
+
+
+def scale_bar(scale: float) -> tuple[float, float]:
+    """Round length of a bar, and its pixels, at `scale` pixels a length unit."""
+    longest = _LONGEST_BAR / scale
+    step = 10.0 ** math.floor(math.log10(longest))
+    length = step * next(k for k in (5.0, 2.0, 1.0) if k * step <= longest)
+    return length, length * scale
+
+
+def frame_text(mechanism: Mechanism, named: bool) -> str:
+    """What the axes of frames are; with the letters of their origins where these are named."""
+    has_frame = mechanism.serial or mechanism.platform_link is not None
+    name = mechanism.frame_name
+    base, other = ("base (O)", f"{name} ({name[0].upper()})") if named else ("base", name)
+    return f"x, y, z of {base} and {other}" if has_frame else f"x, y, z of the {base}"
+
+
+def _entry(ax: Any, look: Any, place: np.ndarray, *, end_on: bool) -> None:
+    """What stands before a text of the legend."""
+    from matplotlib.lines import Line2D
+
+    x, y = place
+    if look is FRAME_COLOURS:
+        for k, colour in enumerate(FRAME_COLOURS):
+            ends = [x + 0.17 * k * _ENTRY, x + (0.17 * k + 0.13) * _ENTRY]
+            ax.add_line(Line2D(ends, [y, y], color=colour, linewidth=1.8, zorder=10.0))
+    elif isinstance(look, float):
+        style: dict[str, Any] = {"color": COLOURS["text"], "linewidth": 1.2, "marker": "|"}
+        ax.add_line(Line2D([x, x + look], [y, y], zorder=10.0, gid="scale", **style))
+    elif isinstance(look, dict):
+        ends = [x + 0.25 * _ENTRY] if look["linewidth"] == 0.0 else [x, x + 0.5 * _ENTRY]
+        ax.add_line(Line2D(ends, [y] * len(ends), zorder=10.0, **look))
+    else:
+        kind, drives = look
+        along = np.zeros(2) if end_on and kind == "R" else np.array([0.94, 0.2])
+        axes, centre = [along, np.array([-0.3, 0.7])], np.array([x + 0.25 * _ENTRY, y])
+        draw_symbol(ax, kind, centre, axes, 28.0, actuated=drives, label="legend", order=10.0)
