@@ -58,7 +58,7 @@ def track(
 
     The mode is a branch of F(z, k(u)) = 0 over the path k(u), z the unknowns. Each step is proved
     by Krawczyk's operator in ball arithmetic: exactly one solution for every input of the step, and
-    no singularity (Krawczyk 1969; see `step_certificate`).
+    no singularity (Krawczyk 1969; see `tube`).
 
     `joints` (n, actuated joints; or by name, rows or columns) or `poses` (n, 7: x, y, z, qw, qx,
     qy, qz) are in the mechanism's units; `given` maps names of coordinates, as many as the
