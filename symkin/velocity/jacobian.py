@@ -15,6 +15,7 @@ from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.machine.limbs import with_limbs
+from symkin.model.arm import arm_of
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
@@ -24,7 +25,7 @@ from symkin.velocity.differential import differentiate, pose_rates, quaternion_r
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import KINDS, JacobianKind, Variable, labels, variables_read
-from symkin.velocity.rates import RateJacobian, rate_jacobian
+from symkin.velocity.rates import RateJacobian, graph_jacobian, rate_jacobian
 from symkin.verb import verb
 
 Values = Solution | Mapping[str, Any] | np.ndarray
@@ -254,7 +255,7 @@ AnyJacobian = Jacobian | RateJacobian
 @overload
 def jacobian(
     mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False
-) -> Jacobian: ...
+) -> Jacobian | RateJacobian: ...
 @overload
 def jacobian(mechanism: Mechanism, *, of: Sequence[str], by: Sequence[str]) -> RateJacobian: ...
 @verb
@@ -271,7 +272,8 @@ def jacobian(
     `kind` is "direct" (t = J q'), "inverse" (q' = J^-1 t), "analytic" (rates of the pose
     coordinates) or "passive" (x' = Jp q'), as `Jacobian` says with shapes and units. With
     `parameters` the geometry stays symbols, else it is bound as numbers. Passive joints are
-    eliminated limb by limb with orthogonal projections (see `symkin.velocity.equations`). `of` and
+    eliminated limb by limb with orthogonal projections (see `symkin.velocity.equations`); of a
+    graph of links with a platform link, group by group, with geometry as numbers. `of` and
     `by` name coordinates of any mechanism, a graph of links too: joints, passive ones too, and x,
     y, z, azimuth, tilt, torsion of the platform; the matrix is that of the rates of `of` by those
     of `by`, which are as many as the mobility. Raises InputError for a kind that is unknown or that
@@ -294,14 +296,17 @@ def jacobian(
             )
         require_mechanism(mechanism)
         return rate_jacobian(mechanism, of, by)
-    mechanism = with_limbs(
-        mechanism,
-        "this Jacobian",
-        "name the coordinates: of=[...], by=[...] (--of NAMES --by NAMES)",
-        arms_only=True,
-    )
+    require_mechanism(mechanism)
     if kind not in KINDS:
         raise InputError(f"kind = {not_among(kind, KINDS)}")
+    if mechanism.is_graph and arm_of(mechanism) is None and not parameters:
+        return graph_jacobian(mechanism, kind)
+    mechanism = with_limbs(
+        mechanism,
+        "a Jacobian with symbols for the geometry",
+        "leave parameters out",
+        arms_only=True,
+    )
     return _built(mechanism, kind, parameters)
 
 
