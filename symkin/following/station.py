@@ -137,13 +137,26 @@ def _stations_at(
     """The stations at roots y with dG/dy there: dz/du = -(dG/dz)^-1 dG/du."""
     width = interval.system.width
     slope = along(jacobian)
-    finite = np.where(np.isfinite(jacobian).all(axis=(1, 2), keepdims=True), jacobian, np.nan)
-    sigma = np.full(len(y), np.nan)
-    if width and jacobian.shape[1] >= width:
-        fine = np.isfinite(finite).all(axis=(1, 2))
-        sigma[fine] = np.linalg.svd(finite[fine, :, :-1], compute_uv=False)[:, -1]
     across = np.eye(width + 1)[:, :-1]
-    return Stations(y, slope, interval.boxes(y, jacobian, across, which), sigma)
+    half = interval.boxes(y, jacobian, across, which)
+    return Stations(y, slope, half, _least_singular_values(jacobian))
+
+
+def singular_values_near(interval: Interval, y: np.ndarray) -> np.ndarray:
+    """The smallest singular values (n,) of dG/dz at the roots that Newton reaches from points of
+    one interval at their u, infinite where it reaches none."""
+    _, jacobian, size = interval.system.correct(y, np.repeat(interval.c, len(y), axis=0))
+    sigma = _least_singular_values(jacobian)
+    return np.where((size < NEWTON_ARRIVED) & np.isfinite(sigma), sigma, np.inf)
+
+
+def _least_singular_values(jacobian: np.ndarray) -> np.ndarray:
+    """Those (n,) of dG/dz, NaN where it is not finite or has too few rows."""
+    sigma, width = np.full(len(jacobian), np.nan), jacobian.shape[2] - 1
+    fine = np.isfinite(jacobian).all(axis=(1, 2))
+    if width and jacobian.shape[1] >= width:
+        sigma[fine] = np.linalg.svd(jacobian[fine, :, :-1], compute_uv=False)[:, -1]
+    return sigma
 
 
 def redundant_rows_bound(interval: Interval, y: np.ndarray, which: np.ndarray) -> float:

@@ -13,7 +13,7 @@ from symkin.errors import InputError
 from symkin.following.follow import Branch, PathPoint, evaluate_formula, follow, ground, is_formula
 from symkin.following.joint_limits import LimitWatch
 from symkin.following.nearest_singularity import nearest_to_singularity
-from symkin.following.sample import Sample, make_sample
+from symkin.following.sample import Sample, make_sample, places_read
 from symkin.following.stop import Stop, stop_of
 from symkin.following.track_result import Track
 from symkin.following.trajectory import Columns, Trajectory, make_trajectory
@@ -237,7 +237,8 @@ def _not_begun(trajectory: Trajectory, problem: Problem, failure: str) -> Track:
 
 def _result(trajectory: Trajectory, problem: Problem, branch: Branch, name_modes: bool) -> Track:
     kept: list[Sample] = []
-    for place in branch.places:
+    read = places_read(trajectory, problem, branch.places)
+    for place, there in zip(branch.places, read, strict=True):
         kept.append(
             make_sample(
                 trajectory,
@@ -245,6 +246,7 @@ def _result(trajectory: Trajectory, problem: Problem, branch: Branch, name_modes
                 place,
                 kept[-1] if kept else None,
                 branch.way(place.row, place.u),
+                there,
             )
         )
     stop = stop_of(trajectory, problem, branch, kept, name_modes)
