@@ -103,8 +103,7 @@ class BlockFollower:
     interval with their tubes. `closed_branches` are the intervals (by row) on which the branch
     comes back to itself, `begun` is the first station of the present one. `ahead` holds steps that
     have been proved, by row of the path up to row `looked`, before it is known that they are
-    joined; `is_clear`: the last search has found no singular point ahead; `closed` is the largest
-    closure error (length unit) of closed loops.
+    joined; `closed` is the largest closure error (length unit) of closed loops.
     """
 
     system: PathSystem
@@ -121,7 +120,6 @@ class BlockFollower:
     curves: list[tuple[Cubic, Tubes]] = field(default_factory=list)
     begun: Station | None = None
     closed_branches: dict[int, ClosedBranch] = field(default_factory=dict)
-    is_clear: bool = False
     stop: BlockStop | None = None
     passed: list[Station] = field(default_factory=list)
     closed: float = 0.0
@@ -232,7 +230,10 @@ class BlockFollower:
         if not known or known[0].begin.u > station.u or known[0].end.u > until:
             return None
         step = known.pop(0)
-        if np.array_equal(step.begin.y, station.y):
+        if step.begin is station or (
+            np.array_equal(step.begin.y, station.y)
+            and np.array_equal(step.begin.half, station.half)  # type: ignore[arg-type]
+        ):
             return step
         away = np.abs(step.begin.y - station.y)
         if self.link is None or not self._may_be(step.begin, station.y):
@@ -386,8 +387,7 @@ class BlockFollower:
         """Whether a singular point lies ahead on this interval, and near enough to stop there."""
         a = self.station
         found = find_singular_point(self.interval.system, self.interval.c[0], a.y, a.slope)
-        self.is_clear = found is None or found.u > until + SAME_PLACE
-        if found is None or self.is_clear:
+        if found is None or found.u > until + SAME_PLACE:
             return False
         fold = prove_fold(self.interval, a, found) if found.kind == "turning point" else None
         away = found.u - a.u
