@@ -19,13 +19,13 @@ from symkin.model.arm import arm_of
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
-from symkin.result import Result, Summary
 from symkin.text import not_among
 from symkin.velocity.differential import differentiate, pose_rates, quaternion_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import KINDS, JacobianKind, Variable, labels, variables_read
 from symkin.velocity.rates import RateJacobian, graph_jacobian, rate_jacobian
+from symkin.velocity.symbolic_matrix import SymbolicMatrix
 from symkin.verb import verb
 
 Values = Solution | Mapping[str, Any] | np.ndarray
@@ -33,7 +33,7 @@ Values = Solution | Mapping[str, Any] | np.ndarray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Jacobian(Result):
+class Jacobian(SymbolicMatrix):
     """A Jacobian of a mechanism as an expression of its closure's variables, at any regular closed
     configuration.
 
@@ -73,41 +73,8 @@ class Jacobian(Result):
     expressions: Expressions
 
     @property
-    def mechanism(self) -> Mechanism:
-        return self.closure.mechanism
-
-    @property
     def closure(self) -> Closure:
         return self.equations.closure
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        return len(self.rows), len(self.columns)
-
-    @property
-    def symbols(self) -> ca.SX:
-        """Inputs, then parameters, as one column."""
-        parts = [self.closure.variables[v.index] for v in self.inputs] + [
-            self.closure.parameters[v.index] for v in self.parameters
-        ]
-        return ca.vertcat(*parts) if parts else ca.SX(0, 1)
-
-    @cached_property
-    def function(self) -> ca.Function:
-        """A CasADi function of one scalar for each input and parameter, by name, with the output
-        `jacobian`.
-        """
-        names = [v.name for v in (*self.inputs, *self.parameters)]
-        outputs = [ca.densify(self.expression)]
-        name = ca.Function.fix_name(f"{self.mechanism.name}_{self.kind}_jacobian")
-        return ca.Function(
-            name,
-            ca.vertsplit(self.symbols) if names else [],
-            outputs,
-            names,
-            ["jacobian"],
-            {"cse": True},
-        )
 
     def at(self, values: Values, parameters: np.ndarray | None = None) -> np.ndarray:
         """The matrix at a closed configuration: a Solution, its `values` (those of the inputs
@@ -227,25 +194,6 @@ class Jacobian(Result):
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism and the kind, from which the expression is built anew."""
         return _built, (self.mechanism, self.kind, bool(self.parameters))
-
-    def to_dict(self) -> dict[str, Any]:
-        """What the matrix relates: kind, names of rows and columns, and what each entry reads."""
-        return {
-            "mechanism": self.mechanism.name,
-            "kind": self.kind,
-            "rows": list(self.rows),
-            "columns": list(self.columns),
-            "inputs": [{"name": v.name, "source": v.source, "unit": v.unit} for v in self.inputs],
-            "parameters": [v.source for v in self.parameters],
-        }
-
-    def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
-        """The matrix' kind and shape, and the names of what it reads."""
-        inputs = ", ".join(v.name for v in self.inputs) or "nothing"
-        rows, columns = self.shape
-        return Summary(
-            [f"{self.mechanism.name}: {self.kind} Jacobian, {rows} x {columns}, of {inputs}"]
-        )
 
 
 AnyJacobian = Jacobian | RateJacobian

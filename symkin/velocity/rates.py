@@ -35,7 +35,6 @@ from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
 from symkin.position.transfer import many_elsewhere, variables_elsewhere
-from symkin.result import Result, Summary
 from symkin.velocity.differential import TWIST_COLUMNS, pose_rates, tangent_jacobian
 from symkin.velocity.elimination import factored
 from symkin.velocity.jacobian_names import (
@@ -45,13 +44,14 @@ from symkin.velocity.jacobian_names import (
     components,
     variables_read,
 )
+from symkin.velocity.symbolic_matrix import SymbolicMatrix
 
 _LEVEL = ("azimuth", "tilt")
 """Angles of a platform that have no rates where it does not tilt."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RateJacobian(Result):
+class RateJacobian(SymbolicMatrix):
     """of' = J by': rates of the coordinates in `rows` by those in `columns`, at any regular closed
     configuration.
 
@@ -75,31 +75,8 @@ class RateJacobian(Result):
     kind: str = "rates"
 
     @property
-    def mechanism(self) -> Mechanism:
-        return self.problem.mechanism
-
-    @property
     def closure(self) -> Closure:
         return self.problem.closure
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        return len(self.rows), len(self.columns)
-
-    @property
-    def symbols(self) -> ca.SX:
-        """The inputs as one column."""
-        return ca.vertcat(ca.SX(0, 1), *(self.closure.variables[v.index] for v in self.inputs))
-
-    @cached_property
-    def function(self) -> ca.Function:
-        """A CasADi function of one scalar for each input, by name, with the output `jacobian`."""
-        names = [v.name for v in self.inputs]
-        name = ca.Function.fix_name(f"{self.mechanism.name}_rates_jacobian")
-        inputs = ca.vertsplit(self.symbols) if names else []
-        return ca.Function(
-            name, inputs, [ca.densify(self.expression)], names, ["jacobian"], {"cse": True}
-        )
 
     def at(self, solution: Solution) -> np.ndarray:
         """The matrix at a closed configuration, by least squares of all rows. Raises SolveError at
@@ -175,28 +152,9 @@ class RateJacobian(Result):
         """Pickle as the mechanism and the names, from which the expression is built anew."""
         return _built, (self.mechanism, self.rows, self.columns)
 
-    def to_dict(self) -> dict[str, Any]:
-        """What the matrix relates: names of rows and columns, and what each entry reads."""
-        return {
-            "mechanism": self.mechanism.name,
-            "kind": self.kind,
-            "rows": list(self.rows),
-            "columns": list(self.columns),
-            "inputs": [{"name": v.name, "source": v.source, "unit": v.unit} for v in self.inputs],
-            "parameters": [],
-        }
-
-    def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
-        """The matrix' shape, and the names of what it relates and reads."""
-        inputs = ", ".join(v.name for v in self.inputs) or "nothing"
-        rows, columns = self.shape
-        return Summary(
-            [
-                f"{self.mechanism.name}: rates of {', '.join(self.rows)} by those of "
-                f"{', '.join(self.columns)}, {rows} x {columns}, of "
-                f"{inputs}"
-            ]
-        )
+    @property
+    def _what(self) -> str:
+        return f"rates of {', '.join(self.rows)} by those of {', '.join(self.columns)}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -222,13 +180,9 @@ class GraphJacobian(RateJacobian):
         """Pickle as the mechanism and the kind, from which the expression is built anew."""
         return graph_jacobian, (self.mechanism, self.kind)
 
-    def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
-        """The matrix' kind and shape, and the names of what it reads."""
-        inputs = ", ".join(v.name for v in self.inputs) or "nothing"
-        rows, columns = self.shape
-        return Summary(
-            [f"{self.mechanism.name}: {self.kind} Jacobian, {rows} x {columns}, of {inputs}"]
-        )
+    @property
+    def _what(self) -> str:
+        return f"{self.kind} Jacobian"
 
 
 @lru_cache(maxsize=128)
