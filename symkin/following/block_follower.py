@@ -1,38 +1,38 @@
 """Follow one block's branch along an interval of a trajectory, step by step with a proof, up to the
 first stop.
 
-Each step goes from u to u + h of one interval: Newton at the far end, a cubic with the branch's
-slopes at both ends, and a tube about it in which there is exactly one solution for every u (see
-`step_certificate`). Consecutive tubes are joined at a point whose own box lies in both. Where
-steps shrink, a singular point is looked for ahead; a turning point is reached by a last tube in
-the direction of the branch, which is regular there (see `last_tube`). A branch that comes back
-to itself after whole turns of the given angles is known from there on (see `whole_turns`).
+Where steps (see `steps`) shrink, a singular point is looked for ahead; a turning point is reached
+by a last tube, over which u has one extreme (see `fold`). A branch that comes back to itself after
+whole turns of the given angles is known from there on (see `whole_turns`).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Literal
 
 import numpy as np
 
 from symkin.following.cubic import Cubic
+from symkin.following.fold import Fold, prove_fold
 from symkin.following.joint_limits import Limit, LimitWatch
-from symkin.following.last_tube import LastTube, prove_last_tube
-from symkin.following.path_system import PathSystem
-from symkin.following.series_tube import series_tube
+from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, along
 from symkin.following.singular_point import SingularPoint, find_singular_point
 from symkin.following.station import (
+    ALONE,
     Station,
-    along_parameter,
     interval_of,
     redundant_rows_bound,
     station_at,
     station_near,
+    stations_near,
 )
-from symkin.following.step_certificate import Interval, Tube
+from symkin.following.steps import Link, Pace, Step, one_step, ways
 from symkin.following.trajectory import Trajectory
+from symkin.following.tube import Interval, Tubes
 from symkin.following.whole_turns import ClosedBranch, closed_branch, whole_turns
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.determination import DIGITS
@@ -45,27 +45,23 @@ _FIRST_CHANGE = 0.05
 _SHORTEST_STEP = 1e-12
 """A step of less than this share of an interval is given up."""
 MOST_EFFORT = 20_000
-"""Steps on one interval after which it is given up; those with power series count
-`_SERIES_EFFORT`.
-"""
-_SERIES_EFFORT = 10
-"""What a step with a proof by power series counts, about its time over a plain one's."""
-_GROWTH_WITH_ROOM, _GROWTH = 1.6, 1.1
-"""Factors of the next step after a proof with room to spare, and after one without."""
-_ROOM = 0.75
-"""A tube whose image fills less of it than this leaves room to spare."""
+"""Steps on one interval after which it is given up."""
 _SEARCH_AT = 0.3
 """A singular point is looked for whenever the step is below this times the one of the last
 search.
 """
-_SHORT_CHANGE = 0.05
-"""Where steps that change the unknowns by less than this (over the size, or rad) have no plain
-tube, power series are tried.
+_PIECE = 0.1
+"""Change of the unknowns (over the size, or rad) between points from which steps are looked for
+ahead.
 """
+_FIRST_AHEAD, _MOST_AHEAD = 48, 512
+"""Such points at most, at the start and later."""
+_SAME_STATION = 1e-9
+"""Points that differ by less (over the size, or rad) may be the same."""
 _HALVINGS = 40
 """Halvings of a step to the place where loops open: to 1e-12 of it."""
 _AT_TURNING_POINT = 1e-9
-"""So near a turning point (share of an interval) it is taken without a last tube."""
+"""So near a turning point (share of an interval) it is taken without a proof."""
 _AT_BIFURCATION = 1e-4
 """So near a bifurcation (share of an interval, or change of the unknowns over the size or in rad),
 to which no tube leads, the branch stops.
@@ -84,7 +80,7 @@ SAME_PLACE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class BlockStop:
-    """Why and where (u) a block's branch ends. `last_tube` leads to a turning point. `residual`
+    """Why and where (u) a block's branch ends. `fold` leads to a turning point. `residual`
     (length unit) is what is left open; `is_spent`: no step has failed, but as many as one interval
     may take are made.
     """
@@ -92,7 +88,7 @@ class BlockStop:
     ending: Ending
     u: float
     singular: SingularPoint | None = None
-    last_tube: LastTube | None = None
+    fold: Fold | None = None
     limit: Limit | None = None
     residual: float = 0.0
     is_spent: bool = False
@@ -103,12 +99,11 @@ class BlockFollower:
     """One block's branch as far as it has been followed.
 
     `station` is its end, `passed` the ends of all steps. `steps` counts tubes, of which images
-    fill at most `tightest`; `link` is the last one, `curves` are the cubics of the present
+    fill at most `tightest`; `link` is the last one; `curves` are the cubics of the present
     interval with their tubes. `closed_branches` are the intervals (by row) on which the branch
-    comes back to itself, `begun` is the first station of the present one. `redundant_bound`
-    bounds redundant rows at the ends of steps (length unit); `is_clear`: the last search has
-    found no singular point ahead; `closed` is the largest closure error (length unit) of closed
-    loops.
+    comes back to itself, `begun` is the first station of the present one. `ahead` holds steps that
+    have been proved, by row of the path up to row `looked`, before it is known that they are
+    joined; `closed` is the largest closure error (length unit) of closed loops.
     """
 
     system: PathSystem
@@ -119,14 +114,14 @@ class BlockFollower:
     pace: float = _FIRST_CHANGE
     steps: int = 0
     tightest: float = 0.0
-    link: Tube | None = None
-    curves: list[tuple[Cubic, Tube]] = field(default_factory=list)
+    link: Link | None = None
+    ahead: dict[int, list[Step]] = field(default_factory=dict)
+    looked: int = -1
+    curves: list[tuple[Cubic, Tubes]] = field(default_factory=list)
     begun: Station | None = None
     closed_branches: dict[int, ClosedBranch] = field(default_factory=dict)
-    is_clear: bool = False
     stop: BlockStop | None = None
     passed: list[Station] = field(default_factory=list)
-    redundant_bound: float = 0.0
     closed: float = 0.0
 
     @staticmethod
@@ -155,20 +150,104 @@ class BlockFollower:
         """Whether loops that close only to the digits of a file are followed."""
         return self.closed > CLOSURE_TOLERANCE * self.system.problem.closure.characteristic_length
 
+    @property
+    def redundant_bound(self) -> float:
+        """A bound of redundant rows at the ends of steps (length unit)."""
+        if self.system.is_square:
+            return 0.0
+        rows, which = np.unique([station.row for station in self.passed], return_inverse=True)
+        y = np.array([station.y for station in self.passed])
+        return redundant_rows_bound(self._intervals(rows.tolist()), y, which.astype(np.intc))
+
+    def _intervals(self, rows: Sequence[int]) -> Interval:
+        """The intervals of several rows of the path."""
+        c = [interval_of(self.system, self.trajectory, row).c[0] for row in rows]
+        return Interval(self.system, np.array(c))
+
     def enter(self, row: int) -> None:
         """Stand at the beginning of an interval, where the branch may have a corner."""
         self.interval, self.curves = interval_of(self.system, self.trajectory, row), []
-        y = np.append(self.station.z, 0.0)
-        self.station = station_at(self.interval, row, y, self.interval.evaluate(y)[1])
+        if row > self.looked:
+            self._look_ahead(row)
+        begin, known = np.append(self.station.z, 0.0), self.ahead.get(row, [])
+        if known and known[0].begin.u == 0.0 and self._may_be(known[0].begin, begin):
+            self.station = known[0].begin
+        else:
+            self.station = station_at(self.interval, row, begin)
+            self.ahead.pop(row, None)
         self._record()
         self.begun = self.station
-        if self.link is not None and not self.link.holds(self.station.half):
+        away = np.abs(self.station.y - begin)
+        if self.link is not None and not self.link.holds(self.station.half, away):
             self.stop = BlockStop("unproved", 0.0)
+
+    def _look_ahead(self, row: int) -> None:
+        """Prove steps from here on, all at once, from points to which Newton's method leads; those
+        that turn out to be joined to the branch are part of it."""
+        pieces = list(islice(self._pieces(row), _MOST_AHEAD if self.looked >= 0 else _FIRST_AHEAD))
+        if not pieces:
+            self.looked = row
+            return
+        rows, begin, ends = (np.array(v) for v in zip(*pieces, strict=True))
+        first, which = np.unique(rows, return_inverse=True)
+        interval, which = self._intervals(first.tolist()), which.astype(np.intc)
+        found = ways(interval, stations_near(interval, begin, which), ends, which)
+        self.looked, self.ahead = int(rows[-1]), {}
+        for k, r in enumerate(rows.tolist()):
+            self.ahead.setdefault(r, []).extend(found.steps_of(r, k))
+
+    def _pieces(self, row: int) -> Iterator[tuple[int, np.ndarray, float]]:
+        """Where (row, y) Newton's method leads along the path, and the u to which the next step may
+        go, up to a place where it leads no further."""
+        y = np.append(self.station.z, 0.0)
+        samples = self.trajectory.samples
+        for r in range(row, len(samples) - 1):
+            if np.array_equal(samples[r], samples[r + 1]):
+                continue
+            if whole_turns(self.trajectory, r) is not None:
+                return
+            interval = interval_of(self.system, self.trajectory, r)
+            y = np.append(y[:-1], 0.0)
+            while y[-1] < 1.0:
+                slope = along(interval.evaluate(y[None], ALONE)[1])[0]
+                speed = float(np.max(np.abs(slope), initial=0.0))
+                if not np.isfinite(speed):
+                    return
+                pieces = math.ceil((1.0 - y[-1]) * speed / _PIECE) or 1
+                end = 1.0 if pieces == 1 else float(y[-1] + (1.0 - y[-1]) / pieces)
+                yield r, y, end
+                guess = np.append(y[:-1] + (end - y[-1]) * slope, end)
+                reached, _, size = self.system.correct(guess[None], interval.c)
+                if not (size[0] < NEWTON_ARRIVED and np.abs(reached[0] - guess).max() < _PIECE):
+                    return
+                y = reached[0]
+
+    def _known_step(self, until: float) -> Step | None:
+        """The step from here, if it has been proved before; what begins before is left behind."""
+        known, station = self.ahead.get(self.station.row, []), self.station
+        while known and known[0].begin.u < station.u:
+            known.pop(0)
+        if not known or known[0].begin.u > station.u or known[0].end.u > until:
+            return None
+        step = known.pop(0)
+        if step.begin is station or (
+            np.array_equal(step.begin.y, station.y)
+            and np.array_equal(step.begin.half, station.half)  # type: ignore[arg-type]
+        ):
+            return step
+        away = np.abs(step.begin.y - station.y)
+        if self.link is None or not self._may_be(step.begin, station.y):
+            return None
+        return step if self.link.holds(step.begin.half, away) else None
+
+    def _may_be(self, station: Station, y: np.ndarray) -> bool:
+        """Whether a station that was found ahead is that at y, up to rounding."""
+        return bool((np.abs(station.y - y) <= _SAME_STATION).all())
 
     def go(self, until: float) -> None:
         """Follow the branch to u = `until` of the interval, or the first stop before."""
         h = min(1.0, self.pace / self.station.speed)
-        searched = h / _SEARCH_AT
+        searched, pace = h / _SEARCH_AT, Pace.begun(np.array([h]))
         effort, turn = 0, whole_turns(self.trajectory, self.station.row)
         mark = until if turn is None else min(turn, until)
         while self.station.u < until and self.stop is None:
@@ -183,18 +262,16 @@ class BlockFollower:
                 searched = h
                 if self._meets_singular_point(until):
                     return
-            end = mark if station.u + 1.01 * h >= mark else station.u + h
-            found = _step(self.interval, station, end, with_series=self.is_clear)
-            if found is None:
-                h = 0.5 * (end - station.u)
+            step = self._known_step(mark)
+            if step is None:
+                end = mark if station.u + 1.01 * h >= mark else station.u + h
+                step = one_step(self.interval, station, end, pace)
+                h = float(pace.h[0])
+            if step is None:
                 continue
-            self._accept(*found)
-            effort += 1 if found[2].frame is None else _SERIES_EFFORT
-            h = (end - station.u) * (
-                _GROWTH_WITH_ROOM
-                if self.link is not None and self.link.tightness < _ROOM
-                else _GROWTH
-            )
+            end = step.end.u
+            self._accept(step)
+            effort += 1
             searched = max(searched, h)
             self.pace = h * self.station.speed
             if turn is not None and self.stop is None and end == mark < until:
@@ -228,19 +305,18 @@ class BlockFollower:
         row = self.station.row
         closed = self.closed_branches[row]
         place, times = closed.folded(u)
-        curve, tube = next((c, t) for c, t in self.curves if place <= c.control[-1, -1])
-        guess = closed.moved(curve.at((place - curve.control[0, -1]) / curve.length)[:-1], times)
+        curve, tubes = next((c, t) for c, t in self.curves if place <= c.control[-1, -1])
+        share = curve.share_at(place)
+        guess = closed.moved(curve.at(share)[:-1], times)
         there = station_near(self.interval, row, guess, u)
         if not there.is_regular or there.half is None:
             return False
         away = np.abs(there.z - guess) + _ROUNDED_SHARE * np.abs(there.slope)
-        if (
-            not tube.holds(there.half + np.append(away, 0.0))
-            or self._closure_error(there) > self.closed
-        ):
+        link = Link(tubes, share, curve.at(share), np.append(away, 0.0))
+        if not link.holds(there.half) or self._closure_error(there) > self.closed:
             return False
         # what the next interval begins at is a box within this tube, moved by whole turns
-        self.station, self.link = there, tube
+        self.station, self.link = there, link
         return True
 
     def at(self, u: float) -> np.ndarray:
@@ -261,25 +337,16 @@ class BlockFollower:
             u, times = closed.folded(u)
         for curve, _ in self.curves:
             if curve.control[0, -1] <= u < curve.control[-1, -1]:
-                z = station_near(
-                    self.interval, 0, curve.at((u - curve.control[0, -1]) / curve.length)[:-1], u
-                ).z
+                z = station_near(self.interval, 0, curve.at(curve.share_at(u))[:-1], u).z
                 return z if closed is None else closed.moved(z, times)
         return self.station.z
 
-    def _accept(self, reached: Station, curve: Cubic, tube: Tube) -> None:
+    def _accept(self, step: Step) -> None:
         """Accept a proved step, up to a limit or to the place where loops open."""
-        before, self.station = self.station, reached
-        self.steps, self.link, self.tightest = (
-            self.steps + 1,
-            tube,
-            max(self.tightest, tube.tightness),
-        )
-        self.curves.append((curve, tube))
-        if not self.system.is_square:
-            self.redundant_bound = max(
-                self.redundant_bound, redundant_rows_bound(self.interval, reached.y)
-            )
+        before, self.station, curve = step.begin, step.end, step.curve
+        self.steps, self.link = self.steps + 1, step.link
+        self.tightest = max(self.tightest, float(step.tubes.tightness[0]))
+        self.curves.append((curve, step.tubes))
         met = self.watch.unknown(self.interval, curve)
         if met is not None:
             self.station = station_near(
@@ -319,23 +386,18 @@ class BlockFollower:
     def _meets_singular_point(self, until: float) -> bool:
         """Whether a singular point lies ahead on this interval, and near enough to stop there."""
         a = self.station
-        found = find_singular_point(self.interval.system, self.interval.c, a.y, a.slope)
-        self.is_clear = found is None or found.u > until + SAME_PLACE
-        if found is None or self.is_clear:
+        found = find_singular_point(self.interval.system, self.interval.c[0], a.y, a.slope)
+        if found is None or found.u > until + SAME_PLACE:
             return False
-        tube = (
-            prove_last_tube(self.interval, a.y, a.slope, a.half, found)
-            if found.kind == "turning point"
-            else None
-        )
+        fold = prove_fold(self.interval, a, found) if found.kind == "turning point" else None
         away = found.u - a.u
         moves = away * min(1.0, float(np.max(np.abs(a.slope), initial=0.0)))
         near = (
             moves <= _AT_BIFURCATION if found.kind == "bifurcation" else away <= _AT_TURNING_POINT
         )
-        if tube is None and not near:
+        if fold is None and not near:
             return False
-        self.stop = BlockStop("singular", found.u, singular=found, last_tube=tube)
+        self.stop = BlockStop("singular", found.u, singular=found, fold=fold)
         return True
 
 
@@ -346,20 +408,3 @@ def given_error(problem: Problem, known: np.ndarray) -> float:
         if problem.conditions.errors.numel()
         else 0.0
     )
-
-
-def _step(
-    interval: Interval, a: Station, end: float, *, with_series: bool
-) -> tuple[Station, Cubic, Tube] | None:
-    """A proved step to u = end, or None; with power series, where they are allowed and steps are
-    short.
-    """
-    h = end - a.u
-    b = station_near(interval, a.row, a.z + h * a.slope, end)
-    if not b.is_regular:
-        return None
-    curve = Cubic.hermite(a.y, np.append(a.slope, 1.0), b.y, np.append(b.slope, 1.0), h)
-    tube = interval.tube(curve, along_parameter(len(a.y)), a.half, b.half)
-    if tube is None and with_series and h * a.speed < _SHORT_CHANGE:
-        tube = series_tube(interval, curve, a.half, b.half)
-    return None if tube is None else (b, curve, tube)

@@ -10,15 +10,19 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from symkin.following.block_follower import SAME_PLACE, BlockFollower, Ending
 from symkin.following.joint_limits import Limit, LimitWatch
-from symkin.following.path_system import path_systems
+from symkin.following.path_system import coefficients, path_systems
+from symkin.following.station import stations_near
+from symkin.following.steps import ways
 from symkin.following.trajectory import Trajectory
+from symkin.following.tube import Interval
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.problem import Problem
 
 
@@ -108,7 +112,7 @@ class Branch:
         ):
             return False
         return (
-            all(w.stop is not None and w.stop.last_tube is not None for w in self.stopped)
+            all(w.stop is not None and w.stop.fold is not None for w in self.stopped)
             or self.ending == "limit"
         )
 
@@ -186,6 +190,27 @@ def path_point(
     return PathPoint(
         row, u, unknown, None if radius is None else radius * problem.closure.characteristic_length
     )
+
+
+def carried(
+    problem: Problem, begin: np.ndarray, samples: Sequence[tuple[np.ndarray, np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Follow configurations by their unknowns (n, w), each from one sample to another, all
+    together: where they come to, and which of them (n,) do so without a singularity.
+    """
+    end, reached = begin.copy(), np.ones(len(begin), dtype=bool)
+    c = np.array([coefficients(problem, a, b) for a, b in samples])
+    which = np.arange(len(begin), dtype=np.intc)
+    for system in path_systems(problem):
+        interval = Interval(system, c)
+        y = np.append(begin[:, system.places] / system.scale, np.zeros((len(begin), 1)), axis=1)
+        found = ways(interval, stations_near(interval, y, which), np.ones(len(begin)), which)
+        for numbers, _, there, *_ in found.rounds if not system.is_square else ():
+            left = np.abs(interval.evaluate(there.y, numbers)[0]).max(axis=1, initial=0.0)
+            reached[numbers[left > CLOSURE_TOLERANCE]] = False
+        reached &= found.last.y[:, -1] == 1.0
+        end[:, system.places] = system.unknowns(found.last.y[:, :-1])
+    return end, reached
 
 
 # --- on what ground -------------------------------------------------------------------------------

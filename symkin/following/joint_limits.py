@@ -13,8 +13,8 @@ import numpy as np
 
 from symkin.following.cubic import Cubic
 from symkin.following.path_system import PathSystem
-from symkin.following.step_certificate import Interval
 from symkin.following.trajectory import Trajectory
+from symkin.following.tube import Interval
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import LIMIT_SLACK
@@ -130,8 +130,12 @@ class LimitWatch:
             beyond = self._excess(c, _value(system, place, y))
             if beyond < -_NEAR_LIMIT * self._unit(c):
                 return beyond
-            return self._excess(c, _value(system, place, system.correct(y, interval.c)[0]))
+            return self._excess(c, _value(system, place, system.correct(y[None], interval.c)[0][0]))
 
+        values = curve.control[:, place] * system.scale[place]
+        near = max(self._excess(c, float(v)) for v in (values.min(), values.max()))
+        if near < -_NEAR_LIMIT * self._unit(c):
+            return None
         before = 0.0
         for share in (*_extremes(curve, place), 1.0):
             if excess(share) > 0.0:

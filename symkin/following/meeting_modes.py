@@ -115,7 +115,10 @@ def meeting_modes(
         return None
     turning = [block for block in branch.stopped if _is_turning(block)]
     folds_only = len(turning) == len(branch.stopped) and len(turning) <= _MOST_COMBINED
-    own, near, signs = (_across_folds if folds_only else _near_by)(problem, branch, found, u - back)
+    listed = listed_unknowns(problem, found)
+    own, near, signs = (_across_folds if folds_only else _near_by)(
+        problem, branch, listed, u - back
+    )
     return Meeting(
         parameter=trajectory.parameter(row, u - back),
         given=given,
@@ -128,7 +131,7 @@ def meeting_modes(
 
 
 def _across_folds(
-    problem: Problem, branch: Branch, found: Modes, u: float
+    problem: Problem, branch: Branch, listed: np.ndarray, u: float
 ) -> tuple[int | None, list[int], bool | None]:
     """Numbers (from 0) of the followed mode and of those on the other sides of the turning blocks'
     folds, in all combinations, and whether the determinants' signs are opposite.
@@ -139,7 +142,9 @@ def _across_folds(
     numbers = []
     for signs in product((0, 1), repeat=len(turning)):
         chosen = {id(block): sides[id(block)][k] for block, k in zip(turning, signs, strict=True)}
-        numbers.append(mode_number(problem, found, _joined(problem, branch.blocks, rest | chosen)))
+        numbers.append(
+            nearest_mode(problem, listed, _joined(problem, branch.blocks, rest | chosen))
+        )
     return (
         numbers[0],
         [number for number in numbers if number is not None],
@@ -148,7 +153,7 @@ def _across_folds(
 
 
 def _near_by(
-    problem: Problem, branch: Branch, found: Modes, u: float
+    problem: Problem, branch: Branch, listed: np.ndarray, u: float
 ) -> tuple[int | None, list[int], None]:
     """Numbers (from 0) of the followed mode and of those near the singular point, where branches
     cross.
@@ -157,8 +162,8 @@ def _near_by(
     reach = (
         _NEAR_RATIO * float(_distances(problem, own[None], branch.last.unknown)[0]) + DISTINCT_ROOTS
     )
-    near = np.flatnonzero(mode_distances(problem, found, branch.last.unknown) < reach)
-    return mode_number(problem, found, own), near.tolist(), None
+    near = np.flatnonzero(_distances(problem, listed, branch.last.unknown) < reach)
+    return nearest_mode(problem, listed, own), near.tolist(), None
 
 
 def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, Any]:
@@ -185,25 +190,23 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, Any]:
     return {"pose": values["pose"]} if trajectory.kind == "inverse" else {"given": values}
 
 
-def mode_number(problem: Problem, modes: Modes, unknown: np.ndarray) -> int | None:
-    """The number (from 0) of the mode in a list that a configuration is, None where the list lacks
-    it.
-    """
-    distances = mode_distances(problem, modes, unknown)
-    return (
-        int(np.argmin(distances)) if len(distances) and np.min(distances) < DISTINCT_ROOTS else None
-    )
-
-
-def mode_distances(problem: Problem, modes: Modes, unknown: np.ndarray) -> np.ndarray:
-    """How far each mode is from a configuration: the largest difference of their features, over the
-    size.
-    """
+def listed_unknowns(problem: Problem, modes: Modes) -> np.ndarray:
+    """The unknowns (n, w) of a problem at the modes of a list."""
     listed = [
         problem.select_values(variables_elsewhere(problem.closure, mode), problem.system.unknowns)
         for mode in modes
     ]
-    return _distances(problem, np.array(listed).reshape(-1, len(unknown)), unknown)
+    return np.array(listed).reshape(-1, problem.system.width)
+
+
+def nearest_mode(problem: Problem, listed: np.ndarray, unknown: np.ndarray) -> int | None:
+    """The number (from 0) of the mode of a list, by its unknowns, that a configuration is, None
+    where the list lacks it.
+    """
+    distances = _distances(problem, listed, unknown)
+    return (
+        int(np.argmin(distances)) if len(distances) and np.min(distances) < DISTINCT_ROOTS else None
+    )
 
 
 def _distances(problem: Problem, points: np.ndarray, unknown: np.ndarray) -> np.ndarray:
@@ -233,7 +236,9 @@ def _sides(block: BlockFollower, u: float) -> tuple[np.ndarray, np.ndarray]:
         1.0 if point.null[:, 0] @ (block.station.z - point.y[:-1]) > 0 else -1.0
     )
     own, mate = (
-        block.system.correct(np.append(point.y[:-1] + s * reach * v, u), block.interval.c)[0][:-1]
+        block.system.correct(np.append(point.y[:-1] + s * reach * v, u)[None], block.interval.c)[0][
+            0, :-1
+        ]
         for s in (1.0, -1.0)
     )
     return own, mate
@@ -254,9 +259,8 @@ def _opposite(
 
 
 def _sign(system: PathSystem, z: np.ndarray, u: float, block: BlockFollower) -> float:
-    return float(
-        np.linalg.slogdet(system.evaluate(np.append(z, u), block.interval.c)[1][:, :-1])[0]
-    )
+    jacobian = system.evaluate(np.append(z, u)[None], block.interval.c)[1][0]
+    return float(np.linalg.slogdet(jacobian[:, :-1])[0])
 
 
 def _joined(

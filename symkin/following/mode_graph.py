@@ -13,23 +13,25 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from symkin.assembly.modes import modes
 from symkin.assembly.modes_result import Modes
 from symkin.errors import InputError
-from symkin.following.follow import Branch
-from symkin.following.meeting_modes import mode_number
+from symkin.following.follow import carried
+from symkin.following.meeting_modes import listed_unknowns, nearest_mode
+from symkin.following.path_system import path_systems
 from symkin.following.track import branch_from
-from symkin.following.trajectory import make_trajectory
+from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.given import Joints, given_from
 from symkin.position.given_by_name import Values, given_by_name, plain_kind
+from symkin.position.problem import Problem
 from symkin.result import Result, Summary
 from symkin.text import meant
 from symkin.verb import verb
@@ -39,10 +41,15 @@ _MOST_POINTS = 10_000
 _BATCH = 256
 """Inputs whose modes are found together."""
 
+_MOST_TOGETHER = 2048
+"""Modes that are followed together."""
+
 Node = tuple[int, int]
 """A grid point's number (row-major, the first axis slowest; the chosen input is the last one) and a
 mode's number there.
 """
+Carried = tuple[Node, Node | Literal["stopped", "unmatched"], bool]
+"""A node, the one that it is carried to, or why there is none, and whether that is proved."""
 
 
 @dataclass(frozen=True)
@@ -212,15 +219,15 @@ def mode_graph(
             progress(len(found), total)
     edges: list[tuple[Node, Node]] = []
     certified, stopped, unmatched = True, 0, 0
-    for done, line in enumerate(lines, start=len(inputs) + 1):
-        for branch, nodes_along in _followed_along(mechanism, names, inputs, found, line):
-            joined = [(a, b) for a, b in pairwise(nodes_along) if a is not None and b is not None]
-            edges += joined
-            stopped += branch.ending != "reached"
-            unmatched += nodes_along.count(None)
-            certified = certified and (branch.proves_pieces or not joined)
+    for done, ends in _carried(mechanism, names, inputs, found, lines):
+        for node, end, proved in ends:
+            stopped += end == "stopped"
+            unmatched += end == "unmatched"
+            if not isinstance(end, str):
+                edges.append((node, end))
+                certified = certified and proved
         if progress is not None:
-            progress(done, total)
+            progress(len(inputs) + done, total)
     nodes = [(p, k) for p, modes_there in enumerate(found) for k in range(len(modes_there))]
     return ModeGraph(
         mechanism=mechanism,
@@ -237,31 +244,76 @@ def mode_graph(
     )
 
 
-def _followed_along(
+def _carried(
     mechanism: Mechanism,
     names: Sequence[str],
     inputs: np.ndarray,
     found: Sequence[Modes],
-    line: Sequence[int],
-) -> Iterator[tuple[Branch, list[Node | None]]]:
-    """Each branch along a line of points, from the first point at which it is one of the modes
-    found, and its node at each point that it reaches, None where the list lacks it.
+    lines: Sequence[Sequence[int]],
+) -> Iterator[tuple[int, list[Carried]]]:
+    """What each mode of each point of the lines becomes at the next one, for many lines together,
+    and how many lines are done.
     """
-    reached: set[Node] = set()
-    for place, point in enumerate(line[:-1]):
-        for k, mode in enumerate(found[point]):
-            if (point, k) in reached:
+    paths = [_path(mechanism, names, inputs[list(line)]) for line in lines]
+    problem = paths[0].problem
+    unknowns = [listed_unknowns(problem, there) for there in found]
+    ways_out: list[_WayOut] = []
+    for done, (line, path) in enumerate(zip(lines, paths, strict=True), start=1):
+        ways_out += [
+            _WayOut(path, row, (a, k), b)
+            for row, (a, b) in enumerate(pairwise(line))
+            for k in range(len(found[a]))
+        ]
+        if len(ways_out) >= _MOST_TOGETHER or done == len(lines):
+            yield done, _ends(problem, found, unknowns, ways_out)
+            ways_out = []
+
+
+@dataclass(frozen=True, eq=False)
+class _WayOut:
+    """From a node to a neighbouring point, over an interval of a path."""
+
+    path: Trajectory
+    row: int
+    node: Node
+    to: int
+
+    def alone(self) -> Trajectory:
+        """The interval as a path of its own."""
+        return replace(self.path, samples=self.path.samples[self.row : self.row + 2])
+
+
+def _ends(
+    problem: Problem,
+    found: Sequence[Modes],
+    unknowns: Sequence[np.ndarray],
+    ways_out: Sequence[_WayOut],
+) -> list[Carried]:
+    """What the modes become, those that are easy to follow all at once, the others one by one."""
+    begin = np.array([unknowns[w.node[0]][w.node[1]] for w in ways_out])
+    begin = begin.reshape(len(ways_out), problem.system.width)
+    samples = [(w.path.samples[w.row], w.path.samples[w.row + 1]) for w in ways_out]
+    end, reached = carried(problem, begin, samples)
+    square = all(system.is_square for system in path_systems(problem))
+    ends: list[Carried] = []
+    for k, w in enumerate(ways_out):
+        proved = square
+        if not reached[k]:
+            branch = branch_from(found[w.node[0]][w.node[1]], w.alone(), limits=False)
+            if branch.ending != "reached":
+                ends.append((w.node, "stopped", False))
                 continue
-            ahead = line[place:]
-            path = dict(zip(names, inputs[list(ahead)].T.tolist(), strict=True))
-            trajectory = make_trajectory(mechanism, given=path, limits=False)
-            branch = branch_from(mode, trajectory, limits=False)
-            nodes: list[Node | None] = [(point, k)]
-            for other, there in zip(ahead[1:], branch.places[1:], strict=False):
-                number = mode_number(trajectory.problem, found[other], there.unknown)
-                nodes.append(None if number is None else (other, number))
-            reached |= {node for node in nodes if node is not None}
-            yield branch, nodes
+            end[k], proved = branch.last.unknown, branch.proves_pieces
+        number = nearest_mode(problem, unknowns[w.to], end[k])
+        ends.append((w.node, "unmatched" if number is None else (w.to, number), proved))
+    return ends
+
+
+def _path(mechanism: Mechanism, names: Sequence[str], rows: np.ndarray) -> Trajectory:
+    """The path along a line of points."""
+    return make_trajectory(
+        mechanism, given=dict(zip(names, rows.T.tolist(), strict=True)), limits=False
+    )
 
 
 def _chosen_input(

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from symkin.following.block_follower import BlockFollower
 from symkin.following.follow import Branch, PathPoint
-from symkin.following.station import Station, interval_of, station_near
+from symkin.following.station import Station, interval_of, singular_values_near, station_near
 from symkin.following.trajectory import Trajectory
 from symkin.position.problem import Problem
 
-_SECTIONS = 40
-"""Golden sections of the interval that holds the least value: it shrinks to 4e-9 of itself."""
-_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
-"""Share of an interval that each section keeps (Kiefer 1953)."""
-
+_PLACES, _ROUNDS = 17, 9
+"""Places at which an interval that holds the least value is looked at, and how often that is
+repeated between the neighbours of the best one: it shrinks to 1e-8 of itself.
+"""
 _SAME = 1e-9
 """Singular values that differ by less than this share are the same."""
 
@@ -25,8 +22,8 @@ def nearest_to_singularity(
     branch: Branch, problem: Problem, trajectory: Trajectory
 ) -> PathPoint | None:
     """Where the smallest singular value of the blocks' unknowns is least among the ends of steps
-    and, by golden section, between the neighbours of the least one; the singular stop where there
-    is one, None where no step was needed.
+    and, at places that grow denser, between the neighbours of the least one; the singular stop
+    where there is one, None where no step was needed.
     """
     blocks = [block for block in branch.blocks if block.passed]
     if not blocks:
@@ -69,27 +66,20 @@ def _least(
 ) -> tuple[float, float]:
     """The least singular value between two ends of steps, not above that of the end between
     them, and its u."""
-    a, b = around[0].u, around[2].u
-    interval = interval_of(block.system, trajectory, around[1].row)
-
-    def sigma(u: float) -> float:
-        one, two = (around[0], around[1]) if u <= around[1].u else (around[1], around[2])
-        value = station_near(interval, one.row, _interpolated(one, two, u), u).sigma
-        return value if math.isfinite(value) else math.inf
-
-    c, d = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
-    at_c, at_d = sigma(c), sigma(d)
-    for _ in range(_SECTIONS if b > a else 0):
-        if at_c < at_d:
-            b, d, at_d = d, c, at_c
-            c = b - _GOLDEN * (b - a)
-            at_c = sigma(c)
-        else:
-            a, c, at_c = c, d, at_d
-            d = a + _GOLDEN * (b - a)
-            at_d = sigma(d)
-    found = min(at_c, at_d)
-    return (found, 0.5 * (a + b)) if found < around[1].sigma else (around[1].sigma, around[1].u)
+    before, there, after = around
+    interval = interval_of(block.system, trajectory, there.row)
+    low, high, best = before.u, after.u, (there.sigma, there.u)
+    for _ in range(_ROUNDS if high > low else 0):
+        u = np.linspace(low, high, _PLACES)
+        y = [
+            [*_interpolated(*((before, there) if v <= there.u else (there, after)), v), v]
+            for v in u.tolist()
+        ]
+        sigma = singular_values_near(interval, np.array(y))
+        k = int(np.argmin(sigma))
+        best = min(best, (float(sigma[k]), float(u[k])))
+        low, high = float(u[max(k - 1, 0)]), float(u[min(k + 1, _PLACES - 1)])
+    return best
 
 
 def _between(block: BlockFollower, trajectory: Trajectory, row: int, u: float) -> np.ndarray:

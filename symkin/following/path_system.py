@@ -9,19 +9,19 @@ interval's ends (see `trajectory`), so that one graph serves all intervals.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from symkin.closure.expression_graph import instructions
+from symkin.certificate.discs import DiscFunction
+from symkin.certificate.tape import build_tape
 from symkin.computed_once import cached_property, lru_cache
 from symkin.following.trajectory import great_circle
 from symkin.model.joint import Coordinate, units_of
-from symkin.numeric.balls import BallFunction, raise_constants
+from symkin.numeric.balls import raise_constants
+from symkin.numeric.mapped import Mapped
 from symkin.numeric.system import System, incidence_of, split_blocks
 from symkin.numeric.tolerances import ROUNDED_STEP
-from symkin.pool import Pool
 from symkin.position.problem import Problem
 
 NEWTON_ARRIVED = 1e-7
@@ -63,35 +63,26 @@ class PathSystem:
         return self.count == self.width
 
     @cached_property
-    def has_series(self) -> bool:
-        """Whether the rows can be evaluated along power series over balls."""
-        operations = {
-            op
-            for op, *_ in instructions(
-                ca.Function("rows", [self.y, self.c], [ca.densify(self.rows)])
-            )
-        }
-        return not operations & {ca.OP_SQRT, ca.OP_ATAN2}
+    def discs(self) -> DiscFunction:
+        """G and dG/dy over discs."""
+        return DiscFunction(build_tape(self.y, self.c, self.rows, ("value", "slope")))
 
     @cached_property
-    def balls(self) -> BallFunction:
-        """G and dG/dy over balls."""
-        return BallFunction(self.y, self.c, self.rows, ("value", "slope"))
-
-    @cached_property
-    def second(self) -> tuple[BallFunction, tuple[float, ...]]:
-        """The derivative of dG/dy along d over balls, row by row in (y, d), and the constants that
+    def bend(self) -> tuple[DiscFunction, tuple[float, ...]]:
+        """The derivative of dG/dy along d over discs, row by row in (y, d), and the constants that
         follow c as its knowns.
         """
         rows, constants, values = raise_constants(self.rows, self.y, self.c)
         d = ca.SX.sym("d", self.width + 1)
         along = ca.jtimes(ca.vec(ca.jacobian(rows, self.y).T), self.y, d)
-        return BallFunction(ca.vertcat(self.y, d), ca.vertcat(self.c, constants), along), values
+        tape = build_tape(
+            ca.vertcat(self.y, d), ca.vertcat(self.c, constants), ca.vec(along), ("value",)
+        )
+        return DiscFunction(tape), values
 
     @cached_property
-    def _function(self) -> ca.Function:
-        outputs = [ca.densify(self.rows), ca.densify(ca.jacobian(self.rows, self.y))]
-        return ca.Function("path", [self.y, self.c], outputs, {"cse": True})
+    def _function(self) -> Mapped:
+        return Mapped.of([self.y, self.c], [self.rows, ca.jacobian(self.rows, self.y)])
 
     @property
     def count(self) -> int:
@@ -99,68 +90,111 @@ class PathSystem:
         return int(self.rows.shape[0])
 
     @cached_property
-    def _buffers(self) -> Pool[tuple[Any, ...]]:
-        return Pool(self._make_buffer)
-
-    def _make_buffer(self) -> tuple[Any, ...]:
-        """The function with its memory: y, c, values, jacobian (transposed), and the call."""
-        buffer, call = self._function.buffer()
-        shapes = [
-            (self.width + 1,),
-            (int(self.c.shape[0]),),
-            (self.count,),
-            (self.width + 1, self.count),
+    def coefficient_scales(self) -> np.ndarray:
+        """What rounding in each of the coefficients is relative to, beside its value: the size for
+        lengths, 1 for others.
+        """
+        size = self.problem.closure.characteristic_length
+        parts = [
+            [1.0] * 9 if c.kind == "quaternion" else [size if c.kind == "length" else 1.0] * 2
+            for c in self.problem.known_coordinates
         ]
-        arrays = [np.zeros(shape) for shape in shapes]
-        for k in (0, 1):
-            buffer.set_arg(k, arrays[k].data)
-            buffer.set_res(k, arrays[k + 2].reshape(-1).data)
-        return (*arrays, call, buffer)
+        return np.array([v for part in parts for v in part])
+
+    def changes(self, c: np.ndarray) -> np.ndarray:
+        """The largest change of a known coordinate (over the size, or rad) on intervals (k,)."""
+        found, place = [np.zeros(len(c))], 0
+        for coordinate in self.problem.known_coordinates:
+            place += 9 if coordinate.kind == "quaternion" else 2
+            found.append(np.abs(c[:, place - 1]) / self.coefficient_scales[place - 1])
+        return np.asarray(np.max(found, axis=0))
 
     def evaluate(self, y: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """G (m,) and dG/dy (m, w + 1)."""
-        with self._buffers.borrowed() as (point, coefficients, values, jacobian, call, _):
-            point[:], coefficients[:] = y, c
-            call()
-            return values.copy(), jacobian.T.copy()
+        """G (n, m) and dG/dy (n, m, w + 1) at points y (n, w + 1) with coefficients c (n, ...)."""
+        values, jacobian = self._function(y, c)
+        return values[..., 0], jacobian
 
     def correct(
         self, y: np.ndarray, c: np.ndarray, direction: np.ndarray | None = None
-    ) -> tuple[np.ndarray, np.ndarray, float]:
-        """Newton (Gauss-Newton where rows are redundant) at a fixed u, or on the hyperplane through
-        y across a direction: y and dG/dy there, and the size of the last step (infinite where rows
-        are not finite).
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Newton (Gauss-Newton where rows are redundant) from points y (n, w + 1) at a fixed u, or
+        on the hyperplane through y across a direction: y and dG/dy there, and the size (n,) of the
+        last step (infinite where rows are not finite).
         """
-        size = np.inf
+        y, size = y.copy(), np.full(len(y), np.inf)
+        values, jacobian = self.evaluate(y, c)
+        moving = np.arange(len(y))
         for _ in range(_NEWTON_STEPS):
-            values, jacobian = self.evaluate(y, c)
-            if not (np.isfinite(values).all() and np.isfinite(jacobian).all()):
-                return y, jacobian, np.inf
+            finite = np.isfinite(values).all(axis=1) & np.isfinite(jacobian).all(axis=(1, 2))
+            size[moving[~finite]] = np.inf
+            moving, values, jacobian = (a[finite] for a in (moving, values, jacobian))
+            step = np.zeros((len(moving), self.width + 1))
             if direction is None:
-                step = np.append(least_squares(jacobian[:, :-1], values), 0.0)
+                step[:, :-1] = least_squares(jacobian[..., :-1], values)
             else:
-                step = least_squares(np.vstack([jacobian, direction]), np.append(values, 0.0))
-            before, size = size, float(np.max(np.abs(step), initial=0.0))
-            y = y - step
-            if size < 1e-9 or size > 1.0 or (size < NEWTON_ARRIVED and size > 0.5 * before):
+                across = np.broadcast_to(direction, (len(moving), 1, self.width + 1))
+                right = np.concatenate([values, np.zeros((len(moving), 1))], axis=1)
+                step = least_squares(np.concatenate([jacobian, across], axis=1), right)
+            before = size[moving]
+            now = np.max(np.abs(step), axis=1, initial=0.0)
+            y[moving], size[moving] = y[moving] - step, np.where(np.isnan(now), np.inf, now)
+            with np.errstate(invalid="ignore"):
+                more = ~(
+                    (now < 1e-9) | ~(now <= 1.0) | ((now < NEWTON_ARRIVED) & (now > 0.5 * before))
+                )
+            moving = moving[more]
+            if not len(moving):
                 break
+            values, jacobian = self.evaluate(y[moving], c[moving])
         return y, self.evaluate(y, c)[1], size
 
     def unknown(self, z: np.ndarray) -> np.ndarray:
         """The unknowns in radians and the length unit, quaternions of unit length."""
-        return np.asarray(self.system.unit(z * self.scale))
+        return np.asarray(self.unknowns(z[None])[0])
+
+    def unknowns(self, z: np.ndarray) -> np.ndarray:
+        """The same of many points."""
+        return self.system.move(z * self.scale, np.zeros((len(z), self.system.freedom)))
 
 
-def least_squares(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """x with matrix x = right, by least squares where rows are redundant; NaN where there is
-    none.
+def least_squares(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """x (n, b) with matrices (n, a, b) x = right (n, a), by least squares where rows are redundant;
+    NaN where there is none.
     """
-    try:
-        if matrix.shape[0] == matrix.shape[1]:
-            return np.asarray(np.linalg.solve(matrix, right))
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=ROUNDED_STEP)[0])
-    except np.linalg.LinAlgError:
-        return np.full((matrix.shape[1], *right.shape[1:]), np.nan)
+    if matrices.shape[1] == matrices.shape[2]:
+        try:
+            return np.asarray(np.linalg.solve(matrices, right[..., None])[..., 0])
+        except np.linalg.LinAlgError:
+            if len(matrices) == 1:
+                return np.full((1, matrices.shape[2]), np.nan)
+            each = [least_squares(m[None], r[None]) for m, r in zip(matrices, right, strict=True)]
+            return np.concatenate(each)
+    return np.asarray((inverses(matrices) @ right[..., None])[..., 0])
+
+
+def along(slopes: np.ndarray) -> np.ndarray:
+    """dz/du (n, w) of branches from dG/dy (n, m, w + 1): -(dG/dz)^-1 dG/du."""
+    return -least_squares(slopes[..., :-1], slopes[..., -1])
+
+
+def inverses(matrices: np.ndarray) -> np.ndarray:
+    """About the (pseudo-)inverses of matrices (n, a, b), a not below b; zero for those that are
+    not finite.
+    """
+    fine = np.isfinite(matrices).all(axis=(1, 2))
+    left, singular, right = np.linalg.svd(
+        np.where(fine[:, None, None], matrices, 0.0), full_matrices=False
+    )
+    return np.asarray(right.transpose(0, 2, 1) @ scaled_left(singular, left))
+
+
+def scaled_left(singular: np.ndarray, left: np.ndarray) -> np.ndarray:
+    """Left singular vectors (n, a, b) as rows, over their singular values (n, b), or zero where
+    these are zero to rounding.
+    """
+    regular = singular > ROUNDED_STEP * singular.max(axis=1, keepdims=True, initial=0.0)
+    over = np.where(regular, 1.0 / np.where(regular, singular, 1.0), 0.0)
+    return np.asarray(left.transpose(0, 2, 1) * over[..., None])
 
 
 @lru_cache(maxsize=128)
@@ -225,18 +259,4 @@ def coefficients(problem: Problem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         else:
             out += [float(a[start]), float(b[start] - a[start])]
         start += c.width
-    return np.array(out)
-
-
-def coefficient_scales(problem: Problem) -> np.ndarray:
-    """What rounding in each of the coefficients is relative to, beside its value: the size for
-    lengths, 1 for others.
-    """
-    out: list[float] = []
-    for c in problem.known_coordinates:
-        out += (
-            [1.0] * 9
-            if c.kind == "quaternion"
-            else [problem.closure.characteristic_length if c.kind == "length" else 1.0] * 2
-        )
     return np.array(out)

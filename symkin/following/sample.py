@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -122,11 +123,14 @@ def make_sample(
     place: PathPoint,
     before: Sample | None,
     way: Way | None = None,
+    read: dict[str, np.ndarray] | None = None,
 ) -> Sample:
     """One configuration of the path with its checks; its quaternion continues the one before,
     and what angles of joints that the closure leaves out have turned is counted along the
-    `way` from there."""
+    `way` from there. `read` are the coordinates of joints there, where they are known."""
     row, u, unknown = place.row, place.u, place.unknown
+    if read is None:
+        (read,) = places_read(trajectory, problem, [place])
     known = trajectory.at(row, u)
     values = problem.join_values(unknown, known)
     pose = pose_of(problem.closure, values)
@@ -143,18 +147,33 @@ def make_sample(
         condition=problem.system.condition(unknown, known),
         smallest_singular_value=float(singular[-1]) if singular.size else 1.0,
         radius=place.radius,
-        readings=_readings(problem, values, before, _turned(trajectory, problem, row, way))
+        readings=_continued(problem, read, before, _turned(trajectory, problem, row, way))
         if problem.kind == "given"
         else {},
     )
 
 
-def _readings(
-    problem: Problem, values: np.ndarray, before: Sample | None, turned: dict[str, float]
+def places_read(
+    trajectory: Trajectory, problem: Problem, places: Sequence[PathPoint]
+) -> list[dict[str, np.ndarray]]:
+    """The coordinates of joints at several places, read together; nothing where the closure has
+    all that are told."""
+    if problem.kind != "given":
+        return [{} for _ in places]
+    values = [problem.join_values(p.unknown, trajectory.at(p.row, p.u)) for p in places]
+    read = readings_at(problem.closure, np.array(values))
+    return [{name: part[k] for name, part in read.items()} for k in range(len(places))]
+
+
+def _continued(
+    problem: Problem,
+    read: dict[str, np.ndarray],
+    before: Sample | None,
+    turned: dict[str, float],
 ) -> dict[str, np.ndarray]:
     """Coordinates of joints that the closure leaves out, as near as possible to those before and
     what they have turned since."""
-    read = {name: part[0] for name, part in readings_at(problem.closure, values[None]).items()}
+    read = dict(read)
     for c in left_out(problem.closure) if before is not None else ():
         last = before.readings[c.name]  # type: ignore[union-attr]
         if c.kind == "quaternion":

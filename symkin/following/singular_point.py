@@ -71,7 +71,7 @@ def find_singular_point(
 def _turning_point(
     system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.ndarray
 ) -> SingularPoint | None:
-    _, jacobian = system.evaluate(y, c)
+    jacobian = _jacobian(system, y, c)
     null = np.linalg.svd(jacobian[:, :-1])[2][-1:].T
     found = _gauss_newton(system, c, y, null, whole=False)
     if found is None or not found[0][-1] > y[-1]:
@@ -85,7 +85,7 @@ def _turning_point(
 def _bifurcation(
     system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.ndarray
 ) -> SingularPoint | None:
-    _, jacobian = system.evaluate(y, c)
+    jacobian = _jacobian(system, y, c)
     _, singular, right = np.linalg.svd(jacobian)
     small = 1 + int(np.sum(singular[: system.width] < 3.0 * singular[system.width - 1]))
     found = _gauss_newton(system, c, y, right[-small:].T, whole=True)
@@ -95,6 +95,11 @@ def _bifurcation(
     if not _is_where_led(there[:-1] - y[:-1], (there[-1] - y[-1]) * slope):
         return None
     return _classified(system, c, there, None)
+
+
+def _jacobian(system: PathSystem, y: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """dG/dy (rows, w + 1) at a point."""
+    return np.asarray(system.evaluate(y[None], c[None])[1][0])
 
 
 def _is_where_led(actual: np.ndarray, expected: np.ndarray) -> bool:
@@ -111,7 +116,7 @@ def _classified(
     is that of a turning point; one at which the ranks are those of a bifurcation is none: whether
     branches meet, the equations of a bifurcation say.
     """
-    _, jacobian = system.evaluate(y, c)
+    jacobian = _jacobian(system, y, c)
     _, singular, right = np.linalg.svd(jacobian[:, :-1])
     whole = np.linalg.svd(jacobian, compute_uv=False)
     zeros = int(np.sum(singular[: system.width] < RANK_TOLERANCE * whole[0]))
@@ -137,7 +142,7 @@ def _curvature(
     least squares in (z'', u'').
     """
     step = 1e-5 * np.append(v, 0.0)
-    second = (system.evaluate(y + step, c)[1] - system.evaluate(y - step, c)[1])[:, :-1] @ v / 2e-5
+    second = (_jacobian(system, y + step, c) - _jacobian(system, y - step, c))[:, :-1] @ v / 2e-5
     return float(np.linalg.lstsq(jacobian, -second, rcond=1e-9)[0][-1])
 
 

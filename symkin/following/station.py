@@ -1,21 +1,65 @@
-"""Points of one block's branch: a root of its rows at a path parameter, the slope there, and the
-box that holds no other root.
+"""Points of a block's branches: roots of its rows at path parameters, the slopes there, and boxes
+that hold no other root. Those of many branches go together, each on an interval of its own.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symkin.certificate.disc_arithmetic import UP
 from symkin.certificate.independent_rows import most_independent
 from symkin.computed_once import lru_cache
-from symkin.following.ball_matrices import balls
-from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, coefficients, least_squares
-from symkin.following.step_certificate import BITS, Interval
+from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, along, coefficients
 from symkin.following.trajectory import Trajectory
-from symkin.numeric.balls import UP, precision, upper
+from symkin.following.tube import Interval
+
+ALONE = np.zeros(1, dtype=np.intc)
+"""The number of the only interval."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stations:
+    """Points of branches: y (n, w + 1) = (z, u), the slopes dz/du (n, w), NaN where there is none,
+    and the half widths (n, w + 1) of boxes in which they are the only roots at their u, infinite
+    where that is not proved; `sigma` (n,) are the smallest singular values of dG/dz.
+    """
+
+    y: np.ndarray
+    slope: np.ndarray
+    half: np.ndarray
+    sigma: np.ndarray
+
+    @property
+    def is_regular(self) -> np.ndarray:
+        """Whether branches have slopes there (n,)."""
+        return np.asarray(np.isfinite(self.slope).all(axis=1))
+
+    @property
+    def speed(self) -> np.ndarray:
+        """The largest changes of unknowns per unit of u (n,), never quite zero."""
+        speed = np.max(np.abs(self.slope), axis=1, initial=0.0) + 1e-3
+        return np.where(np.isfinite(speed), speed, 1.0)
+
+    @property
+    def tangent(self) -> np.ndarray:
+        """dy/du (n, w + 1)."""
+        return np.concatenate([self.slope, np.ones((len(self.slope), 1))], axis=1)
+
+    def among(self, chosen: np.ndarray) -> Stations:
+        """Some of the points."""
+        return Stations(*(a[chosen] for a in (self.y, self.slope, self.half, self.sigma)))
+
+    def put(self, chosen: np.ndarray, others: Stations) -> None:
+        """Go on to other points, where `chosen` says so."""
+        for own, new in zip(vars(self).values(), vars(others).values(), strict=True):
+            own[chosen] = new
+
+    def one(self, row: int, k: int = 0) -> Station:
+        """One of the points, on an interval of a trajectory."""
+        half = self.half[k] if np.isfinite(self.half[k]).all() else None
+        return Station(row, self.y[k], self.slope[k], half, float(self.sigma[k]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +73,7 @@ class Station:
     y: np.ndarray
     slope: np.ndarray
     half: np.ndarray | None
-    sigma: float = math.nan
+    sigma: float
 
     @property
     def z(self) -> np.ndarray:
@@ -42,6 +86,12 @@ class Station:
         return float(self.y[-1])
 
     @property
+    def several(self) -> Stations:
+        """The only one of several."""
+        half = np.full(len(self.y), np.inf) if self.half is None else self.half
+        return Stations(*(np.array(v)[None] for v in (self.y, self.slope, half, self.sigma)))
+
+    @property
     def is_regular(self) -> bool:
         """Whether the branch has a slope there."""
         return bool(np.isfinite(self.slope).all())
@@ -49,65 +99,84 @@ class Station:
     @property
     def speed(self) -> float:
         """The largest change of an unknown per unit of u, never quite zero."""
-        speed = float(np.max(np.abs(self.slope), initial=0.0))
-        return speed + 1e-3 if np.isfinite(speed) else 1.0
+        return float(self.several.speed[0])
 
 
 def interval_of(system: PathSystem, trajectory: Trajectory, row: int) -> Interval:
     """The rows along the interval after sample `row`; about the last sample they stand still."""
     samples = trajectory.samples
-    return Interval(
-        system, coefficients(system.problem, samples[row], samples[min(row + 1, len(samples) - 1)])
-    )
+    c = coefficients(system.problem, samples[row], samples[min(row + 1, len(samples) - 1)])
+    return Interval(system, c[None])
 
 
 def station_near(interval: Interval, row: int, z: np.ndarray, u: float) -> Station:
     """The station that Newton reaches from z at a fixed u; its slope is NaN where it reaches
     none.
     """
-    y, jacobian, size = interval.system.correct(np.append(z, u), interval.c)
-    if not size < NEWTON_ARRIVED:
-        return Station(row, y, slope=np.full(len(z), np.nan), half=None)
-    return station_at(interval, row, y, jacobian)
+    return stations_near(interval, np.append(z, u)[None], ALONE).one(row)
 
 
-def station_at(interval: Interval, row: int, y: np.ndarray, jacobian: np.ndarray) -> Station:
-    """The station at a root y with dG/dy there: dz/du = -(dG/dz)^-1 dG/du."""
-    slope = -least_squares(jacobian[:, :-1], jacobian[:, -1])
-    singular = (
-        np.linalg.svd(jacobian[:, :-1], compute_uv=False)
-        if len(y) > 1 and np.isfinite(jacobian).all()
-        else np.zeros(0)
-    )
-    sigma = float(singular[-1]) if len(singular) == len(y) - 1 and len(singular) else math.nan
-    return Station(row, y, slope, interval.point(y, along_parameter(len(y)), jacobian), sigma)
+def station_at(interval: Interval, row: int, y: np.ndarray) -> Station:
+    """The station at a root y."""
+    jacobian = interval.evaluate(y[None], ALONE)[1]
+    return _stations_at(interval, y[None], jacobian, ALONE).one(row)
 
 
-def along_parameter(n: int) -> np.ndarray:
-    """The direction of u."""
-    return np.append(np.zeros(n - 1), 1.0)
+def stations_near(interval: Interval, y: np.ndarray, which: np.ndarray) -> Stations:
+    """The stations that Newton reaches from points at their u."""
+    y, jacobian, size = interval.system.correct(y, interval.c[which])
+    found = _stations_at(interval, y, jacobian, which)
+    lost = ~(size < NEWTON_ARRIVED)
+    found.slope[lost], found.half[lost], found.sigma[lost] = np.nan, np.inf, np.nan
+    return found
 
 
-def redundant_rows_bound(interval: Interval, y: np.ndarray) -> float:
-    """An upper bound (length unit) of every row at the one exact root near y, at its u, of as many
-    independent rows as unknowns; infinite where no such root is proved.
+def _stations_at(
+    interval: Interval, y: np.ndarray, jacobian: np.ndarray, which: np.ndarray
+) -> Stations:
+    """The stations at roots y with dG/dy there: dz/du = -(dG/dz)^-1 dG/du."""
+    width = interval.system.width
+    slope = along(jacobian)
+    across = np.eye(width + 1)[:, :-1]
+    half = interval.boxes(y, jacobian, across, which)
+    return Stations(y, slope, half, _least_singular_values(jacobian))
+
+
+def singular_values_near(interval: Interval, y: np.ndarray) -> np.ndarray:
+    """The smallest singular values (n,) of dG/dz at the roots that Newton reaches from points of
+    one interval at their u, infinite where it reaches none."""
+    _, jacobian, size = interval.system.correct(y, np.repeat(interval.c, len(y), axis=0))
+    sigma = _least_singular_values(jacobian)
+    return np.where((size < NEWTON_ARRIVED) & np.isfinite(sigma), sigma, np.inf)
+
+
+def _least_singular_values(jacobian: np.ndarray) -> np.ndarray:
+    """Those (n,) of dG/dz, NaN where it is not finite or has too few rows."""
+    sigma, width = np.full(len(jacobian), np.nan), jacobian.shape[2] - 1
+    fine = np.isfinite(jacobian).all(axis=(1, 2))
+    if width and jacobian.shape[1] >= width:
+        sigma[fine] = np.linalg.svd(jacobian[fine, :, :-1], compute_uv=False)[:, -1]
+    return sigma
+
+
+def redundant_rows_bound(interval: Interval, y: np.ndarray, which: np.ndarray) -> float:
+    """An upper bound (length unit) of all rows at the exact roots near points y (n, w + 1), at
+    their u, of as many independent rows as unknowns; infinite where no such root is proved.
     """
     system = interval.system
-    jacobian = interval.evaluate(y)[1]
-    chosen = tuple(
-        np.flatnonzero(most_independent(jacobian[None, :, :-1], system.width)[0]).tolist()
-    )
-    if len(chosen) < system.width:
-        return float("inf")
-    half = Interval(_with_rows(system, chosen), interval.c).point(
-        y, along_parameter(len(y)), jacobian[list(chosen)]
-    )
-    if half is None:
-        return float("inf")
-    with precision(BITS):
-        values = interval.series(0, balls(y, half))
-        others = [upper(v) for i, v in enumerate(values) if i not in chosen]
-    return max(others, default=0.0) * system.problem.closure.characteristic_length * UP
+    jacobian = interval.evaluate(y, which)[1]
+    chosen = most_independent(jacobian[..., :-1], system.width)
+    bounds, across = [0.0], np.eye(system.width + 1)[:, :-1]
+    for rows in np.unique(chosen, axis=0):
+        if np.count_nonzero(rows) < system.width:
+            return float("inf")
+        own = (chosen == rows).all(axis=1)
+        square = Interval(_with_rows(system, tuple(np.flatnonzero(rows).tolist())), interval.c)
+        half = square.boxes(y[own], jacobian[own][:, rows], across, which[own])
+        value = interval.value(y[own], half, which[own])
+        bounds.append(float(np.max((np.abs(value.middle) + value.radius)[:, ~rows], initial=0.0)))
+    bound = max(bounds) * system.problem.closure.characteristic_length * UP
+    return bound if bound == bound else float("inf")
 
 
 @lru_cache(maxsize=128)

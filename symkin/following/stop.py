@@ -143,7 +143,7 @@ def _singular_stop(
         trajectory, problem, branch.last, kept[-1], branch.way(branch.last.row, branch.last.u)
     )
     found = classify(place.solution, roles=roles_followed(problem))
-    errors = [None if s.last_tube is None else s.last_tube.error for s in stops]
+    errors = [None if s.fold is None else s.fold.error for s in stops]
     return Stop(
         kind=next(
             (k for k in ("bifurcation", "degenerate") if any(p.kind == k for p in points)),

@@ -13,7 +13,7 @@ from symkin.errors import InputError
 from symkin.following.follow import Branch, PathPoint, evaluate_formula, follow, ground, is_formula
 from symkin.following.joint_limits import LimitWatch
 from symkin.following.nearest_singularity import nearest_to_singularity
-from symkin.following.sample import Sample, make_sample
+from symkin.following.sample import Sample, make_sample, places_read
 from symkin.following.stop import Stop, stop_of
 from symkin.following.track_result import Track
 from symkin.following.trajectory import Columns, Trajectory, make_trajectory
@@ -58,7 +58,7 @@ def track(
 
     The mode is a branch of F(z, k(u)) = 0 over the path k(u), z the unknowns. Each step is proved
     by Krawczyk's operator in ball arithmetic: exactly one solution for every input of the step, and
-    no singularity (Krawczyk 1969; see `step_certificate`).
+    no singularity (Krawczyk 1969; see `tube`).
 
     `joints` (n, actuated joints; or by name, rows or columns) or `poses` (n, 7: x, y, z, qw, qx,
     qy, qz) are in the mechanism's units; `given` maps names of coordinates, as many as the
@@ -237,7 +237,8 @@ def _not_begun(trajectory: Trajectory, problem: Problem, failure: str) -> Track:
 
 def _result(trajectory: Trajectory, problem: Problem, branch: Branch, name_modes: bool) -> Track:
     kept: list[Sample] = []
-    for place in branch.places:
+    read = places_read(trajectory, problem, branch.places)
+    for place, there in zip(branch.places, read, strict=True):
         kept.append(
             make_sample(
                 trajectory,
@@ -245,6 +246,7 @@ def _result(trajectory: Trajectory, problem: Problem, branch: Branch, name_modes
                 place,
                 kept[-1] if kept else None,
                 branch.way(place.row, place.u),
+                there,
             )
         )
     stop = stop_of(trajectory, problem, branch, kept, name_modes)

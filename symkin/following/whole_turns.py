@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.following.path_system import PathSystem
-from symkin.following.step_certificate import COEFFICIENT_RADIUS
 from symkin.following.trajectory import Trajectory
+from symkin.following.tube import COEFFICIENT_RADIUS
 
 _MOST_TURNS = 60
 """Turns of the slowest angle within which all others must have made whole turns too."""

@@ -15,16 +15,17 @@ from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.machine.limbs import with_limbs
+from symkin.model.arm import arm_of
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
-from symkin.result import Result, Summary
 from symkin.text import not_among
 from symkin.velocity.differential import differentiate, pose_rates, quaternion_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import KINDS, JacobianKind, Variable, labels, variables_read
-from symkin.velocity.rates import RateJacobian, rate_jacobian
+from symkin.velocity.rates import RateJacobian, graph_jacobian, rate_jacobian
+from symkin.velocity.symbolic_matrix import SymbolicMatrix
 from symkin.verb import verb
 
 Values = Solution | Mapping[str, Any] | np.ndarray
@@ -32,7 +33,7 @@ Values = Solution | Mapping[str, Any] | np.ndarray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Jacobian(Result):
+class Jacobian(SymbolicMatrix):
     """A Jacobian of a mechanism as an expression of its closure's variables, at any regular closed
     configuration.
 
@@ -72,41 +73,8 @@ class Jacobian(Result):
     expressions: Expressions
 
     @property
-    def mechanism(self) -> Mechanism:
-        return self.closure.mechanism
-
-    @property
     def closure(self) -> Closure:
         return self.equations.closure
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        return len(self.rows), len(self.columns)
-
-    @property
-    def symbols(self) -> ca.SX:
-        """Inputs, then parameters, as one column."""
-        parts = [self.closure.variables[v.index] for v in self.inputs] + [
-            self.closure.parameters[v.index] for v in self.parameters
-        ]
-        return ca.vertcat(*parts) if parts else ca.SX(0, 1)
-
-    @cached_property
-    def function(self) -> ca.Function:
-        """A CasADi function of one scalar for each input and parameter, by name, with the output
-        `jacobian`.
-        """
-        names = [v.name for v in (*self.inputs, *self.parameters)]
-        outputs = [ca.densify(self.expression)]
-        name = ca.Function.fix_name(f"{self.mechanism.name}_{self.kind}_jacobian")
-        return ca.Function(
-            name,
-            ca.vertsplit(self.symbols) if names else [],
-            outputs,
-            names,
-            ["jacobian"],
-            {"cse": True},
-        )
 
     def at(self, values: Values, parameters: np.ndarray | None = None) -> np.ndarray:
         """The matrix at a closed configuration: a Solution, its `values` (those of the inputs
@@ -227,25 +195,6 @@ class Jacobian(Result):
         """Pickle as the mechanism and the kind, from which the expression is built anew."""
         return _built, (self.mechanism, self.kind, bool(self.parameters))
 
-    def to_dict(self) -> dict[str, Any]:
-        """What the matrix relates: kind, names of rows and columns, and what each entry reads."""
-        return {
-            "mechanism": self.mechanism.name,
-            "kind": self.kind,
-            "rows": list(self.rows),
-            "columns": list(self.columns),
-            "inputs": [{"name": v.name, "source": v.source, "unit": v.unit} for v in self.inputs],
-            "parameters": [v.source for v in self.parameters],
-        }
-
-    def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
-        """The matrix' kind and shape, and the names of what it reads."""
-        inputs = ", ".join(v.name for v in self.inputs) or "nothing"
-        rows, columns = self.shape
-        return Summary(
-            [f"{self.mechanism.name}: {self.kind} Jacobian, {rows} x {columns}, of {inputs}"]
-        )
-
 
 AnyJacobian = Jacobian | RateJacobian
 """What the export formats write."""
@@ -254,7 +203,7 @@ AnyJacobian = Jacobian | RateJacobian
 @overload
 def jacobian(
     mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False
-) -> Jacobian: ...
+) -> Jacobian | RateJacobian: ...
 @overload
 def jacobian(mechanism: Mechanism, *, of: Sequence[str], by: Sequence[str]) -> RateJacobian: ...
 @verb
@@ -271,7 +220,8 @@ def jacobian(
     `kind` is "direct" (t = J q'), "inverse" (q' = J^-1 t), "analytic" (rates of the pose
     coordinates) or "passive" (x' = Jp q'), as `Jacobian` says with shapes and units. With
     `parameters` the geometry stays symbols, else it is bound as numbers. Passive joints are
-    eliminated limb by limb with orthogonal projections (see `symkin.velocity.equations`). `of` and
+    eliminated limb by limb with orthogonal projections (see `symkin.velocity.equations`); of a
+    graph of links with a platform link, group by group, with geometry as numbers. `of` and
     `by` name coordinates of any mechanism, a graph of links too: joints, passive ones too, and x,
     y, z, azimuth, tilt, torsion of the platform; the matrix is that of the rates of `of` by those
     of `by`, which are as many as the mobility. Raises InputError for a kind that is unknown or that
@@ -294,14 +244,17 @@ def jacobian(
             )
         require_mechanism(mechanism)
         return rate_jacobian(mechanism, of, by)
-    mechanism = with_limbs(
-        mechanism,
-        "this Jacobian",
-        "name the coordinates: of=[...], by=[...] (--of NAMES --by NAMES)",
-        arms_only=True,
-    )
+    require_mechanism(mechanism)
     if kind not in KINDS:
         raise InputError(f"kind = {not_among(kind, KINDS)}")
+    if mechanism.is_graph and arm_of(mechanism) is None and not parameters:
+        return graph_jacobian(mechanism, kind)
+    mechanism = with_limbs(
+        mechanism,
+        "a Jacobian with symbols for the geometry",
+        "leave parameters out",
+        arms_only=True,
+    )
     return _built(mechanism, kind, parameters)
 
 

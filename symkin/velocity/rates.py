@@ -29,23 +29,29 @@ from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given_by_name import given_coordinates, unknown_name
+from symkin.position.given_by_name import given_coordinates, pose_names, unknown_name
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
 from symkin.position.transfer import many_elsewhere, variables_elsewhere
-from symkin.result import Result, Summary
-from symkin.velocity.differential import tangent_jacobian
+from symkin.velocity.differential import TWIST_COLUMNS, pose_rates, tangent_jacobian
 from symkin.velocity.elimination import factored
-from symkin.velocity.jacobian_names import Variable, variables_read
+from symkin.velocity.jacobian_names import (
+    TWIST,
+    JacobianKind,
+    Variable,
+    components,
+    variables_read,
+)
+from symkin.velocity.symbolic_matrix import SymbolicMatrix
 
 _LEVEL = ("azimuth", "tilt")
 """Angles of a platform that have no rates where it does not tilt."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RateJacobian(Result):
+class RateJacobian(SymbolicMatrix):
     """of' = J by': rates of the coordinates in `rows` by those in `columns`, at any regular closed
     configuration.
 
@@ -69,31 +75,8 @@ class RateJacobian(Result):
     kind: str = "rates"
 
     @property
-    def mechanism(self) -> Mechanism:
-        return self.problem.mechanism
-
-    @property
     def closure(self) -> Closure:
         return self.problem.closure
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        return len(self.rows), len(self.columns)
-
-    @property
-    def symbols(self) -> ca.SX:
-        """The inputs as one column."""
-        return ca.vertcat(ca.SX(0, 1), *(self.closure.variables[v.index] for v in self.inputs))
-
-    @cached_property
-    def function(self) -> ca.Function:
-        """A CasADi function of one scalar for each input, by name, with the output `jacobian`."""
-        names = [v.name for v in self.inputs]
-        name = ca.Function.fix_name(f"{self.mechanism.name}_rates_jacobian")
-        inputs = ca.vertsplit(self.symbols) if names else []
-        return ca.Function(
-            name, inputs, [ca.densify(self.expression)], names, ["jacobian"], {"cse": True}
-        )
 
     def at(self, solution: Solution) -> np.ndarray:
         """The matrix at a closed configuration, by least squares of all rows. Raises SolveError at
@@ -102,13 +85,7 @@ class RateJacobian(Result):
         values = variables_elsewhere(self.closure, solution)
         rows, known = self._scaled_rows(values)
         rates = -np.linalg.lstsq(rows, known, rcond=RANK_TOLERANCE)[0] / self._weights[:, None]
-        undecided = self._undecided(values)
-        if undecided:
-            raise SolveError(
-                f"{self.mechanism.name}: {', '.join(self.columns)} do not decide the rates of "
-                f"{', '.join(undecided)} at this "
-                "configuration: it is singular"
-            )
+        self._refuse_undecided(values, self.rows)
         places, unit = self._places, np.eye(len(self.columns))
         return np.array(
             [
@@ -117,14 +94,24 @@ class RateJacobian(Result):
             ]
         )
 
-    def _undecided(self, values: np.ndarray) -> list[str]:
-        """The rows whose rates the columns' leave free at a configuration."""
+    def _refuse_undecided(self, values: np.ndarray, names: Sequence[str]) -> None:
+        undecided = self._undecided(values, names)
+        if undecided:
+            known = ", ".join(c.name for c in self.problem.known_coordinates)
+            raise SolveError(
+                f"{self.mechanism.name}: {known} do not decide the rates of "
+                f"{', '.join(undecided)} at this configuration: it is singular"
+            )
+
+    def _undecided(self, values: np.ndarray, names: Sequence[str]) -> list[str]:
+        """The coordinates whose rates the known ones leave free at a configuration."""
         free = null_space(self._scaled_rows(values)[0], RANK_TOLERANCE, relative=True)
-        found = self._places
+        found, freedoms = self._places, {c.name: c.freedom for c in self.problem.system.unknowns}
         return [
             n
-            for n in self.rows
-            if n in found and np.abs(free[:, found[n]]).max(initial=0.0) > RANK_TOLERANCE
+            for n in names
+            if n in found
+            and np.abs(free[:, found[n] : found[n] + freedoms[n]]).max(initial=0.0) > RANK_TOLERANCE
         ]
 
     def _scaled_rows(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -165,28 +152,98 @@ class RateJacobian(Result):
         """Pickle as the mechanism and the names, from which the expression is built anew."""
         return _built, (self.mechanism, self.rows, self.columns)
 
-    def to_dict(self) -> dict[str, Any]:
-        """What the matrix relates: names of rows and columns, and what each entry reads."""
-        return {
-            "mechanism": self.mechanism.name,
-            "kind": self.kind,
-            "rows": list(self.rows),
-            "columns": list(self.columns),
-            "inputs": [{"name": v.name, "source": v.source, "unit": v.unit} for v in self.inputs],
-            "parameters": [],
-        }
+    @property
+    def _what(self) -> str:
+        return f"rates of {', '.join(self.rows)} by those of {', '.join(self.columns)}"
 
-    def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
-        """The matrix' shape, and the names of what it relates and reads."""
-        inputs = ", ".join(v.name for v in self.inputs) or "nothing"
-        rows, columns = self.shape
-        return Summary(
-            [
-                f"{self.mechanism.name}: rates of {', '.join(self.rows)} by those of "
-                f"{', '.join(self.columns)}, {rows} x {columns}, of "
-                f"{inputs}"
-            ]
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GraphJacobian(RateJacobian):
+    """A Jacobian of a graph's platform or passive joints, of one of the kinds that limbs have (see
+    `Jacobian`): of twists by actuated rates or the other way round, of pose coordinates, of passive
+    joints.
+    """
+
+    def at(self, solution: Solution) -> np.ndarray:
+        """The matrix at a closed configuration. Raises SolveError at a singular one."""
+        values = variables_elsewhere(self.closure, solution)
+        self._refuse_undecided(values, list(self._places))
+        found = self.function.call([values[v.index] for v in self.inputs])[0].full()
+        if not np.isfinite(found).all():
+            raise SolveError(
+                f"{self.mechanism.name}: the {self.kind} Jacobian is not defined at this "
+                f"configuration: it is singular"
+            )
+        return np.asarray(found)
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        """Pickle as the mechanism and the kind, from which the expression is built anew."""
+        return graph_jacobian, (self.mechanism, self.kind)
+
+    @property
+    def _what(self) -> str:
+        return f"{self.kind} Jacobian"
+
+
+@lru_cache(maxsize=128)
+def graph_jacobian(mechanism: Mechanism, kind: JacobianKind) -> GraphJacobian:
+    """The Jacobian of a graph whose actuated joints are as many as its mobility. Raises InputError
+    for a graph without a platform, without passive joints, or whose actuated joints do not decide
+    its motion.
+    """
+    joints = tuple(c.name for c in mechanism.actuated)
+    held = tuple(c.name for c in mechanism.coordinates if c.name not in joints)
+    pose = () if mechanism.platform_link is None else pose_names(mechanism)
+    wanted = held if kind == "passive" else pose
+    if not joints or not wanted:
+        raise InputError(_no_kind(mechanism, kind, joints))
+    problem = build_problem(mechanism, "given", joints, wanted)
+    refuse_unless_determined(problem)
+    rates, closure = _rates_of_unknowns(problem), problem.closure
+    coordinates = {c.name: c for c in problem.system.unknowns}
+    if kind == "passive":
+        parts = [(f".{letter}" for letter in "xyz"[: coordinates[n].freedom]) for n in held]
+        rows = tuple(
+            name + letter if coordinates[name].freedom > 1 else name
+            for name, letters in zip(held, parts, strict=True)
+            for letter in letters
         )
+        expression, columns = ca.vertcat(*(rates[name] for name in held)), joints
+    else:
+        twist = ca.SX(6, len(joints))
+        for name in pose:
+            twist[list(TWIST_COLUMNS[name]), :] = rates[name]
+        rows, columns, expression = TWIST, joints, twist
+        if kind == "inverse":
+            size = closure.characteristic_length
+            lengths = ca.diag(ca.DM([1.0, 1.0, 1.0, size, size, size]))
+            expression = factored(ca.mtimes(lengths, twist), lengths).solution()
+            rows, columns = joints, TWIST
+        elif kind == "analytic":
+            quaternion = closure.variables[closure.slices[pose[-1]]]
+            expression = ca.vertcat(
+                *(pose_rates(coordinates[name], quaternion, twist) for name in pose)
+            )
+            rows = tuple(v for n in pose for v in components(n, coordinates[n].width))
+    expression = ca.sparsify(expression)
+    inputs, _ = variables_read(closure, expression)
+    return GraphJacobian(problem, rows, columns, expression, inputs, kind=kind)
+
+
+def _no_kind(mechanism: Mechanism, kind: str, joints: tuple[str, ...]) -> str:
+    """Why a graph has no Jacobian of a kind."""
+    if not joints:
+        return (
+            f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark "
+            f"joints `actuated = true`"
+        )
+    if kind == "passive":
+        return f"{mechanism.name} has no passive joint; name coordinates: --of NAMES --by NAMES"
+    return (
+        f"{mechanism.name} has no platform link, whose rates a {kind} Jacobian relates to those of "
+        f"the actuated joints; name it by [platform] link in its mechanism file, of a robot's file "
+        f"by --platform LINK, or name coordinates: of=[...], by=[...] (--of NAMES --by NAMES)"
+    )
 
 
 def rate_jacobian(mechanism: Mechanism, of: Sequence[str], by: Sequence[str]) -> RateJacobian:
@@ -237,7 +294,9 @@ def _refuse_level(made: RateJacobian) -> None:
     held = tuple(name for name in (*made.rows, *made.columns) if name not in POSE_CONDITIONS)
     plain = build_problem(problem.mechanism, "given", (), held).closure
     closed = many_elsewhere(problem.closure, plain, np.array(closed_configurations(plain, 0)))
-    everywhere = set(made.rows).intersection(*(made._undecided(values) for values in closed))
+    everywhere = set(made.rows).intersection(
+        *(made._undecided(values, made.rows) for values in closed)
+    )
     without = [name for name in made.rows if name in everywhere]
     if without:
         have = "has no rate" if len(without) == 1 else "have no rates"

@@ -38,6 +38,9 @@ def test_boxes_hold_curve_velocity_and_acceleration(seed):
         t, np.polynomial.polynomial.polyder(powers, 2)
     ).T
     np.testing.assert_allclose([cubic.at(s) for s in t / cubic.length], curve, atol=1e-12)
+    longer = cubic.longer(0.1)
+    for s in t / cubic.length:
+        np.testing.assert_allclose(longer.at((s + 0.1) / 1.2), cubic.at(s), atol=1e-12)
     np.testing.assert_allclose(cubic.middle_velocity, velocity[100], atol=1e-11)
     for (centre, half), values in (
         (cubic.hull, curve),

@@ -4,13 +4,17 @@ verbs that take no graph.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 import symkin
 from helpers.command_line import run
 from helpers.gate import in_gate
+from helpers.graph_twin import graph_twin
 from helpers.inside import variables_elsewhere
+from helpers.samples import three_rps, three_rrr
 from symkin import Solution
 
 CASES = [
@@ -95,6 +99,61 @@ def test_rates_there_and_back_are_inverse() -> None:
     there = symkin.jacobian(mechanism, of=motors, by=joints).at(here)
     back = symkin.jacobian(mechanism, of=joints, by=motors).at(here)
     assert there @ back == pytest.approx(np.eye(2), abs=1e-9)
+
+
+KINDS = ["direct", "inverse", "analytic", "passive"]
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        *(("zhang2009", kind) for kind in KINDS[:3]),
+        *((name, kind) for name in ("zhao2000", "3-RRR", "3-RPS") for kind in KINDS),
+    ],
+)
+def test_a_graph_has_the_jacobians_of_the_limbs_that_it_is(name: str, kind: str) -> None:
+    """Matrices of limbs and of their graph at one configuration; passive joints by their names, of
+    which a graph tells all."""
+    limbs = {"3-RRR": three_rrr, "3-RPS": three_rps}.get(name, partial(symkin.load, name))()
+    graph = graph_twin(limbs)
+    here = symkin.solve(limbs).solution
+    start = {n: v for n, v in here.joints.items() if isinstance(v, float)}
+    there = symkin.solve(graph, joints=here.actuated_values, start=start)
+    own = symkin.jacobian(limbs, kind)
+    found = symkin.jacobian(graph, kind)
+    numbers = found.at(there.solution)
+    assert found.columns == own.columns
+    assert set(own.rows) <= set(found.rows)
+    places = [found.rows.index(n) for n in own.rows]
+    assert numbers[places] == pytest.approx(own.at(here), rel=1e-7, abs=1e-7)
+
+
+def test_rates_of_a_platform_of_loops_within_loops_are_differences() -> None:
+    """The twist of an excavator's bucket by its cylinders, which no limbs carry."""
+    mechanism = symkin.load("excavator_bucket")
+    here = symkin.solve(mechanism).solution
+    numbers = symkin.jacobian(mechanism).at(here)
+    for k, c in enumerate(mechanism.actuated):
+        ends = [
+            symkin.solve(
+                mechanism,
+                given=dict(zip([a.name for a in mechanism.actuated], moved, strict=True)),
+                start={n: v for n, v in here.joints.items() if isinstance(v, float)},
+            ).solution
+            for moved in (
+                np.array(here.actuated_values) + sign * 1e-3 * np.eye(len(numbers.T))[k]
+                for sign in (1, -1)
+            )
+        ]
+        step = np.ptp([end.joints[c.name] for end in ends])
+        assert numbers[:3, k] == pytest.approx(
+            (ends[0].position - ends[1].position) / step, rel=1e-5, abs=1e-6
+        )
+        turn = ends[0].rotation @ ends[1].rotation.T / step
+        spin = [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
+        assert numbers[3:, k] == pytest.approx(np.array(spin) / 2, rel=1e-5, abs=1e-6)
+    inverse = symkin.jacobian(mechanism, "inverse").at(here)
+    assert inverse @ numbers == pytest.approx(np.eye(len(mechanism.actuated)), abs=1e-9)
 
 
 def test_a_singular_configuration_has_no_rates() -> None:

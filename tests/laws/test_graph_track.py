@@ -463,3 +463,22 @@ def test_loops_that_cannot_close_are_no_start() -> None:
     assert found.stop is not None
     assert found.stop.kind == "no start"
     assert "closure error" in str(found.stop)
+
+
+def test_a_screw_takes_steps_of_its_own_size() -> None:
+    """Screws of 2 mm a turn make 6 rad while the finger makes 0.02: steps are as long as their
+    turns allow, a tenth of a radian, and not as the pitch over the machine's size; the screws'
+    advance is what both fingers' tips move apart."""
+    path = Path(__file__).parents[1] / "data" / "models" / "sdf" / "pr2_gripper.sdf"
+    found = symkin.track(
+        symkin.load(path), given={"r_gripper_l_finger_joint": [0.0, 0.02]}, samples=5
+    )
+    assert found.reached
+    first, last = (found.samples[k].joints for k in (0, -1))
+    left, right = (
+        last[f"r_gripper_{side}_screw_screw_joint"] - first[f"r_gripper_{side}_screw_screw_joint"]
+        for side in "lr"
+    )
+    assert found.steps < 20 * abs(left)
+    advance = 0.001999995323140943 * (abs(left) + abs(right)) / (2 * math.pi)
+    assert abs(last["r_gripper_joint"] - first["r_gripper_joint"]) == pytest.approx(advance)

@@ -9,6 +9,7 @@ import pytest
 
 import symkin
 from helpers.inside import (
+    ALONE,
     Cubic,
     Interval,
     build_problem,
@@ -38,7 +39,7 @@ def test_tube_holds_one_branch_and_not_the_other():
     system = path_systems(problem)[0]
     index = [c.name for c in problem.system.unknowns].index("d")
     trajectory = make_trajectory(mechanism, joints=[[1.0], [1.05]])
-    interval = Interval(system, coefficients(problem, *trajectory.samples))
+    interval = Interval(system, coefficients(problem, *trajectory.samples)[None])
     ends = []
     for angle in (1.0, 1.05):
         mode = next(
@@ -49,16 +50,25 @@ def test_tube_holds_one_branch_and_not_the_other():
             / system.scale
         )
     slopes = [_slope(interval, np.append(z, u)) for z, u in zip(ends, (0.0, 1.0), strict=True)]
-    curve = Cubic.hermite(
-        np.append(ends[0], 0.0), slopes[0], np.append(ends[1], 1.0), slopes[1], 1.0
-    )
-    tube = interval.tube(curve, np.append(np.zeros(len(ends[0])), 1.0))
-    assert tube is not None
+    curve = one_cubic(np.append(ends[0], 0.0), slopes[0], np.append(ends[1], 1.0), slopes[1], 1.0)
+    tubes = interval.tubes(curve, ALONE)
+    assert tubes.proved.all()
+    assert tubes.grows.all()
     for u in np.linspace(0, 1, 21):
         own, other = (
             rocker_angle(1.0 + 0.05 * u, k) - rocker_angle(math.pi / 3, 0) for k in (0, 1)
         )
-        assert abs(own - curve.at(u)[index]) < tube.half[index] < abs(other - curve.at(u)[index])
+        there = curve.at(u)
+        root = system.correct(there, interval.c)[0]
+        assert abs(root[0, index] - own) < 1e-9
+        assert tubes.hold(u, root, np.zeros(root.shape)).all()
+        root[0, index] = other
+        assert not tubes.hold(u, root, np.zeros(root.shape)).any()
+
+
+def one_cubic(a, slope_a, b, slope_b, length) -> Cubic:
+    """A single one of several cubics."""
+    return Cubic.hermite(a[None], slope_a[None], b[None], slope_b[None], np.array([length]))
 
 
 def _on(d: float, angle: float, branch: int) -> bool:
@@ -66,7 +76,7 @@ def _on(d: float, angle: float, branch: int) -> bool:
 
 
 def _slope(interval: Interval, y: np.ndarray) -> np.ndarray:
-    jacobian = interval.evaluate(y)[1]
+    jacobian = interval.evaluate(y[None], ALONE)[1][0]
     return np.append(-np.linalg.solve(jacobian[:, :-1], jacobian[:, -1]), 1.0)
 
 
@@ -84,11 +94,11 @@ def test_no_tube_over_a_fold_or_off_the_branch():
     )
     for end, shift in ((TOGGLE + 1e-3, 0.0), (TOGGLE - 0.99e-3, 0.3)):
         trajectory = make_trajectory(mechanism, joints=[[TOGGLE - 1e-3], [end]])
-        interval = Interval(system, coefficients(problem, *trajectory.samples))
+        interval = Interval(system, coefficients(problem, *trajectory.samples)[None])
         slope = _slope(interval, np.append(z, 0.0))
         a = np.append(z + shift, 0.0)
-        curve = Cubic.hermite(a, slope, a + slope, slope, 1.0)
-        assert interval.tube(curve, np.append(np.zeros(len(z)), 1.0)) is None
+        tubes = interval.tubes(one_cubic(a, slope, a + slope, slope, 1.0), ALONE)
+        assert not tubes.grows.any()
 
 
 @pytest.mark.parametrize(
@@ -102,17 +112,18 @@ def test_curvature_of_the_path_parameter_is_proved_at_a_fold(path, folds):
     problem = build_problem(mechanism, "direct")
     system = path_systems(problem)[0]
     trajectory = make_trajectory(mechanism, joints=[[v] for v in path])
-    interval = Interval(system, coefficients(problem, *trajectory.samples))
+    interval = Interval(system, coefficients(problem, *trajectory.samples)[None])
     mode = symkin.modes(mechanism, joints=[TOGGLE - 1e-6])[0]
     z = (
         np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns])
         / system.scale
     )
     y = np.append(z, (TOGGLE - 1e-6 - path[0]) / (path[1] - path[0]))
-    null = np.linalg.svd(interval.evaluate(y)[1][:, :-1])[2][-1]
+    null = np.linalg.svd(interval.evaluate(y[None], ALONE)[1][0, :, :-1])[2][-1]
     direction = np.append(null, 0.0)
     a, b = (on_plane(interval, y + s * direction, direction) for s in (-1e-3, 1e-3))
-    curve = Cubic.hermite(*a, *b, float(direction @ (b[0] - a[0])))
-    tube = interval.tube(curve, direction)
-    assert tube is not None
-    assert interval.folds_once(curve, direction, tube) == folds
+    tubes = interval.tubes(one_cubic(*a, *b, float(direction @ (b[0] - a[0]))), ALONE)
+    assert tubes.proved.all()
+    slopes = [float(v[1][-1]) for v in (a, b)]
+    assert tubes.grows.all() <= (min(slopes) > 0.0 or max(slopes) < 0.0)
+    assert interval.folds(tubes, ALONE).all() == folds
