@@ -22,6 +22,7 @@ from symkin.formats.parts import Parts, turned
 from symkin.formats.robot import Closure, ClosureType, Mesh, Robot
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import BASE, FREEDOMS, Joint, JointType
+from symkin.model.motor import Motor
 from symkin.spatial.pose import Pose
 from symkin.text import first_of
 
@@ -52,6 +53,7 @@ class GraphJoint:
     axis2: Direction | None = None
     pitch: float = 0.0
     limits: tuple[float, float] | None = None
+    motor: Motor | None = None
     actuated: bool = False
     closing: bool = False
     where: str = ""
@@ -249,6 +251,7 @@ class _Assembly:
             if FREEDOMS[joint.type] == 1
             else 0.0,
             limits=joint.limits if FREEDOMS[joint.type] == 1 else None,
+            motor=joint.motor if FREEDOMS[joint.type] == 1 else None,
         )
         return LinkJoint(
             turned(made) if backward else made, (self.link_names[carrier], self.link_names[link])
@@ -301,6 +304,7 @@ class _Assembly:
             joint.pitch,
             limits,
             driven,
+            joint.motor if FREEDOMS[joint.type] == 1 else None,
         )
 
     def _coupling(self, coupling: Coupling) -> Coupling:

@@ -27,6 +27,7 @@ from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod, coupling
 from symkin.model.joint import BASE, PLATFORM, Joint, interval
 from symkin.model.limb import LIMB_LINKS, Limb, Rod, RodLimb
 from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh
+from symkin.model.motor import Motor
 from symkin.model.names import name_fault
 from symkin.model.shipped import SHIPPED
 from symkin.regular_file import open_regular
@@ -258,6 +259,7 @@ class _Builder:
             actuated=serial or bool(table.actuated),
             zero=self.angle(table.zero) if angular else table.zero,
             limits=self.range(table.limits, f"joint {table.name!r}", angular=angular),
+            motor=None if table.motor is None else Motor(**table.motor.model_dump()),
         )
 
     def dh_row(self, table: Any, k: int) -> DHRow:

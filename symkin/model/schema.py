@@ -69,6 +69,12 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
 
 
+class MotorTable(Table):
+    effort: Range | None = None
+    speed: Number | None = None
+    armature: Number | None = None
+
+
 class JointKeys(Table):
     """Keys that joints of limbs, of serial arms and of graphs have in common."""
 
@@ -80,6 +86,7 @@ class JointKeys(Table):
     actuated: bool | None = None
     zero: Number = 0.0
     limits: Range | None = None
+    motor: MotorTable | None = None
 
 
 class JointTable(JointKeys):

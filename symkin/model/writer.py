@@ -162,7 +162,11 @@ def _joint(mechanism: Description, joint: Joint) -> dict[str, Any]:
     if joint.zero:
         table["zero"] = _angle(mechanism, joint.zero) if angular else joint.zero
     limits = joint.limits
-    return table | _range([_angle(mechanism, v) for v in limits] if limits and angular else limits)
+    table |= _range([_angle(mechanism, v) for v in limits] if limits and angular else limits)
+    if joint.motor is not None:
+        table["motor"] = tomlkit.inline_table()
+        table["motor"].update(joint.motor.to_dict())
+    return table
 
 
 def _dh(mechanism: Description, table: DHTable) -> dict[str, Any]:
