@@ -2,10 +2,12 @@
 its branch, do motors come back from joints, and is the array file the verb's twin?
 
     python tests/campaigns/transmissions.py [--count 2000] [--seed 0] [--models] [--tracks 20]
+                                            [--legs 0]
 
 For each of the shared machines, and with `--models` for every transmission that is found in the
 models of others: `--count` random goals of the motors; those that are reached go back through the
-joints; `--tracks` of them are held against a track with proof. Exit status 1 where anything is
+joints; `--tracks` of them are held against a track with proof. `--legs`: at so many motors of a
+closed ankle its dynamics are held against MuJoCo's and Pinocchio's. Exit status 1 where anything is
 wrong.
 """
 
@@ -22,6 +24,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import symkin
+from helpers.closed_leg import g1_maps, of_mujoco, of_pinocchio
+from helpers.closed_leg import worst as worst_of_leg
 from helpers.inside import array_source
 from helpers.transmissions import MODELS, robot, transmission
 
@@ -35,8 +39,10 @@ MACHINES = (
     "digit_knee",
     "digit_ankle",
 )
-POWER, THERE_AND_BACK, SAME = 1e-12, 1e-12, 1e-7
-"""Relative power that is lost; error of motors that come back; what tells branches apart."""
+POWER, THERE_AND_BACK, SAME, DYNAMICS = 1e-12, 1e-12, 1e-7, 1e-8
+"""Relative power that is lost; error of motors that come back; what tells branches apart;
+relative error of motions, accelerations, inertias and torques of a closed leg.
+"""
 
 
 def main() -> int:
@@ -45,8 +51,13 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--tracks", type=int, default=20)
     parser.add_argument("--models", action="store_true")
+    parser.add_argument("--legs", type=int, default=0)
     told = parser.parse_args()
     worst = 0
+    for engine in (of_mujoco, of_pinocchio) if told.legs else ():
+        off = worst_of_leg(engine, g1_maps(), told.legs, told.seed)
+        worst += int((off > DYNAMICS).any())
+        print(f"{engine.__name__}: {told.legs} configurations of a closed leg: {off}", flush=True)
     for name, found in machines(told.models):
         faults, text = judge(found, told.count, told.seed, told.tracks)
         worst += faults
