@@ -16,7 +16,7 @@ from symkin.result import Summary
 from symkin.transmissions.lines import follow_lines
 from symkin.transmissions.linkage import Linkage
 from symkin.transmissions.motors import Motors
-from symkin.transmissions.polytope import facets, torque_vertices
+from symkin.transmissions.polytope import facets
 from symkin.transmissions.states import States, direction
 
 _COUNTS = {1: 201, 2: 33, 3: 9}
@@ -135,10 +135,6 @@ class Survey:
         way = normals[row, k] / np.abs(normals[row, k]).max()
         at = tuple(self.states.joints[row].tolist())
         return Extreme(float(found[row, k]), at, names[k]), direction(self.linkage.joints, way)
-
-    def torques_at(self, row: int) -> np.ndarray:
-        """The vertices of all joint torques at a sample."""
-        return torque_vertices(self.states.inverse_jacobian[row], self.data.torque_limits)
 
     def smallest(self, joint: int) -> Extreme:
         """The smallest torque of a joint alone over the range."""
