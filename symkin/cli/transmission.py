@@ -211,8 +211,8 @@ def _written(several: list[Transmission], folder: Path, language: Format) -> lis
     both = [name for one in several for name in one.joints if name in one.motors]
     if both and language is not Format.array:
         raise InputError(
-            f"--format {language.value}: {', '.join(both)}: motor and joint at once, which C has no "
-            f"map for; name other joints (--motors, --joints), or take --format array"
+            f"--format {language.value}: {', '.join(both)}: motor and joint at once, which C has "
+            f"no map for; name other joints (--motors, --joints), or take --format array"
         )
     stems = [one.linkage.mechanism.name for one in several]
     if len(several) > 1:

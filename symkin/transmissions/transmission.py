@@ -283,7 +283,8 @@ def _refuse_too_few(robot: str, linkage: Linkage, motors: tuple[str, ...]) -> No
                 binding.append(name)
         raise InputError(
             f"{robot}: the motors {', '.join(motors)} do not decide the joints: their linkage has "
-            f"{free} freedom(s), and {left} stay free; what would bind them: {', '.join(binding)}"
+            f"{free} freedom(s), and {left} stay free; what would bind them: {', '.join(binding)} "
+            f"(springs are named among the motors)"
         )
 
 

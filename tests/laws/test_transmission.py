@@ -77,6 +77,27 @@ def test_there_and_back(name: str) -> None:
     assert np.abs(one - np.eye(len(found.joints))).max() < 1e-9
 
 
+def test_a_solution_is_polished_in_weak_directions() -> None:
+    """Motors come back to rounding where rows that count as closed are far from the solution: a
+    goal that lost four digits.
+    """
+    found = transmission("digit_knee")
+    goal = np.array([0.44869279, 0.37683937])
+    assert np.abs(found.motors_of(found.joints_of(goal)) - goal).max() < 1e-13
+
+
+def test_springs_are_named_among_the_motors() -> None:
+    """A gripper with springs is a map of its motor and springs, and the sentence says so."""
+    gripper = symkin.load(MODELS / "mjcf" / "robotiq_2f85.xml")
+    with pytest.raises(symkin.InputError, match="springs are named among the motors"):
+        symkin.transmission(gripper)
+    motors = ["left_driver_joint", "left_spring_link_joint", "right_spring_link_joint"]
+    joints = ["left_follower_joint", "right_follower_joint", "right_driver_joint"]
+    found = symkin.transmission(gripper, motors, joints)
+    goals = 0.2 * np.random.default_rng(0).uniform(0.0, 1.0, (20, 3))
+    assert np.abs(found.motors_of(found.joints_of(goals)) - goals).max() < 1e-12
+
+
 def _out(found: symkin.Transmission, values: np.ndarray, names: tuple, turn: float) -> np.ndarray:  # type: ignore[type-arg]
     kinds = [turn if c.is_angular else 1.0 for c in found.linkage.coordinates_of(names)]
     return values * np.array(kinds)
