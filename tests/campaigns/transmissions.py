@@ -1,8 +1,8 @@
 """Many configurations of many transmissions: is power the same on both sides, does every goal keep
 its branch, do motors come back from joints, and is the array file the verb's twin?
 
-    python tests/campaigns/transmissions.py [--count 2000] [--seed 0] [--models] [--tracks 20]
-                                            [--legs 0]
+    python tests/campaigns/transmissions.py [NAMES] [--count 2000] [--seed 0] [--models]
+                                            [--tracks 20] [--legs 0]
 
 For each of the shared machines, and with `--models` for every transmission that is found in the
 models of others: `--count` random goals of the motors; those that are reached go back through the
@@ -16,7 +16,7 @@ from __future__ import annotations
 import argparse
 import sys
 import types
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +47,7 @@ relative error of motions, accelerations, inertias and torques of a closed leg.
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", metavar="NAMES", help="of the shared machines")
     parser.add_argument("--count", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--tracks", type=int, default=20)
@@ -58,15 +59,15 @@ def main() -> int:
         off = worst_of_leg(engine, g1_maps(), told.legs, told.seed)
         worst += int((off > DYNAMICS).any())
         print(f"{engine.__name__}: {told.legs} configurations of a closed leg: {off}", flush=True)
-    for name, found in machines(told.models):
+    for name, found in machines(told.names or MACHINES, told.models):
         faults, text = judge(found, told.count, told.seed, told.tracks)
         worst += faults
         print(f"{name}: {text}{'' if not faults else f'; {faults} WRONG'}", flush=True)
     return int(worst > 0)
 
 
-def machines(models: bool) -> Iterator[tuple[str, symkin.Transmission]]:
-    for name in MACHINES:
+def machines(names: Sequence[str], models: bool) -> Iterator[tuple[str, symkin.Transmission]]:
+    for name in names:
         yield name, transmission(name)
     files = sorted(MODELS.glob("*/*.*")) if models else []
     for path in files:
