@@ -136,15 +136,17 @@ def _ratios(one: Transmission, ax: Any, i: int) -> None:
     """
     survey, ends = one.survey, one.survey.ends[i]
     line = np.tile(_values(one)[0], (_CURVE, 1))
-    line[:, i] = np.linspace(*(survey.out(i, end.value) for end in ends), _CURVE)
+    low, high = (survey.out(i, end.value) for end in ends)
+    line[:, i] = np.linspace(low, high, _CURVE)
     ratios = one.states(joints=line, check=False).inverse_jacobian[:, :, i]
     for a, name in enumerate(one.motors):
         colour = _COLOURS[a % len(_COLOURS)]
         ax.plot(line[:, i], ratios[:, a], color=colour, label=matplotlib_text(name))
     known = ratios[np.isfinite(ratios)]
     if known.size:
-        low, high = np.percentile(known, [100.0 - _SPREAD, _SPREAD])
-        ax.set_ylim(low - 0.2 * (high - low) - 0.05, high + 0.2 * (high - low) + 0.05)
+        least, most = np.percentile(known, [100.0 - _SPREAD, _SPREAD])
+        margin = 0.2 * (most - least) + 0.05
+        ax.set_ylim(least - margin, most + margin)
     title = f"rates of motors by that of {one.joints[i]}"
     if survey.backlash is not None:
         title += f"\nplay at most {survey.out(i, survey.backlash[i]):.3g} {_unit(one, i)}"

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.numeric.newton import least_squares_steps
+from symkin.numeric.linear_algebra import least_squares_steps
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import ROUNDED_STEP
 
