@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from symkin.model.joint import Joint
     from symkin.model.limb import Limb, Rod, RodLimb
     from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
-    from symkin.model.motor import Motor
+    from symkin.model.motor import Motor as Motor
     from symkin.model.shipped import shipped_names
     from symkin.page.result_views import view
     from symkin.position.close import close
@@ -85,7 +85,6 @@ __all__ = [
     "Mobility",
     "ModeGraph",
     "Modes",
-    "Motor",
     "Pose",
     "ReadOptions",
     "Reading",

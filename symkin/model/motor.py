@@ -18,6 +18,11 @@ class Motor:
 
     `effort` is the range (low, high) in N m or N, `speed` the largest rate in rad/s or m/s,
     `armature` the inertia in kg m^2 or kg. None: nothing is told of it. Raises MechanismError.
+
+    >>> import symkin
+    >>> motor = symkin.Motor(effort=[-25, 25], armature=0.002)
+    >>> symkin.Joint("hip", "R", [0, 0, 0], [0, 0, 1], actuated=True, motor=motor).motor.effort
+    (-25.0, 25.0)
     """
 
     effort: Sequence[float] | None = None
