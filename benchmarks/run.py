@@ -3,7 +3,8 @@
     python benchmarks/run.py [--quick] [--parts enumeration,sweep] [--seed 0] [--verbose] [--write]
 
 Parts are enumeration (T, PHCpack), multistart (CasADi's rootfinder), sweep, certificates (balls),
-tracking (Newton's method at fixed steps), calibration (scipy) and startup (the libraries alone).
+tracking (Newton's method at fixed steps), calibration (scipy), transmission (MJX) and startup (the
+libraries alone).
 Each has a process of its own with one thread and an empty cache. A ratio is symkin over its peer,
 so that less is better; counts of faults stand beside them. `--quick` takes small sizes: at most
 three minutes on two idle processors. `--write` puts the ratios of this run into the file, its
@@ -30,7 +31,16 @@ from timing import Figure
 
 HERE = Path(__file__).resolve()
 RATIOS = HERE.with_name("ratios.toml")
-PARTS = ("enumeration", "multistart", "sweep", "certificates", "tracking", "calibration", "startup")
+PARTS = (
+    "enumeration",
+    "multistart",
+    "sweep",
+    "certificates",
+    "tracking",
+    "calibration",
+    "transmission",
+    "startup",
+)
 """Modules of this folder with a function `figures`."""
 FACTOR = 2.0
 """Allowed factor of a figure that the file does not know yet."""

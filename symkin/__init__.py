@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from symkin.model.joint import Joint
     from symkin.model.limb import Limb, Rod, RodLimb
     from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
+    from symkin.model.motor import Motor as Motor
     from symkin.model.shipped import shipped_names
     from symkin.page.result_views import view
     from symkin.position.close import close
@@ -134,6 +135,7 @@ _LATER = {
     "Loci": "symkin.singularities.loci",
     "Measurements": "symkin.calibration.data.measurements",
     "Mechanism": "symkin.model.mechanism",
+    "Motor": "symkin.model.motor",
     "Mobility": "symkin.position.mobility_result",
     "ModeGraph": "symkin.following.mode_graph",
     "Modes": "symkin.assembly.modes_result",

@@ -186,6 +186,12 @@ def _written(several: list[Transmission], folder: Path, language: str) -> list[P
 
     if folder.exists() and not folder.is_dir():
         raise InputError(f"-o: {str(folder)!r} is a file; the name of a folder is needed")
+    both = [name for one in several for name in one.joints if name in one.motors]
+    if both and language != "array":
+        raise InputError(
+            f"--format {language}: {', '.join(both)}: motor and joint at once, which C has "
+            f"no map for; name other joints (--motors, --joints), or take --format array"
+        )
     stems = [one.linkage.mechanism.name for one in several]
     if len(several) > 1:
         stems = [f"{stem}_{one.joints[0]}" for stem, one in zip(stems, several, strict=True)]

@@ -109,7 +109,7 @@ def array_source(transmission: Transmission) -> str:
         *_function("_rows", both, equations),
         *_function("_by_joints", both, _by_row(equations, rows.j)),
         *_function("_by_motors", both, _by_row(equations, rows.m)),
-        *_function("_bends", both, _bends(equations, ca.vertcat(rows.m, rows.j))),
+        *_bends(rows, both),
         _body(direct, "motors", "joints", _turning(transmission, linkage.joints)),
         _body(inverse, "joints", "motors", _turning(transmission, linkage.motors)),
         _DERIVATIVES.format(n=len(linkage.joints)),
@@ -122,9 +122,20 @@ def _by_row(rows: ca.SX, symbols: ca.SX) -> ca.SX:
     return ca.vec(ca.horzcat(rows, ca.jacobian(rows, symbols)).T)
 
 
-def _bends(rows: ca.SX, symbols: ca.SX) -> ca.SX:
-    """All second derivatives, row by row."""
-    return ca.vertcat(*(ca.vec(ca.hessian(rows[k], symbols)[0]) for k in range(rows.shape[0])))
+def _bends(rows: TransmissionRows, both: list[tuple[ca.SX, str]]) -> list[str]:
+    """The function of the rows' second derivatives along two motors each, row by row, where the
+    joints' rates by the motors, row by row, are given as well.
+    """
+    n, symbols = rows.m.shape[0], ca.vertcat(rows.m, rows.j)
+    slopes = ca.SX.sym("s", n * n)
+    motions = ca.vertcat(ca.SX.eye(n), ca.reshape(slopes, n, n).T)
+    along = [ca.jtimes(rows.rows, symbols, motions[:, a]) for a in range(n)]
+    bent = [
+        ca.jtimes(along[min(a, b)], symbols, motions[:, max(a, b)])
+        for a in range(n)
+        for b in range(n)
+    ]
+    return _function("_bends", [*both, (slopes, "s")], ca.vec(ca.horzcat(*bent).T))
 
 
 def _powers(n: int) -> list[tuple[int, ...]]:
@@ -255,9 +266,10 @@ def _columns(values, xp):
     return [values[..., k] for k in range(values.shape[-1])]
 
 
-def _matrices(function, m, j, shape, xp):
+def _matrices(function, values, shape, xp):
     """What a function of numbers returns, as arrays of this shape in the last axes."""
-    found = xp.stack(function(xp, *_columns(m, xp), *_columns(j, xp)), axis=-1)
+    columns = [column for part in values for column in _columns(part, xp)]
+    found = xp.stack(function(xp, *columns), axis=-1)
     return xp.reshape(found, (*found.shape[:-1], *shape))
 
 
@@ -271,7 +283,7 @@ def _kept(values, xp):
 def _system(function, m, j, xp):
     """The rows and their derivatives."""
     n = len(MOTORS)
-    found = _kept(_matrices(function, m, j, (n * (n + 1),), xp), xp)
+    found = _kept(_matrices(function, (m, j), (n * (n + 1),), xp), xp)
     found = xp.reshape(found, (*found.shape[:-1], n, n + 1))
     return found[..., :1], found[..., 1:]
 
@@ -345,7 +357,7 @@ _DERIVATIVES = '''
 
 def residual(motors, joints, xp=numpy):
     """What is zero (..., n) where motors and joints belong together."""
-    return _matrices(_rows, xp.asarray(motors), xp.asarray(joints), ({n},), xp)
+    return _matrices(_rows, (motors, joints), ({n},), xp)
 
 
 def _belonging(found, motors, joints, xp):
@@ -367,10 +379,7 @@ def second(motors, joints, xp=numpy):
     by_joints, by_motors = (_system(f, m, j, xp)[1] for f in (_by_joints, _by_motors))
     inverse = _inverse(by_joints, xp)
     along = -xp.matmul(inverse, by_motors)
-    unit = xp.eye({n}) + 0.0 * along
-    along = xp.concat([unit, along], axis=-2)[..., None, :, :]
-    bends = _matrices(_bends, m, j, ({n}, 2 * {n}, 2 * {n}), xp)
-    bent = xp.matmul(xp.matmul(xp.matrix_transpose(along), bends), along)
-    flat = xp.matmul(inverse, xp.reshape(bent, (*bent.shape[:-3], {n}, {n} * {n})))
-    return _belonging(-xp.reshape(flat, bent.shape), m, j, xp)
+    along = xp.reshape(along, (*along.shape[:-2], {n} * {n}))
+    flat = xp.matmul(inverse, _matrices(_bends, (m, j, along), ({n}, {n} * {n}), xp))
+    return _belonging(-xp.reshape(flat, (*flat.shape[:-2], {n}, {n}, {n})), m, j, xp)
 '''

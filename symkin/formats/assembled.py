@@ -132,7 +132,12 @@ def _closing_joint(closure: Closure, closed: Closed) -> tuple[Joint, Sequence[st
         actuated=closure.actuated,
     )
     if closure.type in ("R", "P", "H"):
-        joint = replace(joint, zero=_closing_value(closure, first, second), limits=closure.limits)
+        joint = replace(
+            joint,
+            zero=_closing_value(closure, first, second),
+            limits=closure.limits,
+            motor=closure.motor,
+        )
     return joint, closure.links
 
 

@@ -23,6 +23,7 @@ from symkin.formats.robot import Closure, ClosureType, Mesh, Robot
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joined import Joined
 from symkin.model.joint import BASE, FREEDOMS, Joint, JointType
+from symkin.model.motor import Motor
 from symkin.spatial.pose import Pose
 from symkin.text import first_of
 
@@ -53,6 +54,7 @@ class GraphJoint:
     axis2: Direction | None = None
     pitch: float = 0.0
     limits: tuple[float, float] | None = None
+    motor: Motor | None = None
     actuated: bool = False
     closing: bool = False
     where: str = ""
@@ -245,6 +247,7 @@ class _Assembly:
             if FREEDOMS[joint.type] == 1
             else 0.0,
             limits=joint.limits if FREEDOMS[joint.type] == 1 else None,
+            motor=joint.motor if FREEDOMS[joint.type] == 1 else None,
         )
         return LinkJoint(
             turned(made) if backward else made, (self.link_names[carrier], self.link_names[link])
@@ -297,6 +300,7 @@ class _Assembly:
             joint.pitch,
             limits,
             driven,
+            joint.motor if FREEDOMS[joint.type] == 1 else None,
         )
 
     def _coupling(self, coupling: Coupling) -> Coupling:

@@ -1,4 +1,6 @@
-"""Joints of MJCF that follow or drive each other: joint equalities, fixed tendons, actuators."""
+"""Joints of MJCF that follow or drive each other: joint equalities, fixed tendons, actuators, and
+what is told of these.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +12,7 @@ from symkin.errors import MechanismError
 from symkin.formats.couplings import CouplingSet, LinearEquation
 from symkin.formats.mjcf_equalities import Equality
 from symkin.formats.mjcf_model import CompiledModel
+from symkin.model.motor import Motor, motor_of
 from symkin.text import first_of
 
 Terms = list[tuple[int, float]]
@@ -118,6 +121,52 @@ def driven_by(compiled: CompiledModel, actuator: int) -> list[int]:
 def driven(compiled: CompiledModel) -> set[int]:
     """All joints that actuators drive."""
     return {joint for k in range(compiled.model.nu) for joint in driven_by(compiled, k)}
+
+
+def motor_at(compiled: CompiledModel, joint: int) -> Motor | None:
+    """What the file tells of the motors at a hinge or slide: the armature of the joint and of its
+    actuators; the forces of these, as far as each has a range, and as far as the joint takes them.
+    """
+    model = compiled.model
+    own = [
+        k
+        for k in range(model.nu)
+        if compiled.kinds["actuator"][k] in ("joint", "jointinparent")
+        and int(model.actuator_trnid[k][0]) == joint
+    ]
+    gears = [float(model.actuator_gear[k][0]) for k in own]
+    armature = float(model.dof_armature[model.jnt_dofadr[joint]])
+    armature += sum(
+        float(model.actuator_armature[k]) * g * g for k, g in zip(own, gears, strict=True)
+    )
+    low, high = (
+        map(float, model.jnt_actfrcrange[joint])
+        if model.jnt_actfrclimited[joint]
+        else (-np.inf, np.inf)
+    )
+    ranges = [sorted(g * f for f in _forces(compiled, k)) for k, g in zip(own, gears, strict=True)]
+    if ranges:
+        low = max(low, sum(first for first, _ in ranges))
+        high = min(high, sum(last for _, last in ranges))
+    return motor_of((low, high), None, armature)
+
+
+def _forces(compiled: CompiledModel, actuator: int) -> tuple[float, float]:
+    """The range of an actuator's force: its own, and that of its control where the force is a
+    multiple of it.
+    """
+    model, low, high = compiled.model, -np.inf, np.inf
+    if model.actuator_forcelimited[actuator]:
+        low, high = map(float, model.actuator_forcerange[actuator])
+    is_motor = (compiled.kinds["gain"][actuator], compiled.kinds["bias"][actuator]) == (
+        "fixed",
+        "none",
+    )
+    if is_motor and model.actuator_ctrllimited[actuator]:
+        gain = float(model.actuator_gainprm[actuator][0])
+        first, last = sorted(gain * float(c) for c in model.actuator_ctrlrange[actuator])
+        low, high = max(low, first), min(high, last)
+    return low, high
 
 
 def without_kinematics(compiled: CompiledModel) -> Iterator[str]:

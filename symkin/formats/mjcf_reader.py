@@ -11,7 +11,13 @@ import numpy as np
 
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
-from symkin.formats.mjcf_couplings import couplings_of, driven, idle_actuators, without_kinematics
+from symkin.formats.mjcf_couplings import (
+    couplings_of,
+    driven,
+    idle_actuators,
+    motor_at,
+    without_kinematics,
+)
 from symkin.formats.mjcf_equalities import (
     Equality,
     active_equalities,
@@ -259,6 +265,7 @@ class Reader:
             zero=float(self.data.qpos[model.jnt_qposadr[number]]),
             limits=limits,
             actuated=number in self._driven and name not in follows,
+            motor=motor_at(self.compiled, number),
         )
 
     def _limits(self, number: int, name: str, scalar: bool) -> tuple[float, float] | None:

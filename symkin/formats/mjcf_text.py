@@ -8,13 +8,12 @@ are plain: they have no meaning for the kinematics.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.parts import KEY, parts_text
-from symkin.formats.serial_form import NO_DRIVES, Drive
 from symkin.formats.written_tree import Carried, Form, WrittenTree, written_tree
 from symkin.formats.xml_written import Element, document, element, inside, is_zero, number
 from symkin.model.graph import Coupling, LinkJoint
@@ -34,18 +33,18 @@ _THICKNESS, _SHORTEST = 0.01, 1e-3
 """Of the size: radius of bars, and length of those that are left out."""
 
 
-def mjcf_text(mechanism: Mechanism, drives: Mapping[str, Drive] = NO_DRIVES, told: str = "") -> str:
-    """The MJCF file of a mechanism; `drives`: what drives joints, `told`: more for the comment at
-    the head. Raises MechanismError for what MJCF cannot hold.
+def mjcf_text(mechanism: Mechanism, told: str = "") -> str:
+    """The MJCF file of a mechanism; `told`: more for the comment at the head. Raises MechanismError
+    for what MJCF cannot hold.
     """
-    return _Text(written_tree(mechanism, FORM), drives).document(told)
+    return _Text(written_tree(mechanism, FORM)).document(told)
 
 
 class _Text:
     """The elements of the file."""
 
-    def __init__(self, tree: WrittenTree, drives: Mapping[str, Drive]) -> None:
-        self.tree, self.drives = tree, drives
+    def __init__(self, tree: WrittenTree) -> None:
+        self.tree = tree
         if _WORLD in (*links_of(tree.graph), *(entry.link for entry in tree.carried)):
             raise MechanismError(
                 f"{tree.graph.name}: a link is named {_WORLD!r}, which is the base of MJCF; rename "
@@ -105,8 +104,8 @@ class _Text:
                 axis=joint.axis,
                 ref=joint.zero or None,
                 range_=joint.limits,
-                armature=self.drives.get(joint.name, Drive()).armature,
-                actuatorfrcrange=self._efforts(joint),
+                armature=None if joint.motor is None else joint.motor.armature,
+                actuatorfrcrange=None if joint.motor is None else joint.motor.effort,
             )
 
     def _bars(self) -> None:
@@ -211,13 +210,8 @@ class _Text:
         if driven:
             section = inside(root, "actuator")
             for joint in driven:
-                efforts = self._efforts(joint)
+                efforts = None if joint.motor is None else joint.motor.effort
                 inside(section, "motor", name=joint.name, joint=joint.name, ctrlrange=efforts)
-
-    def _efforts(self, joint: Joint) -> list[float] | None:
-        """The range of what a joint's motor gives, where it is told."""
-        effort = self.drives.get(joint.name, Drive()).effort
-        return None if effort is None else [-effort, effort]
 
 
 def _position(joint: Joint) -> list[float]:

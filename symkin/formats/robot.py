@@ -17,6 +17,7 @@ from symkin.errors import MechanismError
 from symkin.formats.parts import Parts
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.mechanism import MOST_PARTS
+from symkin.model.motor import Motor
 from symkin.spatial.pose import Pose
 
 ClosureType = Literal["S", "U", "R", "C", "P", "H", "weld"]
@@ -47,8 +48,8 @@ class Closure:
     """A constraint between two `links` that the tree joins in another way: `first` is its frame on
     the first link, `second` on the other, both in the base frame at the file's configuration;
     `pitch` is the length a turn of an H; `where` names element and line of the file. R, P and H
-    closures have a coordinate, which is 0 where the frames coincide: `limits` are its range, and
-    `actuated` tells whether a motor drives it.
+    closures have a coordinate, which is 0 where the frames coincide: `limits` are its range,
+    `actuated` tells whether a motor drives it, and `motor` what is told of that one.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Closure:
     pitch: float = 0.0
     limits: tuple[float, float] | None = None
     actuated: bool = False
+    motor: Motor | None = None
 
 
 @dataclass(frozen=True)

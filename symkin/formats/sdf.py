@@ -28,6 +28,7 @@ from symkin.formats.sdf_joint import (
     refuse_model_frame,
     sdf_axis,
     sdf_limits,
+    sdf_motor,
     sdf_pitch,
     sdf_type,
 )
@@ -159,7 +160,12 @@ class _Reader(GraphReader):
             else self.range_of(sdf_limits(element), element, element.line)
         )
         return replace(
-            made, type=kind, axis=self._axis(element, "axis", scope, at), pitch=pitch, limits=limits
+            made,
+            type=kind,
+            axis=self._axis(element, "axis", scope, at),
+            pitch=pitch,
+            limits=limits,
+            motor=sdf_motor(element),
         )
 
     def _note_parent_frame(self, element: Element, scope: Scope, at: Pose) -> None:

@@ -13,6 +13,7 @@ from symkin.formats.joint_graph import Direction
 from symkin.formats.urdf_parts import unit
 from symkin.formats.xml_text import Element
 from symkin.model.joint import JointType
+from symkin.model.motor import Motor, motor_of
 from symkin.spatial.pose import Pose
 from symkin.text import not_among
 
@@ -96,6 +97,15 @@ def sdf_limits(element: Element, tag: str = "axis") -> tuple[float, float] | Non
         for end, side in zip(ends, (-1, 1), strict=True)
     )
     return None if low <= -UNLIMITED and high >= UNLIMITED else (low, high)
+
+
+def sdf_motor(element: Element) -> Motor | None:
+    """What <axis><limit> tells of the motor."""
+    axis = element.one("axis")
+    limit = None if axis is None else axis.one("limit")
+    ends = [None if limit is None else limit.one(word) for word in ("effort", "velocity")]
+    effort, speed = (0.0 if end is None else end.text_number(infinite=True) for end in ends)
+    return motor_of((-effort, effort), speed)
 
 
 def is_bounded(low: float, high: float) -> bool:

@@ -21,6 +21,7 @@ from symkin.formats.xml_written import Element, document, element, inside, numbe
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import BASE, FREEDOMS, Coordinate, Joint
 from symkin.model.mechanism import Mechanism
+from symkin.model.motor import Motor
 
 _TYPES = {
     "R": "revolute",
@@ -179,10 +180,16 @@ class _Text:
                     self._mimic(axis, self.couplings[coordinate.name])
 
     def _limit(self, axis: Element, joint: Joint) -> None:
+        motor, told = joint.motor or Motor(), dict[str, float]()
         if joint.limits is not None:
-            limit = inside(axis, "limit")
-            for word, end in zip(("lower", "upper"), joint.limits, strict=True):
-                inside(limit, word, end - joint.zero)
+            told |= {"lower": joint.limits[0] - joint.zero, "upper": joint.limits[1] - joint.zero}
+        if motor.effort is not None:
+            told["effort"] = min(-motor.effort[0], motor.effort[1])
+        if motor.speed is not None:
+            told["velocity"] = motor.speed
+        limit = inside(axis, "limit") if told else axis
+        for word, value in told.items():
+            inside(limit, word, value)
 
     def _mimic(self, axis: Element, coupling: Coupling) -> None:
         """y' = f x' + b' of the values in the file, y' = y - y0."""

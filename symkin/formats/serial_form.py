@@ -14,22 +14,17 @@ from symkin.model.graph import LinkJoint
 from symkin.model.graph_checks import links_of
 from symkin.model.joint import BASE, Joint
 from symkin.model.mechanism import Mechanism
+from symkin.model.motor import Motor
 
 
 @dataclass(frozen=True)
 class Drive:
-    """What drives a coordinate in a linkage's place: its range, the largest effort and speed, the
-    inertia that motors have there, in metres, radians and SI units. None: nothing is told of it.
+    """What drives a coordinate in a linkage's place, in metres, radians and SI units: its range,
+    and what the motors give there together.
     """
 
-    limits: tuple[float, float] | None = None
-    effort: float | None = None
-    speed: float | None = None
-    armature: float | None = None
-
-
-NO_DRIVES: Mapping[str, Drive] = {}
-"""Of a robot that is written with its loops."""
+    limits: tuple[float, float]
+    motor: Motor | None
 
 
 def serial_form(
@@ -83,7 +78,8 @@ def _driven(entry: LinkJoint, drives: Mapping[str, Drive], links: set[str]) -> I
     joint, (first, second) = entry.joint, entry.links
     names = [c.name for c in joint.coordinates]
     if len(names) == 1:
-        driven = replace(joint, actuated=True, limits=drives[joint.name].limits)
+        own = drives[joint.name]
+        driven = replace(joint, actuated=True, limits=own.limits, motor=own.motor)
         yield LinkJoint(driven, entry.links)
         return
     middle = fresh_name(f"{joint.name}.link", links)
@@ -92,9 +88,9 @@ def _driven(entry: LinkJoint, drives: Mapping[str, Drive], links: set[str]) -> I
         (names[0], "R", joint.axis, (first, middle)),
         (names[1], "R" if joint.type == "U" else "P", other, (middle, second)),
     ):
-        limits = drives[name].limits
-        part = Joint(name, kind, joint.point, axis, actuated=True, limits=limits)  # type: ignore[arg-type]
-        yield LinkJoint(part, ends)
+        part = Joint(name, kind, joint.point, axis, actuated=True)  # type: ignore[arg-type]
+        own = drives[name]
+        yield LinkJoint(replace(part, limits=own.limits, motor=own.motor), ends)
 
 
 def _reached(joints: Sequence[LinkJoint]) -> set[str]:

@@ -27,7 +27,7 @@ from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot, refuse_too_many
 from symkin.formats.urdf_loops import LOOP_TAGS, loops_within
-from symkin.formats.urdf_motors import mimics, with_motors
+from symkin.formats.urdf_motors import mimics, told_motors, with_motors
 from symkin.formats.urdf_parts import direction, origin, parts_within, plain_tag
 from symkin.formats.xacro_text import expanded, is_xacro, macros
 from symkin.formats.xml_text import Element, read_xml
@@ -128,6 +128,8 @@ class _Reader(GraphReader):
             self.root, self._zero_poses(joints, root), self.beside.frames, self.read.loop
         )
         joints = [*joints, *self._beside(), *loops.joints]
+        motors = told_motors(self.root)
+        joints = [replace(joint, motor=motors.get(joint.name)) for joint in joints]
         told = self.read.actuated or self.parts.actuated is not None
         joints, of_motors = (joints, []) if told else with_motors(self.root, self.beside, joints)
         couplings = couplings_told([*mimics(self.elements, joints), *loops.couplings(joints)])

@@ -1,4 +1,4 @@
-"""Which joints of a URDF are driven, and which follow others."""
+"""Which joints of a URDF are driven, what is told of their motors, and which follow others."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from symkin.formats.gepetto_yaml import LoopsBeside
 from symkin.formats.joint_graph import GraphJoint
 from symkin.formats.xml_text import Element
 from symkin.model.graph import Coupling
+from symkin.model.motor import Motor, motor_of
 from symkin.text import first_of, meant
 
 ONE_COORDINATE = ("R", "P", "H")
@@ -49,6 +50,34 @@ def with_motors(
     return [
         replace(joint, actuated=True) if joint.name in driven else joint for joint in joints
     ], notes
+
+
+def told_motors(root: Element) -> dict[str, Motor | None]:
+    """What <limit> tells of the motor at each joint, and transmissions of its rotor and gears
+    (Drake's elements, else mechanicalReduction).
+    """
+    inertias = {}
+    for made in root.all("transmission"):
+        for motor, joint in zip(made.all("actuator"), made.all("joint"), strict=False):
+            rotor = motor.one("drake:rotor_inertia")
+            gear = motor.one("drake:gear_ratio")
+            reduction = motor.one("mechanicalReduction")
+            ratio = 1.0
+            if gear is not None:
+                ratio = gear.number("value")
+            elif reduction is not None:
+                ratio = reduction.text_number()
+            if rotor is not None:
+                inertias[joint.attributes.get("name", "")] = rotor.number("value") * ratio**2
+    found = {}
+    for element in root.all("joint", "drake:joint"):
+        name, limit = element.attribute("name"), element.one("limit")
+        effort, speed = (
+            0.0 if limit is None else limit.number(key, 0.0, infinite=True)
+            for key in ("effort", "velocity")
+        )
+        found[name] = motor_of((-effort, effort), speed, inertias.get(name))
+    return found
 
 
 def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[ToldCoupling]:

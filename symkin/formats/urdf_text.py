@@ -9,19 +9,18 @@ Masses are plain: they have no meaning for the kinematics.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 
 import numpy as np
 
 from symkin.formats.couplings import mimic_of
 from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Parts, Whole, parts_text
-from symkin.formats.serial_form import NO_DRIVES, Drive
 from symkin.formats.written_tree import Carried, Form, WrittenTree, written_tree
 from symkin.formats.xml_written import Element, document, element, inside
 from symkin.formats.zero_frames import closing_frames, xyz_rpy, zero_displacements
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import BASE, Joint, JointType
 from symkin.model.mechanism import Mechanism
+from symkin.model.motor import Motor
 from symkin.spatial.pose import Pose
 
 _CARRY: frozenset[JointType] = frozenset({"R", "P"})
@@ -32,16 +31,16 @@ _FORMS = {
 _CLOSURES = {"S": "ball", "R": "revolute", "P": "prismatic", "C": "cylindrical", "weld": "fixed"}
 _YAML_CLOSURES = {"S": "3d", "weld": "6d"}
 _UNBOUNDED = (-1e16, 1e16)
-"""What a prismatic joint without a range has, for the format wants one."""
+"""What a joint has without a range, efforts or speeds, for the format wants them."""
 _MASS, _INERTIA = 0.1, 1e-3
 """Kilograms and kilogram square metres of every link: any that are not zero do."""
 
 
-def urdf_text(mechanism: Mechanism, drives: Mapping[str, Drive] = NO_DRIVES, told: str = "") -> str:
-    """The URDF file of a mechanism, with its loops; `drives`: what drives joints, `told`: more for
-    the comment at the head. Raises MechanismError for what URDF cannot hold.
+def urdf_text(mechanism: Mechanism, told: str = "") -> str:
+    """The URDF file of a mechanism, with its loops; `told`: more for the comment at the head.
+    Raises MechanismError for what URDF cannot hold.
     """
-    return _Text(written_tree(mechanism, _FORMS["loop"]), drives).document(told)
+    return _Text(written_tree(mechanism, _FORMS["loop"])).document(told)
 
 
 def urdf_and_yaml(mechanism: Mechanism) -> tuple[str, str]:
@@ -55,10 +54,8 @@ def urdf_and_yaml(mechanism: Mechanism) -> tuple[str, str]:
 class _Text:
     """The elements of the file."""
 
-    def __init__(
-        self, tree: WrittenTree, drives: Mapping[str, Drive] = NO_DRIVES, *, beside: bool = False
-    ) -> None:
-        self.tree, self.drives, self.beside = tree, drives, beside
+    def __init__(self, tree: WrittenTree, *, beside: bool = False) -> None:
+        self.tree, self.beside = tree, beside
         self.carried = tree.one_by_one()
         moved = zero_displacements(self.carried)
         places = {BASE: np.zeros(3)}
@@ -136,13 +133,17 @@ class _Text:
         at = self.zero[entry.carrier].inverse() @ self.zero[entry.link]
         inside(made, "origin", xyz=at.position, rpy=[0, 0, 0])
         inside(made, "axis", xyz=self.moved[entry.carrier].turn(np.array(joint.axis)))
-        drive = self.drives.get(joint.name, Drive())
-        effort, velocity = drive.effort or 1.0, drive.speed or 1.0
-        if kind != "continuous":
-            low, high = joint.limits or _UNBOUNDED
-            inside(made, "limit", lower=low, upper=high, effort=effort, velocity=velocity)
-        elif joint.name in self.drives:
-            inside(made, "limit", effort=effort, velocity=velocity)
+        motor = joint.motor or Motor()
+        low, high = joint.limits or _UNBOUNDED
+        if kind != "continuous" or motor.effort or motor.speed:
+            inside(
+                made,
+                "limit",
+                lower=None if kind == "continuous" else low,
+                upper=None if kind == "continuous" else high,
+                effort=min(-motor.effort[0], motor.effort[1]) if motor.effort else _UNBOUNDED[1],
+                velocity=motor.speed or _UNBOUNDED[1],
+            )
         if coupling is not None:
             self._mimic(made, coupling)
 

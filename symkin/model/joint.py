@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from symkin.errors import MechanismError
+from symkin.model.motor import Motor
 from symkin.text import not_among
 
 JointType = Literal["R", "P", "H", "C", "U", "S", "weld"]
@@ -92,9 +93,10 @@ class Joint:
     (axis, point x axis + pitch axis / 2 pi) the joint's screw.
 
     `point`, `axis`, `axis2`: 3 numbers each, directions are normalised; `pitch`: length a turn (H);
-    `zero`: the coordinate's value at the reference, `limits`: its range (low, high), both for R, P,
-    H only; angles in radians, lengths in the length unit. Raises MechanismError for a type, a
-    number or a combination that means nothing, with what is allowed.
+    `zero`: the coordinate's value at the reference, `limits`: its range (low, high), `motor`: what
+    is told of the motor there, all for R, P, H only; angles in radians, lengths in the length unit.
+    Raises MechanismError for a type, a number or a combination that means nothing, with what is
+    allowed.
 
     >>> import math, symkin
     >>> turn = [-math.pi, math.pi]
@@ -118,6 +120,7 @@ class Joint:
     actuated: bool = False
     zero: float = 0.0
     limits: Sequence[float] | None = None
+    motor: Motor | None = None
 
     def __post_init__(self) -> None:
         where = f"joint {self.name!r}"
@@ -134,9 +137,11 @@ class Joint:
                     else ""
                 )
             )
-        if FREEDOMS[self.type] != 1 and (self.zero != 0.0 or self.limits is not None):
+        own = self.limits is not None or self.motor is not None
+        if FREEDOMS[self.type] != 1 and (self.zero != 0.0 or own):
             raise MechanismError(
-                f"{where}: zero and limits are allowed for joints of one coordinate (R, P, H) only"
+                f"{where}: zero, limits and motor are allowed for joints of one coordinate (R, P, "
+                f"H) only"
             )
         if self.type == "H" and self.pitch == 0.0:
             raise MechanismError(

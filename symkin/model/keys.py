@@ -16,6 +16,7 @@ from symkin.model.foreign_keys import JOINT_TYPES as FOREIGN_TYPES
 from symkin.model.foreign_keys import LINKS_IN_A_LIMB
 from symkin.model.joint import JOINT_TYPES, interval
 from symkin.model.limb import LIMB_LINKS, ROD_TYPES
+from symkin.model.motor import Motor
 from symkin.model.names import name_fault, text_fault
 from symkin.text import meant, shown
 
@@ -107,6 +108,8 @@ def write_table(table: Table, source: Any, angle_unit: str) -> dict[str, Any]:
             value = (
                 [in_degrees(v) for v in value] if isinstance(value, tuple) else in_degrees(value)
             )
+        if isinstance(value, Motor):
+            value = write_table(MOTOR, value, angle_unit)
         found[key.name] = list(value) if isinstance(value, tuple) else value
     return found
 
@@ -261,6 +264,16 @@ def _tables(table: Table, least: int = 0) -> Read:
     return _items(_one(table), "a list of tables ([[...]]) is", least=least)
 
 
+def _motor(value: Any, place: Place) -> Motor:
+    try:
+        return Motor(**vars(read_table(MOTOR, value, place)))
+    except MechanismError as error:
+        told = str(error)
+        raise MechanismError(
+            told if told.startswith(place.path) else f"{place.path}: {told}"
+        ) from None
+
+
 def _limb(value: Any, place: Place) -> SimpleNamespace:
     """A limb of joints, or one that is a rod."""
     of_joints = isinstance(value, dict) and ("joint" in value or "rod" in value)
@@ -287,9 +300,11 @@ def _of_joint(types: Sequence[str], *links: Key) -> Table:
         Key("actuated", _flag, None),
         Key("zero", _number, 0.0, angle_of=("R", "H")),
         Key("limits", _range, None, angle_of=("R", "H")),
+        Key("motor", _motor, None),
     )
 
 
+MOTOR = (Key("effort", _range, None), Key("speed", _number, None), Key("armature", _number, None))
 _LIMITS = Key("limits", _range, None)
 _LIMB_LINKS = Key("links", _LINKS, LIMB_LINKS)
 JOINT = _of_joint(JOINT_TYPES)

@@ -1,5 +1,5 @@
-"""The picture of a transmission: the torque of each joint over the range, and the torques that are
-possible together, or ratios of a single joint.
+"""The picture of a transmission: the torque of each joint over the range, the ratios of its motors,
+and of two joints the torques and rates that are possible together.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from symkin.drawing.palette import COLOURS, SERIES
 from symkin.plots.sheet import new_figure
 from symkin.plots.style import drawing
 from symkin.text import matplotlib_text
+from symkin.transmissions.polytope import between_planes, torque_vertices
 from symkin.transmissions.transmission_result import Transmission, Transmissions
 
 if TYPE_CHECKING:
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
 
 _PANEL = (4.0, 3.7)
 """Inches of a panel."""
+_LEGEND = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.2), "frameon": False, "fontsize": 7}
+"""Below an axis' label, where nothing is covered."""
+_CURVE = 101
+"""Points of a curve."""
 _SPREAD = 95.0
 """Percentile of torques at which colours and axes end: near a dead centre they grow without
 bound.
@@ -27,112 +32,147 @@ bound.
 
 def figure_of_transmission(found: Transmission) -> Figure:
     """The largest torque of each joint alone, over the joints' range, each with its least place;
-    beside it all torques of two joints at the reference and where each is least. Of a single joint
-    torque and ratio are curves.
+    the ratios of motors along each joint, the others at the reference; of two joints all torques
+    and rates at the reference, and where each torque is least.
     """
     return _figure([found])
 
 
 def figure_of_transmissions(found: Transmissions) -> Figure:
-    """A row of panels for each transmission."""
+    """Rows of panels for each transmission."""
     return _figure(list(found.found))
 
 
 def _figure(several: list[Transmission]) -> Figure:
-    columns = max(_panels(one) for one in several)
+    columns = max(_columns(one) for one in several)
     with drawing():
-        size = (_PANEL[0] * columns, _PANEL[1] * len(several))
+        size = (_PANEL[0] * columns, 2 * _PANEL[1] * len(several))
         figure = new_figure(*size)
-        axes: Any = figure.subplots(len(several), columns, squeeze=False)
-        for row, one in zip(axes, several, strict=True):
-            _draw(one, row)
-            for ax in row[_panels(one) :]:
+        axes: Any = figure.subplots(2 * len(several), columns, squeeze=False)
+        for k, one in enumerate(several):
+            _draw(one, axes[2 * k : 2 * k + 2])
+            for ax in axes[2 * k : 2 * k + 2, _columns(one) :].flat:
                 ax.set_axis_off()
     return figure
 
 
-def _panels(one: Transmission) -> int:
-    return len(one.joints) + (len(one.joints) <= 2)
+def _columns(one: Transmission) -> int:
+    return len(one.joints) + (len(one.joints) == 2)
 
 
 def _draw(one: Transmission, axes: Any) -> None:
-    survey, n = one.survey, len(one.joints)
-    joints = np.array(
-        [[survey.out(i, v) for i, v in enumerate(row)] for row in survey.states.joints]
-    )
-    unit = one.linkage.mechanism.angle_unit
-    labels = [
-        matplotlib_text(f"{c.name}, {unit if c.is_angular else one.linkage.mechanism.length_unit}")
-        for c in one.linkage.coordinates_of(one.joints)
-    ]
-    for i, ax in enumerate(axes[:n]):
-        ax.set_title(matplotlib_text(f"torque of {one.joints[i]} alone"), fontsize=9)
-        torque = survey.alone[:, i]
-        high = np.percentile(torque, _SPREAD)
-        if n == 2:
-            _map(ax, joints, torque, high)
-            least = int(np.argmin(torque))
-            ax.plot(
-                *joints[least], "v", color=COLOURS["accent"], label=f"least {torque[least]:.3g}"
-            )
-            ax.plot(*joints[0], "o", color=COLOURS["text"], label=f"reference {torque[0]:.3g}")
-            ax.set_xlabel(labels[0])
-            ax.set_ylabel(labels[1])
-            ax.legend(fontsize=7, framealpha=0.9)
-            continue
-        order = np.argsort(joints[:, i])
-        look = "-" if n == 1 else "."
-        ax.plot(joints[order, i], torque[order], look, color=SERIES[0], markersize=3)
-        ax.set_ylim(0.0, 1.1 * high)
-        ax.set_xlabel(labels[i])
-        ax.grid(True)
-    if n == 1:
-        _ratios(one, axes[1], joints, labels[0])
-    elif n == 2:
-        _polytopes(one, axes[2], joints)
+    n = len(one.joints)
+    for i in range(n):
+        _torque(one, axes[0, i], i)
+        _ratios(one, axes[1, i], i)
+    if n == 2:
+        least = [int(np.argmin(one.survey.alone[:, i])) for i in range(2)]
+        rows = list(dict.fromkeys([0, *least]))
+        _polytopes(one, axes[0, 2], "torque", rows)
+        _polytopes(one, axes[1, 2], "speed", rows)
 
 
-def _map(ax: Any, joints: np.ndarray, torque: np.ndarray, high: float) -> None:
-    """Torques over two joints."""
-    image = ax.scatter(
-        *joints.T, c=torque, s=22, marker="s", linewidths=0, cmap="viridis", vmin=0.0, vmax=high
-    )
-    ax.figure.colorbar(image, ax=ax, extend="max", fraction=0.05)
+def _unit(one: Transmission, i: int) -> str:
+    """The unit of a joint's values."""
+    mechanism, (c,) = one.linkage.mechanism, one.linkage.coordinates_of(one.joints[i : i + 1])
+    return mechanism.angle_unit if c.is_angular else mechanism.length_unit
 
 
-def _ratios(one: Transmission, ax: Any, joints: np.ndarray, label: str) -> None:
-    order = np.argsort(joints[:, 0])
-    ratios = one.survey.states.inverse_jacobian[order, :, 0]
-    for a, name in enumerate(one.motors):
-        ax.plot(
-            joints[order, 0],
-            ratios[:, a],
-            color=SERIES[a % len(SERIES)],
-            label=matplotlib_text(name),
-        )
-    low, high = np.percentile(ratios, [100.0 - _SPREAD, _SPREAD])
-    ax.set_ylim(low - 0.2 * (high - low) - 0.05, high + 0.2 * (high - low) + 0.05)
-    ax.set_title("ratio: motor's rate by the joint's", fontsize=9)
-    ax.set_xlabel(label)
-    ax.grid(True)
-    ax.legend(fontsize=7)
+def _position(one: Transmission, i: int) -> str:
+    """A joint and the unit of its values."""
+    return matplotlib_text(f"{one.joints[i]}, {_unit(one, i)}")
 
 
-def _polytopes(one: Transmission, ax: Any, joints: np.ndarray) -> None:
-    """All torques of two joints at some places."""
+def _effect(one: Transmission, i: int, kind: str) -> str:
+    """The unit of a joint's torques or rates; where nothing is told, what they are multiples of."""
+    (c,) = one.linkage.coordinates_of(one.joints[i : i + 1])
+    length = one.linkage.mechanism.length_unit
+    if f"{kind}_limits" in one.data.untold:
+        return "for 1 at each motor"
+    if kind == "speed":
+        return "rad/s" if c.is_angular else f"{length}/s"
+    return f"N {length}" if c.is_angular else "N"
+
+
+def _values(one: Transmission) -> np.ndarray:
+    """The joints of all samples in the mechanism's units."""
     survey = one.survey
-    rows = dict.fromkeys([0, *(int(np.argmin(survey.alone[:, i])) for i in range(2))])
+    return np.array([[survey.out(i, v) for i, v in enumerate(row)] for row in survey.states.joints])
+
+
+def _torque(one: Transmission, ax: Any, i: int) -> None:
+    """The torque of a joint alone: over two joints a map, else along the joint itself."""
+    torque, joints = one.survey.alone[:, i], _values(one)
+    high = np.percentile(torque, _SPREAD)
+    unit = _effect(one, i, "torque")
+    ax.set_title(matplotlib_text(f"torque of {one.joints[i]} alone, {unit}"), fontsize=9)
+    if len(one.joints) == 2:
+        low = min(float(torque.min()), 0.999 * high)
+        image = ax.scatter(
+            *joints.T, c=torque, s=34, marker="s", linewidths=0, cmap="viridis", vmin=low, vmax=high
+        )
+        ax.figure.colorbar(image, ax=ax, extend="max", fraction=0.05)
+        least = int(np.argmin(torque))
+        ax.plot(*joints[least], "v", color=COLOURS["accent"], label=f"least {torque[least]:.3g}")
+        ax.plot(*joints[0], "o", color=COLOURS["text"], label=f"reference {torque[0]:.3g}")
+        ax.set_xlabel(_position(one, 0))
+        ax.set_ylabel(_position(one, 1))
+        ax.legend(ncols=2, **_LEGEND)
+        return
+    order = np.argsort(joints[:, i])
+    look = "-" if len(one.joints) == 1 else "."
+    ax.plot(joints[order, i], torque[order], look, color=SERIES[0], markersize=3)
+    ax.set_ylim(0.0, 1.1 * high)
+    ax.set_xlabel(_position(one, i))
+    ax.grid(True)
+
+
+def _ratios(one: Transmission, ax: Any, i: int) -> None:
+    """The motors' rates by the joint's along its range, the other joints at the reference; the play
+    of the joint where the motors' resolutions are told.
+    """
+    survey, ends = one.survey, one.survey.ends[i]
+    line = np.tile(_values(one)[0], (_CURVE, 1))
+    low, high = (survey.out(i, end.value) for end in ends)
+    line[:, i] = np.linspace(low, high, _CURVE)
+    ratios = one.states(joints=line, check=False).inverse_jacobian[:, :, i]
+    for a, name in enumerate(one.motors):
+        colour = SERIES[a % len(SERIES)]
+        ax.plot(line[:, i], ratios[:, a], color=colour, label=matplotlib_text(name))
+    known = ratios[np.isfinite(ratios)]
+    if known.size:
+        least, most = np.percentile(known, [100.0 - _SPREAD, _SPREAD])
+        margin = 0.2 * (most - least) + 0.05
+        ax.set_ylim(least - margin, most + margin)
+    title = f"rates of motors by that of {one.joints[i]}"
+    if survey.backlash is not None:
+        title += f"\nplay at most {survey.out(i, survey.backlash[i]):.3g} {_unit(one, i)}"
+    ax.set_title(matplotlib_text(title), fontsize=9)
+    ax.set_xlabel(_position(one, i) + matplotlib_text(f"\nfrom {ends[0].by}\nto {ends[1].by}"))
+    ax.grid(True)
+    ax.legend(ncols=2, **_LEGEND | {"bbox_to_anchor": (0.5, -0.36)})
+
+
+def _polytopes(one: Transmission, ax: Any, kind: str, rows: list[int]) -> None:
+    """All torques, or rates, of two joints at some samples."""
+    data, states, joints = one.data, one.survey.states, _values(one)
     for colour, row in zip(SERIES, rows, strict=False):
-        corners = survey.torques_at(row)
-        name = ", ".join(f"{v:.2g}" for v in joints[row]) if row else "reference"
+        g = states.inverse_jacobian[row]
+        if kind == "torque":
+            corners = torque_vertices(g, data.torque_limits)
+        else:
+            corners = between_planes(g, *data.speed_limits.T)
+        name = "at " + ", ".join(f"{v:.2g}" for v in joints[row]) if row else "at the reference"
         ax.fill(*corners.T, facecolor="none", edgecolor=colour, linewidth=1.6, label=name)
-    reach = 1.6 * np.abs(survey.torques_at(0)).max(axis=0)
+        if not row:
+            reach = 1.6 * np.abs(corners).max(axis=0)
     ax.set_xlim(-reach[0], reach[0])
     ax.set_ylim(-reach[1], reach[1])
     ax.axhline(0.0, color=COLOURS["axis"], linewidth=0.6)
     ax.axvline(0.0, color=COLOURS["axis"], linewidth=0.6)
-    ax.set_title("torques of both together", fontsize=9)
-    ax.set_xlabel(matplotlib_text(one.joints[0]))
-    ax.set_ylabel(matplotlib_text(one.joints[1]))
+    ax.set_title(f"{'torques' if kind == 'torque' else 'rates'} of both together", fontsize=9)
+    labels = [matplotlib_text(f"{n}, {_effect(one, i, kind)}") for i, n in enumerate(one.joints)]
+    ax.set_xlabel(labels[0])
+    ax.set_ylabel(labels[1])
     ax.grid(True)
-    ax.legend(fontsize=7)
+    ax.legend(ncols=3, **_LEGEND)

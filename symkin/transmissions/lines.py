@@ -11,7 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.numeric.linear_algebra import least_squares_steps
 from symkin.numeric.system import System
+from symkin.numeric.tolerances import ROUNDED_STEP
 
 _NEAR, _EASY = 0.5, 0.15
 """Largest row sum of |J1^+ J0 - I| of a step that is taken, and of one after which the next is
@@ -71,6 +73,10 @@ def follow_lines(
         steps[taken] *= np.where(turned[good] <= _EASY, 2.0, 1.0)
         steps[going[~good]] *= 0.5
         going = going[(shares[going] < 1.0) & (steps[going] > _SHORTEST)]
+    # what counts as closed may be far from the solution in directions that close little
+    done = np.flatnonzero(shares >= 1.0)
+    rows, slopes = system.linearise(points[done], goals[done])
+    points[done] = system.move(points[done], least_squares_steps(slopes, rows, ROUNDED_STEP))
     return Followed(points, shares)
 
 

@@ -18,6 +18,7 @@ from symkin.formats.mjcf_text import mjcf_text
 from symkin.formats.serial_form import Drive, serial_form
 from symkin.formats.urdf_text import urdf_text
 from symkin.model.mechanism import Mechanism
+from symkin.model.motor import motor_of
 from symkin.transmissions.found import group_with
 from symkin.transmissions.transmission_result import Transmission
 
@@ -49,7 +50,7 @@ def write_serial(
         inside |= {element.path for k in group.edges for element in edges[k].elements}
         inside |= {element.name for k in group.edges for element in edges[k].elements}
     serial, told = serial_form(mechanism, inside, drives), "".join(f"; {note}" for note in notes)
-    write_output(output, _WRITERS[output.suffix.lower()](serial, drives, told))
+    write_output(output, _WRITERS[output.suffix.lower()](serial, told))
     return tuple(notes)
 
 
@@ -76,13 +77,11 @@ def drives_of(transmission: Transmission) -> tuple[dict[str, Drive], list[str]]:
                 f"that nothing drives it; give other ranges or another start"
             )
         notes.append(f"range of {name}: from {survey.ends[i][0].by} to {survey.ends[i][1].by}")
-        drives[name] = Drive(
-            (low, high),
-            None if "torque_limits" in data.untold else float(efforts[i]),
-            None if "speed_limits" in data.untold else float(speeds[i]),
-            None if "inertia" in data.untold else float(own[0]),
-        )
-        if drives[name].armature is not None:
+        effort = None if "torque_limits" in data.untold else [-efforts[i], efforts[i]]
+        speed = None if "speed_limits" in data.untold else float(speeds[i])
+        armature = None if "inertia" in data.untold else float(own[0])
+        drives[name] = Drive((low, high), motor_of(effort, speed, armature))
+        if armature is not None:
             others = np.abs(np.delete(inertia[:, i], i, axis=1)).max(initial=0.0)
             notes.append(
                 f"armature of {name}: {own[0]:.4g} at the reference, {own.min():.4g} to "

@@ -16,7 +16,7 @@ from symkin.result import Summary
 from symkin.transmissions.lines import follow_lines
 from symkin.transmissions.linkage import Linkage
 from symkin.transmissions.motors import Motors
-from symkin.transmissions.polytope import facets, torque_vertices
+from symkin.transmissions.polytope import facets
 from symkin.transmissions.states import States, direction
 
 _COUNTS = {1: 201, 2: 33, 3: 9}
@@ -26,6 +26,8 @@ _WIDEST = 2.0 * np.pi
 """Radians of a range that is swept as a whole; wider limits are none."""
 _ABOUT = 1.0
 """Radians, and sizes, on both sides of the reference where no limits say how far to look."""
+_ROUNDING = 1e-12
+"""Share of the largest ratio up to which one is 0."""
 _HALVINGS = 40
 _SAME = 1e-6
 """Radians, and sizes, by which one configuration is found again."""
@@ -136,10 +138,6 @@ class Survey:
         at = tuple(self.states.joints[row].tolist())
         return Extreme(float(found[row, k]), at, names[k]), direction(self.linkage.joints, way)
 
-    def torques_at(self, row: int) -> np.ndarray:
-        """The vertices of all joint torques at a sample."""
-        return torque_vertices(self.states.inverse_jacobian[row], self.data.torque_limits)
-
     def smallest(self, joint: int) -> Extreme:
         """The smallest torque of a joint alone over the range."""
         return self._extreme(joint, int(np.argmin(self.alone[:, joint])))
@@ -189,7 +187,7 @@ class Survey:
             below.append(
                 f"weakest direction: {way}: {one.value:.4g} at {self._place(one)} ({one.by})"
             )
-        ratios = self.states.inverse_jacobian
+        ratios = _without_rounding(self.states.inverse_jacobian)
         for a, motor in enumerate(linkage.motors):
             told = ", ".join(
                 f"{ratios[:, a, i].min():.4g} to {ratios[:, a, i].max():.4g} by {joint}"
@@ -217,7 +215,7 @@ class Survey:
 
     def to_dict(self) -> dict[str, Any]:
         """What holds over the range, by joint and motor; angles in the mechanism's unit."""
-        linkage, ratios = self.linkage, self.states.inverse_jacobian
+        linkage, ratios = self.linkage, _without_rounding(self.states.inverse_jacobian)
         joints = {}
         for i, name in enumerate(linkage.joints):
             ends = [{"value": self.out(i, e.value), "by": e.by} for e in self.ends[i]]
@@ -260,6 +258,12 @@ class Survey:
         """A joint's value in the mechanism's unit."""
         mechanism = self.linkage.mechanism
         return mechanism.angle_out(value) if self._joints[joint].is_angular else float(value)
+
+
+def _without_rounding(ratios: np.ndarray) -> np.ndarray:
+    """Ratios (n, motors, joints), 0 those of pairs that are rounding beside the largest."""
+    largest = np.abs(ratios).max(axis=0, keepdims=True)
+    return np.where(largest > _ROUNDING * largest.max(initial=0.0), ratios, 0.0)
 
 
 def survey(linkage: Linkage, data: Motors) -> Survey:

@@ -20,7 +20,7 @@ from symkin.position.solve import solve
 from symkin.text import first_of
 from symkin.transmissions.found import Group, group_with, groups_of, with_ranges
 from symkin.transmissions.linkage import Linkage
-from symkin.transmissions.motors import read_motors
+from symkin.transmissions.motors import motors_of_file, read_motors
 from symkin.transmissions.states import States
 from symkin.transmissions.transmission_result import Transmission, Transmissions
 from symkin.verb import verb
@@ -257,7 +257,15 @@ def _checked(robot: str, linkage: Linkage, options: dict[str, Any]) -> Transmiss
     beyond = [c.name for c, out in zip(linkage.limited, over, strict=True) if out]
     if beyond:
         notes = (*notes, f"the reference is beyond the limits of {', '.join(beyond)}")
-    return Transmission(", ".join(joints), linkage, read_motors(motors, options), notes)
+    wide = [c.name for c in linkage.mechanism.coordinates if c.limits and c not in linkage.limited]
+    if wide:
+        notes = (
+            *notes,
+            f"the limits of {first_of(wide)} are more than two turns, and count as none; ranges "
+            f"(--range NAME=LOW:HIGH) tells others",
+        )
+    data = read_motors(motors, options, motors_of_file(linkage.mechanism, motors))
+    return Transmission(", ".join(joints), linkage, data, notes)
 
 
 def _refuse_too_few(robot: str, linkage: Linkage, motors: tuple[str, ...]) -> None:
@@ -275,7 +283,8 @@ def _refuse_too_few(robot: str, linkage: Linkage, motors: tuple[str, ...]) -> No
                 binding.append(name)
         raise InputError(
             f"{robot}: the motors {', '.join(motors)} do not decide the joints: their linkage has "
-            f"{free} freedom(s), and {left} stay free; what would bind them: {', '.join(binding)}"
+            f"{free} freedom(s), and {left} stay free; what would bind them: {', '.join(binding)} "
+            f"(springs are named among the motors)"
         )
 
 

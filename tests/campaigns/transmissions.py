@@ -1,11 +1,13 @@
 """Many configurations of many transmissions: is power the same on both sides, does every goal keep
 its branch, do motors come back from joints, and is the array file the verb's twin?
 
-    python tests/campaigns/transmissions.py [--count 2000] [--seed 0] [--models] [--tracks 20]
+    python tests/campaigns/transmissions.py [NAMES] [--count 2000] [--seed 0] [--models]
+                                            [--tracks 20] [--legs 0]
 
 For each of the shared machines, and with `--models` for every transmission that is found in the
 models of others: `--count` random goals of the motors; those that are reached go back through the
-joints; `--tracks` of them are held against a track with proof. Exit status 1 where anything is
+joints; `--tracks` of them are held against a track with proof. `--legs`: at so many motors of a
+closed ankle its dynamics are held against MuJoCo's and Pinocchio's. Exit status 1 where anything is
 wrong.
 """
 
@@ -14,7 +16,7 @@ from __future__ import annotations
 import argparse
 import sys
 import types
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +24,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import symkin
+from helpers.closed_leg import g1_maps, of_mujoco, of_pinocchio
+from helpers.closed_leg import worst as worst_of_leg
 from helpers.inside import array_source
 from helpers.transmissions import MODELS, robot, transmission
 
@@ -35,27 +39,35 @@ MACHINES = (
     "digit_knee",
     "digit_ankle",
 )
-POWER, THERE_AND_BACK, SAME = 1e-12, 1e-12, 1e-7
-"""Relative power that is lost; error of motors that come back; what tells branches apart."""
+POWER, THERE_AND_BACK, SAME, DYNAMICS = 1e-12, 1e-12, 1e-7, 1e-8
+"""Relative power that is lost; error of motors that come back; what tells branches apart;
+relative error of motions, accelerations, inertias and torques of a closed leg.
+"""
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", metavar="NAMES", help="of the shared machines")
     parser.add_argument("--count", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--tracks", type=int, default=20)
     parser.add_argument("--models", action="store_true")
+    parser.add_argument("--legs", type=int, default=0)
     told = parser.parse_args()
     worst = 0
-    for name, found in machines(told.models):
+    for engine in (of_mujoco, of_pinocchio) if told.legs else ():
+        off = worst_of_leg(engine, g1_maps(), told.legs, told.seed)
+        worst += int((off > DYNAMICS).any())
+        print(f"{engine.__name__}: {told.legs} configurations of a closed leg: {off}", flush=True)
+    for name, found in machines(told.names or MACHINES, told.models):
         faults, text = judge(found, told.count, told.seed, told.tracks)
         worst += faults
         print(f"{name}: {text}{'' if not faults else f'; {faults} WRONG'}", flush=True)
     return int(worst > 0)
 
 
-def machines(models: bool) -> Iterator[tuple[str, symkin.Transmission]]:
-    for name in MACHINES:
+def machines(names: Sequence[str], models: bool) -> Iterator[tuple[str, symkin.Transmission]]:
+    for name in names:
         yield name, transmission(name)
     files = sorted(MODELS.glob("*/*.*")) if models else []
     for path in files:

@@ -26,7 +26,10 @@ from symkin import shipped_names
 TUTORIALS = tuple(
     str(path.relative_to(ROOT)) for path in sorted((ROOT / "docs" / "tutorials").glob("*.md"))
 )
-DOCUMENTS = ("README.md", "docs/index.md", "docs/bring-your-robot.md", *TUTORIALS)
+RECIPES = tuple(
+    str(path.relative_to(ROOT)) for path in sorted((ROOT / "docs" / "recipes").glob("*.md"))
+)
+DOCUMENTS = ("README.md", "docs/index.md", "docs/bring-your-robot.md", *TUTORIALS, *RECIPES)
 ROBOTS = ROOT / "docs" / "robots"
 
 

@@ -426,7 +426,7 @@ BAD = {
     ),
     "an actuated universal joint with limits": (
         swap(MIXED, 'type = "R"', 'type = "U"\naxis2 = [1, 0, 0]'),
-        ["waist", "zero and limits", "one coordinate (R, P, H)"],
+        ["waist", "zero, limits and motor", "one coordinate (R, P, H)"],
     ),
     "unknown joint type": (
         swap(MIXED, '"R"', '"Q"'),

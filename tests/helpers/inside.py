@@ -522,6 +522,7 @@ NAMES = {
     "panels_of": "symkin.plots.track_curves",
     "_draw_curves": "symkin.plots.track_plot",
     "figure_of_track": "symkin.plots.track_plot",
+    "figure_of_transmission": "symkin.plots.transmission_plot",
     # pages
     "complex_solutions": "symkin.page.complex_solutions",
     "UnreadMeshError": "symkin.page.mesh_files",
