@@ -38,9 +38,9 @@ from symkin.spatial.rotation import matrix_from_quaternion
 _MOST_ROOTS = 200
 """Modes, and complex solutions of one step, that the page follows at most."""
 _PLACES = 12
-"""Other values at which modes are found beforehand."""
-_SAMPLED_PLACES = 2
-"""The same where modes are found from random starts, which cost a hundred times as much."""
+"""Other values at which modes are sought beforehand where they are found from random starts; these
+are shared among the places, so that many cost no more than one.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +181,7 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
     if known:
         # at special values, such as a symmetric reference, solutions meet or are at infinity that
         # others have
-        places = 1 if found.starts is None else _SAMPLED_PLACES
+        places = 1 if found.starts is None else _PLACES
         elsewhere = _elsewhere(problem, known, names, places, found.starts)
         counts = [mode.complex_count for mode in elsewhere]
         count = None if count is None else max(count, *(each or 0 for each in counts))
@@ -206,9 +206,8 @@ def _elsewhere(
     places: int,
     starts: int | None = None,
 ) -> list[Modes]:
-    """Modes at other values: complex solutions that no loop leads to from those of the start may be
-    real there. Where those of the start were found from random `starts`, these are shared among
-    all places.
+    """Modes at other values. Where those of the start were found from random `starts`, these are
+    shared among all places.
     """
     mechanism, rng = problem.mechanism, np.random.default_rng(5)
     rows = [[_near(mechanism, c, names[c.name], rng) for c in known] for _ in range(places)]
