@@ -17,6 +17,8 @@ from symkin.model.mechanism import Mechanism
 
 STATUSES = ("OK", "MAX_ITERATIONS", "SINGULAR", "NONFINITE", "OUT_OF_RANGE", "WRONG_BRANCH")
 
+FLAGS = ["-O2", "-std=c99", "-fno-math-errno", "-ffp-contract=off", "-shared", "-fPIC", "-I."]
+
 
 @dataclass(frozen=True)
 class Answers:
@@ -42,24 +44,18 @@ class Asked:
 
     def answers(self, goals: np.ndarray, guesses: np.ndarray) -> Answers:
         """Answers to each goal from each guess; what is not found is zero."""
-        count, arm = len(goals), self.mechanism.serial
-        given, near = (np.ascontiguousarray(values, self.number) for values in (goals, guesses))
-        found = np.zeros((count, len(self.mechanism.actuated) if arm else 7), self.number)
-        status, steps = np.zeros(count, np.int32), np.zeros(count, np.int32)
-        self._library.ask_all(
-            count, *(ctypes.c_void_p(v.ctypes.data) for v in (given, near, found, status, steps))
+        width = len(self.mechanism.actuated) if self.mechanism.serial else 7
+        function = self._library.ask_all
+        found, status, steps = asked(
+            function, self.options.real, [goals, guesses], [width], "iiosn"
         )
-        return Answers(status, found.astype(float), steps)
+        return Answers(status, found, steps)
 
     def back(self, found: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Statuses and goals that the other problem gives for what was found."""
-        count, arm = len(found), self.mechanism.serial
-        given, status = np.ascontiguousarray(found, self.number), np.zeros(count, np.int32)
-        goals = np.zeros((count, 7 if arm else len(self.mechanism.actuated)), self.number)
-        self._library.back_all(
-            count, *(ctypes.c_void_p(v.ctypes.data) for v in (given, goals, status))
-        )
-        return status, goals.astype(float)
+        width = 7 if self.mechanism.serial else len(self.mechanism.actuated)
+        goals, status = asked(self._library.back_all, self.options.real, [found], [width], "ios")
+        return status, goals
 
     @cached_property
     def program(self) -> Program:
@@ -70,26 +66,35 @@ class Asked:
         folder, name = Path(tempfile.mkdtemp()), self.mechanism.name
         for suffix, text in ((".h", self.program.header), (".c", self.program.source)):
             (folder / f"{name}{suffix}").write_text(text)
-        macros = [
-            f'-DHEADER="{name}.h"',
-            f"-DREAL={self.options.real}",
-            f"-DOF(x)={name}_##x",
-            f"-DJOINTS={len(self.mechanism.actuated)}",
-        ]
-        macros += ["-DARM"] if self.mechanism.serial else []
-        flags = [
-            "-O2",
-            "-std=c99",
-            "-fno-math-errno",
-            "-ffp-contract=off",
-            "-shared",
-            "-fPIC",
-            "-I.",
-        ]
-        source = str(Path(__file__).with_name("ask.c"))
-        subprocess.run(
-            ["gcc", *flags, *macros, source, f"{name}.c", "-o", "code.so", "-lm"],
-            cwd=folder,
-            check=True,
+        kind, joints = "arm" if self.mechanism.serial else "platform", len(self.mechanism.actuated)
+        return compiled(folder, name, self.options.real, kind, joints)
+
+
+def compiled(folder: Path, name: str, real: str, kind: str, joints: int) -> ctypes.CDLL:
+    """ask.c with the code in a folder, as a library; `kind` is "platform", "arm" or "map"."""
+    macros = [f'-DHEADER="{name}.h"', f"-DREAL={real}", f"-DOF(x)={name}_##x", f"-DJOINTS={joints}"]
+    sources = [str(Path(__file__).with_name("ask.c")), f"{name}.c"]
+    command = ["gcc", *FLAGS, *macros, f"-D{kind.upper()}", *sources, "-o", "code.so", "-lm"]
+    subprocess.run(command, cwd=folder, check=True)
+    return ctypes.CDLL(str(folder / "code.so"))
+
+
+def asked(
+    function: ctypes._CFuncPtr, real: str, inputs: list[np.ndarray], outputs: list[int], order: str
+) -> list[np.ndarray]:
+    """Call a function of ask.c: its arrays `order` (i input, o output of so many numbers, s status,
+    n numbers of steps).
+    """
+    number, count = np.float32 if real == "float" else np.float64, len(inputs[0])
+    given, widths = iter(inputs), iter(outputs)
+    arrays, results = list[np.ndarray](), list[np.ndarray]()
+    for letter in order:
+        if letter == "i":
+            arrays.append(np.ascontiguousarray(next(given), number))
+            continue
+        arrays.append(
+            np.zeros((count, next(widths)), number) if letter == "o" else np.zeros(count, np.int32)
         )
-        return ctypes.CDLL(str(folder / "code.so"))
+        results.append(arrays[-1])
+    function(count, *(ctypes.c_void_p(a.ctypes.data) for a in arrays))
+    return [r.astype(float) if r.dtype != np.int32 else r for r in results]

@@ -1,8 +1,9 @@
 """Instructions per solve of the generated C on two Cortex-M boards and on the host; the table of
 README.md.
 
-    python codegen/bench/bench.py [--write]
+    python codegen/bench/bench.py [SOLVER ...] [--write]
 
+With names, as "zhao2000_links double", the rows of these alone, and the others stay as they are.
 Cold: from home. Warm: within 0.2 mm and 1 mrad of the answer. Bytes, stack and worst cases:
 worst.py.
 """
@@ -10,12 +11,12 @@ worst.py.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 from bench_cases import HOME
-from harness import Harness, harness_of
+from harness import harness_of
 from processors import HOST, measure
-from readme import written
+from readme import README, written
 from symkin.codegen.options import Options
 
 PARALLEL = (("ren2008", "m"), ("zhao2000", "mm"), ("zhao2000_links", "mm"), ("delta", "mm"))
@@ -24,46 +25,48 @@ MAP = ("ankle", ("upper_motor", "lower_motor"), ("ankle.1", "ankle.2"))
 SERIAL = ("gluon_6l3", "yao2020", "ur5e", "scara")
 
 
-def subjects() -> Iterator[tuple[str, Harness, tuple[str, ...], str]]:
-    """(title, what is run, processors, unit of errors), in the order of the table."""
+def subjects() -> Iterator[tuple[str, str, Options, tuple[str, ...], str]]:
+    """(title, mechanism, options, processors, unit of errors), in the order of the table."""
     boards = {"float": "M4F", "double": "M7"}
     for real, board in boards.items():
-        yield (
-            f"zhang2009 {real}",
-            harness_of("zhang2009", Options(real, home=HOME)),
-            (board, HOST),
-            "mm",
-        )  # type: ignore[arg-type]
+        yield f"zhang2009 {real}", "zhang2009", Options(real, home=HOME), (board, HOST), "mm"  # type: ignore[arg-type]
     relative = Options("float", home_relative=True, home=HOME)
-    yield "zhang2009 float, home-relative", harness_of("zhang2009", relative), ("M4F", HOST), "mm"
+    yield "zhang2009 float, home-relative", "zhang2009", relative, ("M4F", HOST), "mm"
     struct = Options("double", geometry="struct", home=HOME)
-    yield "zhang2009 double, struct geometry", harness_of("zhang2009", struct), ("M7", HOST), "mm"
+    yield "zhang2009 double, struct geometry", "zhang2009", struct, ("M7", HOST), "mm"
     for real, board in boards.items():
-        for name, unit in PARALLEL:
-            yield f"{name} {real}", harness_of(name, Options(real)), (board, HOST), unit  # type: ignore[arg-type]
-        for name in SERIAL:
-            yield f"{name} {real}", harness_of(name, Options(real)), (board, HOST), "rad or mm"  # type: ignore[arg-type]
+        for name, unit in (*PARALLEL, *((name, "rad or mm") for name in SERIAL)):
+            yield f"{name} {real}", name, Options(real), (board, HOST), unit  # type: ignore[arg-type]
         name, given, find = MAP
-        yield (
-            f"{name} {real}",
-            harness_of(name, Options(real, given=given, find=find)),
-            (board, HOST),
-            "rad",
-        )  # type: ignore[arg-type]
+        options = Options(real, given=given, find=find)  # type: ignore[arg-type]
+        yield f"{name} {real}", name, options, (board, HOST), "rad"
 
 
-def report() -> str:
+def rows_of(chosen: Sequence[str]) -> dict[str, list[str]]:
+    """The rows of each solver, of the chosen ones or of all."""
+    found: dict[str, list[str]] = {}
+    for title, name, options, processors, unit in subjects():
+        if chosen and title not in chosen:
+            continue
+        harness = harness_of(name, options)
+        found[title] = [
+            f"| {title} | {processor} | {case} | {f.mean:,.0f} | {f.largest:,.0f} | "
+            f"{f.error:.2g} {unit} |"
+            for processor in processors
+            for case, f in measure(harness, processor).items()
+        ]
+    return found
+
+
+def report(rows: Mapping[str, Sequence[str]]) -> str:
+    """The table, with the rows of README.md for solvers that were not measured."""
+    told = README.read_text().partition("<!-- bench -->")[2].partition("<!-- end")[0].splitlines()
     lines = [
         "| solver | processor | case | mean | largest | largest error |",
         "|---|---|---|---|---|---|",
     ]
-    for title, harness, processors, unit in subjects():
-        for processor in processors:
-            for case, f in measure(harness, processor).items():
-                lines.append(
-                    f"| {title} | {processor} | {case} | {f.mean:,.0f} | {f.largest:,.0f} | "
-                    f"{f.error:.2g} {unit} |"
-                )
+    for title, *_ in subjects():
+        lines += rows.get(title, [line for line in told if line.startswith(f"| {title} |")])
     return "\n".join(lines)
 
 
@@ -71,11 +74,15 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description="Measure the generated C on QEMU's boards and on the host."
     )
+    parser.add_argument("solvers", nargs="*", metavar="SOLVER", help="these rows alone")
     parser.add_argument(
         "--write", action="store_true", help="write the table into codegen/README.md"
     )
-    chosen = parser.parse_args()
-    measured = report()
-    print(measured)
-    if chosen.write:
-        written("bench", measured)
+    given = parser.parse_args()
+    titles = [title for title, *_ in subjects()]
+    if unknown := sorted(set(given.solvers) - set(titles)):
+        parser.error(f"{', '.join(unknown)}: no such row; there are {', '.join(titles)}")
+    measured = rows_of(given.solvers)
+    print("\n".join(line for lines in measured.values() for line in lines))
+    if given.write:
+        written("bench", report(measured))

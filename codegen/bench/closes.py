@@ -16,7 +16,6 @@ from __future__ import annotations
 import argparse
 import ctypes
 import signal
-import subprocess
 import sys
 import tempfile
 import tomllib
@@ -29,6 +28,7 @@ import numpy as np
 sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
 
 import symkin
+from asked import asked, compiled
 from bench_cases import HOMES
 from campaigns.random_files import random_file, to_toml
 from campaigns.random_graphs import Drawing
@@ -73,7 +73,6 @@ OWN_TEST = "own test fails"
 SECONDS = 60
 """Processor time of this process after which a machine is left out in a type."""
 STARTS = 24
-FLAGS = ["-O1", "-std=c99", "-fno-math-errno", "-ffp-contract=off"]
 
 
 @dataclass
@@ -123,52 +122,8 @@ def built(machine: Machine, real: str, folder: Path) -> ctypes.CDLL:
         machine.mechanism if machine.given else with_limbs(machine.mechanism, "firmware", "")
     )
     write_folder(mechanism, folder, options)
-    name = mechanism.name
-    count = len(machine.given) or len(mechanism.actuated)
-    macros = [f'-DHEADER="{name}.h"', f"-DREAL={real}", f"-DOF(x)={name}_##x", f"-DJOINTS={count}"]
-    macros += {"map": ["-DMAP"], "arm": ["-DARM"], "platform": []}[machine.kind]
-    command = [
-        "gcc",
-        *FLAGS,
-        *macros,
-        "-shared",
-        "-fPIC",
-        "-I.",
-        str(BENCH / "ask.c"),
-        f"{name}.c",
-        "-o",
-        "code.so",
-        "-lm",
-    ]
-    subprocess.run(command, cwd=folder, check=True)
-    return ctypes.CDLL(str(folder / "code.so"))
-
-
-def asked(
-    function: ctypes._CFuncPtr, real: str, inputs: list[np.ndarray], outputs: list[int], order: str
-) -> list[np.ndarray]:
-    """Call a function of ask.c: its arrays `order` (i input, o output of so many numbers, s status,
-    n numbers of steps).
-    """
-    number, count = np.float32 if real == "float" else np.float64, len(inputs[0])
-    given, widths, arrays, results = (
-        iter(inputs),
-        iter(outputs),
-        list[np.ndarray](),
-        list[np.ndarray](),
-    )
-    for letter in order:
-        if letter == "i":
-            arrays.append(np.ascontiguousarray(next(given), number))
-        else:
-            arrays.append(
-                np.zeros((count, next(widths)), number)
-                if letter == "o"
-                else np.zeros(count, np.int32)
-            )
-            results.append(arrays[-1])
-    function(count, *(ctypes.c_void_p(a.ctypes.data) for a in arrays))
-    return [r.astype(float) if r.dtype != np.int32 else r for r in results]
+    joints = len(machine.given) or len(mechanism.actuated)
+    return compiled(folder, mechanism.name, real, machine.kind, joints)
 
 
 # --- platforms and arms by limbs ------------------------------------------------------------------

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from closes import Machine, asked, built
+from asked import asked
+from closes import Machine, built
 from continuation import Walker
-from lines import Lines
+from lines import Lines, Starts
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.options import Options
@@ -38,17 +39,6 @@ _REACH = 0.9
 """How far paths go from home (rad, or of the size), where no limits are nearer."""
 
 
-@dataclass(frozen=True)
-class State:
-    """Where each path is: unknowns and known values of the last configuration that was OK, and the
-    code's guess.
-    """
-
-    unknowns: np.ndarray
-    known: np.ndarray
-    guesses: np.ndarray
-
-
 @dataclass(frozen=True, eq=False)
 class Direction:
     """One problem of one machine's code: a function of ask.c and the closure that it solves."""
@@ -58,7 +48,7 @@ class Direction:
     library: ctypes.CDLL
     function: ctypes._CFuncPtr
     problem: Problem
-    home: State
+    home: Starts
     lines: Lines
     places: np.ndarray | None
     solved_by: str
@@ -173,7 +163,7 @@ def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
     kind = lines.kind
     if not isinstance(kind, JointMap):
         start = lines.home(1)
-        home = State(start.unknowns, start.known, start.guesses)
+        home = Starts(start.unknowns, start.known, start.guesses)
         return [
             Direction(
                 machine,
@@ -196,7 +186,7 @@ def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
         unknowns, known = (problem.select_values(reference, c) for c in (way.unknown, way.known))
         names = [c.name for c in way.unknown]
         places = np.array([way.problem.system.slices[names.index(n)].start for n in wanted])
-        home = State(unknowns[None], known[None], unknowns[None][:, places])
+        home = Starts(unknowns[None], known[None], unknowns[None][:, places])
         found.append(
             Direction(
                 machine, real, library, function, problem, home, lines, places, solved_by(kind, way)

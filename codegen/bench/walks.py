@@ -30,9 +30,9 @@ from pathlib import Path
 import numpy as np
 
 from closes import Machine, drawn, late, named
-from directions import HARD, OUT_OF_RANGE, PLAIN, Direction, State, directions, paths_of
+from directions import HARD, OUT_OF_RANGE, PLAIN, Direction, directions, paths_of
 from grazes import Grazes, grazed
-from lines import REGULAR
+from lines import REGULAR, Starts
 from symkin.codegen.text.c import Real
 from symkin.errors import InputError
 from symkin.formats.load import load
@@ -62,7 +62,7 @@ def walked(direction: Direction, paths: int, steps: int, rng: np.random.Generato
     """Follow random paths."""
     tally, home = Tally(), direction.home
     goals = direction.rounded(paths_of(direction, paths, steps, rng))
-    at = State(
+    at = Starts(
         *(np.repeat(part, paths, axis=0) for part in (home.unknowns, home.known, home.guesses))
     )
     for goal in goals:
@@ -70,7 +70,7 @@ def walked(direction: Direction, paths: int, steps: int, rng: np.random.Generato
     return tally
 
 
-def _step(direction: Direction, at: State, goal: np.ndarray, tally: Tally) -> State:
+def _step(direction: Direction, at: Starts, goal: np.ndarray, tally: Tally) -> Starts:
     """Ask for the next goal of each path, judge the answers, and go on from those that are
     right.
     """
@@ -108,12 +108,12 @@ def _step(direction: Direction, at: State, goal: np.ndarray, tally: Tally) -> St
             for k in np.flatnonzero(which)[:1]
         ]
     pairs = ((ends.unknowns, at.unknowns), (end, at.known), (found, at.guesses))
-    new = State(*(np.where((ok & ~wrong)[:, None], new, old) for new, old in pairs))
+    new = Starts(*(np.where((ok & ~wrong)[:, None], new, old) for new, old in pairs))
     untold = ok & ~wrong & ~told
     tally.anew += int(untold.sum())
     home = direction.home
     homes = ((home.unknowns, new.unknowns), (home.known, new.known), (home.guesses, new.guesses))
-    return State(*(np.where(untold[:, None], first, there) for first, there in homes))
+    return Starts(*(np.where(untold[:, None], first, there) for first, there in homes))
 
 
 @dataclass

@@ -8,7 +8,7 @@ centres, which nothing holds: it is turned there from its reference by the short
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -18,7 +18,7 @@ from symkin.closure.closure import Closure
 from symkin.closure.link_frames import Bridge, LinkFrames, link_frames
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Joint
-from symkin.spatial.backend import Array, atan2, cross, dot, is_casadi, norm, scale
+from symkin.spatial.backend import Array, atan2, cross, dot, is_casadi, norm, scale, vector, where
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, normalized, rotate
 
@@ -60,7 +60,7 @@ def link_poses(closure: Closure, values: np.ndarray) -> LinkPoses:
         for link, position, turn in zip(placed.links, numbers[:, :3], turns, strict=True)
     }
     for bridge in placed.bridges:
-        poses |= _hung(bridge, poses)
+        poses |= _hung(bridge, poses, [centre[:, None] for centre in bridge.centres])
     return LinkPoses(poses, values)
 
 
@@ -107,6 +107,29 @@ def reading_expressions(closure: Closure) -> dict[str, tuple[ca.SX, ...]]:
         ]
         for c, values in zip(joint.coordinates, parts, strict=True):
             read[c.name] = tuple(ca.substitute(value, symbols, numbers) for value in values)
+    return read
+
+
+def link_expressions(closure: Closure) -> dict[str, Pose]:
+    """As `link_poses`, over the closure's variables at the geometry of the description."""
+    found = link_frames(closure)
+    symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in found.geometry.values()))
+    numbers = ca.SX(ca.DM([value for _, value in found.geometry.values()]))
+    frames = ca.densify(ca.substitute(ca.horzcat(*found.frames.values()), symbols, numbers))
+    poses = {
+        link: Pose(frames[:3, k], normalized(frames[3:, k])) for k, link in enumerate(found.frames)
+    }
+    for bridge in found.bridges:
+        poses |= _hung(bridge, poses, [ca.SX(ca.DM(centre)) for centre in bridge.centres])
+    return poses
+
+
+def joint_expressions(closure: Closure, links: Mapping[str, Pose]) -> dict[str, ca.SX]:
+    """As `joint_readings`, from the expressions of links."""
+    read: dict[str, ca.SX] = {}
+    for joint, (before, after) in link_frames(closure).joints.items():
+        values = joint_coordinates(joint, links[before].inverse() @ links[after])
+        read |= dict(zip((c.name for c in joint.coordinates), values, strict=True))
     return read
 
 
@@ -172,27 +195,38 @@ def _read_joints(closure: Closure) -> _ReadJoints:
     return _ReadJoints(evaluate, frozenset(between))
 
 
-def _hung(bridge: Bridge, poses: dict[str, Pose]) -> dict[str, Pose]:
-    """The links of a bridge, turned about its first centre by the shortest way, so that both ends
-    meet.
+def _hung(bridge: Bridge, poses: dict[str, Pose], centres: Sequence[Array]) -> dict[str, Pose]:
+    """The links of a bridge, turned about the first of its centres by the shortest way, so that
+    both ends meet.
     """
     first, last = (poses[link] for link in bridge.ends)
-    near, far = (centre[:, None] for centre in bridge.centres)
+    near, far = centres
     arm = poses[bridge.links[-1]].apply(far) - near
     turn = _shortest_turn(arm, first.inverse().apply(last.apply(far)) - near)
     ball = Pose(near - rotate(turn, near), turn)
     return {link: first @ (ball @ poses[link]) for link in bridge.links}
 
 
-def _shortest_turn(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+def _shortest_turn(start: Array, end: Array) -> Array:
     """Unit quaternions (4, m) that turn directions into others about an axis normal to both."""
     a, b = scale(1.0 / norm(start), start), scale(1.0 / norm(end), end)
     # 1 + cos = 2 cos^2 of half the angle, and the sine has the same factor 2 cos of half the angle
-    quaternion = np.concatenate([1.0 + dot(a, b)[None], cross(a, b)])
-    across = np.zeros_like(a)
-    np.put_along_axis(across, np.argmin(np.abs(a), axis=0)[None], 1.0, axis=0)
-    half_turn = np.concatenate([np.zeros((1, a.shape[1])), cross(a, across)])
-    return np.asarray(normalized(np.where(quaternion[0] > _OPPOSITE, quaternion, half_turn)))
+    cosine, sine = 1.0 + dot(a, b), cross(a, b)
+    x, y, z = (a[k] * a[k] for k in range(3))
+    along_x, along_y = (x <= y) * (x <= z), y <= z
+    one, nothing = 1.0 + 0.0 * x, 0.0 * x
+    across = where(
+        along_x,
+        vector(one, nothing, nothing),
+        where(along_y, vector(nothing, one, nothing), vector(nothing, nothing, one)),
+    )
+    half_turn = cross(a, across)
+    turn = where(
+        cosine > _OPPOSITE,
+        vector(cosine, sine[0], sine[1], sine[2]),
+        vector(nothing, half_turn[0], half_turn[1], half_turn[2]),
+    )
+    return normalized(turn)
 
 
 # --- what a joint reads ---------------------------------------------------------------------------

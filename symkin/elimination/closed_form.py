@@ -119,19 +119,36 @@ class ClosedForm:
         )
 
     @cached_property
-    def _mapped(self) -> Mapped:
+    def judged(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Expressions of (signs, known): the unknowns; the discriminants, which are at least 0
+        where these are real; and what is above 0 where no discriminant is nearly zero beside its
+        terms, and no divisor.
+        """
+        values, discriminants, divisors, sizes = self._parts
+        judged = ca.vertcat(ca.SX(0, 1), *discriminants.elements(), *divisors.elements())
+        least = np.full(int(judged.shape[0]), _VANISHING)
+        least[: int(self.signs.shape[0])] = _DOUBLE
+        return values, discriminants, ca.fabs(judged) - ca.DM(least) * sizes
+
+    @cached_property
+    def _parts(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         """Values, discriminants, divisors and the sizes of the terms of these two, for signs and
         known values.
         """
         width, choices = self.system.width, int(self.signs.shape[0])
-        whole = self.at_roots(
-            ca.vertcat(self.values, self.discriminants, self.divisors),
-            lambda d: ca.sqrt(ca.fmax(d, 0.0)),
+        whole = ca.densify(
+            self.at_roots(
+                ca.vertcat(self.values, self.discriminants, self.divisors),
+                lambda d: ca.sqrt(ca.fmax(d, 0.0)),
+            )
         )
         inputs = ca.vertcat(self.signs, self.system.known)
         sizes = term_sizes(whole[width:], inputs, ca.fabs(inputs))
-        parts = [whole[:width], whole[width : width + choices], whole[width + choices :], sizes]
-        return Mapped.of([self.signs, self.system.known], parts)
+        return whole[:width], whole[width : width + choices], whole[width + choices :], sizes
+
+    @cached_property
+    def _mapped(self) -> Mapped:
+        return Mapped.of([self.signs, self.system.known], list(self._parts))
 
     def at_roots(self, whole: ca.SX, root: Callable[[ca.SX], ca.SX]) -> ca.SX:
         """Expressions with the `root` of each discriminant put in."""

@@ -78,11 +78,36 @@ def many_real_values(
 def _pose_values(rays: np.ndarray, size: float) -> dict[str, np.ndarray]:
     """Of rays (4 or 8, n)."""
     rays = (rays / rays[np.argmax(np.abs(rays), axis=0), np.arange(rays.shape[1])]).real
-    rays = rays / np.sqrt(np.einsum("in,in->n", rays[:4], rays[:4]))
+    return _of_unit(rays / np.sqrt(np.einsum("in,in->n", rays[:4], rays[:4])), size)
+
+
+def _of_unit(rays: np.ndarray, size: float) -> dict[str, np.ndarray]:
+    """Of rays (4 or 8, n) that begin with quaternions of unit length."""
     values = {"quaternion": rays[:4].T}
     if len(rays) == 8:
         position = 2 * size * multiply(rays[4:], conjugate(rays[:4]))[1:]
         values |= {axis: position[i][:, None] for i, axis in enumerate("xyz")}
+    return values
+
+
+def complex_values(
+    problem: Problem, system: AlgebraicSystem, z: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Coordinates (n, numbers) of the block from roots z (width, n), complex ones too; of a block
+    without eliminated angles.
+
+    From Study coordinates (e, g) the quaternion is e / sqrt(e . e), with the complex root, and the
+    position 2 g e* / (e . e).
+    """
+    size = problem.closure.characteristic_length
+    values = {
+        c.name: z[i][:, None] * (1.0 if c.is_angular else size)
+        for i, c in enumerate(system.unknowns)
+    }
+    if system.projective:
+        rays = z[list(system.projective)]
+        rays = rays / np.sqrt(np.einsum("in,in->n", rays[:4], rays[:4]))
+        values |= {f"{system.body}.{key}": value for key, value in _of_unit(rays, size).items()}
     return values
 
 

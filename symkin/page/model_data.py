@@ -11,26 +11,36 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from symkin.assembly.group_solvers import most_roots
 from symkin.assembly.modes import modes
 from symkin.assembly.modes_result import Modes
 from symkin.closure.closure import Closure, random_values
-from symkin.closure.link_frames import LinkFrames, link_frames
+from symkin.closure.link_poses import joint_expressions, link_expressions
 from symkin.codegen.text.javascript import javascript
 from symkin.errors import NoConfigurationError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.page.complex_solutions import complex_solutions
+from symkin.numeric.tolerances import (
+    CLOSURE_TOLERANCE,
+    DISTINCT_ROOTS,
+    LIMIT_SLACK,
+    SINGULAR_VALUE,
+)
+from symkin.page.steps import groups_of, steps_of
 from symkin.position.problem import Problem
+from symkin.position.readings import left_out
 from symkin.position.solution import Solution
 from symkin.position.solve import solve
 from symkin.position.solve_result import SolveResult
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import matrix_from_quaternion
 
 _MOST_ROOTS = 200
-"""Complex solutions that the page follows at most."""
+"""Modes, and complex solutions of one step, that the page follows at most."""
 _PLACES = 12
-"""Other values at which modes are found beforehand."""
-_SAMPLED_PLACES = 2
-"""The same where modes are found from random starts, which cost a hundred times as much."""
+"""Other values at which modes are sought beforehand where they are found from random starts; these
+are shared among the places, so that many cost no more than one.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,9 +60,10 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
     problem, solution = found.problem, found.solution
     assert solution is not None  # noqa: S101 - _start has seen to it
     closure = problem.closure
-    frames = link_frames(closure)
+    links = link_expressions(closure)
     known = tuple(c for c in problem.known_coordinates if c.role != "geometry")
     start = _with_turns(mechanism, closure, solution.variables, known, given or {})
+    roots = _roots(problem, known, solution)
     model = {
         "names": [c.name for c in known],
         "units": {
@@ -66,24 +77,33 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
             for c in (*known, *mechanism.coordinates)
             if c.kind != "quaternion"
         },
-        "lengthUnit": mechanism.length_unit,
         "angleUnit": mechanism.angle_unit,
         "size": closure.characteristic_length,
-        "links": list(frames.frames),
+        "links": list(links),
         "coordinates": [
             _coordinate(mechanism, closure, c, known)
             for c in closure.coordinates
             if c.role != "geometry"
         ],
+        "tolerances": {
+            "closure": CLOSURE_TOLERANCE,
+            "singular": SINGULAR_VALUE,
+            "same": DISTINCT_ROOTS,
+        },
         "width": int(closure.variables.shape[0]),
         "start": start.tolist(),
         "hasPlatform": mechanism.platform_link is not None,
-        "bridges": _bridges(frames),
-        "readings": _readings(closure, frames),
-        **_roots(problem, known, solution),
+        "readings": _readings(closure),
     }
-    generated, sizes = _functions(problem, frames, follows=model["follows"])
-    return PageModel(model | sizes, generated)
+    generated, sizes = _functions(problem, links)
+    groups = groups_of(problem)
+    follows = roots.pop("listed") <= _MOST_ROOTS and all(
+        (most_roots(group) or 0) <= _MOST_ROOTS for group in groups
+    )
+    seeds, columns = np.array(roots.pop("seeds")), np.array(sizes["columns"])
+    steps, texts = steps_of(groups if follows else [], solution, seeds, columns)
+    model |= sizes | roots | {"steps": steps, "follows": follows, "mostFollowed": _MOST_ROOTS}
+    return PageModel(model, "\n".join([generated, *texts]))
 
 
 # --- start ----------------------------------------------------------------------------------------
@@ -146,9 +166,7 @@ def _result(every: Modes, mode: Solution, tried: SolveResult) -> SolveResult:
 
 
 def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) -> dict[str, Any]:
-    """The modes at the start, as seeds of all complex solutions, and how many of these there
-    are.
-    """
+    """The modes at the start, and how many complex solutions there are."""
     mechanism = problem.mechanism
     names = {c.name: _out(mechanism, c, solution.values[c.name]) for c in known}
     if not names:
@@ -159,30 +177,25 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
         found = modes(mechanism, given=names)
     here = [mode.variables.tolist() for mode in found if mode.partition == solution.partition]
     count = found.complex_count
-    if known and count is not None and count <= _MOST_ROOTS:
+    elsewhere: list[Modes] = []
+    if known:
         # at special values, such as a symmetric reference, solutions meet or are at infinity that
         # others have
-        (beside,) = _elsewhere(problem, known, names, 1)
-        count = max(count, beside.complex_count or 0)
-    follows = (len(here) if count is None else count) <= _MOST_ROOTS
-    over_complex = complex_solutions(problem, solution) if follows else ()
-    is_whole = not known or not follows or count in (len(here), len(over_complex))
-    count_elsewhere = _PLACES if found.starts is None else _SAMPLED_PLACES
-    places = [] if is_whole else _elsewhere(problem, known, names, count_elsewhere, found.starts)
-    elsewhere = [
+        places = 1 if found.starts is None else _PLACES
+        elsewhere = _elsewhere(problem, known, names, places, found.starts)
+        counts = [mode.complex_count for mode in elsewhere]
+        count = None if count is None else max(count, *(each or 0 for each in counts))
+    beside = [
         mode.variables.tolist()
-        for place in places
+        for place in elsewhere
         for mode in place
         if mode.partition == problem.closure.partition
     ]
-    pairs = [np.column_stack([z.real, z.imag]).ravel().tolist() for z in over_complex]
     return {
         "modesHere": here[:_MOST_ROOTS],
-        "complexHere": pairs,
-        "seeds": elsewhere[:_MOST_ROOTS],
+        "listed": len(here),
+        "seeds": [*here, *beside][:_MOST_ROOTS],
         "complexCount": count,
-        "follows": follows,
-        "mostFollowed": _MOST_ROOTS,
     }
 
 
@@ -193,9 +206,8 @@ def _elsewhere(
     places: int,
     starts: int | None = None,
 ) -> list[Modes]:
-    """Modes at other values: complex solutions that no loop leads to from those of the start may be
-    real there. Where those of the start were found from random `starts`, these are shared among
-    all places.
+    """Modes at other values. Where those of the start were found from random `starts`, these are
+    shared among all places.
     """
     mechanism, rng = problem.mechanism, np.random.default_rng(5)
     rows = [[_near(mechanism, c, names[c.name], rng) for c in known] for _ in range(places)]
@@ -237,69 +249,38 @@ def _coordinate(
     mechanism: Mechanism, closure: Closure, c: Coordinate, known: Sequence[Coordinate]
 ) -> dict[str, Any]:
     return {
-        "name": c.name,
-        "kind": c.kind,
-        "place": closure.slices[c.name].start,
+        **_told(closure, c, closure.slices[c.name].start),
         "known": c in known,
         "actuated": c.role == "actuated",
         "joint": c.name in {other.name for other in mechanism.coordinates},
+    }
+
+
+def _told(closure: Closure, c: Coordinate, place: int) -> dict[str, Any]:
+    """A coordinate with its place, and its limits with what rounding may add to them."""
+    return {
+        "name": c.name,
+        "kind": c.kind,
+        "place": place,
         "limits": None if c.limits is None else list(c.limits),
+        "slack": LIMIT_SLACK * (1.0 if c.is_angular else closure.characteristic_length),
         "least": c.least,
     }
 
 
-def _bridges(frames: LinkFrames) -> list[dict[str, Any]]:
-    number = {name: k for k, name in enumerate(frames.frames)}
-    return [
-        {
-            "links": [number[link] for link in bridge.links],
-            "ends": [number[link] for link in bridge.ends],
-            "centres": [centre.tolist() for centre in bridge.centres],
-        }
-        for bridge in frames.bridges
-    ]
-
-
-def _readings(closure: Closure, frames: LinkFrames) -> list[dict[str, Any]]:
-    """The joints whose coordinates the closure leaves out, and the links on both sides."""
-    held, number = (
-        {c.name for c in closure.coordinates},
-        {name: k for k, name in enumerate(frames.frames)},
-    )
-    found = []
-    for joint, links in frames.joints.items():
-        if all(c.name in held for c in joint.coordinates):
-            continue
-        found.append(
-            {
-                "type": joint.type,
-                "links": [number[link] for link in links],
-                "point": list(joint.point),
-                "axis": list(joint.axis or ()),
-                "axis2": list(joint.axis2 or ()),
-                "zero": joint.zero,
-                "pitch": joint.pitch,
-                "coordinates": [
-                    {
-                        "name": c.name,
-                        "kind": c.kind,
-                        "limits": None if c.limits is None else list(c.limits),
-                    }
-                    for c in joint.coordinates
-                ],
-            }
-        )
-    return found
+def _readings(closure: Closure) -> list[dict[str, Any]]:
+    """The coordinates that the closure leaves out, with their places among what joints read."""
+    left = left_out(closure)
+    ends = np.cumsum([c.width for c in left]).tolist()
+    return [_told(closure, c, end - c.width) for c, end in zip(left, ends, strict=True)]
 
 
 # --- functions ------------------------------------------------------------------------------------
 
 
-def _functions(
-    problem: Problem, frames: LinkFrames, *, follows: bool
-) -> tuple[str, dict[str, Any]]:
-    """The rows with their Jacobian (complex ones too where solutions are followed), closure errors,
-    links and pose; and sizes of rows and columns.
+def _functions(problem: Problem, links: Mapping[str, Pose]) -> tuple[str, dict[str, Any]]:
+    """The rows with their Jacobian, closure errors, links, what joints read, and pose; and sizes
+    of rows and columns.
     """
     closure, x = problem.closure, problem.closure.variables
     norms = [
@@ -312,28 +293,25 @@ def _functions(
     scales = _row_scales(x, rows, columns, closure)
     rows = rows / ca.DM(scales)
     jacobian = ca.jacobian(rows, x) @ ca.diag(ca.SX(ca.DM(columns)))
-    geometry = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in frames.geometry.values()))
-    numbers = ca.SX(ca.DM([value for _, value in frames.geometry.values()]))
-    links = ca.densify(ca.substitute(ca.vertcat(*frames.frames.values()), geometry, numbers))
+    places = [
+        ca.reshape(ca.horzcat(matrix_from_quaternion(link.quaternion), link.position).T, 12, 1)
+        for link in links.values()
+    ]
+    joints = joint_expressions(closure, links)
+    read = ca.vertcat(ca.SX(0, 1), *(joints[c.name] for c in left_out(closure)))
     pose = closure.bound(ca.densify(ca.vertcat(closure.pose.position, closure.pose.quaternion)))
     texts = [
         javascript("system", x, [rows, jacobian]),
         javascript("errors", x, [problem.system.errors]),
-        javascript("links", x, [links]),
+        javascript("links", x, [ca.vertcat(*places)]),
+        javascript("readings", x, [read]),
         javascript("pose", x, [pose, ca.jacobian(pose, x) @ ca.diag(ca.SX(ca.DM(columns)))]),
     ]
     sizes = {
         "rows": int(rows.shape[0]),
         "errors": int(problem.system.errors.shape[0]),
         "columns": columns.tolist(),
-        "complex": follows,
     }
-    try:
-        texts += (
-            [javascript("complexSystem", x, [rows, jacobian], over_complex=True)] if follows else []
-        )
-    except NotImplementedError:
-        sizes["complex"] = False
     return "\n".join(texts), sizes
 
 

@@ -447,3 +447,26 @@ def two_four_bars() -> Mechanism:
     return replace(
         bars, name="two_four_bars", link_joints=[crank, pin, follower_pin, follower, *second]
     )
+
+
+def tricept_of_joints(pairs: bool) -> Mechanism:
+    """Three limbs U P S about one of U P; `pairs`: each U as two revolutes."""
+
+    def crossed(name: str, point, first, second) -> list[Joint]:
+        if not pairs:
+            return [Joint(name, "U", point, first, axis2=second)]
+        return [Joint(f"{name}.1", "R", point, first), Joint(f"{name}.2", "R", point, second)]
+
+    limbs = []
+    for k, turn in enumerate(2 * np.pi * np.arange(3) / 3):
+        out = np.array([np.cos(turn), np.sin(turn), 0.0])
+        foot, head = 150 * out, 60 * out + [0, 0, 300.0]
+        length = float(np.linalg.norm(head - foot))
+        along = (head - foot) / length
+        across = np.cross(along, Z) / np.linalg.norm(np.cross(along, Z))
+        slide = Joint(f"q{k}", "P", foot, along, actuated=True, zero=length)
+        first = crossed(f"u{k}", foot, across, np.cross(along, across))
+        limbs.append(Limb(f"l{k}", [*first, slide, Joint(f"s{k}", "S", head)]))
+    middle = crossed("c", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    limbs.append(Limb("centre", [*middle, Joint("slide", "P", (0.0, 0.0, 0.0), Z)]))
+    return Mechanism("tricept", limbs, platform_position=(0.0, 0.0, 300.0))

@@ -2,6 +2,7 @@
 rows of a solver in maximal coordinates that shares nothing with symkin.
 """
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -12,7 +13,9 @@ from helpers.inside import (
     Partition,
     build_closure,
     closed_configurations,
+    joint_expressions,
     joint_readings,
+    link_expressions,
     link_poses,
     wrapped,
 )
@@ -87,6 +90,30 @@ def _assert_same(closure: Closure, values: np.ndarray, read: dict[str, np.ndarra
             assert gap == pytest.approx(0.0, abs=1e-9 * closure.characteristic_length)
 
 
+def _assert_expressed(closure: Closure, values: np.ndarray) -> None:
+    """Expressions of links and readings have the values that are found without them."""
+    links = link_expressions(closure)
+    read = joint_expressions(closure, links)
+    poses = link_poses(closure, values)
+    expected = joint_readings(closure, poses)
+    parts = [ca.vertcat(pose.position, pose.quaternion) for pose in links.values()]
+    whole = ca.Function(
+        "all", [closure.variables], [ca.vertcat(*parts), ca.vertcat(*read.values())]
+    )
+    for k, row in enumerate(values):
+        places, told = (np.asarray(part).ravel() for part in whole(row))
+        here = np.concatenate(
+            [[*poses[n].position[:, k], *poses[n].quaternion[:, k]] for n in links]
+        )
+        assert places == pytest.approx(here, abs=1e-9 * closure.characteristic_length)
+        numbers = np.concatenate(
+            [np.zeros(0), *(np.atleast_2d(expected[name])[:, k] for name in read)]
+        )
+        assert wrapped(told - numbers) == pytest.approx(
+            0.0, abs=1e-9 * closure.characteristic_length
+        )
+
+
 @pytest.mark.parametrize("name", in_gate(GRAPHS, TWELVE))
 def test_links_and_joints_fit_every_row_of_the_plain_graph(name: str) -> None:
     """At closed configurations near the reference, for the closure as it is and with each joint
@@ -135,6 +162,7 @@ def test_readings_of_joints_that_the_closure_holds_are_its_coordinates(name: str
     expected = [c.name for joint in closure.mechanism.all_joints for c in joint.coordinates]
     assert sorted(read) == sorted(expected)
     _assert_same(closure, values, read)
+    _assert_expressed(closure, values)
 
 
 def test_links_between_two_balls_meet_them_and_do_not_spin(tmp_path) -> None:
@@ -164,3 +192,4 @@ def test_links_between_two_balls_meet_them_and_do_not_spin(tmp_path) -> None:
         end = poses["arm"].apply(np.array([0.0, 0.0, 200.0])[:, None])
         assert along == pytest.approx(end / np.linalg.norm(end, axis=0))
         assert poses[link].quaternion[3] == pytest.approx(0.0, abs=1e-12)
+    _assert_expressed(closure, values)

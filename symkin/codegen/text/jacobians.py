@@ -150,7 +150,12 @@ def expanded():
 
 def lambdified(modules="math"):
     """A function of the inputs, in their order, that returns the rows."""
-    return sp.lambdify(inputs, matrix.tolist(), modules, cse=lambda rows: (definitions, rows))
+    def whole(value):  # lambdify writes 15 digits of numbers that have no more
+        return value.xreplace({number: sp.Float(number, 17) for number in value.atoms(sp.Float)})
+
+    steps = [(name, whole(value)) for name, value in definitions]
+    rows = matrix.applyfunc(whole).tolist()
+    return sp.lambdify(inputs, rows, modules, cse=lambda rows: (steps, rows))
 '''
 
 

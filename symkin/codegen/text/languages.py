@@ -56,6 +56,9 @@ def _short(value: float) -> str:
 
 _BELOW = {
     ca.OP_LT: Form("({}<{}?1:0)", ATOM, (SIGNED_SUM,) * 2),
+    ca.OP_LE: Form("({}<={}?1:0)", ATOM, (SIGNED_SUM,) * 2),
+    ca.OP_NOT: Form("({}?0:1)", ATOM, (SIGNED_SUM,)),
+    ca.OP_IF_ELSE_ZERO: Form("({}?{}:0)", ATOM, (SIGNED_SUM,) * 2),
     ca.OP_FMAX: Form("Math.max({},{})", ATOM, (SIGNED_SUM,) * 2),
 }
 JAVASCRIPT = Language(

@@ -1,12 +1,13 @@
-// Dense linear algebra, real and complex: least squares by Householder's QR with column pivots, singular vectors by iteration.
+// Dense linear algebra: least squares by Householder's QR with column pivots, singular vectors by iteration.
 
 const RANK = 1e-13; // pivots below this share of the first are zero
 
-/** Solve min |A y - b| for A (m, n) row by row, by QR; null where numbers are not finite. Columns without a pivot get zero. */
-export function leastSquares(a, b, n) {
+/** Solve min |A y - b| for A (m, n) row by row, by QR; null where numbers are not finite. Columns without a pivot get zero; of a matrix
+ * of full rank pivots need not be sought. */
+export function leastSquares(a, b, n, pivoted = true) {
   const m = n ? a.length / n : 0, y = new Float64Array(n);
   if (!n) return y;
-  const { pivots, rank } = reduce(a, b, m, n, 1);
+  const { pivots, rank } = reduce(a, b, m, n, 1, pivoted);
   substitute(a, b, y, n, 1, 0, pivots, rank);
   return y.every(Number.isFinite) ? y : null;
 }
@@ -16,7 +17,7 @@ export function leastSquares(a, b, n) {
 export function relativeChange(a, b, n) {
   const m = n ? a.length / n : 0, y = new Float64Array(n);
   for (let k = 0; k < b.length; k++) b[k] -= a[k];
-  const { pivots, rank } = reduce(a, b, m, n, n);
+  const { pivots, rank } = reduce(a, b, m, n, n, true);
   if (rank < n) return Infinity;
   let sum = 0;
   for (let column = 0; column < n; column++) {
@@ -36,12 +37,12 @@ function substitute(a, b, y, n, width, column, pivots, rank) {
 }
 
 /** Reduce A to a triangle in place (its columns in the order of `pivots`), b (m, width) with it. */
-function reduce(a, b, m, n, width) {
+function reduce(a, b, m, n, width, pivoted) {
   const pivots = Array.from({ length: n }, (_, k) => k), most = Math.min(m, n);
   let first = 0, rank = 0;
   for (; rank < most; rank++) {
     let best = rank, norm = -1;
-    for (let j = rank; j < n; j++) {
+    for (let j = rank; j < (pivoted ? n : rank + 1); j++) {
       let sum = 0;
       for (let r = rank; r < m; r++) sum += a[r * n + pivots[j]] ** 2;
       if (sum > norm) [best, norm] = [j, sum];
@@ -111,55 +112,4 @@ function orthogonalise(w, v, m, n, i, j) {
     }
   }
   return Math.abs(ab) / scale;
-}
-
-/** Solve A y = b (m >= n, complex, pairs of numbers) by Householder's QR in place; null where a pivot vanishes. */
-export function complexLeastSquares(a, b, m, n) {
-  for (let k = 0; k < n; k++) {
-    let norm = 0;
-    for (let r = k; r < m; r++) norm += a[2 * (r * n + k)] ** 2 + a[2 * (r * n + k) + 1] ** 2;
-    norm = Math.sqrt(norm);
-    if (!(norm > 1e-300)) return null;
-    const hr = a[2 * (k * n + k)], hi = a[2 * (k * n + k) + 1], head = Math.hypot(hr, hi);
-    const pr = head ? hr / head : 1, pi = head ? hi / head : 0;
-    const v = new Float64Array(2 * (m - k));
-    for (let r = k; r < m; r++) {
-      v[2 * (r - k)] = a[2 * (r * n + k)];
-      v[2 * (r - k) + 1] = a[2 * (r * n + k) + 1];
-    }
-    v[0] += pr * norm;
-    v[1] += pi * norm;
-    const beta = 2 * norm * (norm + head);
-    for (let j = k; j <= n; j++) applyReflection(j < n ? a : b, v, m, j < n ? n : 1, k, j < n ? j : 0, beta);
-  }
-  const y = new Float64Array(2 * n);
-  for (let k = n - 1; k >= 0; k--) {
-    let re = b[2 * k], im = b[2 * k + 1];
-    for (let j = k + 1; j < n; j++) {
-      const ar = a[2 * (k * n + j)], ai = a[2 * (k * n + j) + 1];
-      re -= ar * y[2 * j] - ai * y[2 * j + 1];
-      im -= ar * y[2 * j + 1] + ai * y[2 * j];
-    }
-    const dr = a[2 * (k * n + k)], di = a[2 * (k * n + k) + 1], size = dr * dr + di * di;
-    if (size === 0) return null;
-    y[2 * k] = (re * dr + im * di) / size;
-    y[2 * k + 1] = (im * dr - re * di) / size;
-  }
-  return y;
-}
-
-function applyReflection(a, v, m, n, k, column, beta) {
-  let re = 0, im = 0;
-  for (let r = k; r < m; r++) {
-    const at = 2 * (r * n + column), vr = v[2 * (r - k)], vi = v[2 * (r - k) + 1];
-    re += vr * a[at] + vi * a[at + 1];
-    im += vr * a[at + 1] - vi * a[at];
-  }
-  re *= 2 / beta;
-  im *= 2 / beta;
-  for (let r = k; r < m; r++) {
-    const at = 2 * (r * n + column), vr = v[2 * (r - k)], vi = v[2 * (r - k) + 1];
-    a[at] -= re * vr - im * vi;
-    a[at + 1] -= re * vi + im * vr;
-  }
 }

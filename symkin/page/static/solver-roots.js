@@ -1,67 +1,49 @@
-// All complex solutions: found once for complex values by monodromy, then moved to the present values along paths.
+// All solutions at given values: the steps of symkin's plan one after another, each for every choice of those before it.
 //
-// At the complex values p0 solutions are known from seeds on, which are all where the unknown is one body on rods, else some: moved
-// around loops p0 -> pa -> pb -> p0 they become others, until the number that symkin counts is reached. From p0, which is generic,
-// paths to any real values meet no singularity on the way; their ends that are real are the modes.
-import { complexLeastSquares } from "solver-algebra";
+// A step's unknowns follow from formulas with signs; where these lose digits, and where there are none, they are the ends of paths
+// from complex solutions that symkin has found: from generic known values, paths to any real ones meet no singularity on the way.
+import { leastSquares } from "solver-algebra";
 
-const LONGEST = 0.35, SHORTEST = 1e-10; // steps of a path's parameter
+const LONGEST = [0.35, 0.05, 0.01]; // steps of a path's parameter, at first and where paths are in doubt
+const SHORTEST = 1e-10;
 const MOST_STEPS = 1000; // of a path: where rows are more than the unknowns and the values do not agree, steps stay short
 const FAR = 1e6; // of a solution at infinity, in units of the size
-const SAME = 1e-6; // between two writings of one solution
+const FAR_ANGLE = 25; // its imaginary part, whose sine grows with it
+const SAME = [1e-7, 1e-6]; // between two writings of one real solution, of one complex solution
 const REAL = 1e-6; // imaginary part of a real end before Newton's method makes it real
 const INFINITE = "infinite"; // what a path ends with that goes to infinity
-const WIDE = 3; // spread of loops' corners, of the size and radians: narrow loops go around no branch point
-const QUIET = 8; // loops without a new solution after which the search ends
-const MOST_SEARCHED = 150000; // steps of all paths of a search that symkin's count does not end: half a minute
+const isFinite = (end) => end && end !== INFINITE;
 
 export class Roots {
   constructor(solver) {
-    Object.assign(this, { solver, model: solver.model, functions: solver.functions });
-    const { rows, width } = this.model;
-    this.rowsAt = new Float64Array(2 * rows);
-    this.gradients = new Float64Array(2 * rows * width);
-    this.starts = [];
+    Object.assign(this, { solver, model: solver.model });
+    this.coordinates = this.model.coordinates.filter((c) => !c.known);
+    this.steps = this.model.follows ? this.model.steps.map((step) => new Step(solver, step)) : [];
     this.unresolved = 0;
-    this.quiet = 0;
-    this.random = generator(20170614);
-    this.alone = !this.model.complex || !this.model.follows || !solver.places.length || !solver.unknown.length;
-    this.done = this.alone;
-    this.steps = 0; // of all paths so far
-    this.tooMany = false;
   }
 
-  /** Whether the modes at the last values asked for are all: as many complex solutions as symkin counts, every path with an end of its own. */
+  /** Whether the modes at the last values asked for are all: every step accounts for its solutions. */
   get complete() {
     const { complexCount, follows } = this.model;
-    if (!this.done || !follows || complexCount === null) return false;
-    if (this.alone) return !this.solver.places.length || !this.solver.unknown.length;
-    return this.starts.length >= complexCount && !this.unresolved;
+    return follows && complexCount !== null && !this.unresolved;
   }
 
   get sentence() {
-    const { complexCount, follows, mostFollowed } = this.model, found = this.starts.length;
-    if (!this.done) return "Finding all solutions.";
-    if (!follows || this.tooMany) {
-      const counted = complexCount !== null, many = counted ? complexCount : `More than ${mostFollowed}`;
-      return `${many} complex solutions are too many to follow here: away from the start the mode shown alone is followed; symkin modes finds ${counted ? "all" : "others"}.`;
-    }
-    if (this.alone) return "";
-    if (!found) return "No solution could be followed to other values, which must perhaps agree with each other: the mode shown alone is followed; symkin modes finds all.";
-    const open = this.unresolved ? ` ${this.unresolved} of ${found} paths are unresolved here: modes may be missing.` : "";
-    if (complexCount !== null && found < complexCount) return `${found} of the ${complexCount} complex solutions that symkin counts are followed here.${open}`;
-    const ended = complexCount === null && this.steps > MOST_SEARCHED ? "; the search for more took too long" : "";
-    return `${found} complex ${found === 1 ? "solution is" : "solutions are"} followed${ended}.${open}`;
+    const { complexCount, follows, mostFollowed } = this.model, counted = complexCount !== null;
+    if (!follows)
+      return `${counted ? complexCount : `More than ${mostFollowed}`} complex solutions are too many to follow here: away from the start the mode shown alone is followed; symkin modes finds ${counted ? "all" : "others"}.`;
+    if (!this.steps.length) return "";
+    if (this.steps.some((step) => !(step.signs ?? step.starts).length)) return "No solution could be followed to other values, which must perhaps agree with each other: the mode shown alone is followed; symkin modes finds all.";
+    const open = this.unresolved ? ` ${this.unresolved} ${this.unresolved === 1 ? "path is" : "paths are"} unresolved here: modes may be missing.` : "";
+    if (!counted) return `Solutions that symkin has met are followed; others may be missing.${open}`;
+    return `${complexCount} complex ${complexCount === 1 ? "solution is" : "solutions are"} followed.${open}`;
   }
 
-  /** Search for all real solutions at the known values of x, itself among them, a path at a time; solutions at p0 are sought once. */
+  /** Search for all real solutions at the known values of x, itself among them, a path at a time. */
   *search(x) {
-    if (!this.done && !this.p0) this._begin();
-    while (!this.done) {
-      this.seeds.length ? this._seed(this.seeds.shift()) : this._loop();
-      yield;
-    }
-    const found = this.alone ? this._seedsAt(x) : yield* this._ends(x);
+    this.unresolved = 0;
+    const found = this._atStart(x) ? this.startModes() : [];
+    if (!found.length || this.model.complexCount === null) for (const end of yield* this._ends(x)) this._add(found, end);
     if (!found.some((other) => this.same(other, x))) found.unshift(Float64Array.from(x));
     return found;
   }
@@ -70,68 +52,11 @@ export class Roots {
     return list.findIndex((other) => this.same(other, x));
   }
 
-  same(a, b, pairs = 1) {
-    return this._apart(a, b, pairs) < (pairs === 1 ? 1e-7 : SAME);
+  same(a, b) {
+    return apart(this.model, this.coordinates, a, b, 1) < SAME[0];
   }
 
-  // --- search ----------------------------------------------------------------------------------------------------------
-
-  _begin() {
-    this.p0 = this._randomValues();
-    const { start, complexHere, modesHere, seeds } = this.model;
-    this.seeds = [...complexHere.map((pairs) => Float64Array.from(pairs)), ...[start, ...modesHere, ...seeds].map(complexOf)];
-  }
-
-  /** Move a solution at values of its own to p0. */
-  _seed(from) {
-    const p = this.solver.places.flatMap((k) => [from[2 * k], 0]), end = this._path(from, p, this.p0);
-    if (end && end !== INFINITE && !this.starts.some((other) => this.same(other, end, 2))) this.starts.push(end);
-    this._ended();
-  }
-
-  /** Complex values about the start, `spread` wide in units of the size and radians. */
-  _randomValues(spread = 1) {
-    const { places } = this.solver, { start, columns } = this.model;
-    return places.flatMap((k) => [start[k] + spread * columns[k] * (this.random() - 0.5), spread * columns[k] * (this.random() - 0.5)]);
-  }
-
-  /** Move the solutions, one after another, around a loop; the loop ends when all have been moved. */
-  _loop() {
-    if (!this.loop || this.loop.next >= this.loop.count) {
-      const [pa, pb] = [0, 1].map(() => this._randomValues(WIDE * 8 ** (this.random() - 0.5)));
-      this.loop = { corners: [this.p0, pa, pb, this.p0], next: 0, count: this.starts.length, news: 0 };
-      if (!this.loop.count) this.done = true;
-    }
-    const { corners } = this.loop;
-    let x = this.starts[this.loop.next++];
-    for (let k = 0; k < 3 && x && x !== INFINITE; k++) x = this._path(x, corners[k], corners[k + 1]);
-    if (x && x !== INFINITE && !this.starts.some((other) => this.same(other, x, 2))) {
-      this.starts.push(x);
-      this.loop.news++;
-    }
-    if (this.loop.next >= this.loop.count) this.quiet = this.loop.news ? 0 : this.quiet + 1;
-    this._ended();
-  }
-
-  _ended() {
-    const { complexCount, mostFollowed } = this.model, count = this.starts.length;
-    this.tooMany = count > mostFollowed;
-    this.alone ||= this.tooMany;
-    this.done = this.tooMany || (complexCount !== null && count >= complexCount) || this.quiet >= QUIET || this.steps > MOST_SEARCHED;
-  }
-
-  // --- ends ------------------------------------------------------------------------------------------------------------
-
-  /** Where there is no search: the seeds where the values are those of the start, else x alone. */
-  _seedsAt(x) {
-    return this._atStart(x) ? this.startModes() : [];
-  }
-
-  _atStart(x) {
-    return this.solver.places.every((k) => Math.abs(x[k] - this.model.start[k]) < 1e-12 * this.model.columns[k]);
-  }
-
-  /** The modes at the values of the start. */
+  /** The modes at the values of the start, as symkin has found them. */
   startModes() {
     return this.model.modesHere.map((seed) => {
       const mode = Float64Array.from(seed);
@@ -140,34 +65,106 @@ export class Roots {
     });
   }
 
-  /** Real ends of all paths to the values of x; `unresolved` counts paths that neither end nor go to infinity, or share an end. */
+  _atStart(x) {
+    return this.solver.places.every((k) => Math.abs(x[k] - this.model.start[k]) < 1e-12 * this.model.columns[k]);
+  }
+
+  /** Configurations in which every step has one of its solutions. */
   *_ends(x) {
-    if (this._atStart(x) && this.model.complexCount !== null) {
-      this.unresolved = 0; // symkin has found the modes of the start
-      return this.startModes();
+    let list = this.steps.length ? [Float64Array.from(x)] : [];
+    for (const step of this.steps) {
+      const next = [];
+      for (const here of list) for (const root of yield* step.roots(here)) next.push(root);
+      list = next;
     }
-    const { places } = this.solver, target = places.flatMap((k) => [x[k], 0]);
-    let ends = yield* this._all(() => true, (start) => this._path(start, this.p0, target));
-    for (const longest of [0.05, 0.01]) {
-      const open = this._open(ends);
-      if (!open.some(Boolean)) break;
-      ends = yield* this._all((k) => open[k], (start) => this._path(start, this.p0, target, longest), ends);
-    }
-    if (this._open(ends).some(Boolean)) ends = this._fewerOpen(ends, yield* this._detour(target));
-    this.unresolved = this._open(ends).filter(Boolean).length;
+    this.unresolved = this.steps.reduce((sum, step) => sum + step.unresolved, 0);
+    return list;
+  }
+
+  /** Add a configuration that closes on all rows. */
+  _add(found, end) {
+    const near = Float64Array.from(end);
+    if (!this.solver.correct(end) || apart(this.model, this.coordinates, near, end, 1) > 1e-3) return;
+    standard(this.coordinates, end);
+    if (!found.some((other) => this.same(other, end))) found.push(end);
+  }
+}
+
+/** One step: `places` of its known values and unknowns, `signs` of its formulas' branches, `starts` as pairs at these places. */
+class Step {
+  constructor({ model, functions }, { number, known, unknown, rows, signs, margins, starts }) {
+    Object.assign(this, { model, known, unknown, rows, signs, margins });
+    this.coordinates = model.coordinates.filter((c) => unknown.includes(c.place));
+    this.starts = starts.map((pairs) => {
+      const start = new Float64Array(2 * model.width);
+      [...known, ...unknown].forEach((place, k) => start.set(pairs.slice(2 * k, 2 * k + 2), 2 * place));
+      return start;
+    });
+    this.system = functions[`step${number}`];
+    this.branches = functions[`branches${number}`];
+    this.rowsAt = new Float64Array(2 * rows);
+    this.gradients = new Float64Array(2 * rows * model.width);
+    this.unresolved = 0;
+  }
+
+  /** Copies of x with each solution of the step; those of the last known values are kept. */
+  *roots(x) {
+    const key = this.known.map((place) => x[place]).join();
+    if (this.key !== key) this.found = this._byFormulas(x) ?? (yield* this._alongPaths(x));
+    this.key = key;
+    return this.found.map((root) => {
+      const whole = Float64Array.from(x);
+      for (const place of this.unknown) whole[place] = root[place];
+      return whole;
+    });
+  }
+
+  /** The real branches of the formulas; null where there are none, or where they lose digits and paths do not. */
+  _byFormulas(x) {
+    if (!this.signs) return null;
     const found = [];
-    for (const end of ends) {
-      const real = end && end !== INFINITE && this._real(end, x);
-      if (real && !found.some((other) => this.same(other, real))) found.push(real);
+    this.unresolved = 0;
+    for (const signs of this.signs) {
+      const values = this.unknown.map(() => 0), discriminants = signs.map(() => 0), margins = Array(this.margins).fill(0);
+      this.branches([...x, ...signs], values, discriminants, margins);
+      if (!values.every(Number.isFinite) || margins.some((v) => !(v > 0))) {
+        if (this.starts.length) return null;
+        this.unresolved = 1;
+      }
+      if (!values.every(Number.isFinite) || discriminants.some((v) => v < 0)) continue;
+      const root = Float64Array.from(x);
+      this.unknown.forEach((place, k) => (root[place] = values[k]));
+      found.push(root);
     }
     return found;
   }
 
-  /** `end` of the starts that are chosen by number, a start at a time; of the others what it was. */
-  *_all(chosen, end, before = []) {
-    const ends = [...before];
+  /** Real ends of all paths; `unresolved` counts those that neither end nor go to infinity, or share an end. */
+  *_alongPaths(x) {
+    let ends = [];
+    for (const longest of LONGEST) {
+      ends = yield* this._paths(x, ends, (start) => this._path(start, x, longest));
+      if (!this._open(ends).some(Boolean)) break;
+    }
+    const count = (list) => this._open(list).filter(Boolean).length;
+    if (count(ends)) {
+      const others = yield* this._paths(x, [], (start) => this._detour(start, x));
+      if (count(others) < count(ends)) ends = others;
+    }
+    this.unresolved = count(ends);
+    const found = [];
+    for (const end of ends) {
+      const real = isFinite(end) && this._real(end, x);
+      if (real && !found.some((other) => apart(this.model, this.coordinates, other, real, 1) < SAME[0])) found.push(real);
+    }
+    return found;
+  }
+
+  /** `end` of each start whose end so far is in doubt, a start at a time. */
+  *_paths(x, before, end) {
+    const open = this._open(before), ends = [...before];
     for (const [k, start] of this.starts.entries()) {
-      if (!chosen(k)) continue;
+      if (before.length && !open[k]) continue;
       ends[k] = end(start);
       yield;
     }
@@ -176,74 +173,46 @@ export class Roots {
 
   /** Which paths are in doubt: those without an end, and those with the end of another. */
   _open(ends) {
-    const finite = (end) => end && end !== INFINITE;
-    return ends.map((end, k) => !end || (finite(end) && ends.some((other, j) => j !== k && finite(other) && this.same(other, end, 2))));
+    const same = (a, b) => apart(this.model, this.coordinates, a, b, 2) < SAME[1];
+    return ends.map((end, k) => !end || (isFinite(end) && ends.some((other, j) => j !== k && isFinite(other) && same(other, end))));
   }
 
-  /** Ends of paths over other complex values. */
-  *_detour(target) {
-    const corner = this._randomValues();
-    return yield* this._all(() => true, (start) => {
-      const half = this._path(start, this.p0, corner);
-      return half && half !== INFINITE ? this._path(half, corner, target) : half;
-    });
-  }
-
-  _fewerOpen(first, second) {
-    const count = (ends) => this._open(ends).filter(Boolean).length;
-    return count(second) < count(first) ? second : first;
-  }
-
-  /** The real solution at a complex one's place, null where there is none. */
   _real(end, x) {
-    const { columns, width } = this.model, real = new Float64Array(width);
-    for (let k = 0; k < width; k++) {
+    const { columns } = this.model, real = Float64Array.from(x);
+    for (const k of this.unknown) {
       if (Math.abs(end[2 * k + 1]) > REAL * columns[k] * (1 + Math.abs(end[2 * k] / columns[k]))) return null;
       real[k] = end[2 * k];
     }
-    this.solver.places.forEach((k) => (real[k] = x[k]));
-    const near = Float64Array.from(real);
-    return this.solver.correct(real) && this._apart(near, real, 1) < 1e-3 ? this._standard(real) : null;
-  }
-
-  /** Angles without whole turns, quaternions with w >= 0, rods of positive length, of the unknowns. */
-  _standard(x) {
-    for (const c of this.model.coordinates.filter((one) => !one.known)) {
-      if (c.kind === "angle") x[c.place] -= 2 * Math.PI * Math.round(x[c.place] / (2 * Math.PI));
-      else if (c.kind === "quaternion" && x[c.place] < 0) for (let k = 0; k < 4; k++) x[c.place + k] *= -1;
-      else if (c.least !== null && x[c.place] < c.least) x[c.place] = 2 * c.least - x[c.place];
-    }
-    return x;
-  }
-
-  /** Distance of two solutions, real (pairs = 1) or complex (2): the same up to turns, signs of quaternions and of rods' lengths. */
-  _apart(a, b, pairs) {
-    let most = 0;
-    const { columns } = this.model;
-    const gap = (k, shift = 0, sign = 1) =>
-      pairs === 1 ? Math.abs(a[k] - sign * b[k] - shift) : Math.hypot(a[2 * k] - sign * b[2 * k] - shift, a[2 * k + 1] - sign * b[2 * k + 1]);
-    for (const c of this.model.coordinates.filter((one) => !one.known)) {
-      const k = c.place, step = pairs * k;
-      let d;
-      if (c.kind === "quaternion") d = Math.min(...[1, -1].map((sign) => Math.max(...[0, 1, 2, 3].map((i) => gap(k + i, 0, sign)))));
-      else if (c.kind === "angle") d = gap(k, 2 * Math.PI * Math.round((a[step] - b[step]) / (2 * Math.PI)));
-      else d = c.least === null ? gap(k) : Math.min(gap(k), gap(k, 2 * c.least, -1));
-      most = Math.max(most, d / columns[k] / (1 + Math.abs(a[step]) / columns[k]));
-    }
-    return most;
+    return standard(this.coordinates, real);
   }
 
   // --- paths -----------------------------------------------------------------------------------------------------------
 
-  /** The end at known values q of the path from solution x at p; INFINITE, or null where the steps become too short. */
-  _path(x, p, q, longest = LONGEST) {
-    const way = q.map((v, k) => v - p[k]);
-    let t = 0, step = Math.min(0.1, longest), here = Float64Array.from(x);
+  /** The path to the known values of x over other complex ones. */
+  _detour(start, x) {
+    const corner = Float64Array.from(start);
+    this.known.forEach((k, i) => {
+      corner[2 * k] = x[k] + 0.4 * this.model.columns[k] * Math.cos(5 * i + 1);
+      corner[2 * k + 1] = 0.4 * this.model.columns[k] * Math.sin(5 * i + 1);
+    });
+    const half = this._along(start, corner, LONGEST[0]);
+    return isFinite(half) ? this._path(half, x, LONGEST[0]) : half;
+  }
+
+  _path(start, x, longest) {
+    const target = new Float64Array(start.length);
+    x.forEach((v, k) => (target[2 * k] = v));
+    return this._along(start, target, longest);
+  }
+
+  /** The end at the known values of `target` of the path from a start; INFINITE, or null where the steps become too short. */
+  _along(start, target, longest) {
+    const way = target.map((v, k) => v - start[k]);
+    let t = 0, step = Math.min(0.1, longest), here = Float64Array.from(start);
     for (let steps = 0; t < 1; steps++) {
       if (steps > MOST_STEPS) return null;
-      this.steps++;
       step = Math.min(step, 1 - t);
-      const next = this._advance(here, p, way, t, step);
+      const next = this._advance(here, start, way, t, step);
       if (!next) {
         step *= 0.5;
         if (step < SHORTEST) return null;
@@ -258,79 +227,65 @@ export class Roots {
     return this._newton(here, 1e-13, 6) ? here : null;
   }
 
-  /** Whether a solution has gone to infinity: a length, or the imaginary part of an angle, whose sine grows with it. */
+  /** Whether a solution has gone to infinity. */
   _far(x) {
-    const { columns, coordinates } = this.model;
-    return coordinates.some((c) => {
-      const k = 2 * c.place;
-      if (c.known || c.kind === "quaternion") return !c.known && Math.hypot(x[k], x[k + 1]) > FAR;
-      return c.kind === "length" ? Math.hypot(x[k], x[k + 1]) > FAR * columns[c.place] : Math.abs(x[k + 1]) > 25;
+    return this.coordinates.some(({ kind, place }) => {
+      const k = 2 * place, size = Math.hypot(x[k], x[k + 1]);
+      return kind === "angle" || kind === "turns" ? Math.abs(x[k + 1]) > FAR_ANGLE : size > FAR * this.model.columns[place];
     });
   }
 
   /** A step of Runge and Kutta's fourth order, then Newton's method; its first correction is the step's error. */
-  _advance(x, p, way, t, step) {
-    const slopes = [], stages = [[0, 0], [0.5, 0], [0.5, 1], [1, 2]];
-    for (const [share, before] of stages) {
+  _advance(x, start, way, t, step) {
+    const slopes = [];
+    for (const [share, before] of [[0, 0], [0.5, 0], [0.5, 1], [1, 2]]) {
       const at = share ? this._moved(x, slopes[before], share * step) : Float64Array.from(x);
-      this._setKnown(at, p, way, t + share * step);
+      this._setKnown(at, start, way, t + share * step);
       const slope = this._tangent(at, way);
       if (!slope) return null;
       slopes.push(slope);
     }
     const mean = slopes[0].map((v, k) => (v + 2 * slopes[1][k] + 2 * slopes[2][k] + slopes[3][k]) / 6);
     const next = this._moved(x, mean, step);
-    this._setKnown(next, p, way, step === 1 - t ? 1 : t + step);
+    this._setKnown(next, start, way, step === 1 - t ? 1 : t + step);
     const error = this._newton(next, 1e-9, 3);
     return error && error < 2e-2 ? { x: next, error } : null;
   }
 
   _moved(x, slope, step) {
-    const next = Float64Array.from(x), { columns } = this.model;
-    this.solver.unknown.forEach((k, i) => {
-      next[2 * k] += step * columns[k] * slope[2 * i];
-      next[2 * k + 1] += step * columns[k] * slope[2 * i + 1];
+    const next = Float64Array.from(x);
+    this.unknown.forEach((place, i) => {
+      for (const k of [0, 1]) next[2 * place + k] += step * this.model.columns[place] * slope[2 * i + k];
     });
     return next;
   }
 
-  _setKnown(x, p, way, t) {
-    this.solver.places.forEach((k, i) => {
-      x[2 * k] = p[2 * i] + t * way[2 * i];
-      x[2 * k + 1] = p[2 * i + 1] + t * way[2 * i + 1];
-    });
+  _setKnown(x, start, way, t) {
+    for (const place of this.known) for (const k of [2 * place, 2 * place + 1]) x[k] = start[k] + t * way[k];
   }
 
   _tangent(x, way) {
-    const a = this._linearise(x), { rows, width, columns } = this.model, b = new Float64Array(2 * rows);
-    this.solver.places.forEach((k, i) => {
-      const re = way[2 * i] / columns[k], im = way[2 * i + 1] / columns[k];
-      for (let r = 0; r < rows; r++) {
-        const gr = this.gradients[2 * (r * width + k)], gi = this.gradients[2 * (r * width + k) + 1];
-        b[2 * r] -= gr * re - gi * im;
-        b[2 * r + 1] -= gr * im + gi * re;
+    const matrix = this._linearise(x), right = new Float64Array(2 * this.rows), { width, columns } = this.model;
+    for (const place of this.known) {
+      const re = way[2 * place] / columns[place], im = way[2 * place + 1] / columns[place];
+      for (let r = 0; r < this.rows; r++) {
+        const gr = this.gradients[2 * (r * width + place)], gi = this.gradients[2 * (r * width + place) + 1];
+        right[2 * r] -= gr * re - gi * im;
+        right[2 * r + 1] -= gr * im + gi * re;
       }
-    });
-    return complexLeastSquares(a, b, rows, this.solver.unknown.length);
+    }
+    return leastSquares(matrix, right, 2 * this.unknown.length, false);
   }
 
   /** Newton's method in place until a step is below `close`; the first step's length (at least 1e-300), 0 where it fails. Lengths of
    * steps are shares of the solution's own where that is large. */
   _newton(x, close, most) {
-    const { rows, columns } = this.model, { unknown } = this.solver;
     let first = 0, last = Infinity;
     for (let k = 0; k < most; k++) {
-      const a = this._linearise(x);
-      const step = complexLeastSquares(a, this.rowsAt.map((v) => -v), rows, unknown.length);
-      if (!step) return 0;
-      let length = 0;
-      for (const v of step) length += v * v;
-      length = Math.sqrt(length) / this._magnitude(x);
+      const step = leastSquares(this._linearise(x), this.rowsAt.map((v) => -v), 2 * this.unknown.length, false);
+      const length = step ? Math.hypot(...step) / this._magnitude(x) : Infinity;
       if (!(length < 10)) return 0;
-      unknown.forEach((place, i) => {
-        x[2 * place] += columns[place] * step[2 * i];
-        x[2 * place + 1] += columns[place] * step[2 * i + 1];
-      });
+      x.set(this._moved(x, step, 1));
       if (k === 0) first = Math.max(length, 1e-300);
       if (length < close || (length < 1e-8 && length > 0.3 * last)) return first;
       last = length;
@@ -340,37 +295,46 @@ export class Roots {
 
   /** The largest unknown, in units of its column, at least 1. */
   _magnitude(x) {
-    const { columns } = this.model;
-    return this.solver.unknown.reduce((most, k) => Math.max(most, Math.hypot(x[2 * k], x[2 * k + 1]) / columns[k]), 1);
+    return Math.max(1, ...this.unknown.map((k) => Math.hypot(x[2 * k], x[2 * k + 1]) / this.model.columns[k]));
   }
 
+  /** The unknowns' gradients as a real matrix of twice the size: a + ib is [[a, -b], [b, a]]. */
   _linearise(x) {
-    const { rows, width } = this.model, { unknown } = this.solver, count = unknown.length;
-    this.functions.complexSystem(x, this.rowsAt, this.gradients);
-    const a = new Float64Array(2 * rows * count);
-    for (let r = 0; r < rows; r++)
-      for (let i = 0; i < count; i++) {
-        const from = 2 * (r * width + unknown[i]), to = 2 * (r * count + i);
-        a[to] = this.gradients[from];
-        a[to + 1] = this.gradients[from + 1];
-      }
-    return a;
+    this.system(x, this.rowsAt, this.gradients);
+    const n = 2 * this.unknown.length, matrix = new Float64Array(2 * this.rows * n);
+    for (let r = 0; r < this.rows; r++)
+      this.unknown.forEach((place, i) => {
+        const from = 2 * (r * this.model.width + place), to = 2 * r * n + 2 * i;
+        matrix[to] = matrix[to + n + 1] = this.gradients[from];
+        matrix[to + n] = this.gradients[from + 1];
+        matrix[to + 1] = -this.gradients[from + 1];
+      });
+    return matrix;
   }
 }
 
-function complexOf(x) {
-  const pairs = new Float64Array(2 * x.length);
-  Array.from(x).forEach((v, k) => (pairs[2 * k] = v));
-  return pairs;
+/** Angles without whole turns, quaternions with w >= 0, rods of positive length, in place. */
+function standard(coordinates, x) {
+  for (const c of coordinates) {
+    if (c.kind === "angle") x[c.place] -= 2 * Math.PI * Math.round(x[c.place] / (2 * Math.PI));
+    else if (c.kind === "quaternion" && x[c.place] < 0) for (let k = 0; k < 4; k++) x[c.place + k] *= -1;
+    else if (c.least !== null && x[c.place] < c.least) x[c.place] = 2 * c.least - x[c.place];
+  }
+  return x;
 }
 
-/** Uniform numbers in [0, 1) from a seed (Mulberry32). */
-function generator(seed) {
-  let state = seed;
-  return () => {
-    state = (state + 0x6d2b79f5) | 0;
-    let v = Math.imul(state ^ (state >>> 15), 1 | state);
-    v = (v + Math.imul(v ^ (v >>> 7), 61 | v)) ^ v;
-    return ((v ^ (v >>> 14)) >>> 0) / 4294967296;
-  };
+/** Distance of two solutions, real (pairs = 1) or complex (2): the same up to turns, signs of quaternions and of rods' lengths. */
+function apart({ columns }, coordinates, a, b, pairs) {
+  const gap = (k, shift = 0, sign = 1) =>
+    pairs === 1 ? Math.abs(a[k] - sign * b[k] - shift) : Math.hypot(a[2 * k] - sign * b[2 * k] - shift, a[2 * k + 1] - sign * b[2 * k + 1]);
+  let most = 0;
+  for (const { kind, place: k, least } of coordinates) {
+    const here = a[pairs * k];
+    let d;
+    if (kind === "quaternion") d = Math.min(...[1, -1].map((sign) => Math.max(...[0, 1, 2, 3].map((i) => gap(k + i, 0, sign)))));
+    else if (kind === "angle") d = gap(k, 2 * Math.PI * Math.round((here - b[pairs * k]) / (2 * Math.PI)));
+    else d = least === null ? gap(k) : Math.min(gap(k), gap(k, 2 * least, -1));
+    most = Math.max(most, d / columns[k] / (1 + Math.abs(here) / columns[k]));
+  }
+  return most;
 }

@@ -3,7 +3,6 @@
 import { leastSquares } from "solver-algebra";
 import { Parts } from "solver-parts";
 import { Roots } from "solver-roots";
-import { placedLinks, readJoints } from "solver-links";
 
 const NEWTON = 12; // iterations at most
 const CLOSED = 1e-13; // Newton's step, over the size, at which a configuration is closed
@@ -16,11 +15,8 @@ const AHEAD = 1e-3; // of a look beyond a stop, in units of the size and radians
 const SMALLEST = 2e-8; // share of a movement below which a step is given up
 const ESCAPE = 1e-14; // the same for first steps, which lead away from a singularity
 const AT_LIMIT = 1e-12; // the same where a limit lies ahead
-const ON_LIMIT = 1e-9; // over the size or in radians: what counts as being at a limit and not beyond it
 const FARTHEST = 1e3; // longest movement, over the size or in radians
-const SINGULAR = 1e-6; // smallest singular value, of the largest, at the start, below which a configuration is singular
 const NEAR = 0.05; // the same at a halt, below which it is told as a singularity
-const SAME = 1e-6; // over the size, or of cosines and sines: poses and joints nearer than this are one
 const STANDS = 1e-3; // share of a motion below which the platform, or a joint, stands in it
 
 export function createSolver(model, generated) {
@@ -35,7 +31,6 @@ class Solver {
     this.names = model.names;
     this.units = model.units;
     this.limits = model.limits;
-    this.lengthUnit = model.lengthUnit;
     this.links = model.links;
     this.x = Float64Array.from(model.start);
     this.known = [];
@@ -50,7 +45,6 @@ class Solver {
     generated.system(this.x, this.rows, this.gradients);
     this.parts = new Parts(this.gradients, model.width, this.unknown);
     this.gradients.fill(0);
-    this.limitedReadings = model.readings.filter((joint) => joint.coordinates.some((c) => c.limits));
     this.limited = this._limited();
     this.heedsLimits = true; // whether movements stop at limits
     this.correct(this.x);
@@ -59,14 +53,21 @@ class Solver {
     this.found = this.search = null; // the modes at the present values, and the search for them
   }
 
-  /** Coordinates with limits: those of the closure, with their places, then those of joints at which loops are cut. */
+  /** Coordinates with limits: those of the closure, then those that are `read` of joints at which loops are cut. */
   _limited() {
     const held = this.model.coordinates.filter((c) => c.limits || c.least !== null);
-    const read = this.limitedReadings.flatMap((joint) => joint.coordinates.filter((c) => c.limits));
-    return [...held, ...read].map(({ name, kind, place, limits, least }) => {
-      const [low, high] = limits ?? [least, Infinity];
-      return { name, kind, place, low, high };
+    const read = this.model.readings.filter((c) => c.limits).map((c) => ({ ...c, read: true }));
+    return [...held, ...read].map((c) => {
+      const [low, high] = c.limits ?? [c.least, Infinity];
+      return { ...c, low, high };
     });
+  }
+
+  /** What joints read whose coordinates the closure leaves out. */
+  _read(x) {
+    const values = new Float64Array(4 * this.model.readings.length);
+    this.functions.readings(x, values);
+    return values;
   }
 
   // --- values --------------------------------------------------------------------------------------------------------
@@ -207,7 +208,7 @@ class Solver {
   /** Rows that are not zero remain where known values contradict each other. */
   _closed(x) {
     this.functions.system(x, this.rows, this.gradients);
-    return this.rows.every((v) => Math.abs(v) < 1e-9);
+    return this.rows.every((v) => Math.abs(v) < this.model.tolerances.closure);
   }
 
   /** Rows and the unknowns' columns of their Jacobian, part by part. */
@@ -220,22 +221,19 @@ class Solver {
 
   /** A coordinate that is further beyond its limits than is allowed, null where none is. */
   _limitLeft(excesses, allowed) {
-    const slack = ({ kind }) => ON_LIMIT * (kind === "length" ? this.size : 1);
     // what lies beyond already may stay there; what is at its limit does not creep on
-    const kept = (c, k) => (excesses[k] * allowed[k] > 0 && Math.abs(allowed[k]) > slack(c) ? Math.abs(allowed[k]) + slack(c) : 0);
-    const left = (c, k) => Math.abs(excesses[k]) > Math.max(slack(c), kept(c, k));
+    const kept = (c, k) => (excesses[k] * allowed[k] > 0 && Math.abs(allowed[k]) > c.slack ? Math.abs(allowed[k]) + c.slack : 0);
+    const left = (c, k) => Math.abs(excesses[k]) > Math.max(c.slack, kept(c, k));
     const k = this.limited.findIndex(left);
     if (k < 0) return null;
-    const { name, kind, low, high } = this.limited[k];
-    return { name, kind, value: excesses[k] > 0 ? high : low, beyond: Math.abs(allowed[k]) > 2 * slack(this.limited[k]) };
+    const { name, kind, low, high, slack } = this.limited[k];
+    return { name, kind, value: excesses[k] > 0 ? high : low, beyond: Math.abs(allowed[k]) > 2 * slack };
   }
 
   /** How far each coordinate of `limited` is beyond its limits, below zero under the lower one. */
   _excesses(x) {
-    const joints = this.limitedReadings;
-    const read = joints.length ? readJoints(joints, placedLinks(this.model, this.functions, x)) : {};
-    return this.limited.map(({ name, place, low, high }) =>
-      place === undefined ? beyondTurning(read[name], low, high) : beyond(x[place], low, high));
+    const values = this.limited.some((c) => c.read) ? this._read(x) : null;
+    return this.limited.map((c) => (c.read ? beyondTurning(c.kind, values[c.place], c.low, c.high) : beyond(x[c.place], c.low, c.high)));
   }
 
   // --- stops ---------------------------------------------------------------------------------------------------------
@@ -262,7 +260,7 @@ class Solver {
   /** What `set` would stop at where the mechanism stands: null where it is regular. */
   stopHere() {
     const ratio = this.distanceToSingularity();
-    if (ratio === null || ratio >= SINGULAR) return null;
+    if (ratio === null || ratio >= this.model.tolerances.singular) return null;
     const { motion, sentence } = this._singularMotion();
     const where = "begin elsewhere, with --joints, --given, or [example] in the file";
     return { kind: "singularity", sentence: `This configuration is singular: ${sentence}, so that no movement is followed from it; ${where}.`, motion, ratio };
@@ -318,12 +316,15 @@ class Solver {
     const pose = new Float64Array(7), joints = {}, { functions, model } = this;
     functions.pose(x, pose, new Float64Array(7 * model.width));
     let within = null;
-    const read = readJoints(model.readings, placedLinks(model, functions, x));
-    for (const c of model.coordinates.filter((one) => one.joint && !(one.name in read))) read[c.name] = { ...c, value: plainValue(c, x) };
-    for (const c of Object.values(read)) {
-      joints[c.name] = c.kind === "quaternion" ? c.value : this._out(c.kind, c.value);
-      if (c.limits) within = within !== false && c.value >= c.limits[0] - 1e-6 && c.value <= c.limits[1] + 1e-6;
-    }
+    const tell = (list, values) => {
+      for (const c of list) {
+        const value = plainValue(c, values);
+        joints[c.name] = this._out(c.kind, value);
+        if (c.limits) within = within !== false && value >= c.limits[0] - c.slack && value <= c.limits[1] + c.slack;
+      }
+    };
+    tell(model.readings, this._read(x));
+    tell(model.coordinates.filter((c) => c.joint), x);
     const errors = new Float64Array(model.errors);
     functions.errors(x, errors);
     const residual = errors.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
@@ -349,7 +350,7 @@ class Solver {
     if (!this.model.hasPlatform) return list;
     const seen = [], first = [], others = [];
     for (const x of list) {
-      const mark = this._markOf(x), known = seen.some((one) => one.every((v, k) => Math.abs(v - mark[k]) < SAME));
+      const mark = this._markOf(x), known = seen.some((one) => one.every((v, k) => Math.abs(v - mark[k]) < this.model.tolerances.same));
       (known ? others : first).push(x);
       if (!known) seen.push(mark);
     }
@@ -399,7 +400,9 @@ class Solver {
 
   /** Poses of the links, 12 numbers each: rows of [R|t]. */
   linkPoses(solution) {
-    return placedLinks(this.model, this.functions, solution?.variables ? Float64Array.from(solution.variables) : this.x).matrices;
+    const matrices = new Float64Array(12 * this.links.length);
+    this.functions.links(solution?.variables ?? this.x, matrices);
+    return matrices;
   }
 
   // --- dragging ------------------------------------------------------------------------------------------------------
@@ -488,7 +491,7 @@ function beyond(value, low, high) {
 }
 
 /** The same of a joint that is read; whole turns of an angle do not count. */
-function beyondTurning({ kind, value }, low, high) {
+function beyondTurning(kind, value, low, high) {
   const turn = kind === "angle" ? 2 * Math.PI : Infinity, middle = 0.5 * (low + high), apart = value - middle;
   return beyond(middle + apart - (turn < Infinity ? turn * Math.round(apart / turn) : 0), low, high);
 }
