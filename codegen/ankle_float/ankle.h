@@ -103,20 +103,19 @@ typedef struct {
 } ankle_info;
 
 #define ANKLE_FOUND (2)
-#define ANKLE_TRACK_LIMIT ((ankle_real)0.0929f) /* mm */
 
 /* The found values that the machine reaches from `guess` when its joints move in a straight line
  * from their values at the guess to the given ones, each point of it real and regular; where that
- * is not assured, ANKLE_WRONG_BRANCH. Angles are near the guess's, not wrapped.  */
+ * is not assured, ANKLE_WRONG_BRANCH. Angles are near the guess's, not wrapped. */
 ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real guess[ANKLE_FOUND],
-    ankle_real found[ANKLE_FOUND], ankle_info *info);
+    const ankle_real guess[ANKLE_FOUND], ankle_real found[ANKLE_FOUND], ankle_info *info);
 
 /* The other way: the joints that the machine reaches from `guess` when the found coordinates move
  * in a straight line from their values at the guess to the given ones. */
 ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[ANKLE_FOUND],
-    const ankle_real guess[ANKLE_JOINTS],
-    ankle_real joints[ANKLE_JOINTS], ankle_info *info);
+    const ankle_real guess[ANKLE_JOINTS], ankle_real joints[ANKLE_JOINTS], ankle_info *info);
+
+#define ANKLE_TRACK_LIMIT ((ankle_real)0.0929f) /* mm */
 
 /* For servo loops: one step from the last found values to those of the joints, and from the last
  * joints to those of the found values. info->residual is the predicted error: up to
@@ -129,8 +128,7 @@ ankle_status ankle_track_inverse(const ankle_real found[ANKLE_FOUND],
 
 /* Row-major 2 x 2: found rates = jacobian * joint rates, where joints and found belong together. */
 ankle_status ankle_jacobian(const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real found[ANKLE_FOUND],
-    ankle_real jacobian[ANKLE_FOUND * ANKLE_JOINTS]);
+    const ankle_real found[ANKLE_FOUND], ankle_real jacobian[ANKLE_FOUND * ANKLE_JOINTS]);
 
 /* found_rates = jacobian * joint_rates. */
 ankle_status ankle_rates(const ankle_real joints[ANKLE_JOINTS],
@@ -145,31 +143,29 @@ ankle_status ankle_torques(const ankle_real joints[ANKLE_JOINTS],
 
 /* joint rates = inverse_jacobian * found rates. */
 ankle_status ankle_inverse_jacobian(const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real found[ANKLE_FOUND],
-    ankle_real inverse_jacobian[ANKLE_JOINTS * ANKLE_FOUND]);
+    const ankle_real found[ANKLE_FOUND], ankle_real inverse_jacobian[ANKLE_JOINTS * ANKLE_FOUND]);
 
 /* The Jacobian, which may be NULL, and second[(i * ANKLE_JOINTS + j) * ANKLE_JOINTS + k], the
  * second derivative of found i by joints j and k: found accelerations = jacobian * joint
  * accelerations + sum of second * joint_rates[j] * joint_rates[k]. */
 ankle_status ankle_second(const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real found[ANKLE_FOUND],
-    ankle_real jacobian[ANKLE_FOUND * ANKLE_JOINTS],
-        ankle_real second[ANKLE_FOUND * ANKLE_JOINTS * ANKLE_JOINTS]);
+    const ankle_real found[ANKLE_FOUND], ankle_real jacobian[ANKLE_FOUND * ANKLE_JOINTS],
+    ankle_real second[ANKLE_FOUND * ANKLE_JOINTS * ANKLE_JOINTS]);
 
 /* Row-major: what the joints' inertias (of slides, masses) are at the found coordinates, G^T
  * joint_inertias G with the inverse Jacobian G. */
 ankle_status ankle_inertia(const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real found[ANKLE_FOUND],
-    const ankle_real joint_inertias[ANKLE_JOINTS], ankle_real inertia[ANKLE_FOUND * ANKLE_FOUND]);
+    const ankle_real found[ANKLE_FOUND], const ankle_real joint_inertias[ANKLE_JOINTS],
+    ankle_real inertia[ANKLE_FOUND * ANKLE_FOUND]);
 
 /* The largest torque, and the largest rate, of each found coordinate alone, the others without any,
  * for which no joint is beyond its own; 1e+20f where no joint bounds it. */
 ankle_status ankle_torque_limits(const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real found[ANKLE_FOUND],
-    const ankle_real joint_limits[ANKLE_JOINTS], ankle_real found_limits[ANKLE_FOUND]);
+    const ankle_real found[ANKLE_FOUND], const ankle_real joint_limits[ANKLE_JOINTS],
+    ankle_real found_limits[ANKLE_FOUND]);
 ankle_status ankle_rate_limits(const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real found[ANKLE_FOUND],
-    const ankle_real joint_limits[ANKLE_JOINTS], ankle_real found_limits[ANKLE_FOUND]);
+    const ankle_real found[ANKLE_FOUND], const ankle_real joint_limits[ANKLE_JOINTS],
+    ankle_real found_limits[ANKLE_FOUND]);
 #ifdef __cplusplus
 }
 #endif

@@ -105,13 +105,13 @@ typedef struct {
  * the beginning of the line by as much. The length of its quaternion may be off by a hundredth, its
  * pose off the platform's motion (translation) by 0.00044264 mm (angles times the size). */
 delta_status delta_direct(const delta_config *config, const delta_real joints[DELTA_JOINTS],
-    const delta_pose *guess, delta_pose *pose,
-    delta_info *info);
+    const delta_pose *guess, delta_pose *pose, delta_info *info);
+
+#define DELTA_TRACK_LIMIT ((delta_real)0.00031) /* mm */
 
 /* For servo loops: the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call
  * delta_direct. info->residual is the answer's closure error, beyond DELTA_TRACK_LIMIT near a
  * singularity. */
-#define DELTA_TRACK_LIMIT ((delta_real)0.00031) /* mm */
 delta_status delta_track(const delta_real joints[DELTA_JOINTS], delta_pose *pose, delta_info *info);
 
 /* Joint values of a pose. */

@@ -113,12 +113,10 @@ gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
  * the given one, positions in a straight line and orientations along the shorter arc, without
  * meeting a singularity; where that is not assured, GLUON_6L3_WRONG_BRANCH. Angles are near the
  * guess's, not wrapped. Any joint values will do as a guess: an error of them moves the beginning
- * of the line by as much.
- */
+ * of the line by as much. */
 gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6l3_pose *pose,
-    const gluon_6l3_real guess[GLUON_6L3_JOINTS],
-    gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_info *info);
-
+    const gluon_6l3_real guess[GLUON_6L3_JOINTS], gluon_6l3_real joints[GLUON_6L3_JOINTS],
+    gluon_6l3_info *info);
 
 /* The closed form: joint values by formulas (README.md derives them), without iteration and without
  * a guess. Each choice has two solutions; a branch is a sum of the names below, 0 for the first
@@ -144,6 +142,7 @@ gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned i
  * of gluon_6l3_inverse_branch. */
 gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose,
     const gluon_6l3_real guess[GLUON_6L3_JOINTS], gluon_6l3_real joints[GLUON_6L3_JOINTS]);
+
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
     gluon_6l3_real jacobian[6 * GLUON_6L3_JOINTS]);
@@ -154,8 +153,7 @@ gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[GLUON_6L3_JOINTS
  * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
  * slows down or stops by it. Speeds above 5e+08 are GLUON_6L3_OUT_OF_RANGE. */
 gluon_6l3_status gluon_6l3_rates(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
-    const gluon_6l3_real twist[6], gluon_6l3_real rates[GLUON_6L3_JOINTS],
-    gluon_6l3_info *info);
+    const gluon_6l3_real twist[6], gluon_6l3_real rates[GLUON_6L3_JOINTS], gluon_6l3_info *info);
 
 /* The twist of joint rates. */
 gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
@@ -167,13 +165,14 @@ gluon_6l3_status gluon_6l3_feed(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
     const gluon_6l3_real twist[6], const gluon_6l3_real rate_limits[GLUON_6L3_JOINTS],
     gluon_6l3_real *feed);
 
+#define GLUON_6L3_TRACK_LIMIT ((gluon_6l3_real)0.000147) /* mm */
+
 /* For a control loop: one damped step from the last joint values (joints) towards the pose, which
  * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
  * every pose: GLUON_6L3_OK says that the joint values are within their ranges, and info->residual
  * how far their tool pose is from the given one, as measured (mm, angles times the size). While it
  * is below GLUON_6L3_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut
  * to 0.2 rad (slides: of the size). It never makes the error larger. */
-#define GLUON_6L3_TRACK_LIMIT ((gluon_6l3_real)0.000147) /* mm */
 gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose,
     gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_info *info);
 #ifdef __cplusplus

@@ -110,10 +110,11 @@ ren2008_status ren2008_direct(const ren2008_config *config,
     const ren2008_real joints[REN2008_JOINTS], const ren2008_pose *guess, ren2008_pose *pose,
     ren2008_info *info);
 
+#define REN2008_TRACK_LIMIT ((ren2008_real)0.000462f) /* m */
+
 /* For servo loops: one step from the last pose; info->residual is the predicted error. Up to
  * REN2008_TRACK_LIMIT another call with the same joints brings it below the tolerance; beyond it,
  * call ren2008_direct. */
-#define REN2008_TRACK_LIMIT ((ren2008_real)0.000462f) /* m */
 ren2008_status ren2008_track(const ren2008_real joints[REN2008_JOINTS], ren2008_pose *pose,
     ren2008_info *info);
 

@@ -112,12 +112,9 @@ ur5e_status ur5e_direct(const ur5e_real joints[UR5E_JOINTS], ur5e_pose *pose);
  * the given one, positions in a straight line and orientations along the shorter arc, without
  * meeting a singularity; where that is not assured, UR5E_WRONG_BRANCH. Angles are near the guess's,
  * not wrapped. Any joint values will do as a guess: an error of them moves the beginning of the
- * line by as much.
- */
+ * line by as much. */
 ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose,
-    const ur5e_real guess[UR5E_JOINTS],
-    ur5e_real joints[UR5E_JOINTS], ur5e_info *info);
-
+    const ur5e_real guess[UR5E_JOINTS], ur5e_real joints[UR5E_JOINTS], ur5e_info *info);
 
 /* The closed form: joint values by formulas (README.md derives them), without iteration and without
  * a guess. Each choice has two solutions; a branch is a sum of the names below, 0 for the first
@@ -142,6 +139,7 @@ ur5e_status ur5e_inverse_branch(const ur5e_pose *pose, unsigned int branch,
  * ur5e_inverse_branch. */
 ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[UR5E_JOINTS],
     ur5e_real joints[UR5E_JOINTS]);
+
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 ur5e_status ur5e_jacobian(const ur5e_real joints[UR5E_JOINTS], ur5e_real jacobian[6 * UR5E_JOINTS]);
 
@@ -151,8 +149,7 @@ ur5e_status ur5e_jacobian(const ur5e_real joints[UR5E_JOINTS], ur5e_real jacobia
  * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
  * slows down or stops by it. Speeds above 8e+08 are UR5E_OUT_OF_RANGE. */
 ur5e_status ur5e_rates(const ur5e_real joints[UR5E_JOINTS], const ur5e_real twist[6],
-    ur5e_real rates[UR5E_JOINTS],
-    ur5e_info *info);
+    ur5e_real rates[UR5E_JOINTS], ur5e_info *info);
 
 /* The twist of joint rates. */
 ur5e_status ur5e_twist(const ur5e_real joints[UR5E_JOINTS], const ur5e_real rates[UR5E_JOINTS],
@@ -161,8 +158,9 @@ ur5e_status ur5e_twist(const ur5e_real joints[UR5E_JOINTS], const ur5e_real rate
 /* The largest factor, 0 to 1, by which a twist keeps the rates of ur5e_rates within their limits (0
  * or more, in mm or radians for each unit of time). */
 ur5e_status ur5e_feed(const ur5e_real joints[UR5E_JOINTS], const ur5e_real twist[6],
-    const ur5e_real rate_limits[UR5E_JOINTS],
-    ur5e_real *feed);
+    const ur5e_real rate_limits[UR5E_JOINTS], ur5e_real *feed);
+
+#define UR5E_TRACK_LIMIT ((ur5e_real)0.000272) /* mm */
 
 /* For a control loop: one damped step from the last joint values (joints) towards the pose, which
  * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
@@ -170,7 +168,6 @@ ur5e_status ur5e_feed(const ur5e_real joints[UR5E_JOINTS], const ur5e_real twist
  * far their tool pose is from the given one, as measured (mm, angles times the size). While it is
  * below UR5E_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to 0.2
  * rad (slides: of the size). It never makes the error larger. */
-#define UR5E_TRACK_LIMIT ((ur5e_real)0.000272) /* mm */
 ur5e_status ur5e_track(const ur5e_pose *pose, ur5e_real joints[UR5E_JOINTS], ur5e_info *info);
 #ifdef __cplusplus
 }

@@ -106,13 +106,13 @@ typedef struct {
  * hundredth. */
 zhang2009_status zhang2009_direct(const zhang2009_config *config,
     const zhang2009_real joints[ZHANG2009_JOINTS], const zhang2009_pose *guess,
-    zhang2009_pose *pose,
-    zhang2009_info *info);
+    zhang2009_pose *pose, zhang2009_info *info);
+
+#define ZHANG2009_TRACK_LIMIT ((zhang2009_real)0.149f) /* mm */
 
 /* For servo loops: one step from the last pose; info->residual is the predicted error. Up to
  * ZHANG2009_TRACK_LIMIT another call with the same joints brings it below the tolerance; beyond it,
  * call zhang2009_direct. */
-#define ZHANG2009_TRACK_LIMIT ((zhang2009_real)0.149f) /* mm */
 zhang2009_status zhang2009_track(const zhang2009_real joints[ZHANG2009_JOINTS],
     zhang2009_pose *pose, zhang2009_info *info);
 

@@ -110,10 +110,11 @@ zhao2000_status zhao2000_direct(const zhao2000_config *config,
     const zhao2000_real joints[ZHAO2000_JOINTS], const zhao2000_pose *guess, zhao2000_pose *pose,
     zhao2000_info *info);
 
+#define ZHAO2000_TRACK_LIMIT ((zhao2000_real)0.00025) /* mm */
+
 /* For servo loops: the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call
  * zhao2000_direct. info->residual is the answer's closure error, beyond ZHAO2000_TRACK_LIMIT near a
  * singularity. */
-#define ZHAO2000_TRACK_LIMIT ((zhao2000_real)0.00025) /* mm */
 zhao2000_status zhao2000_track(const zhao2000_real joints[ZHAO2000_JOINTS], zhao2000_pose *pose,
     zhao2000_info *info);
 

@@ -164,6 +164,11 @@ class MapVectors:
             found[f"past_{what}"] = joints_past(coordinates, self._of(home, what))[0]
         return found
 
+    @property
+    def blamed(self) -> list[int]:
+        """Which joint is beyond a limit in each of the rows of joints that are."""
+        return joints_past(self.made.given, self._of(self.made.reference, "joints"))[1]
+
     @cached_property
     def jacobians(self) -> np.ndarray:
         """Jacobians (count, n * n) of the first cases."""
@@ -196,65 +201,16 @@ class MapVectors:
             found.append((4 + worst) * tolerance + self._real.epsilon * size * (32 + 8 * worst))
         return np.array(found)
 
-    def text(self) -> str:
-        """NAME_vectors.h."""
-        name, real = self.made.name, self._real
-        kind, prefix = f"{name}_real", self.made.name.upper()
-        lines = [
-            f"/* Vectors for {name}_test.c, made by symkin's Python solvers; numbers are exact.",
-            " * SPDX-License-Identifier: MIT */",
-            f"#ifndef {prefix}_VECTORS_H",
-            f"#define {prefix}_VECTORS_H",
-            "",
-            f'#include "{name}.h"',
-            "",
-            f"#define {prefix}_VECTORS {len(self.cases)}",
-            f"#define {prefix}_VECTOR_JACOBIANS {len(self.jacobians)}",
-            "",
-        ]
-        derivatives = [("jacobians", self.jacobians), ("seconds", self.seconds)]
-        for label, table in [*self.tables.items(), *derivatives]:
-            rows = [
-                f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }}," for row in table
-            ]
-            lines += [
-                f"static const {kind} {name}_vector_{label}[{table.shape[0]}][{table.shape[1]}] = "
-                f"{{",
-                *rows,
-                "};",
-                "",
-            ]
-        for label, table in self.refused.items():
-            # an array of C has at least one row
-            rows = [
-                f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }},"
-                for row in (table if len(table) else np.zeros((1, table.shape[1])))
-            ]
-            lines += [
-                f"#define {prefix}_VECTOR_{label.upper()} {len(table)}",
-                f"static const {kind} {name}_vector_{label}[{len(rows)}][{table.shape[1]}] = {{",
-                *rows,
-                "};",
-                "",
-            ]
-        for label, which in (("home_joints", "joints"), ("home_found", "found")):
-            row = self._of(self.made.reference, which)
-            lines.append(
-                f"static const {kind} {name}_vector_{label}[{len(row)}] = {{ "
-                f"{', '.join(real.hexadecimal(float(v)) for v in row)} }};"
-            )
-        bounds = ", ".join(f"{float(v):.2g}" for v in self.bounds)
-        return "\n".join(
-            [
-                *lines,
-                "",
-                "/* Error allowed, as a length. */",
-                f"static const double {name}_vector_bounds[{len(self.bounds)}] = {{ {bounds} }};",
-                "",
-                "#endif",
-                "",
-            ]
-        )
+    @property
+    def answers(self) -> dict[str, np.ndarray]:
+        """Cases and their answers, by the name of their table."""
+        return self.tables | {"jacobians": self.jacobians, "seconds": self.seconds}
+
+    @property
+    def places(self) -> dict[str, np.ndarray]:
+        """Values at the reference."""
+        home = self.made.reference
+        return {f"home_{which}": self._of(home, which) for which in ("joints", "found")}
 
 
 def map_jacobian(made: JointMap, values: np.ndarray) -> np.ndarray:

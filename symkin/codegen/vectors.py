@@ -76,6 +76,31 @@ class Vectors:
     past: np.ndarray
     blamed: tuple[int, ...]
 
+    @property
+    def answers(self) -> dict[str, np.ndarray]:
+        """Cases and their answers, by the name of their table."""
+        names = ("guesses", "joints", "poses", "inverse", "jacobians")
+        return {name: getattr(self, name) for name in names}
+
+    @property
+    def refused(self) -> dict[str, np.ndarray]:
+        """What code refuses, by the name of its table; `doubled`: quaternions of length 2."""
+        doubled = self.poses[:1] * [1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0]
+        return {
+            "singular": self.singular,
+            "infeasible": self.infeasible,
+            "past": self.past,
+            "doubled": doubled,
+        }
+
+    @property
+    def places(self) -> dict[str, np.ndarray]:
+        """Home, and the pose farthest from the first case's; of arms nothing."""
+        if not len(self.home):
+            return {}
+        away = np.linalg.norm(self.poses[:, :3] - self.poses[0][:3], axis=1)
+        return {"home": self.home, "far": self.poses[int(np.argmax(away))]}
+
 
 _Row = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]
 """Joints, guess, pose, inverse and bound of one case."""
@@ -352,7 +377,7 @@ def _serial(arm: SerialArm) -> _Found:
     # reasons
     is_told = singular[-1] < 1e-14 * singular[0] and within and not arm.is_redundant
     starts = zero[None] if is_told else np.zeros((0, len(zero)))
-    return rows, jacobians, zero, starts
+    return rows, jacobians, np.zeros(0), starts
 
 
 def _within(joints: np.ndarray, coordinates: Sequence[Coordinate]) -> np.ndarray:
