@@ -27,8 +27,8 @@
  *   inverse: 100 iterations, 40843 add, 61029 mul, 2148 div, 3510 sqrt, 24 sin, 24 cos, 3400 atan2
  *   jacobian: 94 add, 131 mul, 6 sin, 6 cos
  *   twist: 136 add, 167 mul, 6 sin, 6 cos
- *   rates: 884 add, 1054 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   feed: 890 add, 1060 mul, 53 div, 5 sqrt, 6 sin, 6 cos
+ *   rates: 884 add, 1054 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1243 add, 1626 mul, 49 div, 10 sqrt, 36 sin, 36 cos
  *   measured (Cortex-M7, GCC 12.2.1 -O2, 13071 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
@@ -39,8 +39,8 @@
  *   inverse: 176635 instructions, 2064 stack, 9456 code
  *   jacobian: 1820 instructions, 1040 stack, 1696 code
  *   twist: 2235 instructions, 1384 stack, 1864 code
- *   rates: 10110 instructions, 1440 stack, 3184 code
  *   feed: 10235 instructions, 1504 stack, 3284 code
+ *   rates: 10110 instructions, 1440 stack, 3184 code
  *   track: 14585 instructions, 1584 stack, 4716 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c

@@ -27,8 +27,8 @@
  *   inverse: 100 iterations, 42447 add, 61027 mul, 2148 div, 3510 sqrt, 24 sin, 24 cos, 3400 atan2
  *   jacobian: 97 add, 135 mul, 6 sin, 6 cos
  *   twist: 139 add, 171 mul, 6 sin, 6 cos
- *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   feed: 893 add, 1064 mul, 53 div, 5 sqrt, 6 sin, 6 cos
+ *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1241 add, 1620 mul, 49 div, 10 sqrt, 36 sin, 36 cos
  *   measured (Cortex-M7, GCC 12.2.1 -O2, 10803 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
@@ -39,8 +39,8 @@
  *   inverse: 166395 instructions, 2056 stack, 9520 code
  *   jacobian: 1775 instructions, 1032 stack, 1688 code
  *   twist: 2190 instructions, 1376 stack, 1856 code
- *   rates: 10065 instructions, 1432 stack, 3176 code
  *   feed: 10190 instructions, 1496 stack, 3276 code
+ *   rates: 10065 instructions, 1432 stack, 3176 code
  *   track: 13110 instructions, 1576 stack, 4684 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b

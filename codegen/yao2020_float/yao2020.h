@@ -27,8 +27,8 @@
  *   inverse: 100 iterations, 55668 add, 69789 mul, 7848 div, 3109 sqrt
  *   jacobian: 120 add, 178 mul
  *   twist: 162 add, 214 mul
- *   rates: 910 add, 1101 mul, 47 div, 5 sqrt
  *   feed: 916 add, 1107 mul, 53 div, 5 sqrt
+ *   rates: 910 add, 1101 mul, 47 div, 5 sqrt
  *   track: 1484 add, 1923 mul, 49 div, 10 sqrt
  *   measured (Cortex-M4F, GCC 12.2.1 -O2, 14808 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
@@ -39,8 +39,8 @@
  *   inverse: 98355 instructions, 936 stack, 8224 code
  *   jacobian: 690 instructions, 112 stack, 1564 code
  *   twist: 1080 instructions, 288 stack, 1708 code
- *   rates: 9755 instructions, 616 stack, 3024 code
  *   feed: 9870 instructions, 656 stack, 3128 code
+ *   rates: 9755 instructions, 616 stack, 3024 code
  *   track: 12310 instructions, 696 stack, 4452 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594

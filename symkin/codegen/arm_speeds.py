@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from symkin.codegen.platform_rates import fastest
+from symkin.codegen.platform_rates import speeds_text
 from symkin.codegen.text.c import Real, indent
 from symkin.codegen.text.templates import fill
 from symkin.model.joint import Coordinate
@@ -79,6 +79,6 @@ def arm_speeds(
         "quarter_part": literal(_SHORTER),
         "rounds": _ROUNDS,
         "rounding": literal(rounding),
-        "fastest": literal(fastest(size)),
     }
-    return fill("check_speeds.c", {**values, **own}) + fill("arm_rates.c", {**values, **own})
+    twist = speeds_text("twist", "joints", size, real, values)
+    return twist + fill("arm_rates.c", {**values, **own})

@@ -12,9 +12,10 @@ from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.refused_vectors import infeasible_values, joints_past
 from symkin.codegen.samples import Configuration
 from symkin.codegen.text.c import Real
-from symkin.codegen.vectors import COUNT, JACOBIANS, rounded_to
+from symkin.codegen.vectors import COUNT, JACOBIANS, rounded_to, tidied
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
+from symkin.model.joint import units_of
 
 _SPREAD, _TURN = 0.06, 0.3
 """How far the given coordinates go from the reference: in sizes, and in radians."""
@@ -95,11 +96,7 @@ class MapVectors:
     def _of(self, values: np.ndarray, which: str) -> np.ndarray:
         coordinates = self.made.given if which == "joints" else self.made.found
         places = self.made.direct.problem.places(coordinates)
-        scales = [1.0 if c.is_angular else self.made.size for c in coordinates]
-        digits = [_DIGITS - int(np.ceil(np.log10(scale))) for scale in scales]
-        return np.array(
-            [round(float(v), d) + 0.0 for v, d in zip(values[places], digits, strict=True)]
-        )
+        return tidied(values[places], units_of(coordinates, self.made.size))
 
     @cached_property
     def tables(self) -> dict[str, np.ndarray]:
@@ -113,9 +110,7 @@ class MapVectors:
         for number, case in enumerate(self.cases):
             near = home
             if number % 2:
-                scales = np.array(
-                    [1.0 if c.is_angular else self.made.size for c in self.made.given]
-                )
+                scales = np.array(units_of(self.made.given, self.made.size))
                 known = case.known + _NEAR * scales
                 near = case.values.copy()
                 near[direct.known_places], near[direct.unknown_places] = (

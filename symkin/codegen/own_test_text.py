@@ -11,7 +11,7 @@ import numpy as np
 
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_vectors import MapVectors
-from symkin.codegen.program import Program, is_closed
+from symkin.codegen.program import Kind, Program, is_closed
 from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.signature import CLOSED_ARM, LINE, Function
 from symkin.codegen.text.c import Real, indent
@@ -23,6 +23,30 @@ _COORDINATES = {"pose": "poses", "joints": "joints", "found": "found"}
 """Arguments that are a configuration, and labels of their vectors."""
 _LIMITS = ("rate_limits", "joint_inertias", "joint_limits")
 """Arguments that are never below zero."""
+_REFUSED = {
+    "parallel": (
+        "direct past OUT_OF_RANGE blamed",
+        "direct singular SINGULAR guess",
+        "inverse infeasible OUT_OF_RANGE",
+        "direct doubled OUT_OF_RANGE guess",
+        "inverse doubled OUT_OF_RANGE",
+    ),
+    "serial": (
+        "direct past OUT_OF_RANGE",
+        "inverse past OUT_OF_RANGE guess blamed line",
+        "inverse singular SINGULAR guess",
+        "inverse doubled OUT_OF_RANGE",
+    ),
+    "map": (
+        "direct infeasible_joints OK",
+        "inverse infeasible_found OK",
+        "direct past_joints OUT_OF_RANGE blamed",
+        "inverse past_found OUT_OF_RANGE",
+    ),
+}
+"""Of each kind of machine: a problem, the label of values that it refuses, the status (OK: any
+other one), and whether they are guesses, which joint is blamed is known, and lines are looked at.
+"""
 _TOO_FAR = 0.06
 """Way of the platform, in sizes, that is too long for one step of tracking."""
 _NEAR_PATH = 0.01
@@ -389,45 +413,18 @@ def _refused_rows(program: Program, vectors: Vectors | MapVectors) -> list[str]:
     """Statements that ask for what no configuration has, what is beyond limits and what is
     singular.
     """
-    name, kind, refused = program.mechanism.name, program.kind, vectors.refused
-    told = ", ".join(map(str, vectors.blamed))
-
-    def rows(problem: str, label: str, status: str, blamed: str = "NULL", guess: int = 0) -> str:
-        return (
-            f"refuse_rows(&of_{problem}, &{name}_vector_{label}[0][0], {len(refused[label])}, "
-            f"{guess}, {name.upper()}_{status}, {blamed});"
-        )
-
-    if isinstance(kind, JointMap):
-        found = {
-            # any status but OK
-            "infeasible_joints": [rows("direct", "infeasible_joints", "OK")],
-            "infeasible_found": [rows("inverse", "infeasible_found", "OK")],
-            "past_joints": [rows("direct", "past_joints", "OUT_OF_RANGE", "blamed")],
-            "past_found": [rows("inverse", "past_found", "OUT_OF_RANGE")],
-        }
-    elif isinstance(kind, SerialArm):
-        beyond = [rows("direct", "past", "OUT_OF_RANGE")]
-        if kind.follows_closed_form:
-            # Newton's method looks at limits at its answer alone
-            beyond.append(rows("inverse", "past", "OUT_OF_RANGE", "blamed", 1))
-        found = {
-            "past": beyond,
-            "singular": [rows("inverse", "singular", "SINGULAR", guess=1)],
-            "doubled": [rows("inverse", "doubled", "OUT_OF_RANGE")],
-        }
-    else:
-        found = {
-            "past": [rows("direct", "past", "OUT_OF_RANGE", "blamed")],
-            "singular": [rows("direct", "singular", "SINGULAR", guess=1)],
-            "infeasible": [rows("inverse", "infeasible", "OUT_OF_RANGE")],
-            "doubled": [
-                rows("direct", "doubled", "OUT_OF_RANGE", guess=1),
-                rows("inverse", "doubled", "OUT_OF_RANGE"),
-            ],
-        }
-    lines = [line for label, asked in found.items() if len(refused[label]) for line in asked]
+    kind, name, lines = program.kind, program.mechanism.name, list[str]()
+    for row in _REFUSED[kind.templates]:
+        problem, label, status, *flags = row.split()
+        count = len(vectors.refused[label])
+        if count and not ("line" in flags and not _follows_formulas(kind)):
+            blamed = "blamed" if "blamed" in flags else "NULL"
+            lines.append(
+                f"refuse_rows(&of_{problem}, &{name}_vector_{label}[0][0], {count}, "
+                f"{int('guess' in flags)}, {name.upper()}_{status}, {blamed});"
+            )
     if any(", blamed);" in line for line in lines):
+        told = ", ".join(map(str, vectors.blamed))
         lines = [f"static const int blamed[] = {{ {told} }};", *lines]
     far = vectors.places.get("far")
     if far is not None and not is_closed(kind):
@@ -438,3 +435,8 @@ def _refused_rows(program: Program, vectors: Vectors | MapVectors) -> list[str]:
                 f"{name.upper()}_WRONG_BRANCH, 0);"
             )
     return lines
+
+
+def _follows_formulas(kind: Kind) -> bool:
+    """Whether an arm's limits are looked at along the line, and not at the answer alone."""
+    return isinstance(kind, SerialArm) and kind.follows_closed_form

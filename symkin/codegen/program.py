@@ -110,12 +110,9 @@ def build_program(
     if not isinstance(kind, RodPlatform | JointMap):
         kind.geometry.check(kind.real)
     begin = fill("begin.c", source.values | _header_values(kind, source.code, [], described.digest))
-    text = (
-        begin
-        + finite_check(kind.name, _numbers_of_struct(kind), kind.real)
-        + source.text.rstrip()
-        + "\n"
-    )
+    body = source.text.rstrip() + "\n"
+    lu = fill("lu.c", source.values) if f"{kind.name}_lu(" in body else ""
+    text = begin + finite_check(kind.name, _numbers_of_struct(kind), kind.real) + lu + body
     worst = WorstCase.of(kind.name, text, measured)
     values = source.values | _header_values(
         kind, source.code, worst.header_lines(), described.digest
