@@ -37,6 +37,76 @@ static ANKLE_COLD ankle_status ankle_check_finite(const ankle_real values[], int
     return status;
 }
 
+/* LU in loops of the n x n matrix a, row by row, with partial pivoting: reciprocals of pivots on
+ * the diagonal, `order` the exchanges of rows. The sign of the determinant, 0 where no entry of a
+ * column is above its `least`. */
+static ANKLE_COLD int ankle_lu(ankle_real *a, uint8_t *order, const ankle_real *least, int n)
+{
+    int sign = 1;
+    for (int c = 0; c < n; ++c) {
+        /* the largest entry of the column becomes the pivot */
+        int best = c;
+        ankle_real largest = 0.0f;
+        for (int r = c; r < n; ++r) {
+            const ankle_real size = fabsf(a[n * r + c]);
+            if (size > largest) {
+                largest = size;
+                best = r;
+            }
+        }
+        if (!(largest > least[c])) {
+            return 0;
+        }
+        order[c] = (uint8_t)best;
+        if (best != c) {
+            sign = -sign;
+            for (int j = c; j < n; ++j) {
+                const ankle_real t = a[n * c + j];
+                a[n * c + j] = a[n * best + j];
+                a[n * best + j] = t;
+            }
+        }
+        if (a[n * c + c] < 0.0f) {
+            sign = -sign;
+        }
+        /* reduce the rows below */
+        const ankle_real inverse = 1.0f / a[n * c + c];
+        a[n * c + c] = inverse;
+        for (int r = c + 1; r < n; ++r) {
+            const ankle_real factor = a[n * r + c] * inverse;
+            a[n * r + c] = factor;
+            for (int j = c + 1; j < n; ++j) {
+                a[n * r + j] -= factor * a[n * c + j];
+            }
+        }
+    }
+    return sign;
+}
+
+/* Solves for the right side f, in place, with the factors of ankle_lu. */
+static ANKLE_COLD void ankle_lu_solve(const ankle_real *a, const uint8_t *order, ankle_real *f,
+    int n)
+{
+    /* forward substitution with the exchanges of rows */
+    for (int c = 0; c < n; ++c) {
+        const int best = (int)order[c];
+        const ankle_real t = f[best];
+        f[best] = f[c];
+        f[c] = t;
+        for (int r = c + 1; r < n; ++r) {
+            f[r] -= a[n * r + c] * t;
+        }
+    }
+    /* back substitution */
+    for (int c = n - 1; c >= 0; --c) {
+        const ankle_real t = f[c] * a[n * c + c];
+        f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            f[r] -= a[n * r + c] * t;
+        }
+    }
+}
+
 /* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
  * pivot from the spread of the pivots. Never a NaN. */
 static ANKLE_COLD void ankle_write_info(ankle_info *info, unsigned int count, ankle_real residual,
@@ -354,6 +424,7 @@ static ANKLE_SHARED void ankle_direct_set_target(ankle_direct_work *w, const ank
     ankle_direct_coefficients(w->numbers, w->k);
 }
 
+
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void ankle_direct_matrix(ankle_direct_work *w)
 {
@@ -419,78 +490,20 @@ static void ankle_direct_matrix(ankle_direct_work *w)
     w->a[3] = t58;
 }
 
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
- * singular. */
+/* The factors in loops; the sign of the determinant, 0 where the matrix is singular. */
 static ANKLE_COLD int ankle_direct_pivoted(ankle_direct_work *w)
 {
     static const ankle_real scale[2] = { 0.172f, 0.117f };
-    int sign = 1;
+    static const ankle_real least[2] = { 3.2806398e-07f, 2.2315979e-07f };
     ankle_direct_matrix(w);
     w->pivoted = true;
     w->spread = 0.0f;
-    for (int c = 0; c < 2; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        ankle_real largest = 0.0f;
-        for (int r = c; r < 2; ++r) {
-            const ankle_real size = fabsf(w->a[2 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 1.9073486e-06f * scale[c])) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 2; ++j) {
-                const ankle_real t = w->a[2 * c + j];
-                w->a[2 * c + j] = w->a[2 * best + j];
-                w->a[2 * best + j] = t;
-            }
-        }
-        if (w->a[2 * c + c] < 0.0f) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const ankle_real inverse = 1.0f / w->a[2 * c + c];
-        w->a[2 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 2; ++r) {
-            const ankle_real factor = w->a[2 * r + c] * inverse;
-            w->a[2 * r + c] = factor;
-            for (int j = c + 1; j < 2; ++j) {
-                w->a[2 * r + j] -= factor * w->a[2 * c + j];
-            }
-        }
+    const int sign = ankle_lu(w->a, w->order, least, 2);
+    for (int c = 0; (c < 2) && (sign != 0); ++c) {
+        const ankle_real inverse = w->a[3 * c] * scale[c];
+        w->spread += inverse * inverse;
     }
     return sign;
-}
-
-/* The step from w->f into w->f with the factors of ankle_direct_pivoted. */
-static ANKLE_COLD void ankle_direct_pivoted_solve(ankle_direct_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 2; ++c) {
-        const int best = (int)w->order[c];
-        const ankle_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 2; ++r) {
-            w->f[r] -= w->a[2 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 1; c >= 0; --c) {
-        const ankle_real t = w->f[c] * w->a[2 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[2 * r + c] * t;
-        }
-    }
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the
@@ -578,7 +591,7 @@ static int ankle_direct_factor(ankle_direct_work *w)
 static void ankle_direct_solve(ankle_direct_work *w)
 {
     if (w->pivoted) {
-        ankle_direct_pivoted_solve(w);
+        ankle_lu_solve(w->a, w->order, w->f, 2);
         return;
     }
     /* forward substitution, the rows in the order of the pivots */
@@ -1063,6 +1076,7 @@ static ANKLE_SHARED void ankle_inverse_set_target(ankle_inverse_work *w, const a
     ankle_cosine_and_sine((part < 1.0f) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1], &w->k[2]);
 }
 
+
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void ankle_inverse_matrix(ankle_inverse_work *w)
 {
@@ -1133,78 +1147,20 @@ static void ankle_inverse_matrix(ankle_inverse_work *w)
     w->a[3] = t63;
 }
 
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
- * singular. */
+/* The factors in loops; the sign of the determinant, 0 where the matrix is singular. */
 static ANKLE_COLD int ankle_inverse_pivoted(ankle_inverse_work *w)
 {
     static const ankle_real scale[2] = { 0.15f, 0.107f };
-    int sign = 1;
+    static const ankle_real least[2] = { 2.861023e-07f, 2.040863e-07f };
     ankle_inverse_matrix(w);
     w->pivoted = true;
     w->spread = 0.0f;
-    for (int c = 0; c < 2; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        ankle_real largest = 0.0f;
-        for (int r = c; r < 2; ++r) {
-            const ankle_real size = fabsf(w->a[2 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 1.9073486e-06f * scale[c])) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 2; ++j) {
-                const ankle_real t = w->a[2 * c + j];
-                w->a[2 * c + j] = w->a[2 * best + j];
-                w->a[2 * best + j] = t;
-            }
-        }
-        if (w->a[2 * c + c] < 0.0f) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const ankle_real inverse = 1.0f / w->a[2 * c + c];
-        w->a[2 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 2; ++r) {
-            const ankle_real factor = w->a[2 * r + c] * inverse;
-            w->a[2 * r + c] = factor;
-            for (int j = c + 1; j < 2; ++j) {
-                w->a[2 * r + j] -= factor * w->a[2 * c + j];
-            }
-        }
+    const int sign = ankle_lu(w->a, w->order, least, 2);
+    for (int c = 0; (c < 2) && (sign != 0); ++c) {
+        const ankle_real inverse = w->a[3 * c] * scale[c];
+        w->spread += inverse * inverse;
     }
     return sign;
-}
-
-/* The step from w->f into w->f with the factors of ankle_inverse_pivoted. */
-static ANKLE_COLD void ankle_inverse_pivoted_solve(ankle_inverse_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 2; ++c) {
-        const int best = (int)w->order[c];
-        const ankle_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 2; ++r) {
-            w->f[r] -= w->a[2 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 1; c >= 0; --c) {
-        const ankle_real t = w->f[c] * w->a[2 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[2 * r + c] * t;
-        }
-    }
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the
@@ -1293,7 +1249,7 @@ static int ankle_inverse_factor(ankle_inverse_work *w)
 static void ankle_inverse_solve(ankle_inverse_work *w)
 {
     if (w->pivoted) {
-        ankle_inverse_pivoted_solve(w);
+        ankle_lu_solve(w->a, w->order, w->f, 2);
         return;
     }
     /* forward substitution, the rows in the order of the pivots */

@@ -19,32 +19,32 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 400 iterations, 112400 add, 163408 mul, 6107 div, 3662 sqrt
- *   track: 170 add, 226 mul, 11 div, 4 sqrt
- *   inverse: 500 iterations, 81495 add, 111777 mul, 4310 div, 3064 sqrt
- *   track_inverse: 279 add, 348 mul, 17 div, 12 sqrt
- *   jacobian: 152 add, 223 mul, 4 div, 1 sqrt
- *   inverse_jacobian: 183 add, 261 mul, 4 div, 1 sqrt
- *   second: 310 add, 469 mul, 4 div, 1 sqrt
- *   rates: 160 add, 227 mul, 4 div, 1 sqrt
- *   torques: 160 add, 227 mul, 4 div, 1 sqrt
- *   inertia: 197 add, 277 mul, 4 div, 1 sqrt
- *   torque_limits: 156 add, 227 mul, 8 div, 1 sqrt
- *   rate_limits: 187 add, 265 mul, 8 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18541 inputs, seed 1): instructions, bytes of stack with
+ *   direct: 400 iterations, 112400 add, 161788 mul, 6107 div, 3662 sqrt
+ *   track: 170 add, 222 mul, 11 div, 4 sqrt
+ *   inverse: 500 iterations, 81495 add, 110949 mul, 4310 div, 3064 sqrt
+ *   track_inverse: 279 add, 344 mul, 17 div, 12 sqrt
+ *   jacobian: 152 add, 219 mul, 4 div, 1 sqrt
+ *   inverse_jacobian: 183 add, 257 mul, 4 div, 1 sqrt
+ *   second: 310 add, 465 mul, 4 div, 1 sqrt
+ *   rates: 160 add, 223 mul, 4 div, 1 sqrt
+ *   torques: 160 add, 223 mul, 4 div, 1 sqrt
+ *   inertia: 197 add, 273 mul, 4 div, 1 sqrt
+ *   torque_limits: 156 add, 223 mul, 8 div, 1 sqrt
+ *   rate_limits: 187 add, 261 mul, 8 div, 1 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18403 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 76185 instructions, 648 stack, 8188 code
- *   track: 1080 instructions, 184 stack, 3464 code
- *   inverse: 87360 instructions, 672 stack, 11244 code
- *   track_inverse: 1005 instructions, 184 stack, 4832 code
- *   jacobian: 775 instructions, 216 stack, 2884 code
- *   inverse_jacobian: 795 instructions, 192 stack, 3020 code
- *   second: 1360 instructions, 432 stack, 4728 code
- *   rates: 905 instructions, 264 stack, 3128 code
- *   torques: 905 instructions, 264 stack, 3128 code
- *   inertia: 1035 instructions, 248 stack, 3292 code
- *   torque_limits: 935 instructions, 264 stack, 3168 code
- *   rate_limits: 960 instructions, 240 stack, 3304 code
+ *   direct: 78645 instructions, 648 stack, 7996 code
+ *   track: 1085 instructions, 188 stack, 3496 code
+ *   inverse: 88865 instructions, 672 stack, 10784 code
+ *   track_inverse: 1005 instructions, 196 stack, 4864 code
+ *   jacobian: 780 instructions, 220 stack, 2944 code
+ *   inverse_jacobian: 795 instructions, 212 stack, 3044 code
+ *   second: 1360 instructions, 420 stack, 4732 code
+ *   rates: 910 instructions, 268 stack, 3188 code
+ *   torques: 910 instructions, 268 stack, 3188 code
+ *   inertia: 1035 instructions, 268 stack, 3316 code
+ *   torque_limits: 940 instructions, 268 stack, 3228 code
+ *   rate_limits: 960 instructions, 260 stack, 3328 code
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */
@@ -103,20 +103,19 @@ typedef struct {
 } ankle_info;
 
 #define ANKLE_FOUND (2)
-#define ANKLE_TRACK_LIMIT ((ankle_real)0.0929f) /* mm */
 
 /* The found values that the machine reaches from `guess` when its joints move in a straight line
  * from their values at the guess to the given ones, each point of it real and regular; where that
- * is not assured, ANKLE_WRONG_BRANCH. Angles are near the guess's, not wrapped.  */
+ * is not assured, ANKLE_WRONG_BRANCH. Angles are near the guess's, not wrapped. */
 ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real guess[ANKLE_FOUND],
-    ankle_real found[ANKLE_FOUND], ankle_info *info);
+    const ankle_real guess[ANKLE_FOUND], ankle_real found[ANKLE_FOUND], ankle_info *info);
 
 /* The other way: the joints that the machine reaches from `guess` when the found coordinates move
  * in a straight line from their values at the guess to the given ones. */
 ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[ANKLE_FOUND],
-    const ankle_real guess[ANKLE_JOINTS],
-    ankle_real joints[ANKLE_JOINTS], ankle_info *info);
+    const ankle_real guess[ANKLE_JOINTS], ankle_real joints[ANKLE_JOINTS], ankle_info *info);
+
+#define ANKLE_TRACK_LIMIT ((ankle_real)0.0929f) /* mm */
 
 /* For servo loops: one step from the last found values to those of the joints, and from the last
  * joints to those of the found values. info->residual is the predicted error: up to
@@ -129,8 +128,7 @@ ankle_status ankle_track_inverse(const ankle_real found[ANKLE_FOUND],
 
 /* Row-major 2 x 2: found rates = jacobian * joint rates, where joints and found belong together. */
 ankle_status ankle_jacobian(const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real found[ANKLE_FOUND],
-    ankle_real jacobian[ANKLE_FOUND * ANKLE_JOINTS]);
+    const ankle_real found[ANKLE_FOUND], ankle_real jacobian[ANKLE_FOUND * ANKLE_JOINTS]);
 
 /* found_rates = jacobian * joint_rates. */
 ankle_status ankle_rates(const ankle_real joints[ANKLE_JOINTS],
@@ -145,31 +143,29 @@ ankle_status ankle_torques(const ankle_real joints[ANKLE_JOINTS],
 
 /* joint rates = inverse_jacobian * found rates. */
 ankle_status ankle_inverse_jacobian(const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real found[ANKLE_FOUND],
-    ankle_real inverse_jacobian[ANKLE_JOINTS * ANKLE_FOUND]);
+    const ankle_real found[ANKLE_FOUND], ankle_real inverse_jacobian[ANKLE_JOINTS * ANKLE_FOUND]);
 
 /* The Jacobian, which may be NULL, and second[(i * ANKLE_JOINTS + j) * ANKLE_JOINTS + k], the
  * second derivative of found i by joints j and k: found accelerations = jacobian * joint
  * accelerations + sum of second * joint_rates[j] * joint_rates[k]. */
 ankle_status ankle_second(const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real found[ANKLE_FOUND],
-    ankle_real jacobian[ANKLE_FOUND * ANKLE_JOINTS],
-        ankle_real second[ANKLE_FOUND * ANKLE_JOINTS * ANKLE_JOINTS]);
+    const ankle_real found[ANKLE_FOUND], ankle_real jacobian[ANKLE_FOUND * ANKLE_JOINTS],
+    ankle_real second[ANKLE_FOUND * ANKLE_JOINTS * ANKLE_JOINTS]);
 
 /* Row-major: what the joints' inertias (of slides, masses) are at the found coordinates, G^T
  * joint_inertias G with the inverse Jacobian G. */
 ankle_status ankle_inertia(const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real found[ANKLE_FOUND],
-    const ankle_real joint_inertias[ANKLE_JOINTS], ankle_real inertia[ANKLE_FOUND * ANKLE_FOUND]);
+    const ankle_real found[ANKLE_FOUND], const ankle_real joint_inertias[ANKLE_JOINTS],
+    ankle_real inertia[ANKLE_FOUND * ANKLE_FOUND]);
 
 /* The largest torque, and the largest rate, of each found coordinate alone, the others without any,
  * for which no joint is beyond its own; 1e+20f where no joint bounds it. */
 ankle_status ankle_torque_limits(const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real found[ANKLE_FOUND],
-    const ankle_real joint_limits[ANKLE_JOINTS], ankle_real found_limits[ANKLE_FOUND]);
+    const ankle_real found[ANKLE_FOUND], const ankle_real joint_limits[ANKLE_JOINTS],
+    ankle_real found_limits[ANKLE_FOUND]);
 ankle_status ankle_rate_limits(const ankle_real joints[ANKLE_JOINTS],
-    const ankle_real found[ANKLE_FOUND],
-    const ankle_real joint_limits[ANKLE_JOINTS], ankle_real found_limits[ANKLE_FOUND]);
+    const ankle_real found[ANKLE_FOUND], const ankle_real joint_limits[ANKLE_JOINTS],
+    ankle_real found_limits[ANKLE_FOUND]);
 #ifdef __cplusplus
 }
 #endif

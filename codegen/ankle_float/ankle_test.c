@@ -5,298 +5,489 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #define N ANKLE_JOINTS
+#define MOST (N * N * N + N * N + 7) /* numbers that any function takes or gives */
 
+/* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and
+ * then guessed, c: a coordinate, s: a speed, l: what is never below 0, f: what only has to be
+ * finite. step: one step of tracking; opposite: the problem by which answers are held where they
+ * are not the only ones. The numbers of an answer, weighed, may be off by `share` times its bound
+ * and by `within` more. Where nothing is solved there are no answers, where nothing is guessed no
+ * guesses. */
+typedef struct function {
+    const char *name;
+    ankle_status (*ask)(const ankle_config *config, const ankle_real *given,
+        const ankle_real *guess, ankle_real *result, ankle_info *info);
+    const char *kinds;
+    int given;
+    int found;
+    const ankle_real *values;
+    const ankle_real *guesses;
+    const ankle_real *answers;
+    const double *weights;
+    ankle_status (*step)(const ankle_config *config, const ankle_real *given,
+        const ankle_real *guess, ankle_real *result, ankle_info *info);
+    const struct function *opposite;
+    int informs; /* whether a config is read and an info written */
+    int blamed; /* which values info->joint is about: 1 given ones, 2 the guess, 0 neither */
+    unsigned int few; /* steps that are not enough for the first vector */
+    double share;
+    double within;
+} function;
+
+static const ankle_real wrong[3] = { (ankle_real)NAN, (ankle_real)INFINITY, -(ankle_real)INFINITY };
 static int failures = 0;
 
-static void expect(int right, const char *what, int number)
+static void expect(int right, const char *of, const char *what, int number)
 {
     if (!right) {
         ++failures;
-        (void)printf("failed: %s, case %d\n", what, number);
+        (void)printf("failed: %s, %s, case %d\n", of, what, number);
     }
 }
 
-static void copy(const ankle_real from[N], ankle_real to[N])
+static void copy(const ankle_real *from, ankle_real *to, int count)
 {
-    for (int i = 0; i < N; ++i) {
+    for (int i = 0; i < count; ++i) {
         to[i] = from[i];
     }
 }
 
-/* Largest difference, that of angles times the size. */
-static double difference(const ankle_real a[N], const ankle_real b[N], const double weight[N])
+static int all_are(const ankle_real *values, int count, ankle_real value)
+{
+    int same = 1;
+    for (int i = 0; i < count; ++i) {
+        same = same && (values[i] == value);
+    }
+    return same;
+}
+
+static ankle_status ask_direct(const ankle_config *config, const ankle_real *given,
+    const ankle_real *guess, ankle_real *result, ankle_info *info)
+{
+    const ankle_status status = ankle_direct(config, given, guess, result, info);
+    return status;
+}
+
+static ankle_status ask_inverse(const ankle_config *config, const ankle_real *given,
+    const ankle_real *guess, ankle_real *result, ankle_info *info)
+{
+    const ankle_status status = ankle_inverse(config, given, guess, result, info);
+    return status;
+}
+
+static ankle_status ask_track(const ankle_config *config, const ankle_real *given,
+    const ankle_real *guess, ankle_real *result, ankle_info *info)
+{
+    (void)config;
+    (void)guess;
+    const ankle_status status = ankle_track(given, result, info);
+    return status;
+}
+
+static ankle_status ask_track_inverse(const ankle_config *config, const ankle_real *given,
+    const ankle_real *guess, ankle_real *result, ankle_info *info)
+{
+    (void)config;
+    (void)guess;
+    const ankle_status status = ankle_track_inverse(given, result, info);
+    return status;
+}
+
+static ankle_status ask_jacobian(const ankle_config *config, const ankle_real *given,
+    const ankle_real *guess, ankle_real *result, ankle_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ankle_status status = ankle_jacobian(given, &given[2], result);
+    return status;
+}
+
+static ankle_status ask_rates(const ankle_config *config, const ankle_real *given,
+    const ankle_real *guess, ankle_real *result, ankle_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ankle_status status = ankle_rates(given, &given[2], &given[4], result);
+    return status;
+}
+
+static ankle_status ask_torques(const ankle_config *config, const ankle_real *given,
+    const ankle_real *guess, ankle_real *result, ankle_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ankle_status status = ankle_torques(given, &given[2], &given[4], result);
+    return status;
+}
+
+static ankle_status ask_inverse_jacobian(const ankle_config *config, const ankle_real *given,
+    const ankle_real *guess, ankle_real *result, ankle_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ankle_status status = ankle_inverse_jacobian(given, &given[2], result);
+    return status;
+}
+
+static ankle_status ask_second(const ankle_config *config, const ankle_real *given,
+    const ankle_real *guess, ankle_real *result, ankle_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ankle_status status = ankle_second(given, &given[2], result, &result[4]);
+    return status;
+}
+
+static ankle_status ask_inertia(const ankle_config *config, const ankle_real *given,
+    const ankle_real *guess, ankle_real *result, ankle_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ankle_status status = ankle_inertia(given, &given[2], &given[4], result);
+    return status;
+}
+
+static ankle_status ask_torque_limits(const ankle_config *config, const ankle_real *given,
+    const ankle_real *guess, ankle_real *result, ankle_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ankle_status status = ankle_torque_limits(given, &given[2], &given[4], result);
+    return status;
+}
+
+static ankle_status ask_rate_limits(const ankle_config *config, const ankle_real *given,
+    const ankle_real *guess, ankle_real *result, ankle_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ankle_status status = ankle_rate_limits(given, &given[2], &given[4], result);
+    return status;
+}
+/* Largest weighed difference; of q and -q, one rotation, the nearer one. NaN is the largest. */
+static double away(const function *asked, const ankle_real *a, const ankle_real *b)
 {
     double largest = 0.0;
-    for (int i = 0; i < N; ++i) {
-        const double off = weight[i] * fabs((double)a[i] - (double)b[i]);
+    double cosine = 0.0;
+    for (int i = 3; (i < 7) && (asked->found == 7); ++i) {
+        cosine += (double)a[i] * (double)b[i];
+    }
+    for (int i = 0; i < asked->found; ++i) {
+        const double side = ((i >= 3) && (cosine < 0.0)) ? -1.0 : 1.0;
+        const double off = asked->weights[i] * fabs((double)a[i] - side * (double)b[i]);
         largest = (off <= largest) ? largest : off;
     }
     return largest;
 }
 
-static void solve_all(void)
+/* Answers of the vectors, and standing still at them. */
+static void solve_all(const function *asked)
 {
-    static const double of_joints[N] = { 262.01145013147806, 262.01145013147806 };
-    static const double of_found[N] = { 262.01145013147806, 262.01145013147806 };
+    const char *const name = asked->name;
     for (int k = 0; k < ANKLE_VECTORS; ++k) {
         const double bound = ankle_vector_bounds[k];
-        ankle_real found[N];
-        ankle_real joints[N];
+        const double most = asked->share * bound + asked->within;
+        const ankle_real *const given = &asked->values[asked->given * k];
+        const ankle_real *const guess = (asked->guesses == NULL)
+            ? NULL : &asked->guesses[asked->found * k];
+        const ankle_real *const answer = &asked->answers[asked->found * k];
+        ankle_real result[MOST];
+        ankle_real again[MOST];
         ankle_info info;
-        copy(ankle_vector_guesses[k], found);
-        expect(ankle_direct(NULL, ankle_vector_joints[k], found, found, &info) == ANKLE_OK,
-            "direct", k);
-        expect(difference(found, ankle_vector_found[k], of_found) <= bound, "direct's values", k);
-        expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
-        expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
-        expect(ankle_direct(NULL, ankle_vector_joints[k], found, found, &info) == ANKLE_OK,
-            "standing still", k);
-        expect(difference(found, ankle_vector_found[k], of_found) <= bound,
-            "standing still's values", k);
-        expect(ankle_track(ankle_vector_joints[k], found, &info) == ANKLE_OK, "track", k);
-        expect(difference(found, ankle_vector_found[k], of_found) <= bound, "track's values", k);
-        copy(ankle_vector_joint_guesses[k], joints);
-        expect(ankle_inverse(NULL, ankle_vector_found[k], joints, joints, &info) == ANKLE_OK,
-            "inverse", k);
-        expect(difference(joints, ankle_vector_inverse[k], of_joints) <= bound, "inverse's joints",
-            k);
-        expect(ankle_inverse(NULL, ankle_vector_found[k], ankle_vector_joint_guesses[k], joints,
-            NULL) == ANKLE_OK, "inverse without info", k);
-        expect(ankle_track_inverse(ankle_vector_found[k], joints, &info) == ANKLE_OK,
-            "track_inverse", k);
-        expect(difference(joints, ankle_vector_inverse[k], of_joints) <= bound,
-            "track_inverse's joints", k);
+        for (int i = 0; i < asked->found; ++i) {
+            result[i] = (guess != NULL) ? guess[i] : 4.0f;
+        }
+        expect(asked->ask(NULL, given, asked->informs ? result : guess, result, &info) == ANKLE_OK,
+            name, "OK", k);
+        expect(away(asked, result, answer) <= most, name, "answer", k);
+        if (asked->informs) {
+            expect((double)info.residual <= 16.0 * bound, name, "residual", k);
+            expect(info.min_pivot > 0.0f, name, "smallest pivot", k);
+            expect(info.joint == N, name, "no joint to blame", k);
+            expect(asked->ask(NULL, given, guess, again, NULL) == ANKLE_OK, name, "without info",
+                k);
+            copy(result, again, asked->found);
+            expect(asked->ask(NULL, given, again, again, &info) == ANKLE_OK, name,
+                "standing still", k);
+            expect(away(asked, again, answer) <= most, name, "answer of standing still", k);
+        }
+        if (asked->step != NULL) {
+            copy(result, again, asked->found);
+            expect(asked->step(NULL, given, NULL, again, &info) == ANKLE_OK, name, "track", k);
+            expect(away(asked, again, answer) <= most, name, "answer of track", k);
+        }
+        if (asked->opposite != NULL) {
+            expect(asked->opposite->ask(NULL, result, NULL, again, NULL) == ANKLE_OK, name,
+                "asked back", k);
+            expect(away(asked->opposite, again, given) <= bound, name, "answer asked back", k);
+        }
     }
 }
 
-/* The Jacobian, and the law of virtual power: joint torques on joint rates do what found torques do
- * on found rates. */
-static void rates_all(void)
+/* Values that are refused: the status (OK: any but this), the joint that is blamed, the result
+ * untouched, info written. */
+static void refuse(const function *asked, const ankle_real *given, const ankle_real *guess,
+    ankle_status wanted, int joint, int number)
 {
-    for (int k = 0; k < ANKLE_VECTOR_JACOBIANS; ++k) {
-        ankle_real jacobian[N * N];
-        ankle_real torques[N];
-        ankle_real rates[N];
-        ankle_real of_found[N];
-        ankle_real of_joints[N];
-        double power = 0.0;
-        double size = 1.0;
-        for (int i = 0; i < N; ++i) {
-            torques[i] = (ankle_real)(1 + i);
-            rates[i] = (ankle_real)(2 - i);
-        }
-        expect(ankle_jacobian(ankle_vector_joints[k], ankle_vector_found[k], jacobian) == ANKLE_OK,
-            "jacobian", k);
-        for (int i = 0; i < N * N; ++i) {
-            const double wanted = (double)ankle_vector_jacobians[k][i];
-            expect(fabs((double)jacobian[i] - wanted) <= 1e-4 * (1.0 + fabs(wanted)),
-                "jacobian's entry", i);
-        }
-        expect(ankle_rates(ankle_vector_joints[k], ankle_vector_found[k], rates,
-            of_found) == ANKLE_OK, "rates", k);
-        expect(ankle_torques(ankle_vector_joints[k], ankle_vector_found[k], torques,
-            of_joints) == ANKLE_OK, "torques", k);
-        for (int i = 0; i < N; ++i) {
-            power += (double)torques[i] * (double)of_found[i]
-                - (double)of_joints[i] * (double)rates[i];
-            size += fabs((double)torques[i] * (double)of_found[i]);
-        }
-        expect(fabs(power) <= 1e-4 * size, "power", k);
+    ankle_real result[MOST];
+    ankle_info info;
+    for (int i = 0; i < MOST; ++i) {
+        result[i] = 4.0f;
     }
+    info.iterations = 255U;
+    info.joint = N;
+    const ankle_status status = asked->ask(NULL, given, guess, result, &info);
+    expect((wanted == ANKLE_OK) ? (status != ANKLE_OK) : (status == wanted), asked->name,
+        "status of a refusal", number);
+    expect(all_are(result, MOST, 4.0f), asked->name, "result untouched by a refusal", number);
+    if (asked->informs) {
+        expect(info.iterations != 255U, asked->name, "info of a refusal", number);
+        expect((joint < 0) || ((int)info.joint == joint), asked->name, "joint of a refusal",
+            number);
+    }
+}
+
+/* A step that is refused: the status, the result untouched. */
+static void refuse_step(const function *asked, const ankle_real *given, const ankle_real *last,
+    ankle_status wanted, int number)
+{
+    ankle_real result[MOST];
+    copy(last, result, asked->found);
+    expect(asked->step(NULL, given, NULL, result, NULL) == wanted, asked->name,
+        "status of a step refused", number);
+    expect(memcmp(last, result, (size_t)asked->found * sizeof result[0]) == 0, asked->name,
+        "result untouched by a step refused", number);
+}
+
+/* Each number that is given or guessed in turn not finite, or out of all bounds; wrong configs, and
+ * too few steps. */
+static void refuse_values(const function *asked)
+{
+    const ankle_real bad[4] = { 0.0f, -1.0f, wrong[0], wrong[1] };
+    const int count = (int)strlen(asked->kinds);
+    ankle_real given[MOST];
+    ankle_real guess[MOST];
+    for (int i = 0; i < count; ++i) {
+        const ankle_real out = (asked->kinds[i] == 'c')
+            ? 2.6201145e+06f : ((asked->kinds[i] == 's') ? (ankle_real)1e30 : -1.0f);
+        for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
+            const int place = (i < asked->given) ? i : (i - asked->given);
+            const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
+            const ankle_status status = (k < 3) ? ANKLE_NONFINITE : ANKLE_OUT_OF_RANGE;
+            copy(asked->values, given, asked->given);
+            if (asked->guesses != NULL) {
+                copy(asked->guesses, guess, asked->found);
+            }
+            *((i < asked->given) ? &given[place] : &guess[place]) = (k < 3)
+                ? wrong[k] : (((k == 3) || (out < 0.0f)) ? out : -out);
+            refuse(asked, given, guess, status, joint, 5 * i + k);
+            if (asked->step != NULL) {
+                refuse_step(asked, given, guess, status, 5 * i + k);
+            }
+        }
+    }
+    for (int i = 0; (i < 8) && asked->informs; ++i) {
+        const ankle_config config = { (i < 4) ? bad[i] : ANKLE_TOLERANCE, ANKLE_MAX_STEPS,
+            (i < 4) ? ANKLE_MAX_STEP : bad[i - 4] };
+        const ankle_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
+        expect(status == ((i % 4 < 2) ? ANKLE_OUT_OF_RANGE : ANKLE_NONFINITE), asked->name,
+            "status of a wrong config", i);
+    }
+    for (unsigned int steps = 0U; (steps <= asked->few) && asked->informs; ++steps) {
+        const ankle_config config = { ANKLE_TOLERANCE, (uint8_t)steps, ANKLE_MAX_STEP };
+        const ankle_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
+        expect(status == ANKLE_MAX_ITERATIONS, asked->name, "status of too few steps", (int)steps);
+    }
+}
+
+/* Rows of values that are refused: of given ones, or (as_guess) of guesses; blamed: the joint of
+ * each row, NULL where nobody asks. */
+static void refuse_rows(const function *asked, const ankle_real *rows, int count, int as_guess,
+    ankle_status wanted, const int *blamed)
+{
+    for (int k = 0; k < count; ++k) {
+        const ankle_real *const given = as_guess ? asked->values : &rows[asked->given * k];
+        const ankle_real *const guess = as_guess ? &rows[asked->found * k] : asked->guesses;
+        refuse(asked, given, guess, wanted, (blamed == NULL) ? -1 : blamed[k], k);
+    }
+}
+/* Jacobians of the first vectors. */
+static void jacobian_of(int k)
+{
+    const double most = 0.0001;
+    ankle_real jacobian[MOST];
+    const ankle_real *const joints = ankle_vector_joints[k];
+    const ankle_real *const found = ankle_vector_found[k];
+    expect(ankle_jacobian(joints, found, jacobian) == ANKLE_OK, "jacobian", "OK", k);
+    for (int i = 0; i < N * N; ++i) {
+        const double wanted = (double)ankle_vector_jacobians[k][i];
+        expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "jacobian",
+            "entry", i);
+    }
+}
+
+/* The law of virtual power: joint torques on joint rates do what found torques do on found
+ * rates. */
+static void power_of(int k)
+{
+    const ankle_real *const joints = ankle_vector_joints[k];
+    const ankle_real *const found = ankle_vector_found[k];
+    ankle_real torques[N];
+    ankle_real rates[N];
+    ankle_real of_found[N];
+    ankle_real of_joints[N];
+    double power = 0.0;
+    double size = 1.0;
+    for (int i = 0; i < N; ++i) {
+        torques[i] = (ankle_real)(1 + i);
+        rates[i] = (ankle_real)(2 - i);
+    }
+    expect(ankle_rates(joints, found, rates, of_found) == ANKLE_OK, "rates", "OK", k);
+    expect(ankle_torques(joints, found, torques, of_joints) == ANKLE_OK, "torques", "OK", k);
+    for (int i = 0; i < N; ++i) {
+        power += (double)torques[i] * (double)of_found[i] - (double)of_joints[i] * (double)rates[i];
+        size += fabs((double)torques[i] * (double)of_found[i]);
+    }
+    expect(fabs(power) <= 1e-4 * size, "torques", "power", k);
 }
 
 /* Second derivatives; the inverse Jacobian against the Jacobian; that joints and found coordinates
  * have the same kinetic energy; that a found torque, and a rate, at its limit has one joint at its
  * own, and none beyond. */
-static void derivatives_all(void)
+static void derivatives_of(int k)
 {
-    for (int k = 0; k < ANKLE_VECTOR_JACOBIANS; ++k) {
-        const ankle_real *const joints = ankle_vector_joints[k];
-        const ankle_real *const found = ankle_vector_found[k];
-        ankle_real own[N];
-        ankle_real jacobian[N * N];
-        ankle_real again[N * N];
-        ankle_real inverse[N * N];
-        ankle_real inertia[N * N];
-        ankle_real second[N * N * N];
-        ankle_real torques[N];
-        ankle_real rates[N];
-        double most = 1.0;
-        for (int i = 0; i < N; ++i) {
-            own[i] = (ankle_real)(1 + i);
-        }
-        expect(ankle_jacobian(joints, found, jacobian) == ANKLE_OK, "jacobian", k);
-        expect(ankle_inverse_jacobian(joints, found, inverse) == ANKLE_OK, "inverse_jacobian", k);
-        expect(ankle_second(joints, found, NULL, second) == ANKLE_OK, "second without jacobian", k);
-        expect(ankle_second(joints, found, again, second) == ANKLE_OK, "second", k);
-        expect(ankle_inertia(joints, found, own, inertia) == ANKLE_OK, "inertia", k);
-        expect(ankle_torque_limits(joints, found, own, torques) == ANKLE_OK, "torque_limits", k);
-        expect(ankle_rate_limits(joints, found, own, rates) == ANKLE_OK, "rate_limits", k);
-        for (int i = 0; i < N * N * N; ++i) {
-            most = fmax(most, fabs((double)ankle_vector_seconds[k][i]));
-        }
-        for (int i = 0; i < N * N * N; ++i) {
-            const double off = (double)second[i] - (double)ankle_vector_seconds[k][i];
-            expect(fabs(off) <= 10.0 * 1e-4 * most, "second's entry", i);
-        }
-        for (int i = 0; i < N; ++i) {
-            double torque = 0.0;
-            double rate = 0.0;
-            for (int j = 0; j < N; ++j) {
-                double one = 0.0;
-                double energy = 0.0;
-                double scale = 1.0;
-                for (int l = 0; l < N; ++l) {
-                    one += (double)jacobian[N * i + l] * (double)inverse[N * l + j];
-                    scale += fabs((double)jacobian[N * i + l] * (double)inverse[N * l + j]);
-                    for (int h = 0; h < N; ++h) {
-                        energy += (double)jacobian[N * l + i] * (double)inertia[N * l
-                            + h] * (double)jacobian[N * h + j];
-                        scale += fabs((double)jacobian[N * l + i] * (double)inertia[N * l
-                            + h] * (double)jacobian[N * h + j]);
-                    }
-                }
-                expect(again[N * i + j] == jacobian[N * i + j], "second's jacobian", k);
-                expect(fabs(one - ((i == j) ? 1.0 : 0.0)) <= 10.0 * 1e-4 * scale,
-                    "inverse_jacobian's entry", k);
-                expect(fabs(energy - ((i == j) ? (double)own[i] : 0.0)) <= 10.0 * 1e-4 * scale,
-                    "inertia's entry", k);
-                torque = fmax(torque, fabs((double)jacobian[N * i
-                    + j] * (double)torques[i]) / (double)own[j]);
-                rate = fmax(rate, fabs((double)inverse[N * j
-                    + i] * (double)rates[i]) / (double)own[j]);
-            }
-            expect(fabs(torque - 1.0) <= 1e-4, "torque at its limit", i);
-            expect(fabs(rate - 1.0) <= 1e-4, "rate at its limit", i);
-        }
-    }
-}
-
-/* Every function with one input that it refuses: the status, results untouched, info written. */
-static void refuse(const ankle_real joints[N], const ankle_real found[N], ankle_status wanted,
-    int number)
-{
-    ankle_real result[N];
+    const ankle_real *const joints = ankle_vector_joints[k];
+    const ankle_real *const found = ankle_vector_found[k];
+    ankle_real own[N];
     ankle_real jacobian[N * N];
+    ankle_real inverse[N * N];
+    ankle_real inertia[N * N];
+    ankle_real again[N * N];
     ankle_real second[N * N * N];
-    ankle_real ones[N];
-    ankle_info info;
+    ankle_real torques[N];
+    ankle_real rates[N];
+    double most = 1.0;
     for (int i = 0; i < N; ++i) {
-        result[i] = 4.0f;
-        ones[i] = 1.0f;
+        own[i] = (ankle_real)(1 + i);
     }
-    info.iterations = 255U;
-    expect(ankle_direct(NULL, joints, found, result, &info) == wanted, "direct refuses", number);
-    expect(info.iterations != 255U, "info written on failure", number);
-    info.iterations = 255U;
-    expect(ankle_inverse(NULL, found, joints, result, &info) == wanted, "inverse refuses", number);
-    expect(info.iterations != 255U, "info written on failure", number);
-    for (int i = 0; i < N; ++i) {
-        expect(result[i] == 4.0f, "result untouched on failure", number);
+    expect(ankle_jacobian(joints, found, jacobian) == ANKLE_OK, "jacobian", "OK", k);
+    expect(ankle_inverse_jacobian(joints, found, inverse) == ANKLE_OK, "inverse_jacobian", "OK", k);
+    expect(ankle_second(joints, found, NULL, second) == ANKLE_OK, "second", "without a jacobian",
+        k);
+    expect(ankle_second(joints, found, again, second) == ANKLE_OK, "second", "OK", k);
+    expect(ankle_inertia(joints, found, own, inertia) == ANKLE_OK, "inertia", "OK", k);
+    expect(ankle_torque_limits(joints, found, own, torques) == ANKLE_OK, "torque_limits", "OK", k);
+    expect(ankle_rate_limits(joints, found, own, rates) == ANKLE_OK, "rate_limits", "OK", k);
+    for (int i = 0; i < N * N * N; ++i) {
+        most = fmax(most, fabs((double)ankle_vector_seconds[k][i]));
     }
-    expect(ankle_jacobian(joints, found, jacobian) == wanted, "jacobian refuses", number);
-    copy(found, result);
-    expect(ankle_track(joints, result, &info) == wanted, "track refuses", number);
-    copy(joints, result);
-    expect(ankle_track_inverse(found, result, &info) == wanted, "track_inverse refuses", number);
-    copy(joints, result);
-    expect(ankle_rates(joints, found, joints, result) == wanted, "rates refuse", number);
-    expect(ankle_torques(joints, found, joints, result) == wanted, "torques refuse", number);
-    expect(ankle_inverse_jacobian(joints, found, jacobian) == wanted, "inverse_jacobian refuses",
-        number);
-    expect(ankle_second(joints, found, jacobian, second) == wanted, "second refuses", number);
-    expect(ankle_inertia(joints, found, ones, jacobian) == wanted, "inertia refuses", number);
-    expect(ankle_torque_limits(joints, found, ones, result) == wanted, "torque_limits refuse",
-        number);
-    expect(ankle_rate_limits(joints, found, ones, result) == wanted, "rate_limits refuse", number);
-}
-
-static void refuse_all(void)
-{
-    static const ankle_real wrong[3] = { (ankle_real)NAN, (ankle_real)INFINITY,
-        -(ankle_real)INFINITY };
-    const ankle_config none = { ANKLE_TOLERANCE, 0U, ANKLE_MAX_STEP };
-    ankle_real joints[N];
-    ankle_real found[N];
-    ankle_info info;
+    for (int i = 0; i < N * N * N; ++i) {
+        const double off = (double)second[i] - (double)ankle_vector_seconds[k][i];
+        expect(fabs(off) <= 10.0 * 1e-4 * most, "second", "entry", i);
+    }
     for (int i = 0; i < N; ++i) {
-        for (int k = 0; k < 4; ++k) {
-            copy(ankle_vector_joints[0], joints);
-            copy(ankle_vector_found[0], found);
-            joints[i] = (k < 3) ? wrong[k] : 2.6201145e+06f;
-            refuse(joints, found, (k < 3) ? ANKLE_NONFINITE : ANKLE_OUT_OF_RANGE, 8 * i + k);
-            copy(ankle_vector_joints[0], joints);
-            found[i] = (k < 3) ? wrong[k] : 2.6201145e+06f;
-            refuse(joints, found, (k < 3) ? ANKLE_NONFINITE : ANKLE_OUT_OF_RANGE, 8 * i + 4 + k);
+        double torque = 0.0;
+        double rate = 0.0;
+        for (int j = 0; j < N; ++j) {
+            double one = 0.0;
+            double energy = 0.0;
+            double scale = 1.0;
+            for (int l = 0; l < N; ++l) {
+                one += (double)jacobian[N * i + l] * (double)inverse[N * l + j];
+                scale += fabs((double)jacobian[N * i + l] * (double)inverse[N * l + j]);
+                for (int h = 0; h < N; ++h) {
+                    energy += (double)jacobian[N * l + i] * (double)inertia[N * l
+                        + h] * (double)jacobian[N * h + j];
+                    scale += fabs((double)jacobian[N * l + i] * (double)inertia[N * l
+                        + h] * (double)jacobian[N * h + j]);
+                }
+            }
+            expect(again[N * i + j] == jacobian[N * i + j], "second", "jacobian", k);
+            expect(fabs(one - ((i == j) ? 1.0 : 0.0)) <= 10.0 * 1e-4 * scale, "inverse_jacobian",
+                "entry", k);
+            expect(fabs(energy - ((i == j) ? (double)own[i] : 0.0)) <= 10.0 * 1e-4 * scale,
+                "inertia", "entry", k);
+            torque = fmax(torque, fabs((double)jacobian[N * i
+                + j] * (double)torques[i]) / (double)own[j]);
+            rate = fmax(rate, fabs((double)inverse[N * j + i] * (double)rates[i]) / (double)own[j]);
         }
-    }
-    copy(ankle_vector_joints[0], joints);
-    copy(ankle_vector_found[0], found);
-    expect(ankle_direct(&none, joints, found, found, &info) == ANKLE_MAX_ITERATIONS,
-        "direct without a step", 0);
-    expect(ankle_inverse(&none, found, joints, joints, &info) == ANKLE_MAX_ITERATIONS,
-        "inverse without a step", 0);
-    for (int k = 0; k < 4; ++k) {
-        /* numbers that are no inertias and no limits */
-        ankle_real matrix[N * N];
-        const ankle_status why = (k < 3) ? ANKLE_NONFINITE : ANKLE_OUT_OF_RANGE;
-        copy(ankle_vector_found[0], found);
-        found[0] = (k < 3) ? wrong[k] : -1.0f;
-        expect(ankle_inertia(joints, ankle_vector_found[0], found, matrix) == why,
-            "inertia refuses an inertia", k);
-        expect(ankle_torque_limits(joints, ankle_vector_found[0], found, found) == why,
-            "torque_limits refuse a limit", k);
-        expect(ankle_rate_limits(joints, ankle_vector_found[0], found, found) == why,
-            "rate_limits refuse a limit", k);
+        expect(fabs(torque - 1.0) <= 1e-4, "torque_limits", "torque at its limit", i);
+        expect(fabs(rate - 1.0) <= 1e-4, "rate_limits", "rate at its limit", i);
     }
 }
-
-/* Values that no configuration has, and joints and found values beyond their limits: never OK,
- * results untouched. */
-static void refuse_infeasible(void)
-{
-    static const struct {
-        int count;
-        int inverse;
-        const ankle_real (*values)[N];
-    } tables[4] = {
-        { ANKLE_VECTOR_INFEASIBLE_JOINTS, 0, ankle_vector_infeasible_joints },
-        { ANKLE_VECTOR_INFEASIBLE_FOUND, 1, ankle_vector_infeasible_found },
-        { ANKLE_VECTOR_PAST_JOINTS, 2, ankle_vector_past_joints },
-        { ANKLE_VECTOR_PAST_FOUND, 3, ankle_vector_past_found }
-    };
-    for (int t = 0; t < 4; ++t) {
-        for (int k = 0; k < tables[t].count; ++k) {
-            ankle_real result[N];
-            ankle_status status;
-            for (int i = 0; i < N; ++i) {
-                result[i] = 4.0f;
-            }
-            if (tables[t].inverse % 2 == 0) {
-                status = ankle_direct(NULL, tables[t].values[k], ankle_vector_home_found, result,
-                    NULL);
-            } else {
-                status = ankle_inverse(NULL, tables[t].values[k], ankle_vector_home_joints, result,
-                    NULL);
-            }
-            expect((tables[t].inverse < 2) ? (status != ANKLE_OK) : (status == ANKLE_OUT_OF_RANGE),
-                "values that cannot be taken", k);
-            for (int i = 0; i < N; ++i) {
-                expect(result[i] == 4.0f, "result untouched by values that cannot be taken", k);
-            }
-        }
-    }
-}
-
 int main(void)
 {
-    solve_all();
-    rates_all();
-    derivatives_all();
-    refuse_all();
-    refuse_infeasible();
+    static const double weights_of_direct[] = { 262.01145013147806, 262.01145013147806 };
+    const function of_direct = { "direct", ask_direct, "cccc", 2, 2, &ankle_vector_joints[0][0],
+        &ankle_vector_guesses[0][0], &ankle_vector_found[0][0], weights_of_direct, ask_track, NULL,
+        1, 1, 0U, 1.0, 0.0 };
+    static const double weights_of_inverse[] = { 262.01145013147806, 262.01145013147806 };
+    const function of_inverse = { "inverse", ask_inverse, "cccc", 2, 2, &ankle_vector_found[0][0],
+        &ankle_vector_joint_guesses[0][0], &ankle_vector_inverse[0][0], weights_of_inverse,
+        ask_track_inverse, NULL, 1, 0, 0U, 1.0, 0.0 };
+    static const ankle_real numbers_of_jacobian[] = { -0x1.0e3e1c0000000p-3f,
+        -0x1.7df2080000000p-6f, -0x1.13da2c0000000p-4f, -0x1.268dc60000000p-4f };
+    const function of_jacobian = { "jacobian", ask_jacobian, "cccc", 4, 4, numbers_of_jacobian,
+        NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ankle_real numbers_of_rates[] = { -0x1.0e3e1c0000000p-3f, -0x1.7df2080000000p-6f,
+        -0x1.13da2c0000000p-4f, -0x1.268dc60000000p-4f, 0x1.0000000000000p+0f,
+        0x1.0000000000000p+0f };
+    const function of_rates = { "rates", ask_rates, "ccccss", 6, 2, numbers_of_rates, NULL, NULL,
+        NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ankle_real numbers_of_torques[] = { -0x1.0e3e1c0000000p-3f,
+        -0x1.7df2080000000p-6f, -0x1.13da2c0000000p-4f, -0x1.268dc60000000p-4f,
+        0x1.0000000000000p+0f, 0x1.0000000000000p+0f };
+    const function of_torques = { "torques", ask_torques, "ccccss", 6, 2, numbers_of_torques, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ankle_real numbers_of_inverse_jacobian[] = { -0x1.0e3e1c0000000p-3f,
+        -0x1.7df2080000000p-6f, -0x1.13da2c0000000p-4f, -0x1.268dc60000000p-4f };
+    const function of_inverse_jacobian = { "inverse_jacobian", ask_inverse_jacobian, "cccc", 4, 4,
+        numbers_of_inverse_jacobian, NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ankle_real numbers_of_second[] = { -0x1.0e3e1c0000000p-3f, -0x1.7df2080000000p-6f,
+        -0x1.13da2c0000000p-4f, -0x1.268dc60000000p-4f };
+    const function of_second = { "second", ask_second, "cccc", 4, 12, numbers_of_second, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ankle_real numbers_of_inertia[] = { -0x1.0e3e1c0000000p-3f,
+        -0x1.7df2080000000p-6f, -0x1.13da2c0000000p-4f, -0x1.268dc60000000p-4f,
+        0x1.0000000000000p+0f, 0x1.0000000000000p+0f };
+    const function of_inertia = { "inertia", ask_inertia, "ccccll", 6, 4, numbers_of_inertia, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ankle_real numbers_of_torque_limits[] = { -0x1.0e3e1c0000000p-3f,
+        -0x1.7df2080000000p-6f, -0x1.13da2c0000000p-4f, -0x1.268dc60000000p-4f,
+        0x1.0000000000000p+0f, 0x1.0000000000000p+0f };
+    const function of_torque_limits = { "torque_limits", ask_torque_limits, "ccccll", 6, 2,
+        numbers_of_torque_limits, NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ankle_real numbers_of_rate_limits[] = { -0x1.0e3e1c0000000p-3f,
+        -0x1.7df2080000000p-6f, -0x1.13da2c0000000p-4f, -0x1.268dc60000000p-4f,
+        0x1.0000000000000p+0f, 0x1.0000000000000p+0f };
+    const function of_rate_limits = { "rate_limits", ask_rate_limits, "ccccll", 6, 2,
+        numbers_of_rate_limits, NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    const function *const all[] = { &of_direct, &of_inverse, &of_jacobian, &of_rates, &of_torques,
+        &of_inverse_jacobian, &of_second, &of_inertia, &of_torque_limits, &of_rate_limits };
+    for (int i = 0; i < 10; ++i) {
+        if (all[i]->answers != NULL) {
+            solve_all(all[i]);
+        }
+        refuse_values(all[i]);
+    }
+    for (int k = 0; k < ANKLE_VECTOR_JACOBIANS; ++k) {
+        jacobian_of(k);
+        power_of(k);
+        derivatives_of(k);
+    }
+    refuse_rows(&of_direct, &ankle_vector_infeasible_joints[0][0], 4, 0, ANKLE_OK, NULL);
+    refuse_rows(&of_inverse, &ankle_vector_infeasible_found[0][0], 4, 0, ANKLE_OK, NULL);
     (void)printf("ankle: %d cases, %d failures\n", ANKLE_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

@@ -7,6 +7,10 @@
 
 #define ANKLE_VECTORS 24
 #define ANKLE_VECTOR_JACOBIANS 4
+#define ANKLE_VECTOR_INFEASIBLE_JOINTS 4
+#define ANKLE_VECTOR_PAST_JOINTS 0
+#define ANKLE_VECTOR_INFEASIBLE_FOUND 4
+#define ANKLE_VECTOR_PAST_FOUND 0
 
 static const ankle_real ankle_vector_joints[24][2] = {
     { -0x1.0e3e1c0000000p-3f, -0x1.7df2080000000p-6f },
@@ -165,7 +169,6 @@ static const ankle_real ankle_vector_seconds[4][8] = {
         -0x1.925e4a0000000p-4f },
 };
 
-#define ANKLE_VECTOR_INFEASIBLE_JOINTS 4
 static const ankle_real ankle_vector_infeasible_joints[4][2] = {
     { 0x1.8bcad00000000p-1f, 0x1.0379000000000p+0f },
     { 0x1.de383c0000000p+0f, 0x1.fa08380000000p+0f },
@@ -173,22 +176,11 @@ static const ankle_real ankle_vector_infeasible_joints[4][2] = {
     { 0x1.c266b80000000p+0f, 0x1.2558d20000000p+1f },
 };
 
-#define ANKLE_VECTOR_PAST_JOINTS 0
-static const ankle_real ankle_vector_past_joints[1][2] = {
-    { 0x0.0p+0f, 0x0.0p+0f },
-};
-
-#define ANKLE_VECTOR_INFEASIBLE_FOUND 4
 static const ankle_real ankle_vector_infeasible_found[4][2] = {
     { -0x1.113da20000000p+0f, -0x1.1268dc0000000p+0f },
     { 0x1.d308e20000000p-1f, 0x1.ae16220000000p-1f },
     { -0x1.0b3dc80000000p+1f, 0x1.d70b120000000p+0f },
     { -0x1.10f0460000000p+1f, -0x1.dda0fc0000000p+0f },
-};
-
-#define ANKLE_VECTOR_PAST_FOUND 0
-static const ankle_real ankle_vector_past_found[1][2] = {
-    { 0x0.0p+0f, 0x0.0p+0f },
 };
 
 static const ankle_real ankle_vector_home_joints[2] = { 0x0.0p+0f, 0x0.0p+0f };

@@ -36,6 +36,76 @@ static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int
     return status;
 }
 
+/* LU in loops of the n x n matrix a, row by row, with partial pivoting: reciprocals of pivots on
+ * the diagonal, `order` the exchanges of rows. The sign of the determinant, 0 where no entry of a
+ * column is above its `least`. */
+static DELTA_COLD int delta_lu(delta_real *a, uint8_t *order, const delta_real *least, int n)
+{
+    int sign = 1;
+    for (int c = 0; c < n; ++c) {
+        /* the largest entry of the column becomes the pivot */
+        int best = c;
+        delta_real largest = 0.0;
+        for (int r = c; r < n; ++r) {
+            const delta_real size = fabs(a[n * r + c]);
+            if (size > largest) {
+                largest = size;
+                best = r;
+            }
+        }
+        if (!(largest > least[c])) {
+            return 0;
+        }
+        order[c] = (uint8_t)best;
+        if (best != c) {
+            sign = -sign;
+            for (int j = c; j < n; ++j) {
+                const delta_real t = a[n * c + j];
+                a[n * c + j] = a[n * best + j];
+                a[n * best + j] = t;
+            }
+        }
+        if (a[n * c + c] < 0.0) {
+            sign = -sign;
+        }
+        /* reduce the rows below */
+        const delta_real inverse = 1.0 / a[n * c + c];
+        a[n * c + c] = inverse;
+        for (int r = c + 1; r < n; ++r) {
+            const delta_real factor = a[n * r + c] * inverse;
+            a[n * r + c] = factor;
+            for (int j = c + 1; j < n; ++j) {
+                a[n * r + j] -= factor * a[n * c + j];
+            }
+        }
+    }
+    return sign;
+}
+
+/* Solves for the right side f, in place, with the factors of delta_lu. */
+static DELTA_COLD void delta_lu_solve(const delta_real *a, const uint8_t *order, delta_real *f,
+    int n)
+{
+    /* forward substitution with the exchanges of rows */
+    for (int c = 0; c < n; ++c) {
+        const int best = (int)order[c];
+        const delta_real t = f[best];
+        f[best] = f[c];
+        f[c] = t;
+        for (int r = c + 1; r < n; ++r) {
+            f[r] -= a[n * r + c] * t;
+        }
+    }
+    /* back substitution */
+    for (int c = n - 1; c >= 0; --c) {
+        const delta_real t = f[c] * a[n * c + c];
+        f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            f[r] -= a[n * r + c] * t;
+        }
+    }
+}
+
 /* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
  * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static delta_status delta_normalise_pose(const delta_pose *pose, delta_real x[7])
@@ -1445,54 +1515,38 @@ delta_status delta_feed(const delta_pose *pose, const delta_real twist[6],
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
- * elimination with row exchanges. */
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size. */
 delta_status delta_twist(const delta_pose *pose, const delta_real rates[3], delta_real twist[6])
 {
     static const delta_real row_scale[3] = { 442.63969044771426, 442.63969044771426,
         442.63969044771426 };
     static const delta_real column_scale[3] = { 1.0, 1.0, 1.0 };
     static const uint8_t column[3] = { 0U, 1U, 2U };
+    static const delta_real least[3] = { 3.552713678800501e-15, 3.552713678800501e-15,
+        3.552713678800501e-15 };
     delta_real jacobian[3 * 6];
-    delta_real a[3][3 + 1];
+    delta_real a[3 * 3];
+    delta_real f[3];
+    uint8_t order[3];
     delta_status status = delta_check_speeds(rates, 3, delta_jacobian(pose, jacobian));
     if (status == DELTA_OK) {
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) {
-                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+                a[3 * i + j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
             }
-            a[i][3] = rates[i] * row_scale[i];
+            f[i] = rates[i] * row_scale[i];
         }
-        for (int c = 0; (c < 3) && (status == DELTA_OK); ++c) {
-            /* the largest entry of the column becomes the pivot */
-            int best = c;
-            for (int i = c + 1; i < 3; ++i) {
-                best = (fabs(a[i][c]) > fabs(a[best][c])) ? i : best;
-            }
-            if (!(fabs(a[best][c]) > 3.552713678800501e-15)) {
-                status = DELTA_SINGULAR;
-            } else {
-                for (int j = c; j <= 3; ++j) {
-                    const delta_real t = a[c][j];
-                    a[c][j] = a[best][j];
-                    a[best][j] = t;
-                }
-                /* clear the column in all other rows */
-                for (int i = 0; i < 3; ++i) {
-                    const delta_real factor = a[i][c] / a[c][c];
-                    for (int j = c; (i != c) && (j <= 3); ++j) {
-                        a[i][j] -= factor * a[c][j];
-                    }
-                }
-            }
+        if (delta_lu(a, order, least, 3) == 0) {
+            status = DELTA_SINGULAR;
         }
     }
     if (status == DELTA_OK) {
+        delta_lu_solve(a, order, f, 3);
         twist[3] = 0.0;
         twist[4] = 0.0;
         twist[5] = 0.0;
         for (int i = 0; i < 3; ++i) {
-            twist[column[i]] = a[i][3] / a[i][i] * column_scale[i];
+            twist[column[i]] = f[i] * column_scale[i];
         }
     }
     return status;

@@ -27,16 +27,16 @@
  *   jacobian: 120 add, 210 mul, 10 div, 4 sqrt
  *   rates: 144 add, 228 mul, 10 div, 4 sqrt
  *   feed: 147 add, 231 mul, 13 div, 4 sqrt
- *   twist: 150 add, 261 mul, 22 div, 4 sqrt
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 39344 inputs, seed 1): instructions, bytes of stack with
+ *   twist: 134 add, 251 mul, 13 div, 4 sqrt
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 98580 instructions, 1528 stack, 5252 code
- *   track: 1985 instructions, 1544 stack, 5292 code
+ *   direct: 98575 instructions, 1528 stack, 5252 code
+ *   track: 1980 instructions, 1544 stack, 5292 code
  *   inverse: 690 instructions, 232 stack, 1272 code
  *   jacobian: 855 instructions, 400 stack, 2204 code
  *   rates: 1135 instructions, 592 stack, 2384 code
  *   feed: 1230 instructions, 632 stack, 2484 code
- *   twist: 1445 instructions, 680 stack, 2792 code
+ *   twist: 1440 instructions, 664 stack, 2908 code
  *
  * Model SHA-256 02adadf425a6ae7a2396292ae800ae8459d654306b9b963b3a67ae566d228315
  */
@@ -105,13 +105,13 @@ typedef struct {
  * the beginning of the line by as much. The length of its quaternion may be off by a hundredth, its
  * pose off the platform's motion (translation) by 0.00044264 mm (angles times the size). */
 delta_status delta_direct(const delta_config *config, const delta_real joints[DELTA_JOINTS],
-    const delta_pose *guess, delta_pose *pose,
-    delta_info *info);
+    const delta_pose *guess, delta_pose *pose, delta_info *info);
+
+#define DELTA_TRACK_LIMIT ((delta_real)0.00031) /* mm */
 
 /* For servo loops: the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call
  * delta_direct. info->residual is the answer's closure error, beyond DELTA_TRACK_LIMIT near a
  * singularity. */
-#define DELTA_TRACK_LIMIT ((delta_real)0.00031) /* mm */
 delta_status delta_track(const delta_real joints[DELTA_JOINTS], delta_pose *pose, delta_info *info);
 
 /* Joint values of a pose. */

@@ -5,275 +5,398 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
+#define N DELTA_JOINTS
+#define MOST (6 * N + 13) /* numbers that any function takes or gives */
+
+/* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and
+ * then guessed, c: a coordinate, s: a speed, l: what is never below 0, f: what only has to be
+ * finite. step: one step of tracking; opposite: the problem by which answers are held where they
+ * are not the only ones. The numbers of an answer, weighed, may be off by `share` times its bound
+ * and by `within` more. Where nothing is solved there are no answers, where nothing is guessed no
+ * guesses. */
+typedef struct function {
+    const char *name;
+    delta_status (*ask)(const delta_config *config, const delta_real *given,
+        const delta_real *guess, delta_real *result, delta_info *info);
+    const char *kinds;
+    int given;
+    int found;
+    const delta_real *values;
+    const delta_real *guesses;
+    const delta_real *answers;
+    const double *weights;
+    delta_status (*step)(const delta_config *config, const delta_real *given,
+        const delta_real *guess, delta_real *result, delta_info *info);
+    const struct function *opposite;
+    int informs; /* whether a config is read and an info written */
+    int blamed; /* which values info->joint is about: 1 given ones, 2 the guess, 0 neither */
+    unsigned int few; /* steps that are not enough for the first vector */
+    double share;
+    double within;
+} function;
+
+static const delta_real wrong[3] = { (delta_real)NAN, (delta_real)INFINITY, -(delta_real)INFINITY };
 static int failures = 0;
 
-static void expect(int right, const char *what, int number)
+static void expect(int right, const char *of, const char *what, int number)
 {
     if (!right) {
         ++failures;
-        (void)printf("failed: %s, case %d\n", what, number);
+        (void)printf("failed: %s, %s, case %d\n", of, what, number);
     }
 }
 
-static delta_pose pose_from(const delta_real numbers[7])
+static void copy(const delta_real *from, delta_real *to, int count)
 {
-    delta_pose pose;
-    for (int i = 0; i < 3; ++i) {
-        pose.position[i] = numbers[i];
+    for (int i = 0; i < count; ++i) {
+        to[i] = from[i];
     }
-    for (int i = 0; i < 4; ++i) {
-        pose.quaternion[i] = numbers[3 + i];
-    }
-    return pose;
 }
 
-/* Largest difference of two poses: lengths, and rotations times the size. */
-static double difference(const delta_pose *a, const delta_real b[7])
-{
-    double largest = 0.0;
-    double cosine = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        cosine += (double)a->quaternion[i] * (double)b[3 + i];
-    }
-    for (int i = 0; i < 3; ++i) {
-        largest = fmax(largest, fabs((double)a->position[i] - (double)b[i]));
-    }
-    for (int i = 0; i < 4; ++i) {
-        const double other = (cosine < 0.0) ? -(double)b[3 + i] : (double)b[3 + i];
-        largest = fmax(largest, 2.0 * (double)DELTA_SIZE * fabs((double)a->quaternion[i] - other));
-    }
-    return (cosine == cosine) ? largest : HUGE_VAL;
-}
-
-static int same_pose(const delta_pose *a, const delta_pose *b)
+static int all_are(const delta_real *values, int count, delta_real value)
 {
     int same = 1;
-    for (int i = 0; i < 3; ++i) {
-        same = same && (a->position[i] == b->position[i]);
-    }
-    for (int i = 0; i < 4; ++i) {
-        same = same && (a->quaternion[i] == b->quaternion[i]);
+    for (int i = 0; i < count; ++i) {
+        same = same && (values[i] == value);
     }
     return same;
 }
 
-/* A direct call that must not succeed: the status, with the pose untouched and info written. */
-static delta_status refused(const delta_config *config, const delta_real joints[DELTA_JOINTS],
-    const delta_pose *guess, const char *what)
+static delta_pose pose_from(const delta_real *numbers)
 {
-    const delta_real marks[7] = { 1.0, 2.0, 4.0, 1.0, 2.0, 4.0, 1.0 };
-    const delta_pose untouched = pose_from(marks);
-    delta_pose pose = untouched;
-    delta_info info;
-    delta_status status;
-    info.iterations = 255U;
-    status = delta_direct(config, joints, guess, &pose, &info);
-    expect(status != DELTA_OK, what, 0);
-    expect(same_pose(&pose, &untouched), "result untouched on failure", 0);
-    expect(info.iterations != 255U, "info written on failure", 0);
+    delta_pose pose;
+    copy(numbers, pose.position, 3);
+    copy(&numbers[3], pose.quaternion, 4);
+    return pose;
+}
+
+static void numbers_of(const delta_pose *pose, delta_real *numbers)
+{
+    copy(pose->position, numbers, 3);
+    copy(pose->quaternion, &numbers[3], 4);
+}
+static delta_status ask_direct(const delta_config *config, const delta_real *given,
+    const delta_real *guess, delta_real *result, delta_info *info)
+{
+    delta_pose guess_pose = pose_from(guess);
+    delta_pose result_pose = pose_from(result);
+    const delta_status status = delta_direct(config, given,
+        (guess == result) ? &result_pose : &guess_pose, &result_pose, info);
+    numbers_of(&result_pose, result);
     return status;
 }
 
-static void solve_all(void)
+static delta_status ask_track(const delta_config *config, const delta_real *given,
+    const delta_real *guess, delta_real *result, delta_info *info)
 {
+    delta_pose result_pose = pose_from(result);
+    (void)config;
+    (void)guess;
+    const delta_status status = delta_track(given, &result_pose, info);
+    numbers_of(&result_pose, result);
+    return status;
+}
+
+static delta_status ask_inverse(const delta_config *config, const delta_real *given,
+    const delta_real *guess, delta_real *result, delta_info *info)
+{
+    delta_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const delta_status status = delta_inverse(&given_pose, result);
+    return status;
+}
+
+static delta_status ask_jacobian(const delta_config *config, const delta_real *given,
+    const delta_real *guess, delta_real *result, delta_info *info)
+{
+    delta_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const delta_status status = delta_jacobian(&given_pose, result);
+    return status;
+}
+
+static delta_status ask_rates(const delta_config *config, const delta_real *given,
+    const delta_real *guess, delta_real *result, delta_info *info)
+{
+    delta_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const delta_status status = delta_rates(&given_pose, &given[7], result);
+    return status;
+}
+
+static delta_status ask_twist(const delta_config *config, const delta_real *given,
+    const delta_real *guess, delta_real *result, delta_info *info)
+{
+    delta_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const delta_status status = delta_twist(&given_pose, &given[7], result);
+    return status;
+}
+
+static delta_status ask_feed(const delta_config *config, const delta_real *given,
+    const delta_real *guess, delta_real *result, delta_info *info)
+{
+    delta_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const delta_status status = delta_feed(&given_pose, &given[7], &given[13], result);
+    return status;
+}
+/* Largest weighed difference; of q and -q, one rotation, the nearer one. NaN is the largest. */
+static double away(const function *asked, const delta_real *a, const delta_real *b)
+{
+    double largest = 0.0;
+    double cosine = 0.0;
+    for (int i = 3; (i < 7) && (asked->found == 7); ++i) {
+        cosine += (double)a[i] * (double)b[i];
+    }
+    for (int i = 0; i < asked->found; ++i) {
+        const double side = ((i >= 3) && (cosine < 0.0)) ? -1.0 : 1.0;
+        const double off = asked->weights[i] * fabs((double)a[i] - side * (double)b[i]);
+        largest = (off <= largest) ? largest : off;
+    }
+    return largest;
+}
+
+/* Answers of the vectors, and standing still at them. */
+static void solve_all(const function *asked)
+{
+    const char *const name = asked->name;
     for (int k = 0; k < DELTA_VECTORS; ++k) {
         const double bound = delta_vector_bounds[k];
-        const delta_pose guess = pose_from(delta_vector_guesses[k]);
-        delta_pose pose = guess;
+        const double most = asked->share * bound + asked->within;
+        const delta_real *const given = &asked->values[asked->given * k];
+        const delta_real *const guess = (asked->guesses == NULL)
+            ? NULL : &asked->guesses[asked->found * k];
+        const delta_real *const answer = &asked->answers[asked->found * k];
+        delta_real result[MOST];
+        delta_real again[MOST];
         delta_info info;
-        delta_real joints[DELTA_JOINTS];
-        expect(delta_direct(NULL, delta_vector_joints[k], &pose, &pose, &info) == DELTA_OK,
-            "direct", k);
-        expect(difference(&pose, delta_vector_poses[k]) <= bound, "direct's pose", k);
-        expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
-        expect(info.min_pivot > 0.0, "direct's smallest pivot", k);
-        expect(info.joint == DELTA_JOINTS, "no joint to blame", k);
-        expect(delta_direct(NULL, delta_vector_joints[k], &pose, &pose, &info) == DELTA_OK,
-            "standing still", k);
-        expect(difference(&pose, delta_vector_poses[k]) <= bound, "standing still's pose", k);
-        pose = guess;
-        expect(delta_direct(NULL, delta_vector_joints[k], &guess, &pose, NULL) == DELTA_OK,
-            "direct without info", k);
-        expect(delta_track(delta_vector_joints[k], &pose, &info) == DELTA_OK, "track", k);
-        expect(difference(&pose, delta_vector_poses[k]) <= bound, "track's pose", k);
-        pose = pose_from(delta_vector_poses[k]);
-        expect(delta_inverse(&pose, joints) == DELTA_OK, "inverse", k);
-        for (int i = 0; i < DELTA_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)delta_vector_inverse[k][i]) <= bound
-                * 0.004518347638407824, "inverse's joints", k);
+        for (int i = 0; i < asked->found; ++i) {
+            result[i] = (guess != NULL) ? guess[i] : 4.0;
         }
-        if (k < DELTA_VECTOR_JACOBIANS) {
-            delta_real jacobian[DELTA_JOINTS * 6];
-            expect(delta_jacobian(&pose, jacobian) == DELTA_OK, "jacobian", k);
-            for (int i = 0; i < DELTA_JOINTS * 6; ++i) {
-                const double wanted = (double)delta_vector_jacobians[k][i];
-                const double scale = 442.63969044771426 * (1.0 + fabs(wanted));
-                expect(fabs((double)jacobian[i] - wanted) <= 1e-8 * scale, "jacobian's entry", i);
+        expect(asked->ask(NULL, given, asked->informs ? result : guess, result, &info) == DELTA_OK,
+            name, "OK", k);
+        expect(away(asked, result, answer) <= most, name, "answer", k);
+        if (asked->informs) {
+            expect((double)info.residual <= 16.0 * bound, name, "residual", k);
+            expect(info.min_pivot > 0.0, name, "smallest pivot", k);
+            expect(info.joint == N, name, "no joint to blame", k);
+            expect(asked->ask(NULL, given, guess, again, NULL) == DELTA_OK, name, "without info",
+                k);
+            copy(result, again, asked->found);
+            expect(asked->ask(NULL, given, again, again, &info) == DELTA_OK, name,
+                "standing still", k);
+            expect(away(asked, again, answer) <= most, name, "answer of standing still", k);
+        }
+        if (asked->step != NULL) {
+            copy(result, again, asked->found);
+            expect(asked->step(NULL, given, NULL, again, &info) == DELTA_OK, name, "track", k);
+            expect(away(asked, again, answer) <= most, name, "answer of track", k);
+        }
+        if (asked->opposite != NULL) {
+            expect(asked->opposite->ask(NULL, result, NULL, again, NULL) == DELTA_OK, name,
+                "asked back", k);
+            expect(away(asked->opposite, again, given) <= bound, name, "answer asked back", k);
+        }
+    }
+}
+
+/* Values that are refused: the status (OK: any but this), the joint that is blamed, the result
+ * untouched, info written. */
+static void refuse(const function *asked, const delta_real *given, const delta_real *guess,
+    delta_status wanted, int joint, int number)
+{
+    delta_real result[MOST];
+    delta_info info;
+    for (int i = 0; i < MOST; ++i) {
+        result[i] = 4.0;
+    }
+    info.iterations = 255U;
+    info.joint = N;
+    const delta_status status = asked->ask(NULL, given, guess, result, &info);
+    expect((wanted == DELTA_OK) ? (status != DELTA_OK) : (status == wanted), asked->name,
+        "status of a refusal", number);
+    expect(all_are(result, MOST, 4.0), asked->name, "result untouched by a refusal", number);
+    if (asked->informs) {
+        expect(info.iterations != 255U, asked->name, "info of a refusal", number);
+        expect((joint < 0) || ((int)info.joint == joint), asked->name, "joint of a refusal",
+            number);
+    }
+}
+
+/* A step that is refused: the status, the result untouched. */
+static void refuse_step(const function *asked, const delta_real *given, const delta_real *last,
+    delta_status wanted, int number)
+{
+    delta_real result[MOST];
+    copy(last, result, asked->found);
+    expect(asked->step(NULL, given, NULL, result, NULL) == wanted, asked->name,
+        "status of a step refused", number);
+    expect(memcmp(last, result, (size_t)asked->found * sizeof result[0]) == 0, asked->name,
+        "result untouched by a step refused", number);
+}
+
+/* Each number that is given or guessed in turn not finite, or out of all bounds; wrong configs, and
+ * too few steps. */
+static void refuse_values(const function *asked)
+{
+    const delta_real bad[4] = { 0.0, -1.0, wrong[0], wrong[1] };
+    const int count = (int)strlen(asked->kinds);
+    delta_real given[MOST];
+    delta_real guess[MOST];
+    for (int i = 0; i < count; ++i) {
+        const delta_real out = (asked->kinds[i] == 'c')
+            ? 4426396.904477143 : ((asked->kinds[i] == 's') ? (delta_real)1e30 : -1.0);
+        for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
+            const int place = (i < asked->given) ? i : (i - asked->given);
+            const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
+            const delta_status status = (k < 3) ? DELTA_NONFINITE : DELTA_OUT_OF_RANGE;
+            copy(asked->values, given, asked->given);
+            if (asked->guesses != NULL) {
+                copy(asked->guesses, guess, asked->found);
+            }
+            *((i < asked->given) ? &given[place] : &guess[place]) = (k < 3)
+                ? wrong[k] : (((k == 3) || (out < 0.0)) ? out : -out);
+            refuse(asked, given, guess, status, joint, 5 * i + k);
+            if (asked->step != NULL) {
+                refuse_step(asked, given, guess, status, 5 * i + k);
             }
         }
     }
-}
-
-static void refuse_configs(const delta_real joints[DELTA_JOINTS], const delta_pose *home)
-{
-    const delta_real wrong[4] = { 0.0, -1.0, (delta_real)NAN, (delta_real)INFINITY };
-    for (int i = 0; i < 8; ++i) {
-        const delta_real other = wrong[i % 4];
-        const delta_config config = { (i < 4) ? other : DELTA_TOLERANCE, DELTA_MAX_STEPS,
-            (i < 4) ? DELTA_MAX_STEP : other };
-        const delta_status wanted = (i % 4 < 2) ? DELTA_OUT_OF_RANGE : DELTA_NONFINITE;
-        expect(refused(&config, joints, home, "wrong config") == wanted,
+    for (int i = 0; (i < 8) && asked->informs; ++i) {
+        const delta_config config = { (i < 4) ? bad[i] : DELTA_TOLERANCE, DELTA_MAX_STEPS,
+            (i < 4) ? DELTA_MAX_STEP : bad[i - 4] };
+        const delta_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
+        expect(status == ((i % 4 < 2) ? DELTA_OUT_OF_RANGE : DELTA_NONFINITE), asked->name,
             "status of a wrong config", i);
     }
+    for (unsigned int steps = 0U; (steps <= asked->few) && asked->informs; ++steps) {
+        const delta_config config = { DELTA_TOLERANCE, (uint8_t)steps, DELTA_MAX_STEP };
+        const delta_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
+        expect(status == DELTA_MAX_ITERATIONS, asked->name, "status of too few steps", (int)steps);
+    }
 }
 
-static void refuse_all(void)
+/* Rows of values that are refused: of given ones, or (as_guess) of guesses; blamed: the joint of
+ * each row, NULL where nobody asks. */
+static void refuse_rows(const function *asked, const delta_real *rows, int count, int as_guess,
+    delta_status wanted, const int *blamed)
 {
-    const delta_pose home = pose_from(delta_vector_home);
-    const delta_config none = { DELTA_TOLERANCE, 0U, DELTA_MAX_STEP };
-    delta_pose wrong = home;
-    delta_pose pose = home;
-    delta_info info;
-    delta_real joints[DELTA_JOINTS];
-    delta_real jacobian[DELTA_JOINTS * 6];
-    for (int i = 0; i < DELTA_JOINTS; ++i) {
-        joints[i] = delta_vector_joints[0][i];
+    for (int k = 0; k < count; ++k) {
+        const delta_real *const given = as_guess ? asked->values : &rows[asked->given * k];
+        const delta_real *const guess = as_guess ? &rows[asked->found * k] : asked->guesses;
+        refuse(asked, given, guess, wanted, (blamed == NULL) ? -1 : blamed[k], k);
     }
-    expect(refused(&none, joints, &home, "no step is not enough") == DELTA_MAX_ITERATIONS,
-        "MAX_ITERATIONS", 1);
-    refuse_configs(joints, &home);
-    joints[DELTA_JOINTS - 1] = (delta_real)NAN;
-    (void)delta_direct(NULL, joints, &home, &pose, &info);
-    expect(info.joint == DELTA_JOINTS - 1U, "joint of a NaN", 0);
-    joints[DELTA_JOINTS - 1] = -4426396.904477143;
-    (void)delta_direct(NULL, joints, &home, &pose, &info);
-    expect(info.joint == DELTA_JOINTS - 1U, "joint out of range", 0);
-    (void)delta_track(joints, &pose, &info);
-    expect(info.joint == DELTA_JOINTS - 1U, "joint out of range of track", 0);
-    joints[DELTA_JOINTS - 1] = delta_vector_joints[0][DELTA_JOINTS - 1];
-    pose = home;
-    joints[0] = (delta_real)NAN;
-    expect(refused(NULL, joints, &home, "NaN joint") == DELTA_NONFINITE, "NONFINITE", 0);
-    joints[0] = (delta_real)INFINITY;
-    expect(refused(NULL, joints, &home, "infinite joint") == DELTA_NONFINITE, "NONFINITE", 1);
-    joints[0] = -4426396.904477143;
-    expect(refused(NULL, joints, &home, "joint out of range") == DELTA_OUT_OF_RANGE,
-        "OUT_OF_RANGE", 0);
-    joints[0] = 4426396.904477143;
-    (void)refused(NULL, joints, &home, "joint beyond reach");
-    joints[0] = delta_vector_joints[0][0];
-    wrong.quaternion[0] = 2.0;
-    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == DELTA_OUT_OF_RANGE,
-        "OUT_OF_RANGE", 1);
-    expect(delta_inverse(&wrong, joints) == DELTA_OUT_OF_RANGE, "OUT_OF_RANGE of inverse", 0);
-    expect(delta_jacobian(&wrong, jacobian) == DELTA_OUT_OF_RANGE, "OUT_OF_RANGE of jacobian", 0);
-    wrong = home;
-    wrong.position[1] = (delta_real)NAN;
-    expect(refused(NULL, joints, &wrong, "NaN guess") == DELTA_NONFINITE, "NONFINITE", 2);
-    expect(delta_inverse(&wrong, joints) == DELTA_NONFINITE, "NONFINITE of inverse", 0);
-    expect(delta_track(joints, &wrong, NULL) == DELTA_NONFINITE, "NONFINITE of track", 0);
-    wrong = pose_from(delta_vector_far);
-    pose = wrong;
-#if DELTA_VECTOR_FAR > 0
-    expect(delta_track(joints, &wrong, &info) == DELTA_WRONG_BRANCH, "WRONG_BRANCH of a long step",
-        0);
-    expect(same_pose(&pose, &wrong), "pose untouched by a long step", 0);
-#else
-    (void)delta_track(joints, &pose, &info);
-#endif
-#if DELTA_VECTOR_SINGULAR > 0
-    for (int k = 0; k < DELTA_VECTOR_SINGULAR; ++k) {
-        wrong = pose_from(delta_vector_singular[k]);
-        expect(refused(NULL, joints, &wrong, "singular start") == DELTA_SINGULAR, "SINGULAR", k);
+}
+/* Jacobians of the first vectors. */
+static void jacobian_of(int k)
+{
+    const double most = 4.4264e-06;
+    delta_real jacobian[MOST];
+    const delta_pose pose = pose_from(delta_vector_poses[k]);
+    expect(delta_jacobian(&pose, jacobian) == DELTA_OK, "jacobian", "OK", k);
+    for (int i = 0; i < 6 * N; ++i) {
+        const double wanted = (double)delta_vector_jacobians[k][i];
+        expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "jacobian",
+            "entry", i);
     }
-#endif
 }
 
-/* Poses that the mechanism cannot take, and joints beyond their limits. */
-static void refuse_infeasible(void)
+/* Rates of the twist of rates are these rates. The feed keeps the limits, and one joint reaches its
+ * own where it is below 1. */
+static void speeds_of(int k)
 {
-#if DELTA_VECTOR_INFEASIBLE > 0 || DELTA_VECTOR_PAST > 0
-#endif
-#if DELTA_VECTOR_INFEASIBLE > 0
-    for (int k = 0; k < DELTA_VECTOR_INFEASIBLE; ++k) {
-        const delta_pose pose = pose_from(delta_vector_infeasible[k]);
-        delta_real joints[DELTA_JOINTS];
-        for (int i = 0; i < DELTA_JOINTS; ++i) {
-            joints[i] = 4.0;
-        }
-        expect(delta_inverse(&pose, joints) == DELTA_OUT_OF_RANGE, "a pose that cannot be taken",
-            k);
-        for (int i = 0; i < DELTA_JOINTS; ++i) {
-            expect(joints[i] == 4.0, "joints untouched on failure", k);
-        }
-    }
-#endif
-#if DELTA_VECTOR_PAST > 0
-    for (int k = 0; k < DELTA_VECTOR_PAST; ++k) {
-        const delta_pose home = pose_from(delta_vector_home);
-        delta_pose pose = home;
-        delta_info info;
-        expect(refused(NULL, delta_vector_past[k], &home,
-            "a joint beyond a limit") == DELTA_OUT_OF_RANGE, "OUT_OF_RANGE of a limit", k);
-        (void)delta_direct(NULL, delta_vector_past[k], &home, &pose, &info);
-        expect(info.joint == (unsigned int)delta_vector_blamed[k], "joint beyond a limit", k);
-    }
-#endif
-}
-
-/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
- * own. */
-static void speeds_of(const delta_pose *pose, int k)
-{
-    delta_real rates[DELTA_JOINTS];
-    delta_real again[DELTA_JOINTS];
-    delta_real limits[DELTA_JOINTS];
+    const delta_pose pose = pose_from(delta_vector_poses[k]);
+    delta_real rates[N];
+    delta_real again[N];
     delta_real twist[6] = { 0.0 };
+    delta_real limits[N];
     delta_real feed = 0.0;
-    double largest = 0.0;
-    for (int i = 0; i < DELTA_JOINTS; ++i) {
+    for (int i = 0; i < N; ++i) {
         rates[i] = (delta_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (1.0));
     }
-    expect(delta_twist(pose, rates, twist) == DELTA_OK, "twist", k);
-    expect(delta_rates(pose, twist, again) == DELTA_OK, "rates", k);
-    for (int i = 0; i < DELTA_JOINTS; ++i) {
-        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-9 * (1.0),
-            "rates of the twist of rates", i);
-        limits[i] = (delta_real)(0.125 * (1.0));
+    expect(delta_twist(&pose, rates, twist) == DELTA_OK, "twist", "OK", k);
+    expect(delta_rates(&pose, twist, again) == DELTA_OK, "rates", "OK", k);
+    for (int i = 0; i < N; ++i) {
+        const double off = fabs((double)again[i] - (double)rates[i]);
+        expect(off <= 1e-9 * (1.0), "rates", "rates of the twist of rates", i);
     }
-    expect(delta_feed(pose, twist, limits, &feed) == DELTA_OK, "feed", k);
-    for (int i = 0; i < DELTA_JOINTS; ++i) {
-        largest = fmax(largest, fabs((double)feed * (double)again[i]) / (1.0));
+    for (int part = 0; part < 2; ++part) {
+        const double limit = (part == 0) ? 0.125 : 4.0;
+        double largest = 0.0;
+        for (int i = 0; i < N; ++i) {
+            limits[i] = (delta_real)(limit * (1.0));
+        }
+        expect(delta_feed(&pose, twist, limits, &feed) == DELTA_OK, "feed", "OK", k);
+        for (int i = 0; i < N; ++i) {
+            largest = fmax(largest, fabs((double)feed * (double)again[i]) / (1.0));
+        }
+        expect(largest <= limit * (1.0 + 1e-5), "feed", "keeps limits", k);
+        expect((feed == 1.0) || (largest >= limit * (1.0 - 1e-5)), "feed", "reaches a limit", k);
     }
-    expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
-    for (int i = 0; i < DELTA_JOINTS; ++i) {
-        limits[i] = (delta_real)(4.0 * (1.0));
-    }
-    expect((delta_feed(pose, twist, limits, &feed) == DELTA_OK)
-        && (feed == 1.0), "no need for a feed", k);
-    limits[0] = -1.0;
-    expect(delta_feed(pose, twist, limits, &feed) == DELTA_OUT_OF_RANGE, "a limit below 0", k);
-    limits[0] = (delta_real)NAN;
-    expect(delta_feed(pose, twist, limits, &feed) == DELTA_NONFINITE,
-        "a limit that is not a number", k);
-    twist[5] = (delta_real)INFINITY;
-    expect(delta_rates(pose, twist, again) == DELTA_NONFINITE, "infinite twist", k);
-    rates[0] = (delta_real)NAN;
-    expect(delta_twist(pose, rates, twist) == DELTA_NONFINITE, "NaN among rates", k);
-    rates[0] = (delta_real)1e30;
-    expect(delta_twist(pose, rates, twist) == DELTA_OUT_OF_RANGE, "rates beyond all bounds", k);
+    expect(feed == 1.0, "feed", "no need for one", k);
 }
-
 int main(void)
 {
-    solve_all();
-    for (int k = 0; k < DELTA_VECTOR_JACOBIANS; ++k) {
-        const delta_pose pose = pose_from(delta_vector_poses[k]);
-        speeds_of(&pose, k);
+    static const double weights_of_direct[] = { 1.0, 1.0, 1.0, 885.2793808954285,
+        885.2793808954285, 885.2793808954285, 885.2793808954285 };
+    const function of_direct = { "direct", ask_direct, "cccccccccc", 3, 7,
+        &delta_vector_joints[0][0], &delta_vector_guesses[0][0], &delta_vector_poses[0][0],
+        weights_of_direct, ask_track, NULL, 1, 1, 0U, 1.0, 0.0 };
+    static const double weights_of_inverse[] = { 221.31984522385713, 221.31984522385713,
+        221.31984522385713 };
+    const function of_inverse = { "inverse", ask_inverse, "ccccccc", 7, 3,
+        &delta_vector_poses[0][0], NULL, &delta_vector_inverse[0][0], weights_of_inverse, NULL,
+        NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const delta_real numbers_of_jacobian[] = { 0x1.2c255744b8d64p-3, -0x1.4ff5f22b67482p+1,
+        -0x1.69235ef951e97p+6, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 };
+    const function of_jacobian = { "jacobian", ask_jacobian, "ccccccc", 7, 18, numbers_of_jacobian,
+        NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const delta_real numbers_of_rates[] = { 0x1.2c255744b8d64p-3, -0x1.4ff5f22b67482p+1,
+        -0x1.69235ef951e97p+6, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0 };
+    const function of_rates = { "rates", ask_rates, "cccccccssssss", 13, 3, numbers_of_rates, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const delta_real numbers_of_twist[] = { 0x1.2c255744b8d64p-3, -0x1.4ff5f22b67482p+1,
+        -0x1.69235ef951e97p+6, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0 };
+    const function of_twist = { "twist", ask_twist, "cccccccsss", 10, 6, numbers_of_twist, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const delta_real numbers_of_feed[] = { 0x1.2c255744b8d64p-3, -0x1.4ff5f22b67482p+1,
+        -0x1.69235ef951e97p+6, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0 };
+    const function of_feed = { "feed", ask_feed, "cccccccsssssslll", 16, 1, numbers_of_feed, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    const function *const all[] = { &of_direct, &of_inverse, &of_jacobian, &of_rates, &of_twist,
+        &of_feed };
+    for (int i = 0; i < 6; ++i) {
+        if (all[i]->answers != NULL) {
+            solve_all(all[i]);
+        }
+        refuse_values(all[i]);
     }
-    refuse_all();
-    refuse_infeasible();
+    for (int k = 0; k < DELTA_VECTOR_JACOBIANS; ++k) {
+        jacobian_of(k);
+        speeds_of(k);
+    }
+    refuse_rows(&of_inverse, &delta_vector_infeasible[0][0], 6, 0, DELTA_OUT_OF_RANGE, NULL);
+    refuse_rows(&of_direct, &delta_vector_doubled[0][0], 1, 1, DELTA_OUT_OF_RANGE, NULL);
+    refuse_rows(&of_inverse, &delta_vector_doubled[0][0], 1, 0, DELTA_OUT_OF_RANGE, NULL);
     (void)printf("delta: %d cases, %d failures\n", DELTA_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

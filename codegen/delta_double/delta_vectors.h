@@ -10,7 +10,7 @@
 #define DELTA_VECTOR_SINGULAR 0
 #define DELTA_VECTOR_INFEASIBLE 6
 #define DELTA_VECTOR_PAST 0
-#define DELTA_VECTOR_FAR 0
+#define DELTA_VECTOR_DOUBLED 1
 
 static const delta_real delta_vector_guesses[24][7] = {
     { 0x0.0p+0, 0x0.0p+0, -0x1.836fa1ac4a91cp+6, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0,
@@ -199,6 +199,11 @@ static const delta_real delta_vector_infeasible[6][7] = {
     { 0x1.09e07e2fe7c17p+7, 0x1.04559d1168f62p+7, -0x1.be272456bf87fp+7, 0x1.0000000000000p+0,
         0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
     { 0x1.04627c06008d3p+7, -0x1.0ecd6368655c3p+7, -0x1.c10454ef889e0p+7, 0x1.0000000000000p+0,
+        0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+};
+
+static const delta_real delta_vector_doubled[1][7] = {
+    { 0x1.2c255744b8d64p-3, -0x1.4ff5f22b67482p+1, -0x1.69235ef951e97p+6, 0x1.0000000000000p+1,
         0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
 };
 

@@ -1559,7 +1559,7 @@ static gluon_6l3_status gluon_6l3_check_speeds(const gluon_6l3_real speeds[], in
 gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[6], const gluon_6l3_real rates[6],
     gluon_6l3_real twist[6])
 {
-    gluon_6l3_real jacobian[36];
+    gluon_6l3_real jacobian[6 * 6];
     gluon_6l3_real found[6];
     const gluon_6l3_status status = gluon_6l3_check_speeds(rates, 6, gluon_6l3_jacobian(joints,
         jacobian));
@@ -1571,10 +1571,34 @@ gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[6], const gluon_6l3
             }
             found[i] = sum;
         }
-        /* rates and twist may be the same array */
+        /* twist and rates may be the same array */
         for (int i = 0; i < 6; ++i) {
             twist[i] = found[i];
         }
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+gluon_6l3_status gluon_6l3_feed(const gluon_6l3_real joints[6], const gluon_6l3_real twist[6],
+    const gluon_6l3_real rate_limits[6], gluon_6l3_real *feed)
+{
+    gluon_6l3_real rates[6];
+    gluon_6l3_status status = gluon_6l3_check_finite(rate_limits, 6, gluon_6l3_rates(joints, twist,
+        rates, NULL));
+    gluon_6l3_real most = 1.0;
+    for (int i = 0; (i < 6) && (status == GLUON_6L3_OK); ++i) {
+        const gluon_6l3_real rate = fabs(rates[i]);
+        if (rate_limits[i] < 0.0) {
+            status = GLUON_6L3_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == GLUON_6L3_OK) {
+        *feed = most;
     }
     return status;
 }
@@ -1607,30 +1631,6 @@ gluon_6l3_status gluon_6l3_rates(const gluon_6l3_real joints[6], const gluon_6l3
         }
         gluon_6l3_write_info(info, 1U, gluon_6l3_length_of(e), 0.0,
             (pivot > 0.0) ? (1.0 / pivot) : 0.0);
-    }
-    return status;
-}
-
-/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-gluon_6l3_status gluon_6l3_feed(const gluon_6l3_real joints[6], const gluon_6l3_real twist[6],
-    const gluon_6l3_real rate_limits[6], gluon_6l3_real *feed)
-{
-    gluon_6l3_real rates[6];
-    gluon_6l3_status status = gluon_6l3_check_finite(rate_limits, 6, gluon_6l3_rates(joints, twist,
-        rates, NULL));
-    gluon_6l3_real most = 1.0;
-    for (int i = 0; (i < 6) && (status == GLUON_6L3_OK); ++i) {
-        const gluon_6l3_real rate = fabs(rates[i]);
-        if (rate_limits[i] < 0.0) {
-            status = GLUON_6L3_OUT_OF_RANGE;
-        } else if (rate * most > rate_limits[i]) {
-            most = rate_limits[i] / rate;
-        } else {
-            /* within its limit */
-        }
-    }
-    if (status == GLUON_6L3_OK) {
-        *feed = most;
     }
     return status;
 }

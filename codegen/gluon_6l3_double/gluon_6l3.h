@@ -27,8 +27,8 @@
  *   inverse: 100 iterations, 40843 add, 61029 mul, 2148 div, 3510 sqrt, 24 sin, 24 cos, 3400 atan2
  *   jacobian: 94 add, 131 mul, 6 sin, 6 cos
  *   twist: 136 add, 167 mul, 6 sin, 6 cos
- *   rates: 884 add, 1054 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   feed: 890 add, 1060 mul, 53 div, 5 sqrt, 6 sin, 6 cos
+ *   rates: 884 add, 1054 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1243 add, 1626 mul, 49 div, 10 sqrt, 36 sin, 36 cos
  *   measured (Cortex-M7, GCC 12.2.1 -O2, 13071 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
@@ -39,8 +39,8 @@
  *   inverse: 176635 instructions, 2064 stack, 9456 code
  *   jacobian: 1820 instructions, 1040 stack, 1696 code
  *   twist: 2235 instructions, 1384 stack, 1864 code
- *   rates: 10110 instructions, 1440 stack, 3184 code
  *   feed: 10235 instructions, 1504 stack, 3284 code
+ *   rates: 10110 instructions, 1440 stack, 3184 code
  *   track: 14585 instructions, 1584 stack, 4716 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
@@ -113,12 +113,10 @@ gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
  * the given one, positions in a straight line and orientations along the shorter arc, without
  * meeting a singularity; where that is not assured, GLUON_6L3_WRONG_BRANCH. Angles are near the
  * guess's, not wrapped. Any joint values will do as a guess: an error of them moves the beginning
- * of the line by as much.
- */
+ * of the line by as much. */
 gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6l3_pose *pose,
-    const gluon_6l3_real guess[GLUON_6L3_JOINTS],
-    gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_info *info);
-
+    const gluon_6l3_real guess[GLUON_6L3_JOINTS], gluon_6l3_real joints[GLUON_6L3_JOINTS],
+    gluon_6l3_info *info);
 
 /* The closed form: joint values by formulas (README.md derives them), without iteration and without
  * a guess. Each choice has two solutions; a branch is a sum of the names below, 0 for the first
@@ -144,6 +142,7 @@ gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned i
  * of gluon_6l3_inverse_branch. */
 gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose,
     const gluon_6l3_real guess[GLUON_6L3_JOINTS], gluon_6l3_real joints[GLUON_6L3_JOINTS]);
+
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
     gluon_6l3_real jacobian[6 * GLUON_6L3_JOINTS]);
@@ -154,8 +153,7 @@ gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[GLUON_6L3_JOINTS
  * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
  * slows down or stops by it. Speeds above 5e+08 are GLUON_6L3_OUT_OF_RANGE. */
 gluon_6l3_status gluon_6l3_rates(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
-    const gluon_6l3_real twist[6], gluon_6l3_real rates[GLUON_6L3_JOINTS],
-    gluon_6l3_info *info);
+    const gluon_6l3_real twist[6], gluon_6l3_real rates[GLUON_6L3_JOINTS], gluon_6l3_info *info);
 
 /* The twist of joint rates. */
 gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
@@ -167,13 +165,14 @@ gluon_6l3_status gluon_6l3_feed(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
     const gluon_6l3_real twist[6], const gluon_6l3_real rate_limits[GLUON_6L3_JOINTS],
     gluon_6l3_real *feed);
 
+#define GLUON_6L3_TRACK_LIMIT ((gluon_6l3_real)0.000147) /* mm */
+
 /* For a control loop: one damped step from the last joint values (joints) towards the pose, which
  * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
  * every pose: GLUON_6L3_OK says that the joint values are within their ranges, and info->residual
  * how far their tool pose is from the given one, as measured (mm, angles times the size). While it
  * is below GLUON_6L3_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut
  * to 0.2 rad (slides: of the size). It never makes the error larger. */
-#define GLUON_6L3_TRACK_LIMIT ((gluon_6l3_real)0.000147) /* mm */
 gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose,
     gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_info *info);
 #ifdef __cplusplus

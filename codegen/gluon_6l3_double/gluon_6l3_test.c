@@ -6,164 +6,361 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
+#define N GLUON_6L3_JOINTS
+#define MOST (6 * N + 13) /* numbers that any function takes or gives */
+
+/* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and
+ * then guessed, c: a coordinate, s: a speed, l: what is never below 0, f: what only has to be
+ * finite. step: one step of tracking; opposite: the problem by which answers are held where they
+ * are not the only ones. The numbers of an answer, weighed, may be off by `share` times its bound
+ * and by `within` more. Where nothing is solved there are no answers, where nothing is guessed no
+ * guesses. */
+typedef struct function {
+    const char *name;
+    gluon_6l3_status (*ask)(const gluon_6l3_config *config, const gluon_6l3_real *given,
+        const gluon_6l3_real *guess, gluon_6l3_real *result, gluon_6l3_info *info);
+    const char *kinds;
+    int given;
+    int found;
+    const gluon_6l3_real *values;
+    const gluon_6l3_real *guesses;
+    const gluon_6l3_real *answers;
+    const double *weights;
+    gluon_6l3_status (*step)(const gluon_6l3_config *config, const gluon_6l3_real *given,
+        const gluon_6l3_real *guess, gluon_6l3_real *result, gluon_6l3_info *info);
+    const struct function *opposite;
+    int informs; /* whether a config is read and an info written */
+    int blamed; /* which values info->joint is about: 1 given ones, 2 the guess, 0 neither */
+    unsigned int few; /* steps that are not enough for the first vector */
+    double share;
+    double within;
+} function;
+
+static const gluon_6l3_real wrong[3] = { (gluon_6l3_real)NAN, (gluon_6l3_real)INFINITY,
+    -(gluon_6l3_real)INFINITY };
 static int failures = 0;
 
-static void expect(int right, const char *what, int number)
+static void expect(int right, const char *of, const char *what, int number)
 {
     if (!right) {
         ++failures;
-        (void)printf("failed: %s, case %d\n", what, number);
+        (void)printf("failed: %s, %s, case %d\n", of, what, number);
     }
 }
 
-static gluon_6l3_pose pose_from(const gluon_6l3_real numbers[7])
+static void copy(const gluon_6l3_real *from, gluon_6l3_real *to, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        to[i] = from[i];
+    }
+}
+
+static int all_are(const gluon_6l3_real *values, int count, gluon_6l3_real value)
+{
+    int same = 1;
+    for (int i = 0; i < count; ++i) {
+        same = same && (values[i] == value);
+    }
+    return same;
+}
+
+static gluon_6l3_pose pose_from(const gluon_6l3_real *numbers)
 {
     gluon_6l3_pose pose;
-    for (int i = 0; i < 3; ++i) {
-        pose.position[i] = numbers[i];
-    }
-    for (int i = 0; i < 4; ++i) {
-        pose.quaternion[i] = numbers[3 + i];
-    }
+    copy(numbers, pose.position, 3);
+    copy(&numbers[3], pose.quaternion, 4);
     return pose;
 }
 
-/* An inverse call that must not succeed: the status, with the joints untouched and info written. */
-static gluon_6l3_status refused(const gluon_6l3_config *config, const gluon_6l3_pose *pose,
-    const gluon_6l3_real guess[GLUON_6L3_JOINTS], const char *what)
+static void numbers_of(const gluon_6l3_pose *pose, gluon_6l3_real *numbers)
 {
-    gluon_6l3_real joints[GLUON_6L3_JOINTS];
-    gluon_6l3_info info;
-    gluon_6l3_status status;
-    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
-        joints[i] = 4.0;
-    }
-    info.iterations = 255U;
-    status = gluon_6l3_inverse(config, pose, guess, joints, &info);
-    expect(status != GLUON_6L3_OK, what, 0);
-    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
-        expect(joints[i] == 4.0, "result untouched on failure", i);
-    }
-    expect(info.iterations != 255U, "info written on failure", 0);
+    copy(pose->position, numbers, 3);
+    copy(pose->quaternion, &numbers[3], 4);
+}
+static gluon_6l3_status ask_direct(const gluon_6l3_config *config, const gluon_6l3_real *given,
+    const gluon_6l3_real *guess, gluon_6l3_real *result, gluon_6l3_info *info)
+{
+    gluon_6l3_pose result_pose = pose_from(result);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const gluon_6l3_status status = gluon_6l3_direct(given, &result_pose);
+    numbers_of(&result_pose, result);
     return status;
 }
 
-static void solve_all(void)
+static gluon_6l3_status ask_inverse(const gluon_6l3_config *config, const gluon_6l3_real *given,
+    const gluon_6l3_real *guess, gluon_6l3_real *result, gluon_6l3_info *info)
 {
+    gluon_6l3_pose given_pose = pose_from(given);
+    const gluon_6l3_status status = gluon_6l3_inverse(config, &given_pose, guess, result, info);
+    return status;
+}
+
+static gluon_6l3_status ask_inverse_nearest(const gluon_6l3_config *config,
+    const gluon_6l3_real *given, const gluon_6l3_real *guess, gluon_6l3_real *result,
+    gluon_6l3_info *info)
+{
+    gluon_6l3_pose given_pose = pose_from(given);
+    (void)config;
+    (void)info;
+    const gluon_6l3_status status = gluon_6l3_inverse_nearest(&given_pose, guess, result);
+    return status;
+}
+
+static gluon_6l3_status ask_jacobian(const gluon_6l3_config *config, const gluon_6l3_real *given,
+    const gluon_6l3_real *guess, gluon_6l3_real *result, gluon_6l3_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const gluon_6l3_status status = gluon_6l3_jacobian(given, result);
+    return status;
+}
+
+static gluon_6l3_status ask_rates(const gluon_6l3_config *config, const gluon_6l3_real *given,
+    const gluon_6l3_real *guess, gluon_6l3_real *result, gluon_6l3_info *info)
+{
+    (void)config;
+    (void)guess;
+    const gluon_6l3_status status = gluon_6l3_rates(given, &given[6], result, info);
+    return status;
+}
+
+static gluon_6l3_status ask_twist(const gluon_6l3_config *config, const gluon_6l3_real *given,
+    const gluon_6l3_real *guess, gluon_6l3_real *result, gluon_6l3_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const gluon_6l3_status status = gluon_6l3_twist(given, &given[6], result);
+    return status;
+}
+
+static gluon_6l3_status ask_feed(const gluon_6l3_config *config, const gluon_6l3_real *given,
+    const gluon_6l3_real *guess, gluon_6l3_real *result, gluon_6l3_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const gluon_6l3_status status = gluon_6l3_feed(given, &given[6], &given[12], result);
+    return status;
+}
+
+static gluon_6l3_status ask_track(const gluon_6l3_config *config, const gluon_6l3_real *given,
+    const gluon_6l3_real *guess, gluon_6l3_real *result, gluon_6l3_info *info)
+{
+    gluon_6l3_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    const gluon_6l3_status status = gluon_6l3_track(&given_pose, result, info);
+    return status;
+}
+/* Largest weighed difference; of q and -q, one rotation, the nearer one. NaN is the largest. */
+static double away(const function *asked, const gluon_6l3_real *a, const gluon_6l3_real *b)
+{
+    double largest = 0.0;
+    double cosine = 0.0;
+    for (int i = 3; (i < 7) && (asked->found == 7); ++i) {
+        cosine += (double)a[i] * (double)b[i];
+    }
+    for (int i = 0; i < asked->found; ++i) {
+        const double side = ((i >= 3) && (cosine < 0.0)) ? -1.0 : 1.0;
+        const double off = asked->weights[i] * fabs((double)a[i] - side * (double)b[i]);
+        largest = (off <= largest) ? largest : off;
+    }
+    return largest;
+}
+
+/* Answers of the vectors, and standing still at them. */
+static void solve_all(const function *asked)
+{
+    const char *const name = asked->name;
     for (int k = 0; k < GLUON_6L3_VECTORS; ++k) {
         const double bound = gluon_6l3_vector_bounds[k];
-        gluon_6l3_pose pose;
+        const double most = asked->share * bound + asked->within;
+        const gluon_6l3_real *const given = &asked->values[asked->given * k];
+        const gluon_6l3_real *const guess = (asked->guesses == NULL)
+            ? NULL : &asked->guesses[asked->found * k];
+        const gluon_6l3_real *const answer = &asked->answers[asked->found * k];
+        gluon_6l3_real result[MOST];
+        gluon_6l3_real again[MOST];
         gluon_6l3_info info;
-        gluon_6l3_real joints[GLUON_6L3_JOINTS];
-        expect(gluon_6l3_direct(gluon_6l3_vector_joints[k], &pose) == GLUON_6L3_OK, "direct", k);
-        for (int i = 0; i < 3; ++i) {
-            expect(fabs((double)pose.position[i] - (double)gluon_6l3_vector_poses[k][i]) <= bound,
-                "direct's position", k);
+        for (int i = 0; i < asked->found; ++i) {
+            result[i] = (guess != NULL) ? guess[i] : 4.0;
         }
-        for (int i = 0; i < 4; ++i) {
-            const double off = fabs((double)pose.quaternion[i]
-                - (double)gluon_6l3_vector_poses[k][3 + i]);
-            expect((double)GLUON_6L3_SIZE * off <= bound, "direct's quaternion", k);
+        expect(asked->ask(NULL, given, asked->informs ? result : guess, result,
+            &info) == GLUON_6L3_OK, name, "OK", k);
+        expect(away(asked, result, answer) <= most, name, "answer", k);
+        if (asked->informs) {
+            expect((double)info.residual <= 16.0 * bound, name, "residual", k);
+            expect(info.min_pivot > 0.0, name, "smallest pivot", k);
+            expect(info.joint == N, name, "no joint to blame", k);
+            expect(asked->ask(NULL, given, guess, again, NULL) == GLUON_6L3_OK, name,
+                "without info", k);
+            copy(result, again, asked->found);
+            expect(asked->ask(NULL, given, again, again, &info) == GLUON_6L3_OK, name,
+                "standing still", k);
+            expect(away(asked, again, answer) <= most, name, "answer of standing still", k);
         }
-        pose = pose_from(gluon_6l3_vector_poses[k]);
-        expect(gluon_6l3_inverse(NULL, &pose, gluon_6l3_vector_guesses[k], joints,
-            &info) == GLUON_6L3_OK, "inverse", k);
-        expect((double)info.residual <= 16.0 * bound, "inverse's residual", k);
-        for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)gluon_6l3_vector_inverse[k][i]) <= bound
-                * 0.003708554213012941, "inverse's joints", k);
+        if (asked->step != NULL) {
+            copy(result, again, asked->found);
+            expect(asked->step(NULL, given, NULL, again, &info) == GLUON_6L3_OK, name, "track", k);
+            expect(away(asked, again, answer) <= most, name, "answer of track", k);
         }
-        expect(gluon_6l3_inverse(NULL, &pose, joints, joints, &info) == GLUON_6L3_OK,
-            "standing still", k);
-        if (k < GLUON_6L3_VECTOR_JACOBIANS) {
-            gluon_6l3_real jacobian[6 * GLUON_6L3_JOINTS];
-            expect(gluon_6l3_jacobian(gluon_6l3_vector_joints[k], jacobian) == GLUON_6L3_OK,
-                "jacobian", k);
-            for (int i = 0; i < 6 * GLUON_6L3_JOINTS; ++i) {
-                const double wanted = (double)gluon_6l3_vector_jacobians[k][i];
-                const double scale = 539.2937207125631 * (1.0 + fabs(wanted));
-                expect(fabs((double)jacobian[i] - wanted) <= 1e-8 * scale, "jacobian's entry", i);
+        if (asked->opposite != NULL) {
+            expect(asked->opposite->ask(NULL, result, NULL, again, NULL) == GLUON_6L3_OK, name,
+                "asked back", k);
+            expect(away(asked->opposite, again, given) <= bound, name, "answer asked back", k);
+        }
+    }
+}
+
+/* Values that are refused: the status (OK: any but this), the joint that is blamed, the result
+ * untouched, info written. */
+static void refuse(const function *asked, const gluon_6l3_real *given, const gluon_6l3_real *guess,
+    gluon_6l3_status wanted, int joint, int number)
+{
+    gluon_6l3_real result[MOST];
+    gluon_6l3_info info;
+    for (int i = 0; i < MOST; ++i) {
+        result[i] = 4.0;
+    }
+    info.iterations = 255U;
+    info.joint = N;
+    const gluon_6l3_status status = asked->ask(NULL, given, guess, result, &info);
+    expect((wanted == GLUON_6L3_OK) ? (status != GLUON_6L3_OK) : (status == wanted), asked->name,
+        "status of a refusal", number);
+    expect(all_are(result, MOST, 4.0), asked->name, "result untouched by a refusal", number);
+    if (asked->informs) {
+        expect(info.iterations != 255U, asked->name, "info of a refusal", number);
+        expect((joint < 0) || ((int)info.joint == joint), asked->name, "joint of a refusal",
+            number);
+    }
+}
+
+/* A step that is refused: the status, the result untouched. */
+static void refuse_step(const function *asked, const gluon_6l3_real *given,
+    const gluon_6l3_real *last, gluon_6l3_status wanted, int number)
+{
+    gluon_6l3_real result[MOST];
+    copy(last, result, asked->found);
+    expect(asked->step(NULL, given, NULL, result, NULL) == wanted, asked->name,
+        "status of a step refused", number);
+    expect(memcmp(last, result, (size_t)asked->found * sizeof result[0]) == 0, asked->name,
+        "result untouched by a step refused", number);
+}
+
+/* Each number that is given or guessed in turn not finite, or out of all bounds; wrong configs, and
+ * too few steps. */
+static void refuse_values(const function *asked)
+{
+    const gluon_6l3_real bad[4] = { 0.0, -1.0, wrong[0], wrong[1] };
+    const int count = (int)strlen(asked->kinds);
+    gluon_6l3_real given[MOST];
+    gluon_6l3_real guess[MOST];
+    for (int i = 0; i < count; ++i) {
+        const gluon_6l3_real out = (asked->kinds[i] == 'c')
+            ? 5392937.207125631 : ((asked->kinds[i] == 's') ? (gluon_6l3_real)1e30 : -1.0);
+        for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
+            const int place = (i < asked->given) ? i : (i - asked->given);
+            const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
+            const gluon_6l3_status status = (k < 3) ? GLUON_6L3_NONFINITE : GLUON_6L3_OUT_OF_RANGE;
+            copy(asked->values, given, asked->given);
+            if (asked->guesses != NULL) {
+                copy(asked->guesses, guess, asked->found);
+            }
+            *((i < asked->given) ? &given[place] : &guess[place]) = (k < 3)
+                ? wrong[k] : (((k == 3) || (out < 0.0)) ? out : -out);
+            refuse(asked, given, guess, status, joint, 5 * i + k);
+            if (asked->step != NULL) {
+                refuse_step(asked, given, guess, status, 5 * i + k);
             }
         }
     }
+    for (int i = 0; (i < 8) && asked->informs; ++i) {
+        const gluon_6l3_config config = { (i < 4) ? bad[i] : GLUON_6L3_TOLERANCE,
+            GLUON_6L3_MAX_STEPS, (i < 4) ? GLUON_6L3_MAX_STEP : bad[i - 4] };
+        const gluon_6l3_status status = asked->ask(&config, asked->values, asked->guesses, guess,
+            NULL);
+        expect(status == ((i % 4 < 2) ? GLUON_6L3_OUT_OF_RANGE : GLUON_6L3_NONFINITE), asked->name,
+            "status of a wrong config", i);
+    }
+    for (unsigned int steps = 0U; (steps <= asked->few) && asked->informs; ++steps) {
+        const gluon_6l3_config config = { GLUON_6L3_TOLERANCE, (uint8_t)steps, GLUON_6L3_MAX_STEP };
+        const gluon_6l3_status status = asked->ask(&config, asked->values, asked->guesses, guess,
+            NULL);
+        expect(status == GLUON_6L3_MAX_ITERATIONS, asked->name, "status of too few steps",
+            (int)steps);
+    }
 }
 
-static void refuse_configs(const gluon_6l3_pose *pose, const gluon_6l3_real guess[GLUON_6L3_JOINTS])
+/* Rows of values that are refused: of given ones, or (as_guess) of guesses; blamed: the joint of
+ * each row, NULL where nobody asks. */
+static void refuse_rows(const function *asked, const gluon_6l3_real *rows, int count, int as_guess,
+    gluon_6l3_status wanted, const int *blamed)
 {
-    const gluon_6l3_real wrong[4] = { 0.0, -1.0, (gluon_6l3_real)NAN, (gluon_6l3_real)INFINITY };
-    for (int i = 0; i < 8; ++i) {
-        const gluon_6l3_real other = wrong[i % 4];
-        const gluon_6l3_config config = { (i < 4) ? other : GLUON_6L3_TOLERANCE,
-            GLUON_6L3_MAX_STEPS, (i < 4) ? GLUON_6L3_MAX_STEP : other };
-        const gluon_6l3_status wanted = (i % 4 < 2) ? GLUON_6L3_OUT_OF_RANGE : GLUON_6L3_NONFINITE;
-        expect(refused(&config, pose, guess, "wrong config") == wanted, "status of a wrong config",
-            i);
+    for (int k = 0; k < count; ++k) {
+        const gluon_6l3_real *const given = as_guess ? asked->values : &rows[asked->given * k];
+        const gluon_6l3_real *const guess = as_guess ? &rows[asked->found * k] : asked->guesses;
+        refuse(asked, given, guess, wanted, (blamed == NULL) ? -1 : blamed[k], k);
     }
 }
-
-static void refuse_all(void)
+/* Jacobians of the first vectors. */
+static void jacobian_of(int k)
 {
-    const gluon_6l3_config none = { GLUON_6L3_TOLERANCE, 0U, GLUON_6L3_MAX_STEP };
-    gluon_6l3_pose pose = pose_from(gluon_6l3_vector_poses[0]);
-    gluon_6l3_pose wrong = pose;
-    gluon_6l3_real joints[GLUON_6L3_JOINTS];
-    gluon_6l3_real other[GLUON_6L3_JOINTS];
-    gluon_6l3_info info;
-    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
-        joints[i] = gluon_6l3_vector_guesses[0][i];
+    const double most = 5.39294e-06;
+    gluon_6l3_real jacobian[MOST];
+    expect(gluon_6l3_jacobian(gluon_6l3_vector_joints[k], jacobian) == GLUON_6L3_OK, "jacobian",
+        "OK", k);
+    for (int i = 0; i < 6 * N; ++i) {
+        const double wanted = (double)gluon_6l3_vector_jacobians[k][i];
+        expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "jacobian",
+            "entry", i);
     }
-    expect(refused(&none, &pose, joints, "no step is not enough") == GLUON_6L3_MAX_ITERATIONS,
-        "MAX_ITERATIONS", 0);
-    refuse_configs(&pose, joints);
-    joints[GLUON_6L3_JOINTS - 1] = (gluon_6l3_real)NAN;
-    (void)gluon_6l3_inverse(NULL, &pose, joints, other, &info);
-    expect(info.joint == GLUON_6L3_JOINTS - 1U, "joint of a NaN guess", 0);
-    joints[GLUON_6L3_JOINTS - 1] = gluon_6l3_vector_guesses[0][GLUON_6L3_JOINTS - 1];
-    expect((gluon_6l3_inverse(NULL, &pose, joints, other, &info) == GLUON_6L3_OK)
-        && (info.joint == GLUON_6L3_JOINTS), "no joint to blame", 0);
-    joints[0] = (gluon_6l3_real)NAN;
-    expect(refused(NULL, &pose, joints, "NaN guess") == GLUON_6L3_NONFINITE, "NONFINITE", 0);
-    expect(gluon_6l3_direct(joints, &wrong) == GLUON_6L3_NONFINITE, "NONFINITE of direct", 0);
-    joints[0] = 5392937.207125631;
-    expect(gluon_6l3_direct(joints, &wrong) == GLUON_6L3_OUT_OF_RANGE, "OUT_OF_RANGE of direct", 0);
-    joints[0] = gluon_6l3_vector_guesses[0][0];
-    wrong.position[2] = (gluon_6l3_real)INFINITY;
-    expect(refused(NULL, &wrong, joints, "infinite pose") == GLUON_6L3_NONFINITE, "NONFINITE", 1);
-    wrong = pose;
-    wrong.quaternion[0] = 2.0;
-    expect(refused(NULL, &wrong, joints, "quaternion of length 2") == GLUON_6L3_OUT_OF_RANGE,
-        "OUT_OF_RANGE", 0);
-    wrong = pose;
-    wrong.position[0] = 5392937.207125631;
-    (void)refused(NULL, &wrong, joints, "pose out of reach");
-#if GLUON_6L3_VECTOR_PAST > 0
-    for (int k = 0; k < GLUON_6L3_VECTOR_PAST; ++k) {
-        expect(gluon_6l3_direct(gluon_6l3_vector_past[k], &wrong) == GLUON_6L3_OUT_OF_RANGE,
-            "OUT_OF_RANGE of a limit", k);
-        expect(refused(NULL, &pose, gluon_6l3_vector_past[k],
-            "a guess beyond a limit") == GLUON_6L3_OUT_OF_RANGE, "guess beyond a limit", k);
-        (void)gluon_6l3_inverse(NULL, &pose, gluon_6l3_vector_past[k], other, &info);
-        expect(info.joint == (unsigned int)gluon_6l3_vector_blamed[k], "joint beyond a limit", k);
-    }
-#endif
-#if GLUON_6L3_VECTOR_SINGULAR > 0
-    for (int k = 0; k < GLUON_6L3_VECTOR_SINGULAR; ++k) {
-        expect(refused(NULL, &pose, gluon_6l3_vector_singular[k],
-            "singular start") == GLUON_6L3_SINGULAR, "SINGULAR", k);
-    }
-#endif
 }
 
+/*  The feed keeps the limits, and one joint reaches its own where it is below 1. */
+static void speeds_of(int k)
+{
+    gluon_6l3_real rates[N];
+    gluon_6l3_real again[N];
+    gluon_6l3_real twist[6] = { 0.0 };
+    gluon_6l3_real limits[N];
+    gluon_6l3_real feed = 0.0;
+    for (int i = 0; i < N; ++i) {
+        rates[i] = (gluon_6l3_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (1.0));
+    }
+    expect(gluon_6l3_twist(gluon_6l3_vector_joints[k], rates, twist) == GLUON_6L3_OK, "twist",
+        "OK", k);
+    expect(gluon_6l3_rates(gluon_6l3_vector_joints[k], twist, again, NULL) == GLUON_6L3_OK,
+        "rates", "OK", k);
+    for (int part = 0; part < 2; ++part) {
+        const double limit = (part == 0) ? 0.125 : 4.0;
+        double largest = 0.0;
+        for (int i = 0; i < N; ++i) {
+            limits[i] = (gluon_6l3_real)(limit * (1.0));
+        }
+        expect(gluon_6l3_feed(gluon_6l3_vector_joints[k], twist, limits, &feed) == GLUON_6L3_OK,
+            "feed", "OK", k);
+        for (int i = 0; i < N; ++i) {
+            largest = fmax(largest, fabs((double)feed * (double)again[i]) / (1.0));
+        }
+        expect(largest <= limit * (1.0 + 1e-5), "feed", "keeps limits", k);
+        expect((feed == 1.0) || (largest >= limit * (1.0 - 1e-5)), "feed", "reaches a limit", k);
+    }
+    expect(feed == 1.0, "feed", "no need for one", k);
+}
 
 /* Whether two lists of joint values are the same within a bound (of angles times half of the size),
  * whole turns left aside. */
-static int same_joints(const gluon_6l3_real a[GLUON_6L3_JOINTS],
-    const gluon_6l3_real b[GLUON_6L3_JOINTS], double bound)
+static int same_joints(const gluon_6l3_real *a, const gluon_6l3_real *b, double bound)
 {
-    static const int angular[GLUON_6L3_JOINTS] = { 1, 1, 1, 1, 1, 1 };
+    static const int angular[N] = { 1, 1, 1, 1, 1, 1 };
     int same = 1;
-    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
+    for (int i = 0; i < N; ++i) {
         const double gap = (double)a[i] - (double)b[i];
         const double off = angular[i] ? 0.5 * (double)GLUON_6L3_SIZE * fabs(remainder(gap,
             6.283185307179586)) : fabs(gap);
@@ -172,95 +369,113 @@ static int same_joints(const gluon_6l3_real a[GLUON_6L3_JOINTS],
     return same;
 }
 
-/* All branches reach the pose, one of them is the arm, each is found by its name, the guess's is
- * the nearest. */
-static void closed_form(void)
+/* All branches reach the pose, one of them is the arm, each is found by its name. */
+static void branches_of(const function *direct, int k)
 {
-    for (int k = 0; k < GLUON_6L3_VECTORS; ++k) {
-        const double bound = gluon_6l3_vector_bounds[k];
-        const double most = 8.0 * bound;
-        const gluon_6l3_pose pose = pose_from(gluon_6l3_vector_poses[k]);
-        gluon_6l3_real all[GLUON_6L3_BRANCHES][GLUON_6L3_JOINTS];
-        gluon_6l3_real one[GLUON_6L3_JOINTS];
-        const int count = gluon_6l3_inverse_all(&pose, all);
-        int found = 0;
-        int named = 0;
-        expect((count > 0) && (count <= GLUON_6L3_BRANCHES), "count of all branches", k);
-        for (int row = 0; row < count; ++row) {
-            gluon_6l3_pose again;
-            expect(gluon_6l3_direct(all[row], &again) == GLUON_6L3_OK, "direct of a branch", k);
-            for (int i = 0; i < 3; ++i) {
-                expect(fabs((double)again.position[i] - (double)pose.position[i]) <= 2.4e-09,
-                    "a branch's position", k);
-            }
-            for (int i = 0; i < 4; ++i) {
-                const double off = fabs(fabs((double)again.quaternion[i])
-                    - fabs((double)pose.quaternion[i]));
-                expect((double)GLUON_6L3_SIZE * off <= 2.4e-09, "a branch's quaternion", k);
-            }
-            found += same_joints(all[row], gluon_6l3_vector_inverse[k], most);
-        }
-        expect(found == 1, "one branch is the arm", k);
-        for (unsigned int branch = 0U; branch < GLUON_6L3_BRANCHES; ++branch) {
-            if (gluon_6l3_inverse_branch(&pose, branch, one) == GLUON_6L3_OK) {
-                expect((named < count) && same_joints(one, all[named], most),
-                    "a branch by its name", k);
-                ++named;
-            }
-        }
-        expect(named == count, "count of the branches by name", k);
-        expect(gluon_6l3_inverse_nearest(&pose, gluon_6l3_vector_guesses[k], one) == GLUON_6L3_OK,
-            "nearest branch", k);
-        for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
-            expect(fabs((double)one[i] - (double)gluon_6l3_vector_inverse[k][i]) <= most
-                * 0.003708554213012941, "nearest branch's joints", k);
+    const double most = 8.0 * gluon_6l3_vector_bounds[k];
+    const gluon_6l3_real *const given = gluon_6l3_vector_poses[k];
+    const gluon_6l3_pose pose = pose_from(given);
+    gluon_6l3_real all[GLUON_6L3_BRANCHES][N];
+    gluon_6l3_real one[MOST];
+    const int count = gluon_6l3_inverse_all(&pose, all);
+    int found = 0;
+    int named = 0;
+    expect((count > 0) && (count <= GLUON_6L3_BRANCHES), "inverse_all", "count", k);
+    for (int row = 0; row < count; ++row) {
+        expect(direct->ask(NULL, all[row], NULL, one, NULL) == GLUON_6L3_OK, "inverse_all",
+            "direct of a branch", k);
+        expect(away(direct, one, given) <= 2.4e-09, "inverse_all", "a branch's pose", k);
+        found += same_joints(all[row], gluon_6l3_vector_inverse[k], most);
+    }
+    expect(found == 1, "inverse_all", "one branch is the arm", k);
+    for (unsigned int branch = 0U; branch < GLUON_6L3_BRANCHES; ++branch) {
+        if (gluon_6l3_inverse_branch(&pose, branch, one) == GLUON_6L3_OK) {
+            expect((named < count) && same_joints(one, all[named], most), "inverse_branch",
+                "a branch by its name", k);
+            ++named;
         }
     }
+    expect(named == count, "inverse_branch", "count of the branches by name", k);
 }
 
-/* What is no pose, no branch or out of reach is refused, results untouched. */
-static void closed_refusals(void)
+/* What is no pose or no branch is refused, results untouched. */
+static void refuse_branches(void)
 {
     const gluon_6l3_pose pose = pose_from(gluon_6l3_vector_poses[0]);
-    gluon_6l3_pose wrong = pose;
-    gluon_6l3_real all[GLUON_6L3_BRANCHES][GLUON_6L3_JOINTS];
-    gluon_6l3_real joints[GLUON_6L3_JOINTS];
-    gluon_6l3_real guess[GLUON_6L3_JOINTS];
-    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
+    gluon_6l3_pose infinite = pose;
+    gluon_6l3_real all[GLUON_6L3_BRANCHES][N];
+    gluon_6l3_real joints[N];
+    for (int i = 0; i < N; ++i) {
         joints[i] = 4.0;
-        guess[i] = gluon_6l3_vector_guesses[0][i];
     }
+    infinite.position[2] = wrong[1];
     expect(gluon_6l3_inverse_branch(&pose, GLUON_6L3_BRANCHES, joints) == GLUON_6L3_OUT_OF_RANGE,
-        "no such branch", 0);
-    guess[0] = (gluon_6l3_real)NAN;
-    expect(gluon_6l3_inverse_nearest(&pose, guess, joints) == GLUON_6L3_NONFINITE,
-        "NaN guess of the closed form", 0);
-    guess[0] = gluon_6l3_vector_guesses[0][0];
-    wrong.position[2] = (gluon_6l3_real)INFINITY;
-    expect(gluon_6l3_inverse_nearest(&wrong, guess, joints) == GLUON_6L3_NONFINITE,
-        "infinite pose of the closed form", 0);
-    expect(gluon_6l3_inverse_branch(&wrong, 0U, joints) == GLUON_6L3_NONFINITE,
-        "infinite pose of the closed form", 1);
-    expect(gluon_6l3_inverse_all(&wrong, all) == 0, "infinite pose of the closed form", 2);
-    wrong = pose;
-    wrong.quaternion[1] = 2.0;
-    expect(gluon_6l3_inverse_nearest(&wrong, guess, joints) == GLUON_6L3_OUT_OF_RANGE,
-        "quaternion of length 2 of the closed form", 0);
-    wrong = pose;
-    wrong.position[0] = 5392937.207125631;
-    wrong.position[1] = 5392937.207125631;
-    wrong.position[2] = 5392937.207125631;
-    (void)gluon_6l3_inverse_nearest(&wrong, guess, joints);
-    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
-        expect(joints[i] == 4.0, "result of the closed form untouched on failure", i);
-    }
+        "inverse_branch", "no such branch", 0);
+    expect(gluon_6l3_inverse_branch(&infinite, 0U, joints) == GLUON_6L3_NONFINITE,
+        "inverse_branch", "infinite pose", 0);
+    expect(gluon_6l3_inverse_all(&infinite, all) == 0, "inverse_all", "infinite pose", 0);
+    expect(all_are(joints, N, 4.0), "inverse_branch", "result untouched", 0);
 }
 int main(void)
 {
-    solve_all();
-    refuse_all();
-    closed_form();
-    closed_refusals();
+    static const double weights_of_direct[] = { 1.0, 1.0, 1.0, 539.2937207125631,
+        539.2937207125631, 539.2937207125631, 539.2937207125631 };
+    const function of_direct = { "direct", ask_direct, "cccccc", 6, 7,
+        &gluon_6l3_vector_joints[0][0], NULL, &gluon_6l3_vector_poses[0][0], weights_of_direct,
+        NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const double weights_of_inverse[] = { 269.64686035628154, 269.64686035628154,
+        269.64686035628154, 269.64686035628154, 269.64686035628154, 269.64686035628154 };
+    const function of_inverse = { "inverse", ask_inverse, "ccccccccccccc", 7, 6,
+        &gluon_6l3_vector_poses[0][0], &gluon_6l3_vector_guesses[0][0],
+        &gluon_6l3_vector_inverse[0][0], weights_of_inverse, ask_track, NULL, 1, 2, 0U, 1.0, 0.0 };
+    static const double weights_of_inverse_nearest[] = { 269.64686035628154, 269.64686035628154,
+        269.64686035628154, 269.64686035628154, 269.64686035628154, 269.64686035628154 };
+    const function of_inverse_nearest = { "inverse_nearest", ask_inverse_nearest, "cccccccffffff",
+        7, 6, &gluon_6l3_vector_poses[0][0], &gluon_6l3_vector_guesses[0][0],
+        &gluon_6l3_vector_inverse[0][0], weights_of_inverse_nearest, NULL, NULL, 0, 0, 0U, 8.0,
+        0.0 };
+    static const gluon_6l3_real numbers_of_jacobian[] = { 0x1.6af3a14cec41ep-1,
+        0x1.28f190d173fb8p-6, 0x1.86238da3c2118p-1, -0x1.576102795703fp-1, 0x1.5fc86cebbba56p-3,
+        -0x1.94ba51a005c46p-3 };
+    const function of_jacobian = { "jacobian", ask_jacobian, "cccccc", 6, 36, numbers_of_jacobian,
+        NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const gluon_6l3_real numbers_of_rates[] = { 0x1.6af3a14cec41ep-1, 0x1.28f190d173fb8p-6,
+        0x1.86238da3c2118p-1, -0x1.576102795703fp-1, 0x1.5fc86cebbba56p-3, -0x1.94ba51a005c46p-3,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0 };
+    const function of_rates = { "rates", ask_rates, "ccccccssssss", 12, 6, numbers_of_rates, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const gluon_6l3_real numbers_of_twist[] = { 0x1.6af3a14cec41ep-1, 0x1.28f190d173fb8p-6,
+        0x1.86238da3c2118p-1, -0x1.576102795703fp-1, 0x1.5fc86cebbba56p-3, -0x1.94ba51a005c46p-3,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0 };
+    const function of_twist = { "twist", ask_twist, "ccccccssssss", 12, 6, numbers_of_twist, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const gluon_6l3_real numbers_of_feed[] = { 0x1.6af3a14cec41ep-1, 0x1.28f190d173fb8p-6,
+        0x1.86238da3c2118p-1, -0x1.576102795703fp-1, 0x1.5fc86cebbba56p-3, -0x1.94ba51a005c46p-3,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0 };
+    const function of_feed = { "feed", ask_feed, "ccccccssssssllllll", 18, 1, numbers_of_feed,
+        NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    const function *const all[] = { &of_direct, &of_inverse, &of_inverse_nearest, &of_jacobian,
+        &of_rates, &of_twist, &of_feed };
+    for (int i = 0; i < 7; ++i) {
+        if (all[i]->answers != NULL) {
+            solve_all(all[i]);
+        }
+        refuse_values(all[i]);
+    }
+    for (int k = 0; k < GLUON_6L3_VECTOR_JACOBIANS; ++k) {
+        jacobian_of(k);
+        speeds_of(k);
+    }
+    for (int k = 0; k < GLUON_6L3_VECTORS; ++k) {
+        branches_of(&of_direct, k);
+    }
+    refuse_branches();
+    refuse_rows(&of_inverse, &gluon_6l3_vector_singular[0][0], 1, 1, GLUON_6L3_SINGULAR, NULL);
+    refuse_rows(&of_inverse, &gluon_6l3_vector_doubled[0][0], 1, 0, GLUON_6L3_OUT_OF_RANGE, NULL);
     (void)printf("gluon_6l3: %d cases, %d failures\n", GLUON_6L3_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

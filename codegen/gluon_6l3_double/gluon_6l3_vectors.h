@@ -10,7 +10,7 @@
 #define GLUON_6L3_VECTOR_SINGULAR 1
 #define GLUON_6L3_VECTOR_INFEASIBLE 0
 #define GLUON_6L3_VECTOR_PAST 0
-#define GLUON_6L3_VECTOR_FAR 1
+#define GLUON_6L3_VECTOR_DOUBLED 1
 
 static const gluon_6l3_real gluon_6l3_vector_guesses[24][6] = {
     { 0x1.755885d31337fp-1, 0x1.a62ed352220bcp-6, 0x1.8de56cd6c2efdp-1, -0x1.66924f227d029p-1,
@@ -257,6 +257,11 @@ static const gluon_6l3_real gluon_6l3_vector_jacobians[4][36] = {
 
 static const gluon_6l3_real gluon_6l3_vector_singular[1][6] = {
     { 0x0.0p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+};
+
+static const gluon_6l3_real gluon_6l3_vector_doubled[1][7] = {
+    { -0x1.2bc9f99a8ea0cp+4, -0x1.5aa3e8231639ep+7, 0x1.e3d8099325dcfp+8, 0x1.192e4c00be91dp-1,
+        -0x1.4e38585c2fa74p-1, 0x1.3d54c13d1bc03p+0, -0x1.514611b7a4542p+0 },
 };
 
 

@@ -36,6 +36,77 @@ static REN2008_COLD ren2008_status ren2008_check_finite(const ren2008_real value
     return status;
 }
 
+/* LU in loops of the n x n matrix a, row by row, with partial pivoting: reciprocals of pivots on
+ * the diagonal, `order` the exchanges of rows. The sign of the determinant, 0 where no entry of a
+ * column is above its `least`. */
+static REN2008_COLD int ren2008_lu(ren2008_real *a, uint8_t *order, const ren2008_real *least,
+    int n)
+{
+    int sign = 1;
+    for (int c = 0; c < n; ++c) {
+        /* the largest entry of the column becomes the pivot */
+        int best = c;
+        ren2008_real largest = 0.0f;
+        for (int r = c; r < n; ++r) {
+            const ren2008_real size = fabsf(a[n * r + c]);
+            if (size > largest) {
+                largest = size;
+                best = r;
+            }
+        }
+        if (!(largest > least[c])) {
+            return 0;
+        }
+        order[c] = (uint8_t)best;
+        if (best != c) {
+            sign = -sign;
+            for (int j = c; j < n; ++j) {
+                const ren2008_real t = a[n * c + j];
+                a[n * c + j] = a[n * best + j];
+                a[n * best + j] = t;
+            }
+        }
+        if (a[n * c + c] < 0.0f) {
+            sign = -sign;
+        }
+        /* reduce the rows below */
+        const ren2008_real inverse = 1.0f / a[n * c + c];
+        a[n * c + c] = inverse;
+        for (int r = c + 1; r < n; ++r) {
+            const ren2008_real factor = a[n * r + c] * inverse;
+            a[n * r + c] = factor;
+            for (int j = c + 1; j < n; ++j) {
+                a[n * r + j] -= factor * a[n * c + j];
+            }
+        }
+    }
+    return sign;
+}
+
+/* Solves for the right side f, in place, with the factors of ren2008_lu. */
+static REN2008_COLD void ren2008_lu_solve(const ren2008_real *a, const uint8_t *order,
+    ren2008_real *f, int n)
+{
+    /* forward substitution with the exchanges of rows */
+    for (int c = 0; c < n; ++c) {
+        const int best = (int)order[c];
+        const ren2008_real t = f[best];
+        f[best] = f[c];
+        f[c] = t;
+        for (int r = c + 1; r < n; ++r) {
+            f[r] -= a[n * r + c] * t;
+        }
+    }
+    /* back substitution */
+    for (int c = n - 1; c >= 0; --c) {
+        const ren2008_real t = f[c] * a[n * c + c];
+        f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            f[r] -= a[n * r + c] * t;
+        }
+    }
+}
+
 /* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
  * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static ren2008_status ren2008_normalise_pose(const ren2008_pose *pose, ren2008_real x[7])
@@ -402,6 +473,7 @@ static REN2008_SHARED void ren2008_direct_set_target(ren2008_direct_work *w,
     }
 }
 
+
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void ren2008_direct_matrix(ren2008_direct_work *w)
 {
@@ -420,78 +492,21 @@ static void ren2008_direct_matrix(ren2008_direct_work *w)
     }
 }
 
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
- * singular. */
+/* The factors in loops; the sign of the determinant, 0 where the matrix is singular. */
 static REN2008_COLD int ren2008_direct_pivoted(ren2008_direct_work *w)
 {
     static const ren2008_real scale[6] = { 0.545f, 0.549f, 1.38f, 5.05f, 3.28f, 2.3f };
-    int sign = 1;
+    static const ren2008_real least[6] = { 1.039505e-06f, 1.0471344e-06f, 2.632141e-06f,
+        9.632111e-06f, 6.2561035e-06f, 4.3869018e-06f };
     ren2008_direct_matrix(w);
     w->pivoted = true;
     w->spread = 0.0f;
-    for (int c = 0; c < 6; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        ren2008_real largest = 0.0f;
-        for (int r = c; r < 6; ++r) {
-            const ren2008_real size = fabsf(w->a[6 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 1.9073486e-06f * scale[c])) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 6; ++j) {
-                const ren2008_real t = w->a[6 * c + j];
-                w->a[6 * c + j] = w->a[6 * best + j];
-                w->a[6 * best + j] = t;
-            }
-        }
-        if (w->a[6 * c + c] < 0.0f) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const ren2008_real inverse = 1.0f / w->a[6 * c + c];
-        w->a[6 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 6; ++r) {
-            const ren2008_real factor = w->a[6 * r + c] * inverse;
-            w->a[6 * r + c] = factor;
-            for (int j = c + 1; j < 6; ++j) {
-                w->a[6 * r + j] -= factor * w->a[6 * c + j];
-            }
-        }
+    const int sign = ren2008_lu(w->a, w->order, least, 6);
+    for (int c = 0; (c < 6) && (sign != 0); ++c) {
+        const ren2008_real inverse = w->a[7 * c] * scale[c];
+        w->spread += inverse * inverse;
     }
     return sign;
-}
-
-/* The step from w->f into w->f with the factors of ren2008_direct_pivoted. */
-static REN2008_COLD void ren2008_direct_pivoted_solve(ren2008_direct_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 6; ++c) {
-        const int best = (int)w->order[c];
-        const ren2008_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 6; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 5; c >= 0; --c) {
-        const ren2008_real t = w->f[c] * w->a[6 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the
@@ -640,7 +655,7 @@ static int ren2008_direct_factor(ren2008_direct_work *w)
 static void ren2008_direct_solve(ren2008_direct_work *w)
 {
     if (w->pivoted) {
-        ren2008_direct_pivoted_solve(w);
+        ren2008_lu_solve(w->a, w->order, w->f, 6);
         return;
     }
     /* forward substitution, the rows in the order of the pivots */
@@ -1460,8 +1475,7 @@ ren2008_status ren2008_feed(const ren2008_pose *pose, const ren2008_real twist[6
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
- * elimination with row exchanges. */
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size. */
 ren2008_status ren2008_twist(const ren2008_pose *pose, const ren2008_real rates[6],
     ren2008_real twist[6])
 {
@@ -1469,43 +1483,28 @@ ren2008_status ren2008_twist(const ren2008_pose *pose, const ren2008_real rates[
     static const ren2008_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.59165776f, 0.59165776f,
         0.59165776f };
     static const uint8_t column[6] = { 0U, 1U, 2U, 3U, 4U, 5U };
+    static const ren2008_real least[6] = { 1.9073486e-06f, 1.9073486e-06f, 1.9073486e-06f,
+        1.9073486e-06f, 1.9073486e-06f, 1.9073486e-06f };
     ren2008_real jacobian[6 * 6];
-    ren2008_real a[6][6 + 1];
+    ren2008_real a[6 * 6];
+    ren2008_real f[6];
+    uint8_t order[6];
     ren2008_status status = ren2008_check_speeds(rates, 6, ren2008_jacobian(pose, jacobian));
     if (status == REN2008_OK) {
         for (int i = 0; i < 6; ++i) {
             for (int j = 0; j < 6; ++j) {
-                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+                a[6 * i + j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
             }
-            a[i][6] = rates[i] * row_scale[i];
+            f[i] = rates[i] * row_scale[i];
         }
-        for (int c = 0; (c < 6) && (status == REN2008_OK); ++c) {
-            /* the largest entry of the column becomes the pivot */
-            int best = c;
-            for (int i = c + 1; i < 6; ++i) {
-                best = (fabsf(a[i][c]) > fabsf(a[best][c])) ? i : best;
-            }
-            if (!(fabsf(a[best][c]) > 1.9073486e-06f)) {
-                status = REN2008_SINGULAR;
-            } else {
-                for (int j = c; j <= 6; ++j) {
-                    const ren2008_real t = a[c][j];
-                    a[c][j] = a[best][j];
-                    a[best][j] = t;
-                }
-                /* clear the column in all other rows */
-                for (int i = 0; i < 6; ++i) {
-                    const ren2008_real factor = a[i][c] / a[c][c];
-                    for (int j = c; (i != c) && (j <= 6); ++j) {
-                        a[i][j] -= factor * a[c][j];
-                    }
-                }
-            }
+        if (ren2008_lu(a, order, least, 6) == 0) {
+            status = REN2008_SINGULAR;
         }
     }
     if (status == REN2008_OK) {
+        ren2008_lu_solve(a, order, f, 6);
         for (int i = 0; i < 6; ++i) {
-            twist[column[i]] = a[i][6] / a[i][i] * column_scale[i];
+            twist[column[i]] = f[i] * column_scale[i];
         }
     }
     return status;

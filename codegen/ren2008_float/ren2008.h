@@ -20,24 +20,24 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 36790 add, 43850 mul, 1517 div, 912 sqrt
- *   track: 282 add, 370 mul, 16 div, 6 sqrt
+ *   direct: 100 iterations, 36790 add, 42638 mul, 1517 div, 912 sqrt
+ *   track: 282 add, 358 mul, 16 div, 6 sqrt
  *   inverse: 81 add, 56 mul, 1 div, 7 sqrt
  *   jacobian: 90 add, 130 mul, 7 div, 7 sqrt
  *   line: 1200 iterations, 84694 add, 27392 mul, 4 div, 29 sqrt
  *   rates: 132 add, 166 mul, 7 div, 7 sqrt
  *   feed: 138 add, 172 mul, 13 div, 7 sqrt
- *   twist: 258 add, 376 mul, 49 div, 7 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 36617 inputs, seed 1): instructions, bytes of stack with
+ *   twist: 181 add, 320 mul, 13 div, 7 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 38650 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 78130 instructions, 536 stack, 5360 code
- *   track: 2535 instructions, 400 stack, 3904 code
+ *   direct: 75450 instructions, 536 stack, 5412 code
+ *   track: 2550 instructions, 412 stack, 3956 code
  *   inverse: 470 instructions, 392 stack, 1260 code
  *   jacobian: 440 instructions, 200 stack, 1756 code
  *   line: 5740 instructions, 904 stack, 3088 code
  *   rates: 870 instructions, 392 stack, 1928 code
  *   feed: 1035 instructions, 432 stack, 2028 code
- *   twist: 3015 instructions, 560 stack, 2340 code
+ *   twist: 2730 instructions, 568 stack, 2500 code
  *
  * Model SHA-256 9f2e30e7ae7dd83493e6d6b3933b246841b4e4c5cab87d201ec31f4db62108d1
  */
@@ -110,10 +110,11 @@ ren2008_status ren2008_direct(const ren2008_config *config,
     const ren2008_real joints[REN2008_JOINTS], const ren2008_pose *guess, ren2008_pose *pose,
     ren2008_info *info);
 
+#define REN2008_TRACK_LIMIT ((ren2008_real)0.000462f) /* m */
+
 /* For servo loops: one step from the last pose; info->residual is the predicted error. Up to
  * REN2008_TRACK_LIMIT another call with the same joints brings it below the tolerance; beyond it,
  * call ren2008_direct. */
-#define REN2008_TRACK_LIMIT ((ren2008_real)0.000462f) /* m */
 ren2008_status ren2008_track(const ren2008_real joints[REN2008_JOINTS], ren2008_pose *pose,
     ren2008_info *info);
 

@@ -6,281 +6,410 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
+#define N REN2008_JOINTS
+#define MOST (6 * N + 13) /* numbers that any function takes or gives */
+
+/* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and
+ * then guessed, c: a coordinate, s: a speed, l: what is never below 0, f: what only has to be
+ * finite. step: one step of tracking; opposite: the problem by which answers are held where they
+ * are not the only ones. The numbers of an answer, weighed, may be off by `share` times its bound
+ * and by `within` more. Where nothing is solved there are no answers, where nothing is guessed no
+ * guesses. */
+typedef struct function {
+    const char *name;
+    ren2008_status (*ask)(const ren2008_config *config, const ren2008_real *given,
+        const ren2008_real *guess, ren2008_real *result, ren2008_info *info);
+    const char *kinds;
+    int given;
+    int found;
+    const ren2008_real *values;
+    const ren2008_real *guesses;
+    const ren2008_real *answers;
+    const double *weights;
+    ren2008_status (*step)(const ren2008_config *config, const ren2008_real *given,
+        const ren2008_real *guess, ren2008_real *result, ren2008_info *info);
+    const struct function *opposite;
+    int informs; /* whether a config is read and an info written */
+    int blamed; /* which values info->joint is about: 1 given ones, 2 the guess, 0 neither */
+    unsigned int few; /* steps that are not enough for the first vector */
+    double share;
+    double within;
+} function;
+
+static const ren2008_real wrong[3] = { (ren2008_real)NAN, (ren2008_real)INFINITY,
+    -(ren2008_real)INFINITY };
 static int failures = 0;
 
-static void expect(int right, const char *what, int number)
+static void expect(int right, const char *of, const char *what, int number)
 {
     if (!right) {
         ++failures;
-        (void)printf("failed: %s, case %d\n", what, number);
+        (void)printf("failed: %s, %s, case %d\n", of, what, number);
     }
 }
 
-static ren2008_pose pose_from(const ren2008_real numbers[7])
+static void copy(const ren2008_real *from, ren2008_real *to, int count)
 {
-    ren2008_pose pose;
-    for (int i = 0; i < 3; ++i) {
-        pose.position[i] = numbers[i];
+    for (int i = 0; i < count; ++i) {
+        to[i] = from[i];
     }
-    for (int i = 0; i < 4; ++i) {
-        pose.quaternion[i] = numbers[3 + i];
-    }
-    return pose;
 }
 
-/* Largest difference of two poses: lengths, and rotations times the size. */
-static double difference(const ren2008_pose *a, const ren2008_real b[7])
-{
-    double largest = 0.0;
-    double cosine = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        cosine += (double)a->quaternion[i] * (double)b[3 + i];
-    }
-    for (int i = 0; i < 3; ++i) {
-        largest = fmax(largest, fabs((double)a->position[i] - (double)b[i]));
-    }
-    for (int i = 0; i < 4; ++i) {
-        const double other = (cosine < 0.0) ? -(double)b[3 + i] : (double)b[3 + i];
-        largest = fmax(largest, 2.0 * (double)REN2008_SIZE * fabs((double)a->quaternion[i]
-            - other));
-    }
-    return (cosine == cosine) ? largest : HUGE_VAL;
-}
-
-static int same_pose(const ren2008_pose *a, const ren2008_pose *b)
+static int all_are(const ren2008_real *values, int count, ren2008_real value)
 {
     int same = 1;
-    for (int i = 0; i < 3; ++i) {
-        same = same && (a->position[i] == b->position[i]);
-    }
-    for (int i = 0; i < 4; ++i) {
-        same = same && (a->quaternion[i] == b->quaternion[i]);
+    for (int i = 0; i < count; ++i) {
+        same = same && (values[i] == value);
     }
     return same;
 }
 
-/* A direct call that must not succeed: the status, with the pose untouched and info written. */
-static ren2008_status refused(const ren2008_config *config,
-    const ren2008_real joints[REN2008_JOINTS], const ren2008_pose *guess, const char *what)
+static ren2008_pose pose_from(const ren2008_real *numbers)
 {
-    const ren2008_real marks[7] = { 1.0f, 2.0f, 4.0f, 1.0f, 2.0f, 4.0f, 1.0f };
-    const ren2008_pose untouched = pose_from(marks);
-    ren2008_pose pose = untouched;
-    ren2008_info info;
-    ren2008_status status;
-    info.iterations = 255U;
-    status = ren2008_direct(config, joints, guess, &pose, &info);
-    expect(status != REN2008_OK, what, 0);
-    expect(same_pose(&pose, &untouched), "result untouched on failure", 0);
-    expect(info.iterations != 255U, "info written on failure", 0);
+    ren2008_pose pose;
+    copy(numbers, pose.position, 3);
+    copy(&numbers[3], pose.quaternion, 4);
+    return pose;
+}
+
+static void numbers_of(const ren2008_pose *pose, ren2008_real *numbers)
+{
+    copy(pose->position, numbers, 3);
+    copy(pose->quaternion, &numbers[3], 4);
+}
+static ren2008_status ask_direct(const ren2008_config *config, const ren2008_real *given,
+    const ren2008_real *guess, ren2008_real *result, ren2008_info *info)
+{
+    ren2008_pose guess_pose = pose_from(guess);
+    ren2008_pose result_pose = pose_from(result);
+    const ren2008_status status = ren2008_direct(config, given,
+        (guess == result) ? &result_pose : &guess_pose, &result_pose, info);
+    numbers_of(&result_pose, result);
     return status;
 }
 
-static void solve_all(void)
+static ren2008_status ask_track(const ren2008_config *config, const ren2008_real *given,
+    const ren2008_real *guess, ren2008_real *result, ren2008_info *info)
 {
+    ren2008_pose result_pose = pose_from(result);
+    (void)config;
+    (void)guess;
+    const ren2008_status status = ren2008_track(given, &result_pose, info);
+    numbers_of(&result_pose, result);
+    return status;
+}
+
+static ren2008_status ask_inverse(const ren2008_config *config, const ren2008_real *given,
+    const ren2008_real *guess, ren2008_real *result, ren2008_info *info)
+{
+    ren2008_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ren2008_status status = ren2008_inverse(&given_pose, result);
+    return status;
+}
+
+static ren2008_status ask_jacobian(const ren2008_config *config, const ren2008_real *given,
+    const ren2008_real *guess, ren2008_real *result, ren2008_info *info)
+{
+    ren2008_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ren2008_status status = ren2008_jacobian(&given_pose, result);
+    return status;
+}
+
+static ren2008_status ask_rates(const ren2008_config *config, const ren2008_real *given,
+    const ren2008_real *guess, ren2008_real *result, ren2008_info *info)
+{
+    ren2008_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ren2008_status status = ren2008_rates(&given_pose, &given[7], result);
+    return status;
+}
+
+static ren2008_status ask_twist(const ren2008_config *config, const ren2008_real *given,
+    const ren2008_real *guess, ren2008_real *result, ren2008_info *info)
+{
+    ren2008_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ren2008_status status = ren2008_twist(&given_pose, &given[7], result);
+    return status;
+}
+
+static ren2008_status ask_feed(const ren2008_config *config, const ren2008_real *given,
+    const ren2008_real *guess, ren2008_real *result, ren2008_info *info)
+{
+    ren2008_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ren2008_status status = ren2008_feed(&given_pose, &given[7], &given[13], result);
+    return status;
+}
+/* Largest weighed difference; of q and -q, one rotation, the nearer one. NaN is the largest. */
+static double away(const function *asked, const ren2008_real *a, const ren2008_real *b)
+{
+    double largest = 0.0;
+    double cosine = 0.0;
+    for (int i = 3; (i < 7) && (asked->found == 7); ++i) {
+        cosine += (double)a[i] * (double)b[i];
+    }
+    for (int i = 0; i < asked->found; ++i) {
+        const double side = ((i >= 3) && (cosine < 0.0)) ? -1.0 : 1.0;
+        const double off = asked->weights[i] * fabs((double)a[i] - side * (double)b[i]);
+        largest = (off <= largest) ? largest : off;
+    }
+    return largest;
+}
+
+/* Answers of the vectors, and standing still at them. */
+static void solve_all(const function *asked)
+{
+    const char *const name = asked->name;
     for (int k = 0; k < REN2008_VECTORS; ++k) {
         const double bound = ren2008_vector_bounds[k];
-        const ren2008_pose guess = pose_from(ren2008_vector_guesses[k]);
-        ren2008_pose pose = guess;
+        const double most = asked->share * bound + asked->within;
+        const ren2008_real *const given = &asked->values[asked->given * k];
+        const ren2008_real *const guess = (asked->guesses == NULL)
+            ? NULL : &asked->guesses[asked->found * k];
+        const ren2008_real *const answer = &asked->answers[asked->found * k];
+        ren2008_real result[MOST];
+        ren2008_real again[MOST];
         ren2008_info info;
-        ren2008_real joints[REN2008_JOINTS];
-        expect(ren2008_direct(NULL, ren2008_vector_joints[k], &pose, &pose, &info) == REN2008_OK,
-            "direct", k);
-        expect(difference(&pose, ren2008_vector_poses[k]) <= bound, "direct's pose", k);
-        expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
-        expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
-        expect(info.joint == REN2008_JOINTS, "no joint to blame", k);
-        expect(ren2008_direct(NULL, ren2008_vector_joints[k], &pose, &pose, &info) == REN2008_OK,
-            "standing still", k);
-        expect(difference(&pose, ren2008_vector_poses[k]) <= bound, "standing still's pose", k);
-        pose = guess;
-        expect(ren2008_direct(NULL, ren2008_vector_joints[k], &guess, &pose, NULL) == REN2008_OK,
-            "direct without info", k);
-        expect(ren2008_track(ren2008_vector_joints[k], &pose, &info) == REN2008_OK, "track", k);
-        expect(difference(&pose, ren2008_vector_poses[k]) <= bound, "track's pose", k);
-        pose = pose_from(ren2008_vector_poses[k]);
-        expect(ren2008_inverse(&pose, joints) == REN2008_OK, "inverse", k);
-        for (int i = 0; i < REN2008_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)ren2008_vector_inverse[k][i]) <= bound,
-                "inverse's joints", k);
+        for (int i = 0; i < asked->found; ++i) {
+            result[i] = (guess != NULL) ? guess[i] : 4.0f;
         }
-        if (k < REN2008_VECTOR_JACOBIANS) {
-            ren2008_real jacobian[REN2008_JOINTS * 6];
-            expect(ren2008_jacobian(&pose, jacobian) == REN2008_OK, "jacobian", k);
-            for (int i = 0; i < REN2008_JOINTS * 6; ++i) {
-                const double wanted = (double)ren2008_vector_jacobians[k][i];
-                const double scale = 1.6901663379679528 * (1.0 + fabs(wanted));
-                expect(fabs((double)jacobian[i] - wanted) <= 1e-4 * scale, "jacobian's entry", i);
+        expect(asked->ask(NULL, given, asked->informs ? result : guess, result,
+            &info) == REN2008_OK, name, "OK", k);
+        expect(away(asked, result, answer) <= most, name, "answer", k);
+        if (asked->informs) {
+            expect((double)info.residual <= 16.0 * bound, name, "residual", k);
+            expect(info.min_pivot > 0.0f, name, "smallest pivot", k);
+            expect(info.joint == N, name, "no joint to blame", k);
+            expect(asked->ask(NULL, given, guess, again, NULL) == REN2008_OK, name, "without info",
+                k);
+            copy(result, again, asked->found);
+            expect(asked->ask(NULL, given, again, again, &info) == REN2008_OK, name,
+                "standing still", k);
+            expect(away(asked, again, answer) <= most, name, "answer of standing still", k);
+        }
+        if (asked->step != NULL) {
+            copy(result, again, asked->found);
+            expect(asked->step(NULL, given, NULL, again, &info) == REN2008_OK, name, "track", k);
+            expect(away(asked, again, answer) <= most, name, "answer of track", k);
+        }
+        if (asked->opposite != NULL) {
+            expect(asked->opposite->ask(NULL, result, NULL, again, NULL) == REN2008_OK, name,
+                "asked back", k);
+            expect(away(asked->opposite, again, given) <= bound, name, "answer asked back", k);
+        }
+    }
+}
+
+/* Values that are refused: the status (OK: any but this), the joint that is blamed, the result
+ * untouched, info written. */
+static void refuse(const function *asked, const ren2008_real *given, const ren2008_real *guess,
+    ren2008_status wanted, int joint, int number)
+{
+    ren2008_real result[MOST];
+    ren2008_info info;
+    for (int i = 0; i < MOST; ++i) {
+        result[i] = 4.0f;
+    }
+    info.iterations = 255U;
+    info.joint = N;
+    const ren2008_status status = asked->ask(NULL, given, guess, result, &info);
+    expect((wanted == REN2008_OK) ? (status != REN2008_OK) : (status == wanted), asked->name,
+        "status of a refusal", number);
+    expect(all_are(result, MOST, 4.0f), asked->name, "result untouched by a refusal", number);
+    if (asked->informs) {
+        expect(info.iterations != 255U, asked->name, "info of a refusal", number);
+        expect((joint < 0) || ((int)info.joint == joint), asked->name, "joint of a refusal",
+            number);
+    }
+}
+
+/* A step that is refused: the status, the result untouched. */
+static void refuse_step(const function *asked, const ren2008_real *given, const ren2008_real *last,
+    ren2008_status wanted, int number)
+{
+    ren2008_real result[MOST];
+    copy(last, result, asked->found);
+    expect(asked->step(NULL, given, NULL, result, NULL) == wanted, asked->name,
+        "status of a step refused", number);
+    expect(memcmp(last, result, (size_t)asked->found * sizeof result[0]) == 0, asked->name,
+        "result untouched by a step refused", number);
+}
+
+/* Each number that is given or guessed in turn not finite, or out of all bounds; wrong configs, and
+ * too few steps. */
+static void refuse_values(const function *asked)
+{
+    const ren2008_real bad[4] = { 0.0f, -1.0f, wrong[0], wrong[1] };
+    const int count = (int)strlen(asked->kinds);
+    ren2008_real given[MOST];
+    ren2008_real guess[MOST];
+    for (int i = 0; i < count; ++i) {
+        const ren2008_real out = (asked->kinds[i] == 'c') ? 16901.664f : ((asked->kinds[i] == 's')
+            ? (ren2008_real)1e30 : -1.0f);
+        for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
+            const int place = (i < asked->given) ? i : (i - asked->given);
+            const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
+            const ren2008_status status = (k < 3) ? REN2008_NONFINITE : REN2008_OUT_OF_RANGE;
+            copy(asked->values, given, asked->given);
+            if (asked->guesses != NULL) {
+                copy(asked->guesses, guess, asked->found);
+            }
+            *((i < asked->given) ? &given[place] : &guess[place]) = (k < 3)
+                ? wrong[k] : (((k == 3) || (out < 0.0f)) ? out : -out);
+            refuse(asked, given, guess, status, joint, 5 * i + k);
+            if (asked->step != NULL) {
+                refuse_step(asked, given, guess, status, 5 * i + k);
             }
         }
     }
-}
-
-static void refuse_configs(const ren2008_real joints[REN2008_JOINTS], const ren2008_pose *home)
-{
-    const ren2008_real wrong[4] = { 0.0f, -1.0f, (ren2008_real)NAN, (ren2008_real)INFINITY };
-    for (int i = 0; i < 8; ++i) {
-        const ren2008_real other = wrong[i % 4];
-        const ren2008_config config = { (i < 4) ? other : REN2008_TOLERANCE, REN2008_MAX_STEPS,
-            (i < 4) ? REN2008_MAX_STEP : other };
-        const ren2008_status wanted = (i % 4 < 2) ? REN2008_OUT_OF_RANGE : REN2008_NONFINITE;
-        expect(refused(&config, joints, home, "wrong config") == wanted,
+    for (int i = 0; (i < 8) && asked->informs; ++i) {
+        const ren2008_config config = { (i < 4) ? bad[i] : REN2008_TOLERANCE, REN2008_MAX_STEPS,
+            (i < 4) ? REN2008_MAX_STEP : bad[i - 4] };
+        const ren2008_status status = asked->ask(&config, asked->values, asked->guesses, guess,
+            NULL);
+        expect(status == ((i % 4 < 2) ? REN2008_OUT_OF_RANGE : REN2008_NONFINITE), asked->name,
             "status of a wrong config", i);
     }
+    for (unsigned int steps = 0U; (steps <= asked->few) && asked->informs; ++steps) {
+        const ren2008_config config = { REN2008_TOLERANCE, (uint8_t)steps, REN2008_MAX_STEP };
+        const ren2008_status status = asked->ask(&config, asked->values, asked->guesses, guess,
+            NULL);
+        expect(status == REN2008_MAX_ITERATIONS, asked->name, "status of too few steps",
+            (int)steps);
+    }
 }
 
-static void refuse_all(void)
+/* Rows of values that are refused: of given ones, or (as_guess) of guesses; blamed: the joint of
+ * each row, NULL where nobody asks. */
+static void refuse_rows(const function *asked, const ren2008_real *rows, int count, int as_guess,
+    ren2008_status wanted, const int *blamed)
 {
-    const ren2008_pose home = pose_from(ren2008_vector_home);
-    const ren2008_config one_step = { REN2008_TOLERANCE, 1U, REN2008_MAX_STEP };
-    const ren2008_config none = { REN2008_TOLERANCE, 0U, REN2008_MAX_STEP };
-    ren2008_pose wrong = home;
-    ren2008_pose pose = home;
-    ren2008_info info;
-    ren2008_real joints[REN2008_JOINTS];
-    ren2008_real jacobian[REN2008_JOINTS * 6];
-    for (int i = 0; i < REN2008_JOINTS; ++i) {
-        joints[i] = ren2008_vector_joints[0][i];
+    for (int k = 0; k < count; ++k) {
+        const ren2008_real *const given = as_guess ? asked->values : &rows[asked->given * k];
+        const ren2008_real *const guess = as_guess ? &rows[asked->found * k] : asked->guesses;
+        refuse(asked, given, guess, wanted, (blamed == NULL) ? -1 : blamed[k], k);
     }
-    expect(refused(&one_step, joints, &home, "one step is not enough") == REN2008_MAX_ITERATIONS,
-        "MAX_ITERATIONS", 0);
-    expect(refused(&none, joints, &home, "no step is not enough") == REN2008_MAX_ITERATIONS,
-        "MAX_ITERATIONS", 1);
-    refuse_configs(joints, &home);
-    joints[REN2008_JOINTS - 1] = (ren2008_real)NAN;
-    (void)ren2008_direct(NULL, joints, &home, &pose, &info);
-    expect(info.joint == REN2008_JOINTS - 1U, "joint of a NaN", 0);
-    joints[REN2008_JOINTS - 1] = -16901.664f;
-    (void)ren2008_direct(NULL, joints, &home, &pose, &info);
-    expect(info.joint == REN2008_JOINTS - 1U, "joint out of range", 0);
-    (void)ren2008_track(joints, &pose, &info);
-    expect(info.joint == REN2008_JOINTS - 1U, "joint out of range of track", 0);
-    joints[REN2008_JOINTS - 1] = ren2008_vector_joints[0][REN2008_JOINTS - 1];
-    pose = home;
-    joints[0] = (ren2008_real)NAN;
-    expect(refused(NULL, joints, &home, "NaN joint") == REN2008_NONFINITE, "NONFINITE", 0);
-    joints[0] = (ren2008_real)INFINITY;
-    expect(refused(NULL, joints, &home, "infinite joint") == REN2008_NONFINITE, "NONFINITE", 1);
-    joints[0] = -16901.664f;
-    expect(refused(NULL, joints, &home, "joint out of range") == REN2008_OUT_OF_RANGE,
-        "OUT_OF_RANGE", 0);
-    joints[0] = 16901.664f;
-    (void)refused(NULL, joints, &home, "joint beyond reach");
-    joints[0] = ren2008_vector_joints[0][0];
-    wrong.quaternion[0] = 2.0f;
-    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == REN2008_OUT_OF_RANGE,
-        "OUT_OF_RANGE", 1);
-    expect(ren2008_inverse(&wrong, joints) == REN2008_OUT_OF_RANGE, "OUT_OF_RANGE of inverse", 0);
-    expect(ren2008_jacobian(&wrong, jacobian) == REN2008_OUT_OF_RANGE, "OUT_OF_RANGE of jacobian",
-        0);
-    wrong = home;
-    wrong.position[1] = (ren2008_real)NAN;
-    expect(refused(NULL, joints, &wrong, "NaN guess") == REN2008_NONFINITE, "NONFINITE", 2);
-    expect(ren2008_inverse(&wrong, joints) == REN2008_NONFINITE, "NONFINITE of inverse", 0);
-    expect(ren2008_track(joints, &wrong, NULL) == REN2008_NONFINITE, "NONFINITE of track", 0);
-    wrong = pose_from(ren2008_vector_far);
-    pose = wrong;
-#if REN2008_VECTOR_FAR > 0
-    expect(ren2008_track(joints, &wrong, &info) == REN2008_WRONG_BRANCH,
-        "WRONG_BRANCH of a long step", 0);
-    expect(same_pose(&pose, &wrong), "pose untouched by a long step", 0);
-#else
-    (void)ren2008_track(joints, &pose, &info);
-#endif
-#if REN2008_VECTOR_SINGULAR > 0
-    for (int k = 0; k < REN2008_VECTOR_SINGULAR; ++k) {
-        wrong = pose_from(ren2008_vector_singular[k]);
-        expect(refused(NULL, joints, &wrong, "singular start") == REN2008_SINGULAR, "SINGULAR", k);
+}
+/* Jacobians of the first vectors. */
+static void jacobian_of(int k)
+{
+    const double most = 0.000169017;
+    ren2008_real jacobian[MOST];
+    const ren2008_pose pose = pose_from(ren2008_vector_poses[k]);
+    expect(ren2008_jacobian(&pose, jacobian) == REN2008_OK, "jacobian", "OK", k);
+    for (int i = 0; i < 6 * N; ++i) {
+        const double wanted = (double)ren2008_vector_jacobians[k][i];
+        expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "jacobian",
+            "entry", i);
     }
-#endif
 }
 
-/* Poses that the mechanism cannot take, and joints beyond their limits. */
-static void refuse_infeasible(void)
+/* Rates of the twist of rates are these rates. The feed keeps the limits, and one joint reaches its
+ * own where it is below 1. */
+static void speeds_of(int k)
 {
-#if REN2008_VECTOR_INFEASIBLE > 0 || REN2008_VECTOR_PAST > 0
-#endif
-#if REN2008_VECTOR_INFEASIBLE > 0
-    for (int k = 0; k < REN2008_VECTOR_INFEASIBLE; ++k) {
-        const ren2008_pose pose = pose_from(ren2008_vector_infeasible[k]);
-        ren2008_real joints[REN2008_JOINTS];
-        for (int i = 0; i < REN2008_JOINTS; ++i) {
-            joints[i] = 4.0f;
-        }
-        expect(ren2008_inverse(&pose, joints) == REN2008_OUT_OF_RANGE,
-            "a pose that cannot be taken", k);
-        for (int i = 0; i < REN2008_JOINTS; ++i) {
-            expect(joints[i] == 4.0f, "joints untouched on failure", k);
-        }
-    }
-#endif
-#if REN2008_VECTOR_PAST > 0
-    for (int k = 0; k < REN2008_VECTOR_PAST; ++k) {
-        const ren2008_pose home = pose_from(ren2008_vector_home);
-        ren2008_pose pose = home;
-        ren2008_info info;
-        expect(refused(NULL, ren2008_vector_past[k], &home,
-            "a joint beyond a limit") == REN2008_OUT_OF_RANGE, "OUT_OF_RANGE of a limit", k);
-        (void)ren2008_direct(NULL, ren2008_vector_past[k], &home, &pose, &info);
-        expect(info.joint == (unsigned int)ren2008_vector_blamed[k], "joint beyond a limit", k);
-    }
-#endif
-}
-
-/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
- * own. */
-static void speeds_of(const ren2008_pose *pose, int k)
-{
-    ren2008_real rates[REN2008_JOINTS];
-    ren2008_real again[REN2008_JOINTS];
-    ren2008_real limits[REN2008_JOINTS];
+    const ren2008_pose pose = pose_from(ren2008_vector_poses[k]);
+    ren2008_real rates[N];
+    ren2008_real again[N];
     ren2008_real twist[6] = { 0.0f };
+    ren2008_real limits[N];
     ren2008_real feed = 0.0f;
-    double largest = 0.0;
-    for (int i = 0; i < REN2008_JOINTS; ++i) {
+    for (int i = 0; i < N; ++i) {
         rates[i] = (ren2008_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1)
             ? -0.5 : 0.25) * ((double)REN2008_SIZE));
     }
-    expect(ren2008_twist(pose, rates, twist) == REN2008_OK, "twist", k);
-    expect(ren2008_rates(pose, twist, again) == REN2008_OK, "rates", k);
-    for (int i = 0; i < REN2008_JOINTS; ++i) {
-        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-3 * ((double)REN2008_SIZE),
-            "rates of the twist of rates", i);
-        limits[i] = (ren2008_real)(0.125 * ((double)REN2008_SIZE));
+    expect(ren2008_twist(&pose, rates, twist) == REN2008_OK, "twist", "OK", k);
+    expect(ren2008_rates(&pose, twist, again) == REN2008_OK, "rates", "OK", k);
+    for (int i = 0; i < N; ++i) {
+        const double off = fabs((double)again[i] - (double)rates[i]);
+        expect(off <= 1e-3 * ((double)REN2008_SIZE), "rates", "rates of the twist of rates", i);
     }
-    expect(ren2008_feed(pose, twist, limits, &feed) == REN2008_OK, "feed", k);
-    for (int i = 0; i < REN2008_JOINTS; ++i) {
-        largest = fmax(largest, fabs((double)feed * (double)again[i]) / ((double)REN2008_SIZE));
+    for (int part = 0; part < 2; ++part) {
+        const double limit = (part == 0) ? 0.125 : 4.0;
+        double largest = 0.0;
+        for (int i = 0; i < N; ++i) {
+            limits[i] = (ren2008_real)(limit * ((double)REN2008_SIZE));
+        }
+        expect(ren2008_feed(&pose, twist, limits, &feed) == REN2008_OK, "feed", "OK", k);
+        for (int i = 0; i < N; ++i) {
+            largest = fmax(largest, fabs((double)feed * (double)again[i]) / ((double)REN2008_SIZE));
+        }
+        expect(largest <= limit * (1.0 + 1e-5), "feed", "keeps limits", k);
+        expect((feed == 1.0f) || (largest >= limit * (1.0 - 1e-5)), "feed", "reaches a limit", k);
     }
-    expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
-    for (int i = 0; i < REN2008_JOINTS; ++i) {
-        limits[i] = (ren2008_real)(4.0 * ((double)REN2008_SIZE));
-    }
-    expect((ren2008_feed(pose, twist, limits, &feed) == REN2008_OK)
-        && (feed == 1.0f), "no need for a feed", k);
-    limits[0] = -1.0f;
-    expect(ren2008_feed(pose, twist, limits, &feed) == REN2008_OUT_OF_RANGE, "a limit below 0", k);
-    limits[0] = (ren2008_real)NAN;
-    expect(ren2008_feed(pose, twist, limits, &feed) == REN2008_NONFINITE,
-        "a limit that is not a number", k);
-    twist[5] = (ren2008_real)INFINITY;
-    expect(ren2008_rates(pose, twist, again) == REN2008_NONFINITE, "infinite twist", k);
-    rates[0] = (ren2008_real)NAN;
-    expect(ren2008_twist(pose, rates, twist) == REN2008_NONFINITE, "NaN among rates", k);
-    rates[0] = (ren2008_real)1e30;
-    expect(ren2008_twist(pose, rates, twist) == REN2008_OUT_OF_RANGE, "rates beyond all bounds", k);
+    expect(feed == 1.0f, "feed", "no need for one", k);
 }
-
 int main(void)
 {
-    solve_all();
-    for (int k = 0; k < REN2008_VECTOR_JACOBIANS; ++k) {
-        const ren2008_pose pose = pose_from(ren2008_vector_poses[k]);
-        speeds_of(&pose, k);
+    static const double weights_of_direct[] = { 1.0, 1.0, 1.0, 3.3803326759359056,
+        3.3803326759359056, 3.3803326759359056, 3.3803326759359056 };
+    const function of_direct = { "direct", ask_direct, "ccccccccccccc", 6, 7,
+        &ren2008_vector_joints[0][0], &ren2008_vector_guesses[0][0], &ren2008_vector_poses[0][0],
+        weights_of_direct, ask_track, NULL, 1, 1, 1U, 1.0, 0.0 };
+    static const double weights_of_inverse[] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
+    const function of_inverse = { "inverse", ask_inverse, "ccccccc", 7, 6,
+        &ren2008_vector_poses[0][0], NULL, &ren2008_vector_inverse[0][0], weights_of_inverse, NULL,
+        NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ren2008_real numbers_of_jacobian[] = { -0x1.306dd80000000p-2f,
+        0x1.95e8ca0000000p-2f, 0x1.3b06e80000000p+0f, 0x1.ff9c1c0000000p-1f, 0x1.98aeea0000000p-6f,
+        -0x1.9d67f00000000p-7f, 0x1.be5b9a0000000p-6f };
+    const function of_jacobian = { "jacobian", ask_jacobian, "ccccccc", 7, 36, numbers_of_jacobian,
+        NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ren2008_real numbers_of_rates[] = { -0x1.306dd80000000p-2f, 0x1.95e8ca0000000p-2f,
+        0x1.3b06e80000000p+0f, 0x1.ff9c1c0000000p-1f, 0x1.98aeea0000000p-6f,
+        -0x1.9d67f00000000p-7f, 0x1.be5b9a0000000p-6f, 0x1.0000000000000p+0f,
+        0x1.0000000000000p+0f, 0x1.0000000000000p+0f, 0x1.0000000000000p+0f, 0x1.0000000000000p+0f,
+        0x1.0000000000000p+0f };
+    const function of_rates = { "rates", ask_rates, "cccccccssssss", 13, 6, numbers_of_rates, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ren2008_real numbers_of_twist[] = { -0x1.306dd80000000p-2f, 0x1.95e8ca0000000p-2f,
+        0x1.3b06e80000000p+0f, 0x1.ff9c1c0000000p-1f, 0x1.98aeea0000000p-6f,
+        -0x1.9d67f00000000p-7f, 0x1.be5b9a0000000p-6f, 0x1.0000000000000p+0f,
+        0x1.0000000000000p+0f, 0x1.0000000000000p+0f, 0x1.0000000000000p+0f, 0x1.0000000000000p+0f,
+        0x1.0000000000000p+0f };
+    const function of_twist = { "twist", ask_twist, "cccccccssssss", 13, 6, numbers_of_twist, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ren2008_real numbers_of_feed[] = { -0x1.306dd80000000p-2f, 0x1.95e8ca0000000p-2f,
+        0x1.3b06e80000000p+0f, 0x1.ff9c1c0000000p-1f, 0x1.98aeea0000000p-6f,
+        -0x1.9d67f00000000p-7f, 0x1.be5b9a0000000p-6f, 0x1.0000000000000p+0f,
+        0x1.0000000000000p+0f, 0x1.0000000000000p+0f, 0x1.0000000000000p+0f, 0x1.0000000000000p+0f,
+        0x1.0000000000000p+0f, 0x1.0000000000000p+0f, 0x1.0000000000000p+0f, 0x1.0000000000000p+0f,
+        0x1.0000000000000p+0f, 0x1.0000000000000p+0f, 0x1.0000000000000p+0f };
+    const function of_feed = { "feed", ask_feed, "cccccccssssssllllll", 19, 1, numbers_of_feed,
+        NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    const function *const all[] = { &of_direct, &of_inverse, &of_jacobian, &of_rates, &of_twist,
+        &of_feed };
+    for (int i = 0; i < 6; ++i) {
+        if (all[i]->answers != NULL) {
+            solve_all(all[i]);
+        }
+        refuse_values(all[i]);
     }
-    refuse_all();
-    refuse_infeasible();
+    for (int k = 0; k < REN2008_VECTOR_JACOBIANS; ++k) {
+        jacobian_of(k);
+        speeds_of(k);
+    }
+    static const int blamed[] = { 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5 };
+    refuse_rows(&of_direct, &ren2008_vector_past[0][0], 12, 0, REN2008_OUT_OF_RANGE, blamed);
+    refuse_rows(&of_direct, &ren2008_vector_singular[0][0], 1, 1, REN2008_SINGULAR, NULL);
+    refuse_rows(&of_direct, &ren2008_vector_doubled[0][0], 1, 1, REN2008_OUT_OF_RANGE, NULL);
+    refuse_rows(&of_inverse, &ren2008_vector_doubled[0][0], 1, 0, REN2008_OUT_OF_RANGE, NULL);
+    refuse_step(&of_direct, ren2008_vector_joints[0], ren2008_vector_far, REN2008_WRONG_BRANCH, 0);
     (void)printf("ren2008: %d cases, %d failures\n", REN2008_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

@@ -10,7 +10,7 @@
 #define REN2008_VECTOR_SINGULAR 1
 #define REN2008_VECTOR_INFEASIBLE 0
 #define REN2008_VECTOR_PAST 12
-#define REN2008_VECTOR_FAR 1
+#define REN2008_VECTOR_DOUBLED 1
 
 static const ren2008_real ren2008_vector_guesses[24][7] = {
     { -0x1.3c6a7e0000000p-2f, 0x1.3b15b60000000p-2f, 0x1.4ccccc0000000p+0f, 0x1.0000000000000p+0f,
@@ -263,6 +263,10 @@ static const ren2008_real ren2008_vector_jacobians[4][36] = {
         0x1.67cca00000000p-5f, 0x1.83674a0000000p-7f },
 };
 
+static const ren2008_real ren2008_vector_singular[1][7] = {
+    { 0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f, 0x1.0000000000000p+0f, 0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f },
+};
+
 static const ren2008_real ren2008_vector_past[12][6] = {
     { -0x1.6872b00000000p-8f, 0x1.4e98780000000p-3f, 0x1.8330480000000p-4f, 0x1.67f6d80000000p-3f,
         0x1.3908600000000p-3f, 0x1.59af580000000p-4f },
@@ -290,9 +294,9 @@ static const ren2008_real ren2008_vector_past[12][6] = {
         0x1.3908600000000p-3f, 0x1.1c6a7e0000000p-1f },
 };
 
-static const int ren2008_vector_blamed[12] = { 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5 };
-static const ren2008_real ren2008_vector_singular[1][7] = {
-    { 0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f, 0x1.0000000000000p+0f, 0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f },
+static const ren2008_real ren2008_vector_doubled[1][7] = {
+    { -0x1.306dd80000000p-2f, 0x1.95e8ca0000000p-2f, 0x1.3b06e80000000p+0f, 0x1.ff9c1c0000000p+0f,
+        0x1.98aeea0000000p-5f, -0x1.9d67f00000000p-6f, 0x1.be5b9a0000000p-5f },
 };
 
 static const ren2008_real ren2008_vector_home[7] = { -0x1.3c6a7e0000000p-2f, 0x1.3b15b60000000p-2f,

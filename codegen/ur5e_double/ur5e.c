@@ -1550,7 +1550,7 @@ static ur5e_status ur5e_check_speeds(const ur5e_real speeds[], int count, ur5e_s
 /* The twist of joint rates: the Jacobian times the rates. */
 ur5e_status ur5e_twist(const ur5e_real joints[6], const ur5e_real rates[6], ur5e_real twist[6])
 {
-    ur5e_real jacobian[36];
+    ur5e_real jacobian[6 * 6];
     ur5e_real found[6];
     const ur5e_status status = ur5e_check_speeds(rates, 6, ur5e_jacobian(joints, jacobian));
     if (status == UR5E_OK) {
@@ -1561,10 +1561,33 @@ ur5e_status ur5e_twist(const ur5e_real joints[6], const ur5e_real rates[6], ur5e
             }
             found[i] = sum;
         }
-        /* rates and twist may be the same array */
+        /* twist and rates may be the same array */
         for (int i = 0; i < 6; ++i) {
             twist[i] = found[i];
         }
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+ur5e_status ur5e_feed(const ur5e_real joints[6], const ur5e_real twist[6],
+    const ur5e_real rate_limits[6], ur5e_real *feed)
+{
+    ur5e_real rates[6];
+    ur5e_status status = ur5e_check_finite(rate_limits, 6, ur5e_rates(joints, twist, rates, NULL));
+    ur5e_real most = 1.0;
+    for (int i = 0; (i < 6) && (status == UR5E_OK); ++i) {
+        const ur5e_real rate = fabs(rates[i]);
+        if (rate_limits[i] < 0.0) {
+            status = UR5E_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == UR5E_OK) {
+        *feed = most;
     }
     return status;
 }
@@ -1595,29 +1618,6 @@ ur5e_status ur5e_rates(const ur5e_real joints[6], const ur5e_real twist[6], ur5e
             rates[i] = found[i];
         }
         ur5e_write_info(info, 1U, ur5e_length_of(e), 0.0, (pivot > 0.0) ? (1.0 / pivot) : 0.0);
-    }
-    return status;
-}
-
-/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-ur5e_status ur5e_feed(const ur5e_real joints[6], const ur5e_real twist[6],
-    const ur5e_real rate_limits[6], ur5e_real *feed)
-{
-    ur5e_real rates[6];
-    ur5e_status status = ur5e_check_finite(rate_limits, 6, ur5e_rates(joints, twist, rates, NULL));
-    ur5e_real most = 1.0;
-    for (int i = 0; (i < 6) && (status == UR5E_OK); ++i) {
-        const ur5e_real rate = fabs(rates[i]);
-        if (rate_limits[i] < 0.0) {
-            status = UR5E_OUT_OF_RANGE;
-        } else if (rate * most > rate_limits[i]) {
-            most = rate_limits[i] / rate;
-        } else {
-            /* within its limit */
-        }
-    }
-    if (status == UR5E_OK) {
-        *feed = most;
     }
     return status;
 }

@@ -27,8 +27,8 @@
  *   inverse: 100 iterations, 42447 add, 61027 mul, 2148 div, 3510 sqrt, 24 sin, 24 cos, 3400 atan2
  *   jacobian: 97 add, 135 mul, 6 sin, 6 cos
  *   twist: 139 add, 171 mul, 6 sin, 6 cos
- *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   feed: 893 add, 1064 mul, 53 div, 5 sqrt, 6 sin, 6 cos
+ *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1241 add, 1620 mul, 49 div, 10 sqrt, 36 sin, 36 cos
  *   measured (Cortex-M7, GCC 12.2.1 -O2, 10803 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
@@ -39,8 +39,8 @@
  *   inverse: 166395 instructions, 2056 stack, 9520 code
  *   jacobian: 1775 instructions, 1032 stack, 1688 code
  *   twist: 2190 instructions, 1376 stack, 1856 code
- *   rates: 10065 instructions, 1432 stack, 3176 code
  *   feed: 10190 instructions, 1496 stack, 3276 code
+ *   rates: 10065 instructions, 1432 stack, 3176 code
  *   track: 13110 instructions, 1576 stack, 4684 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
@@ -112,12 +112,9 @@ ur5e_status ur5e_direct(const ur5e_real joints[UR5E_JOINTS], ur5e_pose *pose);
  * the given one, positions in a straight line and orientations along the shorter arc, without
  * meeting a singularity; where that is not assured, UR5E_WRONG_BRANCH. Angles are near the guess's,
  * not wrapped. Any joint values will do as a guess: an error of them moves the beginning of the
- * line by as much.
- */
+ * line by as much. */
 ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose,
-    const ur5e_real guess[UR5E_JOINTS],
-    ur5e_real joints[UR5E_JOINTS], ur5e_info *info);
-
+    const ur5e_real guess[UR5E_JOINTS], ur5e_real joints[UR5E_JOINTS], ur5e_info *info);
 
 /* The closed form: joint values by formulas (README.md derives them), without iteration and without
  * a guess. Each choice has two solutions; a branch is a sum of the names below, 0 for the first
@@ -142,6 +139,7 @@ ur5e_status ur5e_inverse_branch(const ur5e_pose *pose, unsigned int branch,
  * ur5e_inverse_branch. */
 ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[UR5E_JOINTS],
     ur5e_real joints[UR5E_JOINTS]);
+
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 ur5e_status ur5e_jacobian(const ur5e_real joints[UR5E_JOINTS], ur5e_real jacobian[6 * UR5E_JOINTS]);
 
@@ -151,8 +149,7 @@ ur5e_status ur5e_jacobian(const ur5e_real joints[UR5E_JOINTS], ur5e_real jacobia
  * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
  * slows down or stops by it. Speeds above 8e+08 are UR5E_OUT_OF_RANGE. */
 ur5e_status ur5e_rates(const ur5e_real joints[UR5E_JOINTS], const ur5e_real twist[6],
-    ur5e_real rates[UR5E_JOINTS],
-    ur5e_info *info);
+    ur5e_real rates[UR5E_JOINTS], ur5e_info *info);
 
 /* The twist of joint rates. */
 ur5e_status ur5e_twist(const ur5e_real joints[UR5E_JOINTS], const ur5e_real rates[UR5E_JOINTS],
@@ -161,8 +158,9 @@ ur5e_status ur5e_twist(const ur5e_real joints[UR5E_JOINTS], const ur5e_real rate
 /* The largest factor, 0 to 1, by which a twist keeps the rates of ur5e_rates within their limits (0
  * or more, in mm or radians for each unit of time). */
 ur5e_status ur5e_feed(const ur5e_real joints[UR5E_JOINTS], const ur5e_real twist[6],
-    const ur5e_real rate_limits[UR5E_JOINTS],
-    ur5e_real *feed);
+    const ur5e_real rate_limits[UR5E_JOINTS], ur5e_real *feed);
+
+#define UR5E_TRACK_LIMIT ((ur5e_real)0.000272) /* mm */
 
 /* For a control loop: one damped step from the last joint values (joints) towards the pose, which
  * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
@@ -170,7 +168,6 @@ ur5e_status ur5e_feed(const ur5e_real joints[UR5E_JOINTS], const ur5e_real twist
  * far their tool pose is from the given one, as measured (mm, angles times the size). While it is
  * below UR5E_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to 0.2
  * rad (slides: of the size). It never makes the error larger. */
-#define UR5E_TRACK_LIMIT ((ur5e_real)0.000272) /* mm */
 ur5e_status ur5e_track(const ur5e_pose *pose, ur5e_real joints[UR5E_JOINTS], ur5e_info *info);
 #ifdef __cplusplus
 }

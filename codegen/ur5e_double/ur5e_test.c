@@ -5,161 +5,351 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
+#define N UR5E_JOINTS
+#define MOST (6 * N + 13) /* numbers that any function takes or gives */
+
+/* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and
+ * then guessed, c: a coordinate, s: a speed, l: what is never below 0, f: what only has to be
+ * finite. step: one step of tracking; opposite: the problem by which answers are held where they
+ * are not the only ones. The numbers of an answer, weighed, may be off by `share` times its bound
+ * and by `within` more. Where nothing is solved there are no answers, where nothing is guessed no
+ * guesses. */
+typedef struct function {
+    const char *name;
+    ur5e_status (*ask)(const ur5e_config *config, const ur5e_real *given, const ur5e_real *guess,
+        ur5e_real *result, ur5e_info *info);
+    const char *kinds;
+    int given;
+    int found;
+    const ur5e_real *values;
+    const ur5e_real *guesses;
+    const ur5e_real *answers;
+    const double *weights;
+    ur5e_status (*step)(const ur5e_config *config, const ur5e_real *given, const ur5e_real *guess,
+        ur5e_real *result, ur5e_info *info);
+    const struct function *opposite;
+    int informs; /* whether a config is read and an info written */
+    int blamed; /* which values info->joint is about: 1 given ones, 2 the guess, 0 neither */
+    unsigned int few; /* steps that are not enough for the first vector */
+    double share;
+    double within;
+} function;
+
+static const ur5e_real wrong[3] = { (ur5e_real)NAN, (ur5e_real)INFINITY, -(ur5e_real)INFINITY };
 static int failures = 0;
 
-static void expect(int right, const char *what, int number)
+static void expect(int right, const char *of, const char *what, int number)
 {
     if (!right) {
         ++failures;
-        (void)printf("failed: %s, case %d\n", what, number);
+        (void)printf("failed: %s, %s, case %d\n", of, what, number);
     }
 }
 
-static ur5e_pose pose_from(const ur5e_real numbers[7])
+static void copy(const ur5e_real *from, ur5e_real *to, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        to[i] = from[i];
+    }
+}
+
+static int all_are(const ur5e_real *values, int count, ur5e_real value)
+{
+    int same = 1;
+    for (int i = 0; i < count; ++i) {
+        same = same && (values[i] == value);
+    }
+    return same;
+}
+
+static ur5e_pose pose_from(const ur5e_real *numbers)
 {
     ur5e_pose pose;
-    for (int i = 0; i < 3; ++i) {
-        pose.position[i] = numbers[i];
-    }
-    for (int i = 0; i < 4; ++i) {
-        pose.quaternion[i] = numbers[3 + i];
-    }
+    copy(numbers, pose.position, 3);
+    copy(&numbers[3], pose.quaternion, 4);
     return pose;
 }
 
-/* An inverse call that must not succeed: the status, with the joints untouched and info written. */
-static ur5e_status refused(const ur5e_config *config, const ur5e_pose *pose,
-    const ur5e_real guess[UR5E_JOINTS], const char *what)
+static void numbers_of(const ur5e_pose *pose, ur5e_real *numbers)
 {
-    ur5e_real joints[UR5E_JOINTS];
-    ur5e_info info;
-    ur5e_status status;
-    for (int i = 0; i < UR5E_JOINTS; ++i) {
-        joints[i] = 4.0;
-    }
-    info.iterations = 255U;
-    status = ur5e_inverse(config, pose, guess, joints, &info);
-    expect(status != UR5E_OK, what, 0);
-    for (int i = 0; i < UR5E_JOINTS; ++i) {
-        expect(joints[i] == 4.0, "result untouched on failure", i);
-    }
-    expect(info.iterations != 255U, "info written on failure", 0);
+    copy(pose->position, numbers, 3);
+    copy(pose->quaternion, &numbers[3], 4);
+}
+static ur5e_status ask_direct(const ur5e_config *config, const ur5e_real *given,
+    const ur5e_real *guess, ur5e_real *result, ur5e_info *info)
+{
+    ur5e_pose result_pose = pose_from(result);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ur5e_status status = ur5e_direct(given, &result_pose);
+    numbers_of(&result_pose, result);
     return status;
 }
 
-static void solve_all(void)
+static ur5e_status ask_inverse(const ur5e_config *config, const ur5e_real *given,
+    const ur5e_real *guess, ur5e_real *result, ur5e_info *info)
 {
+    ur5e_pose given_pose = pose_from(given);
+    const ur5e_status status = ur5e_inverse(config, &given_pose, guess, result, info);
+    return status;
+}
+
+static ur5e_status ask_inverse_nearest(const ur5e_config *config, const ur5e_real *given,
+    const ur5e_real *guess, ur5e_real *result, ur5e_info *info)
+{
+    ur5e_pose given_pose = pose_from(given);
+    (void)config;
+    (void)info;
+    const ur5e_status status = ur5e_inverse_nearest(&given_pose, guess, result);
+    return status;
+}
+
+static ur5e_status ask_jacobian(const ur5e_config *config, const ur5e_real *given,
+    const ur5e_real *guess, ur5e_real *result, ur5e_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ur5e_status status = ur5e_jacobian(given, result);
+    return status;
+}
+
+static ur5e_status ask_rates(const ur5e_config *config, const ur5e_real *given,
+    const ur5e_real *guess, ur5e_real *result, ur5e_info *info)
+{
+    (void)config;
+    (void)guess;
+    const ur5e_status status = ur5e_rates(given, &given[6], result, info);
+    return status;
+}
+
+static ur5e_status ask_twist(const ur5e_config *config, const ur5e_real *given,
+    const ur5e_real *guess, ur5e_real *result, ur5e_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ur5e_status status = ur5e_twist(given, &given[6], result);
+    return status;
+}
+
+static ur5e_status ask_feed(const ur5e_config *config, const ur5e_real *given,
+    const ur5e_real *guess, ur5e_real *result, ur5e_info *info)
+{
+    (void)config;
+    (void)guess;
+    (void)info;
+    const ur5e_status status = ur5e_feed(given, &given[6], &given[12], result);
+    return status;
+}
+
+static ur5e_status ask_track(const ur5e_config *config, const ur5e_real *given,
+    const ur5e_real *guess, ur5e_real *result, ur5e_info *info)
+{
+    ur5e_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    const ur5e_status status = ur5e_track(&given_pose, result, info);
+    return status;
+}
+/* Largest weighed difference; of q and -q, one rotation, the nearer one. NaN is the largest. */
+static double away(const function *asked, const ur5e_real *a, const ur5e_real *b)
+{
+    double largest = 0.0;
+    double cosine = 0.0;
+    for (int i = 3; (i < 7) && (asked->found == 7); ++i) {
+        cosine += (double)a[i] * (double)b[i];
+    }
+    for (int i = 0; i < asked->found; ++i) {
+        const double side = ((i >= 3) && (cosine < 0.0)) ? -1.0 : 1.0;
+        const double off = asked->weights[i] * fabs((double)a[i] - side * (double)b[i]);
+        largest = (off <= largest) ? largest : off;
+    }
+    return largest;
+}
+
+/* Answers of the vectors, and standing still at them. */
+static void solve_all(const function *asked)
+{
+    const char *const name = asked->name;
     for (int k = 0; k < UR5E_VECTORS; ++k) {
         const double bound = ur5e_vector_bounds[k];
-        ur5e_pose pose;
+        const double most = asked->share * bound + asked->within;
+        const ur5e_real *const given = &asked->values[asked->given * k];
+        const ur5e_real *const guess = (asked->guesses == NULL)
+            ? NULL : &asked->guesses[asked->found * k];
+        const ur5e_real *const answer = &asked->answers[asked->found * k];
+        ur5e_real result[MOST];
+        ur5e_real again[MOST];
         ur5e_info info;
-        ur5e_real joints[UR5E_JOINTS];
-        expect(ur5e_direct(ur5e_vector_joints[k], &pose) == UR5E_OK, "direct", k);
-        for (int i = 0; i < 3; ++i) {
-            expect(fabs((double)pose.position[i] - (double)ur5e_vector_poses[k][i]) <= bound,
-                "direct's position", k);
+        for (int i = 0; i < asked->found; ++i) {
+            result[i] = (guess != NULL) ? guess[i] : 4.0;
         }
-        for (int i = 0; i < 4; ++i) {
-            const double off = fabs((double)pose.quaternion[i] - (double)ur5e_vector_poses[k][3
-                + i]);
-            expect((double)UR5E_SIZE * off <= bound, "direct's quaternion", k);
+        expect(asked->ask(NULL, given, asked->informs ? result : guess, result, &info) == UR5E_OK,
+            name, "OK", k);
+        expect(away(asked, result, answer) <= most, name, "answer", k);
+        if (asked->informs) {
+            expect((double)info.residual <= 16.0 * bound, name, "residual", k);
+            expect(info.min_pivot > 0.0, name, "smallest pivot", k);
+            expect(info.joint == N, name, "no joint to blame", k);
+            expect(asked->ask(NULL, given, guess, again, NULL) == UR5E_OK, name, "without info", k);
+            copy(result, again, asked->found);
+            expect(asked->ask(NULL, given, again, again, &info) == UR5E_OK, name, "standing still",
+                k);
+            expect(away(asked, again, answer) <= most, name, "answer of standing still", k);
         }
-        pose = pose_from(ur5e_vector_poses[k]);
-        expect(ur5e_inverse(NULL, &pose, ur5e_vector_guesses[k], joints, &info) == UR5E_OK,
-            "inverse", k);
-        expect((double)info.residual <= 16.0 * bound, "inverse's residual", k);
-        for (int i = 0; i < UR5E_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)ur5e_vector_inverse[k][i]) <= bound
-                * 0.0023702423295015184, "inverse's joints", k);
+        if (asked->step != NULL) {
+            copy(result, again, asked->found);
+            expect(asked->step(NULL, given, NULL, again, &info) == UR5E_OK, name, "track", k);
+            expect(away(asked, again, answer) <= most, name, "answer of track", k);
         }
-        expect(ur5e_inverse(NULL, &pose, joints, joints, &info) == UR5E_OK, "standing still", k);
-        if (k < UR5E_VECTOR_JACOBIANS) {
-            ur5e_real jacobian[6 * UR5E_JOINTS];
-            expect(ur5e_jacobian(ur5e_vector_joints[k], jacobian) == UR5E_OK, "jacobian", k);
-            for (int i = 0; i < 6 * UR5E_JOINTS; ++i) {
-                const double wanted = (double)ur5e_vector_jacobians[k][i];
-                const double scale = 843.7955795096346 * (1.0 + fabs(wanted));
-                expect(fabs((double)jacobian[i] - wanted) <= 1e-8 * scale, "jacobian's entry", i);
+        if (asked->opposite != NULL) {
+            expect(asked->opposite->ask(NULL, result, NULL, again, NULL) == UR5E_OK, name,
+                "asked back", k);
+            expect(away(asked->opposite, again, given) <= bound, name, "answer asked back", k);
+        }
+    }
+}
+
+/* Values that are refused: the status (OK: any but this), the joint that is blamed, the result
+ * untouched, info written. */
+static void refuse(const function *asked, const ur5e_real *given, const ur5e_real *guess,
+    ur5e_status wanted, int joint, int number)
+{
+    ur5e_real result[MOST];
+    ur5e_info info;
+    for (int i = 0; i < MOST; ++i) {
+        result[i] = 4.0;
+    }
+    info.iterations = 255U;
+    info.joint = N;
+    const ur5e_status status = asked->ask(NULL, given, guess, result, &info);
+    expect((wanted == UR5E_OK) ? (status != UR5E_OK) : (status == wanted), asked->name,
+        "status of a refusal", number);
+    expect(all_are(result, MOST, 4.0), asked->name, "result untouched by a refusal", number);
+    if (asked->informs) {
+        expect(info.iterations != 255U, asked->name, "info of a refusal", number);
+        expect((joint < 0) || ((int)info.joint == joint), asked->name, "joint of a refusal",
+            number);
+    }
+}
+
+/* A step that is refused: the status, the result untouched. */
+static void refuse_step(const function *asked, const ur5e_real *given, const ur5e_real *last,
+    ur5e_status wanted, int number)
+{
+    ur5e_real result[MOST];
+    copy(last, result, asked->found);
+    expect(asked->step(NULL, given, NULL, result, NULL) == wanted, asked->name,
+        "status of a step refused", number);
+    expect(memcmp(last, result, (size_t)asked->found * sizeof result[0]) == 0, asked->name,
+        "result untouched by a step refused", number);
+}
+
+/* Each number that is given or guessed in turn not finite, or out of all bounds; wrong configs, and
+ * too few steps. */
+static void refuse_values(const function *asked)
+{
+    const ur5e_real bad[4] = { 0.0, -1.0, wrong[0], wrong[1] };
+    const int count = (int)strlen(asked->kinds);
+    ur5e_real given[MOST];
+    ur5e_real guess[MOST];
+    for (int i = 0; i < count; ++i) {
+        const ur5e_real out = (asked->kinds[i] == 'c')
+            ? 8437955.795096347 : ((asked->kinds[i] == 's') ? (ur5e_real)1e30 : -1.0);
+        for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
+            const int place = (i < asked->given) ? i : (i - asked->given);
+            const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
+            const ur5e_status status = (k < 3) ? UR5E_NONFINITE : UR5E_OUT_OF_RANGE;
+            copy(asked->values, given, asked->given);
+            if (asked->guesses != NULL) {
+                copy(asked->guesses, guess, asked->found);
+            }
+            *((i < asked->given) ? &given[place] : &guess[place]) = (k < 3)
+                ? wrong[k] : (((k == 3) || (out < 0.0)) ? out : -out);
+            refuse(asked, given, guess, status, joint, 5 * i + k);
+            if (asked->step != NULL) {
+                refuse_step(asked, given, guess, status, 5 * i + k);
             }
         }
     }
+    for (int i = 0; (i < 8) && asked->informs; ++i) {
+        const ur5e_config config = { (i < 4) ? bad[i] : UR5E_TOLERANCE, UR5E_MAX_STEPS,
+            (i < 4) ? UR5E_MAX_STEP : bad[i - 4] };
+        const ur5e_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
+        expect(status == ((i % 4 < 2) ? UR5E_OUT_OF_RANGE : UR5E_NONFINITE), asked->name,
+            "status of a wrong config", i);
+    }
+    for (unsigned int steps = 0U; (steps <= asked->few) && asked->informs; ++steps) {
+        const ur5e_config config = { UR5E_TOLERANCE, (uint8_t)steps, UR5E_MAX_STEP };
+        const ur5e_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
+        expect(status == UR5E_MAX_ITERATIONS, asked->name, "status of too few steps", (int)steps);
+    }
 }
 
-static void refuse_configs(const ur5e_pose *pose, const ur5e_real guess[UR5E_JOINTS])
+/* Rows of values that are refused: of given ones, or (as_guess) of guesses; blamed: the joint of
+ * each row, NULL where nobody asks. */
+static void refuse_rows(const function *asked, const ur5e_real *rows, int count, int as_guess,
+    ur5e_status wanted, const int *blamed)
 {
-    const ur5e_real wrong[4] = { 0.0, -1.0, (ur5e_real)NAN, (ur5e_real)INFINITY };
-    for (int i = 0; i < 8; ++i) {
-        const ur5e_real other = wrong[i % 4];
-        const ur5e_config config = { (i < 4) ? other : UR5E_TOLERANCE, UR5E_MAX_STEPS,
-            (i < 4) ? UR5E_MAX_STEP : other };
-        const ur5e_status wanted = (i % 4 < 2) ? UR5E_OUT_OF_RANGE : UR5E_NONFINITE;
-        expect(refused(&config, pose, guess, "wrong config") == wanted, "status of a wrong config",
-            i);
+    for (int k = 0; k < count; ++k) {
+        const ur5e_real *const given = as_guess ? asked->values : &rows[asked->given * k];
+        const ur5e_real *const guess = as_guess ? &rows[asked->found * k] : asked->guesses;
+        refuse(asked, given, guess, wanted, (blamed == NULL) ? -1 : blamed[k], k);
     }
 }
-
-static void refuse_all(void)
+/* Jacobians of the first vectors. */
+static void jacobian_of(int k)
 {
-    const ur5e_config none = { UR5E_TOLERANCE, 0U, UR5E_MAX_STEP };
-    ur5e_pose pose = pose_from(ur5e_vector_poses[0]);
-    ur5e_pose wrong = pose;
-    ur5e_real joints[UR5E_JOINTS];
-    ur5e_real other[UR5E_JOINTS];
-    ur5e_info info;
-    for (int i = 0; i < UR5E_JOINTS; ++i) {
-        joints[i] = ur5e_vector_guesses[0][i];
+    const double most = 8.43796e-06;
+    ur5e_real jacobian[MOST];
+    expect(ur5e_jacobian(ur5e_vector_joints[k], jacobian) == UR5E_OK, "jacobian", "OK", k);
+    for (int i = 0; i < 6 * N; ++i) {
+        const double wanted = (double)ur5e_vector_jacobians[k][i];
+        expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "jacobian",
+            "entry", i);
     }
-    expect(refused(&none, &pose, joints, "no step is not enough") == UR5E_MAX_ITERATIONS,
-        "MAX_ITERATIONS", 0);
-    refuse_configs(&pose, joints);
-    joints[UR5E_JOINTS - 1] = (ur5e_real)NAN;
-    (void)ur5e_inverse(NULL, &pose, joints, other, &info);
-    expect(info.joint == UR5E_JOINTS - 1U, "joint of a NaN guess", 0);
-    joints[UR5E_JOINTS - 1] = ur5e_vector_guesses[0][UR5E_JOINTS - 1];
-    expect((ur5e_inverse(NULL, &pose, joints, other, &info) == UR5E_OK)
-        && (info.joint == UR5E_JOINTS), "no joint to blame", 0);
-    joints[0] = (ur5e_real)NAN;
-    expect(refused(NULL, &pose, joints, "NaN guess") == UR5E_NONFINITE, "NONFINITE", 0);
-    expect(ur5e_direct(joints, &wrong) == UR5E_NONFINITE, "NONFINITE of direct", 0);
-    joints[0] = 8437955.795096347;
-    expect(ur5e_direct(joints, &wrong) == UR5E_OUT_OF_RANGE, "OUT_OF_RANGE of direct", 0);
-    joints[0] = ur5e_vector_guesses[0][0];
-    wrong.position[2] = (ur5e_real)INFINITY;
-    expect(refused(NULL, &wrong, joints, "infinite pose") == UR5E_NONFINITE, "NONFINITE", 1);
-    wrong = pose;
-    wrong.quaternion[0] = 2.0;
-    expect(refused(NULL, &wrong, joints, "quaternion of length 2") == UR5E_OUT_OF_RANGE,
-        "OUT_OF_RANGE", 0);
-    wrong = pose;
-    wrong.position[0] = 8437955.795096347;
-    (void)refused(NULL, &wrong, joints, "pose out of reach");
-#if UR5E_VECTOR_PAST > 0
-    for (int k = 0; k < UR5E_VECTOR_PAST; ++k) {
-        expect(ur5e_direct(ur5e_vector_past[k], &wrong) == UR5E_OUT_OF_RANGE,
-            "OUT_OF_RANGE of a limit", k);
-        expect(refused(NULL, &pose, ur5e_vector_past[k],
-            "a guess beyond a limit") == UR5E_OUT_OF_RANGE, "guess beyond a limit", k);
-        (void)ur5e_inverse(NULL, &pose, ur5e_vector_past[k], other, &info);
-        expect(info.joint == (unsigned int)ur5e_vector_blamed[k], "joint beyond a limit", k);
-    }
-#endif
-#if UR5E_VECTOR_SINGULAR > 0
-    for (int k = 0; k < UR5E_VECTOR_SINGULAR; ++k) {
-        expect(refused(NULL, &pose, ur5e_vector_singular[k], "singular start") == UR5E_SINGULAR,
-            "SINGULAR", k);
-    }
-#endif
 }
 
+/*  The feed keeps the limits, and one joint reaches its own where it is below 1. */
+static void speeds_of(int k)
+{
+    ur5e_real rates[N];
+    ur5e_real again[N];
+    ur5e_real twist[6] = { 0.0 };
+    ur5e_real limits[N];
+    ur5e_real feed = 0.0;
+    for (int i = 0; i < N; ++i) {
+        rates[i] = (ur5e_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (1.0));
+    }
+    expect(ur5e_twist(ur5e_vector_joints[k], rates, twist) == UR5E_OK, "twist", "OK", k);
+    expect(ur5e_rates(ur5e_vector_joints[k], twist, again, NULL) == UR5E_OK, "rates", "OK", k);
+    for (int part = 0; part < 2; ++part) {
+        const double limit = (part == 0) ? 0.125 : 4.0;
+        double largest = 0.0;
+        for (int i = 0; i < N; ++i) {
+            limits[i] = (ur5e_real)(limit * (1.0));
+        }
+        expect(ur5e_feed(ur5e_vector_joints[k], twist, limits, &feed) == UR5E_OK, "feed", "OK", k);
+        for (int i = 0; i < N; ++i) {
+            largest = fmax(largest, fabs((double)feed * (double)again[i]) / (1.0));
+        }
+        expect(largest <= limit * (1.0 + 1e-5), "feed", "keeps limits", k);
+        expect((feed == 1.0) || (largest >= limit * (1.0 - 1e-5)), "feed", "reaches a limit", k);
+    }
+    expect(feed == 1.0, "feed", "no need for one", k);
+}
 
 /* Whether two lists of joint values are the same within a bound (of angles times half of the size),
  * whole turns left aside. */
-static int same_joints(const ur5e_real a[UR5E_JOINTS], const ur5e_real b[UR5E_JOINTS], double bound)
+static int same_joints(const ur5e_real *a, const ur5e_real *b, double bound)
 {
-    static const int angular[UR5E_JOINTS] = { 1, 1, 1, 1, 1, 1 };
+    static const int angular[N] = { 1, 1, 1, 1, 1, 1 };
     int same = 1;
-    for (int i = 0; i < UR5E_JOINTS; ++i) {
+    for (int i = 0; i < N; ++i) {
         const double gap = (double)a[i] - (double)b[i];
         const double off = angular[i] ? 0.5 * (double)UR5E_SIZE * fabs(remainder(gap,
             6.283185307179586)) : fabs(gap);
@@ -168,95 +358,110 @@ static int same_joints(const ur5e_real a[UR5E_JOINTS], const ur5e_real b[UR5E_JO
     return same;
 }
 
-/* All branches reach the pose, one of them is the arm, each is found by its name, the guess's is
- * the nearest. */
-static void closed_form(void)
+/* All branches reach the pose, one of them is the arm, each is found by its name. */
+static void branches_of(const function *direct, int k)
 {
-    for (int k = 0; k < UR5E_VECTORS; ++k) {
-        const double bound = ur5e_vector_bounds[k];
-        const double most = 8.0 * bound;
-        const ur5e_pose pose = pose_from(ur5e_vector_poses[k]);
-        ur5e_real all[UR5E_BRANCHES][UR5E_JOINTS];
-        ur5e_real one[UR5E_JOINTS];
-        const int count = ur5e_inverse_all(&pose, all);
-        int found = 0;
-        int named = 0;
-        expect((count > 0) && (count <= UR5E_BRANCHES), "count of all branches", k);
-        for (int row = 0; row < count; ++row) {
-            ur5e_pose again;
-            expect(ur5e_direct(all[row], &again) == UR5E_OK, "direct of a branch", k);
-            for (int i = 0; i < 3; ++i) {
-                expect(fabs((double)again.position[i] - (double)pose.position[i]) <= 3.8e-09,
-                    "a branch's position", k);
-            }
-            for (int i = 0; i < 4; ++i) {
-                const double off = fabs(fabs((double)again.quaternion[i])
-                    - fabs((double)pose.quaternion[i]));
-                expect((double)UR5E_SIZE * off <= 3.8e-09, "a branch's quaternion", k);
-            }
-            found += same_joints(all[row], ur5e_vector_inverse[k], most);
-        }
-        expect(found == 1, "one branch is the arm", k);
-        for (unsigned int branch = 0U; branch < UR5E_BRANCHES; ++branch) {
-            if (ur5e_inverse_branch(&pose, branch, one) == UR5E_OK) {
-                expect((named < count) && same_joints(one, all[named], most),
-                    "a branch by its name", k);
-                ++named;
-            }
-        }
-        expect(named == count, "count of the branches by name", k);
-        expect(ur5e_inverse_nearest(&pose, ur5e_vector_guesses[k], one) == UR5E_OK,
-            "nearest branch", k);
-        for (int i = 0; i < UR5E_JOINTS; ++i) {
-            expect(fabs((double)one[i] - (double)ur5e_vector_inverse[k][i]) <= most
-                * 0.0023702423295015184, "nearest branch's joints", k);
+    const double most = 8.0 * ur5e_vector_bounds[k];
+    const ur5e_real *const given = ur5e_vector_poses[k];
+    const ur5e_pose pose = pose_from(given);
+    ur5e_real all[UR5E_BRANCHES][N];
+    ur5e_real one[MOST];
+    const int count = ur5e_inverse_all(&pose, all);
+    int found = 0;
+    int named = 0;
+    expect((count > 0) && (count <= UR5E_BRANCHES), "inverse_all", "count", k);
+    for (int row = 0; row < count; ++row) {
+        expect(direct->ask(NULL, all[row], NULL, one, NULL) == UR5E_OK, "inverse_all",
+            "direct of a branch", k);
+        expect(away(direct, one, given) <= 3.8e-09, "inverse_all", "a branch's pose", k);
+        found += same_joints(all[row], ur5e_vector_inverse[k], most);
+    }
+    expect(found == 1, "inverse_all", "one branch is the arm", k);
+    for (unsigned int branch = 0U; branch < UR5E_BRANCHES; ++branch) {
+        if (ur5e_inverse_branch(&pose, branch, one) == UR5E_OK) {
+            expect((named < count) && same_joints(one, all[named], most), "inverse_branch",
+                "a branch by its name", k);
+            ++named;
         }
     }
+    expect(named == count, "inverse_branch", "count of the branches by name", k);
 }
 
-/* What is no pose, no branch or out of reach is refused, results untouched. */
-static void closed_refusals(void)
+/* What is no pose or no branch is refused, results untouched. */
+static void refuse_branches(void)
 {
     const ur5e_pose pose = pose_from(ur5e_vector_poses[0]);
-    ur5e_pose wrong = pose;
-    ur5e_real all[UR5E_BRANCHES][UR5E_JOINTS];
-    ur5e_real joints[UR5E_JOINTS];
-    ur5e_real guess[UR5E_JOINTS];
-    for (int i = 0; i < UR5E_JOINTS; ++i) {
+    ur5e_pose infinite = pose;
+    ur5e_real all[UR5E_BRANCHES][N];
+    ur5e_real joints[N];
+    for (int i = 0; i < N; ++i) {
         joints[i] = 4.0;
-        guess[i] = ur5e_vector_guesses[0][i];
     }
+    infinite.position[2] = wrong[1];
     expect(ur5e_inverse_branch(&pose, UR5E_BRANCHES, joints) == UR5E_OUT_OF_RANGE,
-        "no such branch", 0);
-    guess[0] = (ur5e_real)NAN;
-    expect(ur5e_inverse_nearest(&pose, guess, joints) == UR5E_NONFINITE,
-        "NaN guess of the closed form", 0);
-    guess[0] = ur5e_vector_guesses[0][0];
-    wrong.position[2] = (ur5e_real)INFINITY;
-    expect(ur5e_inverse_nearest(&wrong, guess, joints) == UR5E_NONFINITE,
-        "infinite pose of the closed form", 0);
-    expect(ur5e_inverse_branch(&wrong, 0U, joints) == UR5E_NONFINITE,
-        "infinite pose of the closed form", 1);
-    expect(ur5e_inverse_all(&wrong, all) == 0, "infinite pose of the closed form", 2);
-    wrong = pose;
-    wrong.quaternion[1] = 2.0;
-    expect(ur5e_inverse_nearest(&wrong, guess, joints) == UR5E_OUT_OF_RANGE,
-        "quaternion of length 2 of the closed form", 0);
-    wrong = pose;
-    wrong.position[0] = 8437955.795096347;
-    wrong.position[1] = 8437955.795096347;
-    wrong.position[2] = 8437955.795096347;
-    (void)ur5e_inverse_nearest(&wrong, guess, joints);
-    for (int i = 0; i < UR5E_JOINTS; ++i) {
-        expect(joints[i] == 4.0, "result of the closed form untouched on failure", i);
-    }
+        "inverse_branch", "no such branch", 0);
+    expect(ur5e_inverse_branch(&infinite, 0U, joints) == UR5E_NONFINITE, "inverse_branch",
+        "infinite pose", 0);
+    expect(ur5e_inverse_all(&infinite, all) == 0, "inverse_all", "infinite pose", 0);
+    expect(all_are(joints, N, 4.0), "inverse_branch", "result untouched", 0);
 }
 int main(void)
 {
-    solve_all();
-    refuse_all();
-    closed_form();
-    closed_refusals();
+    static const double weights_of_direct[] = { 1.0, 1.0, 1.0, 843.7955795096346,
+        843.7955795096346, 843.7955795096346, 843.7955795096346 };
+    const function of_direct = { "direct", ask_direct, "cccccc", 6, 7, &ur5e_vector_joints[0][0],
+        NULL, &ur5e_vector_poses[0][0], weights_of_direct, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const double weights_of_inverse[] = { 421.8977897548173, 421.8977897548173,
+        421.8977897548173, 421.8977897548173, 421.8977897548173, 421.8977897548173 };
+    const function of_inverse = { "inverse", ask_inverse, "ccccccccccccc", 7, 6,
+        &ur5e_vector_poses[0][0], &ur5e_vector_guesses[0][0], &ur5e_vector_inverse[0][0],
+        weights_of_inverse, ask_track, NULL, 1, 2, 0U, 1.0, 0.0 };
+    static const double weights_of_inverse_nearest[] = { 421.8977897548173, 421.8977897548173,
+        421.8977897548173, 421.8977897548173, 421.8977897548173, 421.8977897548173 };
+    const function of_inverse_nearest = { "inverse_nearest", ask_inverse_nearest, "cccccccffffff",
+        7, 6, &ur5e_vector_poses[0][0], &ur5e_vector_guesses[0][0], &ur5e_vector_inverse[0][0],
+        weights_of_inverse_nearest, NULL, NULL, 0, 0, 0U, 8.0, 0.0 };
+    static const ur5e_real numbers_of_jacobian[] = { 0x1.6af3a14cec41ep-1, 0x1.28f190d173fb8p-6,
+        0x1.86238da3c2118p-1, -0x1.576102795703fp-1, 0x1.5fc86cebbba56p-3, -0x1.94ba51a005c46p-3 };
+    const function of_jacobian = { "jacobian", ask_jacobian, "cccccc", 6, 36, numbers_of_jacobian,
+        NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ur5e_real numbers_of_rates[] = { 0x1.6af3a14cec41ep-1, 0x1.28f190d173fb8p-6,
+        0x1.86238da3c2118p-1, -0x1.576102795703fp-1, 0x1.5fc86cebbba56p-3, -0x1.94ba51a005c46p-3,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0 };
+    const function of_rates = { "rates", ask_rates, "ccccccssssss", 12, 6, numbers_of_rates, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ur5e_real numbers_of_twist[] = { 0x1.6af3a14cec41ep-1, 0x1.28f190d173fb8p-6,
+        0x1.86238da3c2118p-1, -0x1.576102795703fp-1, 0x1.5fc86cebbba56p-3, -0x1.94ba51a005c46p-3,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0 };
+    const function of_twist = { "twist", ask_twist, "ccccccssssss", 12, 6, numbers_of_twist, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const ur5e_real numbers_of_feed[] = { 0x1.6af3a14cec41ep-1, 0x1.28f190d173fb8p-6,
+        0x1.86238da3c2118p-1, -0x1.576102795703fp-1, 0x1.5fc86cebbba56p-3, -0x1.94ba51a005c46p-3,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0 };
+    const function of_feed = { "feed", ask_feed, "ccccccssssssllllll", 18, 1, numbers_of_feed,
+        NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    const function *const all[] = { &of_direct, &of_inverse, &of_inverse_nearest, &of_jacobian,
+        &of_rates, &of_twist, &of_feed };
+    for (int i = 0; i < 7; ++i) {
+        if (all[i]->answers != NULL) {
+            solve_all(all[i]);
+        }
+        refuse_values(all[i]);
+    }
+    for (int k = 0; k < UR5E_VECTOR_JACOBIANS; ++k) {
+        jacobian_of(k);
+        speeds_of(k);
+    }
+    for (int k = 0; k < UR5E_VECTORS; ++k) {
+        branches_of(&of_direct, k);
+    }
+    refuse_branches();
+    refuse_rows(&of_inverse, &ur5e_vector_singular[0][0], 1, 1, UR5E_SINGULAR, NULL);
+    refuse_rows(&of_inverse, &ur5e_vector_doubled[0][0], 1, 0, UR5E_OUT_OF_RANGE, NULL);
     (void)printf("ur5e: %d cases, %d failures\n", UR5E_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

@@ -10,7 +10,7 @@
 #define UR5E_VECTOR_SINGULAR 1
 #define UR5E_VECTOR_INFEASIBLE 0
 #define UR5E_VECTOR_PAST 0
-#define UR5E_VECTOR_FAR 1
+#define UR5E_VECTOR_DOUBLED 1
 
 static const ur5e_real ur5e_vector_guesses[24][6] = {
     { 0x1.8236e2eb1c433p-1, 0x1.209cc319c5a3ep-5, 0x1.977ff151e7536p-1, -0x1.7961a1db877abp-1,
@@ -257,6 +257,11 @@ static const ur5e_real ur5e_vector_jacobians[4][36] = {
 
 static const ur5e_real ur5e_vector_singular[1][6] = {
     { 0x0.0p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+};
+
+static const ur5e_real ur5e_vector_doubled[1][7] = {
+    { -0x1.84196f4fa96c9p+8, -0x1.3edc2ae93c760p+9, -0x1.bc0be9f824101p+7, 0x1.5dab2146e9a29p+0,
+        0x1.5b8ae6500e8a9p+0, 0x1.c35e7cc2695d3p-2, 0x1.3eeaa2f078e8fp-2 },
 };
 
 

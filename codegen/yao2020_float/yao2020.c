@@ -1379,7 +1379,7 @@ static yao2020_status yao2020_check_speeds(const yao2020_real speeds[], int coun
 yao2020_status yao2020_twist(const yao2020_real joints[6], const yao2020_real rates[6],
     yao2020_real twist[6])
 {
-    yao2020_real jacobian[36];
+    yao2020_real jacobian[6 * 6];
     yao2020_real found[6];
     const yao2020_status status = yao2020_check_speeds(rates, 6, yao2020_jacobian(joints,
         jacobian));
@@ -1391,10 +1391,34 @@ yao2020_status yao2020_twist(const yao2020_real joints[6], const yao2020_real ra
             }
             found[i] = sum;
         }
-        /* rates and twist may be the same array */
+        /* twist and rates may be the same array */
         for (int i = 0; i < 6; ++i) {
             twist[i] = found[i];
         }
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+yao2020_status yao2020_feed(const yao2020_real joints[6], const yao2020_real twist[6],
+    const yao2020_real rate_limits[6], yao2020_real *feed)
+{
+    yao2020_real rates[6];
+    yao2020_status status = yao2020_check_finite(rate_limits, 6, yao2020_rates(joints, twist,
+        rates, NULL));
+    yao2020_real most = 1.0f;
+    for (int i = 0; (i < 6) && (status == YAO2020_OK); ++i) {
+        const yao2020_real rate = fabsf(rates[i]);
+        if (rate_limits[i] < 0.0f) {
+            status = YAO2020_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == YAO2020_OK) {
+        *feed = most;
     }
     return status;
 }
@@ -1427,30 +1451,6 @@ yao2020_status yao2020_rates(const yao2020_real joints[6], const yao2020_real tw
         }
         yao2020_write_info(info, 1U, yao2020_length_of(e), 0.0f,
             (pivot > 0.0f) ? (1.0f / pivot) : 0.0f);
-    }
-    return status;
-}
-
-/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-yao2020_status yao2020_feed(const yao2020_real joints[6], const yao2020_real twist[6],
-    const yao2020_real rate_limits[6], yao2020_real *feed)
-{
-    yao2020_real rates[6];
-    yao2020_status status = yao2020_check_finite(rate_limits, 6, yao2020_rates(joints, twist,
-        rates, NULL));
-    yao2020_real most = 1.0f;
-    for (int i = 0; (i < 6) && (status == YAO2020_OK); ++i) {
-        const yao2020_real rate = fabsf(rates[i]);
-        if (rate_limits[i] < 0.0f) {
-            status = YAO2020_OUT_OF_RANGE;
-        } else if (rate * most > rate_limits[i]) {
-            most = rate_limits[i] / rate;
-        } else {
-            /* within its limit */
-        }
-    }
-    if (status == YAO2020_OK) {
-        *feed = most;
     }
     return status;
 }

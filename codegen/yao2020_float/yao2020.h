@@ -27,8 +27,8 @@
  *   inverse: 100 iterations, 55668 add, 69789 mul, 7848 div, 3109 sqrt
  *   jacobian: 120 add, 178 mul
  *   twist: 162 add, 214 mul
- *   rates: 910 add, 1101 mul, 47 div, 5 sqrt
  *   feed: 916 add, 1107 mul, 53 div, 5 sqrt
+ *   rates: 910 add, 1101 mul, 47 div, 5 sqrt
  *   track: 1484 add, 1923 mul, 49 div, 10 sqrt
  *   measured (Cortex-M4F, GCC 12.2.1 -O2, 14808 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
@@ -39,8 +39,8 @@
  *   inverse: 98355 instructions, 936 stack, 8224 code
  *   jacobian: 690 instructions, 112 stack, 1564 code
  *   twist: 1080 instructions, 288 stack, 1708 code
- *   rates: 9755 instructions, 616 stack, 3024 code
  *   feed: 9870 instructions, 656 stack, 3128 code
+ *   rates: 9755 instructions, 616 stack, 3024 code
  *   track: 12310 instructions, 696 stack, 4452 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
@@ -112,12 +112,10 @@ yao2020_status yao2020_direct(const yao2020_real joints[YAO2020_JOINTS], yao2020
  * the given one, positions in a straight line and orientations along the shorter arc, without
  * meeting a singularity; where that is not assured, YAO2020_WRONG_BRANCH. Angles are near the
  * guess's, not wrapped. Any joint values will do as a guess: an error of them moves the beginning
- * of the line by as much.
- */
+ * of the line by as much. */
 yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose,
-    const yao2020_real guess[YAO2020_JOINTS],
-    yao2020_real joints[YAO2020_JOINTS], yao2020_info *info);
-
+    const yao2020_real guess[YAO2020_JOINTS], yao2020_real joints[YAO2020_JOINTS],
+    yao2020_info *info);
 
 /* The closed form: joint values by formulas (README.md derives them), without iteration and without
  * a guess. Each choice has two solutions; a branch is a sum of the names below, 0 for the first
@@ -143,6 +141,7 @@ yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int bra
  * yao2020_inverse_branch. */
 yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose,
     const yao2020_real guess[YAO2020_JOINTS], yao2020_real joints[YAO2020_JOINTS]);
+
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 yao2020_status yao2020_jacobian(const yao2020_real joints[YAO2020_JOINTS],
     yao2020_real jacobian[6 * YAO2020_JOINTS]);
@@ -153,8 +152,7 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[YAO2020_JOINTS],
  * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
  * slows down or stops by it. Speeds above 6e+08 are YAO2020_OUT_OF_RANGE. */
 yao2020_status yao2020_rates(const yao2020_real joints[YAO2020_JOINTS],
-    const yao2020_real twist[6], yao2020_real rates[YAO2020_JOINTS],
-    yao2020_info *info);
+    const yao2020_real twist[6], yao2020_real rates[YAO2020_JOINTS], yao2020_info *info);
 
 /* The twist of joint rates. */
 yao2020_status yao2020_twist(const yao2020_real joints[YAO2020_JOINTS],
@@ -163,8 +161,9 @@ yao2020_status yao2020_twist(const yao2020_real joints[YAO2020_JOINTS],
 /* The largest factor, 0 to 1, by which a twist keeps the rates of yao2020_rates within their limits
  * (0 or more, in mm or radians for each unit of time). */
 yao2020_status yao2020_feed(const yao2020_real joints[YAO2020_JOINTS], const yao2020_real twist[6],
-    const yao2020_real rate_limits[YAO2020_JOINTS],
-    yao2020_real *feed);
+    const yao2020_real rate_limits[YAO2020_JOINTS], yao2020_real *feed);
+
+#define YAO2020_TRACK_LIMIT ((yao2020_real)0.101f) /* mm */
 
 /* For a control loop: one damped step from the last joint values (joints) towards the pose, which
  * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
@@ -172,7 +171,6 @@ yao2020_status yao2020_feed(const yao2020_real joints[YAO2020_JOINTS], const yao
  * far their tool pose is from the given one, as measured (mm, angles times the size). While it is
  * below YAO2020_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to
  * 0.2 rad (slides: of the size). It never makes the error larger. */
-#define YAO2020_TRACK_LIMIT ((yao2020_real)0.101f) /* mm */
 yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[YAO2020_JOINTS],
     yao2020_info *info);
 #ifdef __cplusplus

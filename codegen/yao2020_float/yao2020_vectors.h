@@ -10,7 +10,7 @@
 #define YAO2020_VECTOR_SINGULAR 0
 #define YAO2020_VECTOR_INFEASIBLE 0
 #define YAO2020_VECTOR_PAST 0
-#define YAO2020_VECTOR_FAR 1
+#define YAO2020_VECTOR_DOUBLED 1
 
 static const yao2020_real yao2020_vector_guesses[24][6] = {
     { 0x1.87bd060000000p-1f, 0x1.41e3640000000p-5f, 0x1.9b9f560000000p-1f, -0x1.8174820000000p-1f,
@@ -262,6 +262,12 @@ static const yao2020_real yao2020_vector_jacobians[4][36] = {
         -0x1.f155400000000p-2f, 0x1.979d640000000p-1f, -0x1.2e25ce0000000p-1f, 0x0.0p+0f,
         0x1.0000000000000p+0f, 0x0.0p+0f, -0x1.62e2a60000000p-3f, 0x1.44af680000000p-2f,
         0x1.30c9d00000000p-1f, 0x0.0p+0f },
+};
+
+static const yao2020_real yao2020_vector_doubled[1][7] = {
+    { -0x1.c329e40000000p+8f, -0x1.593d400000000p+8f, -0x1.07940e0000000p+6f,
+        0x1.b2aa780000000p+0f, 0x1.aa67960000000p-1f, -0x1.8d4afa0000000p-2f,
+        0x1.0b80580000000p-1f },
 };
 
 

@@ -36,6 +36,77 @@ static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_re
     return status;
 }
 
+/* LU in loops of the n x n matrix a, row by row, with partial pivoting: reciprocals of pivots on
+ * the diagonal, `order` the exchanges of rows. The sign of the determinant, 0 where no entry of a
+ * column is above its `least`. */
+static ZHANG2009_COLD int zhang2009_lu(zhang2009_real *a, uint8_t *order,
+    const zhang2009_real *least, int n)
+{
+    int sign = 1;
+    for (int c = 0; c < n; ++c) {
+        /* the largest entry of the column becomes the pivot */
+        int best = c;
+        zhang2009_real largest = 0.0f;
+        for (int r = c; r < n; ++r) {
+            const zhang2009_real size = fabsf(a[n * r + c]);
+            if (size > largest) {
+                largest = size;
+                best = r;
+            }
+        }
+        if (!(largest > least[c])) {
+            return 0;
+        }
+        order[c] = (uint8_t)best;
+        if (best != c) {
+            sign = -sign;
+            for (int j = c; j < n; ++j) {
+                const zhang2009_real t = a[n * c + j];
+                a[n * c + j] = a[n * best + j];
+                a[n * best + j] = t;
+            }
+        }
+        if (a[n * c + c] < 0.0f) {
+            sign = -sign;
+        }
+        /* reduce the rows below */
+        const zhang2009_real inverse = 1.0f / a[n * c + c];
+        a[n * c + c] = inverse;
+        for (int r = c + 1; r < n; ++r) {
+            const zhang2009_real factor = a[n * r + c] * inverse;
+            a[n * r + c] = factor;
+            for (int j = c + 1; j < n; ++j) {
+                a[n * r + j] -= factor * a[n * c + j];
+            }
+        }
+    }
+    return sign;
+}
+
+/* Solves for the right side f, in place, with the factors of zhang2009_lu. */
+static ZHANG2009_COLD void zhang2009_lu_solve(const zhang2009_real *a, const uint8_t *order,
+    zhang2009_real *f, int n)
+{
+    /* forward substitution with the exchanges of rows */
+    for (int c = 0; c < n; ++c) {
+        const int best = (int)order[c];
+        const zhang2009_real t = f[best];
+        f[best] = f[c];
+        f[c] = t;
+        for (int r = c + 1; r < n; ++r) {
+            f[r] -= a[n * r + c] * t;
+        }
+    }
+    /* back substitution */
+    for (int c = n - 1; c >= 0; --c) {
+        const zhang2009_real t = f[c] * a[n * c + c];
+        f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            f[r] -= a[n * r + c] * t;
+        }
+    }
+}
+
 /* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
  * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zhang2009_real x[7])
@@ -401,6 +472,7 @@ static ZHANG2009_SHARED void zhang2009_direct_set_target(zhang2009_direct_work *
     }
 }
 
+
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void zhang2009_direct_matrix(zhang2009_direct_work *w)
 {
@@ -419,79 +491,22 @@ static void zhang2009_direct_matrix(zhang2009_direct_work *w)
     }
 }
 
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
- * singular. */
+/* The factors in loops; the sign of the determinant, 0 where the matrix is singular. */
 static ZHANG2009_COLD int zhang2009_direct_pivoted(zhang2009_direct_work *w)
 {
     static const zhang2009_real scale[6] = { 183.0f, 182.0f, 472.0f, 467000.0f, 464000.0f,
         226000.0f };
-    int sign = 1;
+    static const zhang2009_real least[6] = { 0.0003490448f, 0.00034713745f, 0.00090026855f,
+        0.8907318f, 0.88500977f, 0.4310608f };
     zhang2009_direct_matrix(w);
     w->pivoted = true;
     w->spread = 0.0f;
-    for (int c = 0; c < 6; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        zhang2009_real largest = 0.0f;
-        for (int r = c; r < 6; ++r) {
-            const zhang2009_real size = fabsf(w->a[6 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 1.9073486e-06f * scale[c])) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 6; ++j) {
-                const zhang2009_real t = w->a[6 * c + j];
-                w->a[6 * c + j] = w->a[6 * best + j];
-                w->a[6 * best + j] = t;
-            }
-        }
-        if (w->a[6 * c + c] < 0.0f) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const zhang2009_real inverse = 1.0f / w->a[6 * c + c];
-        w->a[6 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 6; ++r) {
-            const zhang2009_real factor = w->a[6 * r + c] * inverse;
-            w->a[6 * r + c] = factor;
-            for (int j = c + 1; j < 6; ++j) {
-                w->a[6 * r + j] -= factor * w->a[6 * c + j];
-            }
-        }
+    const int sign = zhang2009_lu(w->a, w->order, least, 6);
+    for (int c = 0; (c < 6) && (sign != 0); ++c) {
+        const zhang2009_real inverse = w->a[7 * c] * scale[c];
+        w->spread += inverse * inverse;
     }
     return sign;
-}
-
-/* The step from w->f into w->f with the factors of zhang2009_direct_pivoted. */
-static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 6; ++c) {
-        const int best = (int)w->order[c];
-        const zhang2009_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 6; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 5; c >= 0; --c) {
-        const zhang2009_real t = w->f[c] * w->a[6 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the
@@ -655,7 +670,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
 static void zhang2009_direct_solve(zhang2009_direct_work *w)
 {
     if (w->pivoted) {
-        zhang2009_direct_pivoted_solve(w);
+        zhang2009_lu_solve(w->a, w->order, w->f, 6);
         return;
     }
     /* forward substitution, the rows in the order of the pivots */
@@ -1333,8 +1348,7 @@ zhang2009_status zhang2009_feed(const zhang2009_pose *pose, const zhang2009_real
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
- * elimination with row exchanges. */
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size. */
 zhang2009_status zhang2009_twist(const zhang2009_pose *pose, const zhang2009_real rates[6],
     zhang2009_real twist[6])
 {
@@ -1342,43 +1356,28 @@ zhang2009_status zhang2009_twist(const zhang2009_pose *pose, const zhang2009_rea
     static const zhang2009_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.0018823203f, 0.0018823203f,
         0.0018823203f };
     static const uint8_t column[6] = { 0U, 1U, 2U, 3U, 4U, 5U };
+    static const zhang2009_real least[6] = { 1.9073486e-06f, 1.9073486e-06f, 1.9073486e-06f,
+        1.9073486e-06f, 1.9073486e-06f, 1.9073486e-06f };
     zhang2009_real jacobian[6 * 6];
-    zhang2009_real a[6][6 + 1];
+    zhang2009_real a[6 * 6];
+    zhang2009_real f[6];
+    uint8_t order[6];
     zhang2009_status status = zhang2009_check_speeds(rates, 6, zhang2009_jacobian(pose, jacobian));
     if (status == ZHANG2009_OK) {
         for (int i = 0; i < 6; ++i) {
             for (int j = 0; j < 6; ++j) {
-                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+                a[6 * i + j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
             }
-            a[i][6] = rates[i] * row_scale[i];
+            f[i] = rates[i] * row_scale[i];
         }
-        for (int c = 0; (c < 6) && (status == ZHANG2009_OK); ++c) {
-            /* the largest entry of the column becomes the pivot */
-            int best = c;
-            for (int i = c + 1; i < 6; ++i) {
-                best = (fabsf(a[i][c]) > fabsf(a[best][c])) ? i : best;
-            }
-            if (!(fabsf(a[best][c]) > 1.9073486e-06f)) {
-                status = ZHANG2009_SINGULAR;
-            } else {
-                for (int j = c; j <= 6; ++j) {
-                    const zhang2009_real t = a[c][j];
-                    a[c][j] = a[best][j];
-                    a[best][j] = t;
-                }
-                /* clear the column in all other rows */
-                for (int i = 0; i < 6; ++i) {
-                    const zhang2009_real factor = a[i][c] / a[c][c];
-                    for (int j = c; (i != c) && (j <= 6); ++j) {
-                        a[i][j] -= factor * a[c][j];
-                    }
-                }
-            }
+        if (zhang2009_lu(a, order, least, 6) == 0) {
+            status = ZHANG2009_SINGULAR;
         }
     }
     if (status == ZHANG2009_OK) {
+        zhang2009_lu_solve(a, order, f, 6);
         for (int i = 0; i < 6; ++i) {
-            twist[column[i]] = a[i][6] / a[i][i] * column_scale[i];
+            twist[column[i]] = f[i] * column_scale[i];
         }
     }
     return status;

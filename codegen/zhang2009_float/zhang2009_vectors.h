@@ -10,7 +10,7 @@
 #define ZHANG2009_VECTOR_SINGULAR 1
 #define ZHANG2009_VECTOR_INFEASIBLE 0
 #define ZHANG2009_VECTOR_PAST 0
-#define ZHANG2009_VECTOR_FAR 1
+#define ZHANG2009_VECTOR_DOUBLED 1
 
 static const zhang2009_real zhang2009_vector_guesses[24][7] = {
     { 0x0.0p+0f, 0x0.0p+0f, 0x1.a400000000000p+8f, 0x1.0000000000000p+0f, 0x0.0p+0f, 0x0.0p+0f,
@@ -267,6 +267,11 @@ static const zhang2009_real zhang2009_vector_jacobians[4][36] = {
 
 static const zhang2009_real zhang2009_vector_singular[1][7] = {
     { 0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f, 0x1.0000000000000p+0f, 0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f },
+};
+
+static const zhang2009_real zhang2009_vector_doubled[1][7] = {
+    { -0x1.2f77ea0000000p+3f, 0x1.2748d80000000p+5f, 0x1.958b800000000p+8f, 0x1.ffdfa00000000p+0f,
+        0x1.d0f84a0000000p-6f, -0x1.04d8520000000p-7f, 0x1.108b580000000p-5f },
 };
 
 static const zhang2009_real zhang2009_vector_home[7] = { 0x0.0p+0f, 0x0.0p+0f,

@@ -36,6 +36,77 @@ static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real v
     return status;
 }
 
+/* LU in loops of the n x n matrix a, row by row, with partial pivoting: reciprocals of pivots on
+ * the diagonal, `order` the exchanges of rows. The sign of the determinant, 0 where no entry of a
+ * column is above its `least`. */
+static ZHAO2000_COLD int zhao2000_lu(zhao2000_real *a, uint8_t *order, const zhao2000_real *least,
+    int n)
+{
+    int sign = 1;
+    for (int c = 0; c < n; ++c) {
+        /* the largest entry of the column becomes the pivot */
+        int best = c;
+        zhao2000_real largest = 0.0;
+        for (int r = c; r < n; ++r) {
+            const zhao2000_real size = fabs(a[n * r + c]);
+            if (size > largest) {
+                largest = size;
+                best = r;
+            }
+        }
+        if (!(largest > least[c])) {
+            return 0;
+        }
+        order[c] = (uint8_t)best;
+        if (best != c) {
+            sign = -sign;
+            for (int j = c; j < n; ++j) {
+                const zhao2000_real t = a[n * c + j];
+                a[n * c + j] = a[n * best + j];
+                a[n * best + j] = t;
+            }
+        }
+        if (a[n * c + c] < 0.0) {
+            sign = -sign;
+        }
+        /* reduce the rows below */
+        const zhao2000_real inverse = 1.0 / a[n * c + c];
+        a[n * c + c] = inverse;
+        for (int r = c + 1; r < n; ++r) {
+            const zhao2000_real factor = a[n * r + c] * inverse;
+            a[n * r + c] = factor;
+            for (int j = c + 1; j < n; ++j) {
+                a[n * r + j] -= factor * a[n * c + j];
+            }
+        }
+    }
+    return sign;
+}
+
+/* Solves for the right side f, in place, with the factors of zhao2000_lu. */
+static ZHAO2000_COLD void zhao2000_lu_solve(const zhao2000_real *a, const uint8_t *order,
+    zhao2000_real *f, int n)
+{
+    /* forward substitution with the exchanges of rows */
+    for (int c = 0; c < n; ++c) {
+        const int best = (int)order[c];
+        const zhao2000_real t = f[best];
+        f[best] = f[c];
+        f[c] = t;
+        for (int r = c + 1; r < n; ++r) {
+            f[r] -= a[n * r + c] * t;
+        }
+    }
+    /* back substitution */
+    for (int c = n - 1; c >= 0; --c) {
+        const zhao2000_real t = f[c] * a[n * c + c];
+        f[c] = t;
+        for (int r = 0; r < c; ++r) {
+            f[r] -= a[n * r + c] * t;
+        }
+    }
+}
+
 /* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
  * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao2000_real x[7])
@@ -1806,53 +1877,37 @@ zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twi
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
- * elimination with row exchanges. */
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size. */
 zhao2000_status zhao2000_twist(const zhao2000_pose *pose, const zhao2000_real rates[4],
     zhao2000_real twist[6])
 {
     static const zhao2000_real row_scale[4] = { 240.0, 240.0, 240.0, 1.0 };
     static const zhao2000_real column_scale[4] = { 1.0, 1.0, 1.0, 0.004166666666666667 };
     static const uint8_t column[4] = { 0U, 1U, 2U, 5U };
+    static const zhao2000_real least[4] = { 3.552713678800501e-15, 3.552713678800501e-15,
+        3.552713678800501e-15, 3.552713678800501e-15 };
     zhao2000_real jacobian[4 * 6];
-    zhao2000_real a[4][4 + 1];
+    zhao2000_real a[4 * 4];
+    zhao2000_real f[4];
+    uint8_t order[4];
     zhao2000_status status = zhao2000_check_speeds(rates, 4, zhao2000_jacobian(pose, jacobian));
     if (status == ZHAO2000_OK) {
         for (int i = 0; i < 4; ++i) {
             for (int j = 0; j < 4; ++j) {
-                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+                a[4 * i + j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
             }
-            a[i][4] = rates[i] * row_scale[i];
+            f[i] = rates[i] * row_scale[i];
         }
-        for (int c = 0; (c < 4) && (status == ZHAO2000_OK); ++c) {
-            /* the largest entry of the column becomes the pivot */
-            int best = c;
-            for (int i = c + 1; i < 4; ++i) {
-                best = (fabs(a[i][c]) > fabs(a[best][c])) ? i : best;
-            }
-            if (!(fabs(a[best][c]) > 3.552713678800501e-15)) {
-                status = ZHAO2000_SINGULAR;
-            } else {
-                for (int j = c; j <= 4; ++j) {
-                    const zhao2000_real t = a[c][j];
-                    a[c][j] = a[best][j];
-                    a[best][j] = t;
-                }
-                /* clear the column in all other rows */
-                for (int i = 0; i < 4; ++i) {
-                    const zhao2000_real factor = a[i][c] / a[c][c];
-                    for (int j = c; (i != c) && (j <= 4); ++j) {
-                        a[i][j] -= factor * a[c][j];
-                    }
-                }
-            }
+        if (zhao2000_lu(a, order, least, 4) == 0) {
+            status = ZHAO2000_SINGULAR;
         }
     }
     if (status == ZHAO2000_OK) {
+        zhao2000_lu_solve(a, order, f, 4);
         twist[3] = 0.0;
         twist[4] = 0.0;
         for (int i = 0; i < 4; ++i) {
-            twist[column[i]] = a[i][4] / a[i][i] * column_scale[i];
+            twist[column[i]] = f[i] * column_scale[i];
         }
     }
     return status;

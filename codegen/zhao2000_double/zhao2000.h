@@ -28,16 +28,16 @@
  *   jacobian: 132 add, 218 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   rates: 162 add, 242 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   feed: 166 add, 246 mul, 18 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
- *   twist: 192 add, 314 mul, 34 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
+ *   twist: 162 add, 294 mul, 18 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
  *   direct: 115550 instructions, 1856 stack, 6128 code
- *   track: 2155 instructions, 1872 stack, 6168 code
- *   inverse: 1750 instructions, 960 stack, 2060 code
+ *   track: 2170 instructions, 1872 stack, 6168 code
+ *   inverse: 1745 instructions, 960 stack, 2060 code
  *   jacobian: 1285 instructions, 1096 stack, 2212 code
  *   rates: 1605 instructions, 1344 stack, 2392 code
  *   feed: 1725 instructions, 1392 stack, 2492 code
- *   twist: 2425 instructions, 1496 stack, 2844 code
+ *   twist: 2385 instructions, 1504 stack, 3012 code
  *
  * Model SHA-256 412298150d5f8895f2b466eaca32bb8d9ac2dc4c595fd9ee23f23250d7133d68
  */
@@ -110,10 +110,11 @@ zhao2000_status zhao2000_direct(const zhao2000_config *config,
     const zhao2000_real joints[ZHAO2000_JOINTS], const zhao2000_pose *guess, zhao2000_pose *pose,
     zhao2000_info *info);
 
+#define ZHAO2000_TRACK_LIMIT ((zhao2000_real)0.00025) /* mm */
+
 /* For servo loops: the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call
  * zhao2000_direct. info->residual is the answer's closure error, beyond ZHAO2000_TRACK_LIMIT near a
  * singularity. */
-#define ZHAO2000_TRACK_LIMIT ((zhao2000_real)0.00025) /* mm */
 zhao2000_status zhao2000_track(const zhao2000_real joints[ZHAO2000_JOINTS], zhao2000_pose *pose,
     zhao2000_info *info);
 

@@ -6,281 +6,404 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
+#define N ZHAO2000_JOINTS
+#define MOST (6 * N + 13) /* numbers that any function takes or gives */
+
+/* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and
+ * then guessed, c: a coordinate, s: a speed, l: what is never below 0, f: what only has to be
+ * finite. step: one step of tracking; opposite: the problem by which answers are held where they
+ * are not the only ones. The numbers of an answer, weighed, may be off by `share` times its bound
+ * and by `within` more. Where nothing is solved there are no answers, where nothing is guessed no
+ * guesses. */
+typedef struct function {
+    const char *name;
+    zhao2000_status (*ask)(const zhao2000_config *config, const zhao2000_real *given,
+        const zhao2000_real *guess, zhao2000_real *result, zhao2000_info *info);
+    const char *kinds;
+    int given;
+    int found;
+    const zhao2000_real *values;
+    const zhao2000_real *guesses;
+    const zhao2000_real *answers;
+    const double *weights;
+    zhao2000_status (*step)(const zhao2000_config *config, const zhao2000_real *given,
+        const zhao2000_real *guess, zhao2000_real *result, zhao2000_info *info);
+    const struct function *opposite;
+    int informs; /* whether a config is read and an info written */
+    int blamed; /* which values info->joint is about: 1 given ones, 2 the guess, 0 neither */
+    unsigned int few; /* steps that are not enough for the first vector */
+    double share;
+    double within;
+} function;
+
+static const zhao2000_real wrong[3] = { (zhao2000_real)NAN, (zhao2000_real)INFINITY,
+    -(zhao2000_real)INFINITY };
 static int failures = 0;
 
-static void expect(int right, const char *what, int number)
+static void expect(int right, const char *of, const char *what, int number)
 {
     if (!right) {
         ++failures;
-        (void)printf("failed: %s, case %d\n", what, number);
+        (void)printf("failed: %s, %s, case %d\n", of, what, number);
     }
 }
 
-static zhao2000_pose pose_from(const zhao2000_real numbers[7])
+static void copy(const zhao2000_real *from, zhao2000_real *to, int count)
 {
-    zhao2000_pose pose;
-    for (int i = 0; i < 3; ++i) {
-        pose.position[i] = numbers[i];
+    for (int i = 0; i < count; ++i) {
+        to[i] = from[i];
     }
-    for (int i = 0; i < 4; ++i) {
-        pose.quaternion[i] = numbers[3 + i];
-    }
-    return pose;
 }
 
-/* Largest difference of two poses: lengths, and rotations times the size. */
-static double difference(const zhao2000_pose *a, const zhao2000_real b[7])
-{
-    double largest = 0.0;
-    double cosine = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        cosine += (double)a->quaternion[i] * (double)b[3 + i];
-    }
-    for (int i = 0; i < 3; ++i) {
-        largest = fmax(largest, fabs((double)a->position[i] - (double)b[i]));
-    }
-    for (int i = 0; i < 4; ++i) {
-        const double other = (cosine < 0.0) ? -(double)b[3 + i] : (double)b[3 + i];
-        largest = fmax(largest, 2.0 * (double)ZHAO2000_SIZE * fabs((double)a->quaternion[i]
-            - other));
-    }
-    return (cosine == cosine) ? largest : HUGE_VAL;
-}
-
-static int same_pose(const zhao2000_pose *a, const zhao2000_pose *b)
+static int all_are(const zhao2000_real *values, int count, zhao2000_real value)
 {
     int same = 1;
-    for (int i = 0; i < 3; ++i) {
-        same = same && (a->position[i] == b->position[i]);
-    }
-    for (int i = 0; i < 4; ++i) {
-        same = same && (a->quaternion[i] == b->quaternion[i]);
+    for (int i = 0; i < count; ++i) {
+        same = same && (values[i] == value);
     }
     return same;
 }
 
-/* A direct call that must not succeed: the status, with the pose untouched and info written. */
-static zhao2000_status refused(const zhao2000_config *config,
-    const zhao2000_real joints[ZHAO2000_JOINTS], const zhao2000_pose *guess, const char *what)
+static zhao2000_pose pose_from(const zhao2000_real *numbers)
 {
-    const zhao2000_real marks[7] = { 1.0, 2.0, 4.0, 1.0, 2.0, 4.0, 1.0 };
-    const zhao2000_pose untouched = pose_from(marks);
-    zhao2000_pose pose = untouched;
-    zhao2000_info info;
-    zhao2000_status status;
-    info.iterations = 255U;
-    status = zhao2000_direct(config, joints, guess, &pose, &info);
-    expect(status != ZHAO2000_OK, what, 0);
-    expect(same_pose(&pose, &untouched), "result untouched on failure", 0);
-    expect(info.iterations != 255U, "info written on failure", 0);
+    zhao2000_pose pose;
+    copy(numbers, pose.position, 3);
+    copy(&numbers[3], pose.quaternion, 4);
+    return pose;
+}
+
+static void numbers_of(const zhao2000_pose *pose, zhao2000_real *numbers)
+{
+    copy(pose->position, numbers, 3);
+    copy(pose->quaternion, &numbers[3], 4);
+}
+static zhao2000_status ask_direct(const zhao2000_config *config, const zhao2000_real *given,
+    const zhao2000_real *guess, zhao2000_real *result, zhao2000_info *info)
+{
+    zhao2000_pose guess_pose = pose_from(guess);
+    zhao2000_pose result_pose = pose_from(result);
+    const zhao2000_status status = zhao2000_direct(config, given,
+        (guess == result) ? &result_pose : &guess_pose, &result_pose, info);
+    numbers_of(&result_pose, result);
     return status;
 }
 
-static void solve_all(void)
+static zhao2000_status ask_track(const zhao2000_config *config, const zhao2000_real *given,
+    const zhao2000_real *guess, zhao2000_real *result, zhao2000_info *info)
 {
+    zhao2000_pose result_pose = pose_from(result);
+    (void)config;
+    (void)guess;
+    const zhao2000_status status = zhao2000_track(given, &result_pose, info);
+    numbers_of(&result_pose, result);
+    return status;
+}
+
+static zhao2000_status ask_inverse(const zhao2000_config *config, const zhao2000_real *given,
+    const zhao2000_real *guess, zhao2000_real *result, zhao2000_info *info)
+{
+    zhao2000_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const zhao2000_status status = zhao2000_inverse(&given_pose, result);
+    return status;
+}
+
+static zhao2000_status ask_jacobian(const zhao2000_config *config, const zhao2000_real *given,
+    const zhao2000_real *guess, zhao2000_real *result, zhao2000_info *info)
+{
+    zhao2000_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const zhao2000_status status = zhao2000_jacobian(&given_pose, result);
+    return status;
+}
+
+static zhao2000_status ask_rates(const zhao2000_config *config, const zhao2000_real *given,
+    const zhao2000_real *guess, zhao2000_real *result, zhao2000_info *info)
+{
+    zhao2000_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const zhao2000_status status = zhao2000_rates(&given_pose, &given[7], result);
+    return status;
+}
+
+static zhao2000_status ask_twist(const zhao2000_config *config, const zhao2000_real *given,
+    const zhao2000_real *guess, zhao2000_real *result, zhao2000_info *info)
+{
+    zhao2000_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const zhao2000_status status = zhao2000_twist(&given_pose, &given[7], result);
+    return status;
+}
+
+static zhao2000_status ask_feed(const zhao2000_config *config, const zhao2000_real *given,
+    const zhao2000_real *guess, zhao2000_real *result, zhao2000_info *info)
+{
+    zhao2000_pose given_pose = pose_from(given);
+    (void)config;
+    (void)guess;
+    (void)info;
+    const zhao2000_status status = zhao2000_feed(&given_pose, &given[7], &given[13], result);
+    return status;
+}
+/* Largest weighed difference; of q and -q, one rotation, the nearer one. NaN is the largest. */
+static double away(const function *asked, const zhao2000_real *a, const zhao2000_real *b)
+{
+    double largest = 0.0;
+    double cosine = 0.0;
+    for (int i = 3; (i < 7) && (asked->found == 7); ++i) {
+        cosine += (double)a[i] * (double)b[i];
+    }
+    for (int i = 0; i < asked->found; ++i) {
+        const double side = ((i >= 3) && (cosine < 0.0)) ? -1.0 : 1.0;
+        const double off = asked->weights[i] * fabs((double)a[i] - side * (double)b[i]);
+        largest = (off <= largest) ? largest : off;
+    }
+    return largest;
+}
+
+/* Answers of the vectors, and standing still at them. */
+static void solve_all(const function *asked)
+{
+    const char *const name = asked->name;
     for (int k = 0; k < ZHAO2000_VECTORS; ++k) {
         const double bound = zhao2000_vector_bounds[k];
-        const zhao2000_pose guess = pose_from(zhao2000_vector_guesses[k]);
-        zhao2000_pose pose = guess;
+        const double most = asked->share * bound + asked->within;
+        const zhao2000_real *const given = &asked->values[asked->given * k];
+        const zhao2000_real *const guess = (asked->guesses == NULL)
+            ? NULL : &asked->guesses[asked->found * k];
+        const zhao2000_real *const answer = &asked->answers[asked->found * k];
+        zhao2000_real result[MOST];
+        zhao2000_real again[MOST];
         zhao2000_info info;
-        zhao2000_real joints[ZHAO2000_JOINTS];
-        expect(zhao2000_direct(NULL, zhao2000_vector_joints[k], &pose, &pose,
-            &info) == ZHAO2000_OK, "direct", k);
-        expect(difference(&pose, zhao2000_vector_poses[k]) <= bound, "direct's pose", k);
-        expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
-        expect(info.min_pivot > 0.0, "direct's smallest pivot", k);
-        expect(info.joint == ZHAO2000_JOINTS, "no joint to blame", k);
-        expect(zhao2000_direct(NULL, zhao2000_vector_joints[k], &pose, &pose,
-            &info) == ZHAO2000_OK, "standing still", k);
-        expect(difference(&pose, zhao2000_vector_poses[k]) <= bound, "standing still's pose", k);
-        pose = guess;
-        expect(zhao2000_direct(NULL, zhao2000_vector_joints[k], &guess, &pose,
-            NULL) == ZHAO2000_OK, "direct without info", k);
-        expect(zhao2000_track(zhao2000_vector_joints[k], &pose, &info) == ZHAO2000_OK, "track", k);
-        expect(difference(&pose, zhao2000_vector_poses[k]) <= bound, "track's pose", k);
-        pose = pose_from(zhao2000_vector_poses[k]);
-        expect(zhao2000_inverse(&pose, joints) == ZHAO2000_OK, "inverse", k);
-        for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)zhao2000_vector_inverse[k][i]) <= bound
-                * (((i == 3)) ? 1.0 : 0.008333333333333333), "inverse's joints", k);
+        for (int i = 0; i < asked->found; ++i) {
+            result[i] = (guess != NULL) ? guess[i] : 4.0;
         }
-        if (k < ZHAO2000_VECTOR_JACOBIANS) {
-            zhao2000_real jacobian[ZHAO2000_JOINTS * 6];
-            expect(zhao2000_jacobian(&pose, jacobian) == ZHAO2000_OK, "jacobian", k);
-            for (int i = 0; i < ZHAO2000_JOINTS * 6; ++i) {
-                const double wanted = (double)zhao2000_vector_jacobians[k][i];
-                const double scale = 240.0 * (1.0 + fabs(wanted));
-                expect(fabs((double)jacobian[i] - wanted) <= 1e-8 * scale, "jacobian's entry", i);
+        expect(asked->ask(NULL, given, asked->informs ? result : guess, result,
+            &info) == ZHAO2000_OK, name, "OK", k);
+        expect(away(asked, result, answer) <= most, name, "answer", k);
+        if (asked->informs) {
+            expect((double)info.residual <= 16.0 * bound, name, "residual", k);
+            expect(info.min_pivot > 0.0, name, "smallest pivot", k);
+            expect(info.joint == N, name, "no joint to blame", k);
+            expect(asked->ask(NULL, given, guess, again, NULL) == ZHAO2000_OK, name,
+                "without info", k);
+            copy(result, again, asked->found);
+            expect(asked->ask(NULL, given, again, again, &info) == ZHAO2000_OK, name,
+                "standing still", k);
+            expect(away(asked, again, answer) <= most, name, "answer of standing still", k);
+        }
+        if (asked->step != NULL) {
+            copy(result, again, asked->found);
+            expect(asked->step(NULL, given, NULL, again, &info) == ZHAO2000_OK, name, "track", k);
+            expect(away(asked, again, answer) <= most, name, "answer of track", k);
+        }
+        if (asked->opposite != NULL) {
+            expect(asked->opposite->ask(NULL, result, NULL, again, NULL) == ZHAO2000_OK, name,
+                "asked back", k);
+            expect(away(asked->opposite, again, given) <= bound, name, "answer asked back", k);
+        }
+    }
+}
+
+/* Values that are refused: the status (OK: any but this), the joint that is blamed, the result
+ * untouched, info written. */
+static void refuse(const function *asked, const zhao2000_real *given, const zhao2000_real *guess,
+    zhao2000_status wanted, int joint, int number)
+{
+    zhao2000_real result[MOST];
+    zhao2000_info info;
+    for (int i = 0; i < MOST; ++i) {
+        result[i] = 4.0;
+    }
+    info.iterations = 255U;
+    info.joint = N;
+    const zhao2000_status status = asked->ask(NULL, given, guess, result, &info);
+    expect((wanted == ZHAO2000_OK) ? (status != ZHAO2000_OK) : (status == wanted), asked->name,
+        "status of a refusal", number);
+    expect(all_are(result, MOST, 4.0), asked->name, "result untouched by a refusal", number);
+    if (asked->informs) {
+        expect(info.iterations != 255U, asked->name, "info of a refusal", number);
+        expect((joint < 0) || ((int)info.joint == joint), asked->name, "joint of a refusal",
+            number);
+    }
+}
+
+/* A step that is refused: the status, the result untouched. */
+static void refuse_step(const function *asked, const zhao2000_real *given,
+    const zhao2000_real *last, zhao2000_status wanted, int number)
+{
+    zhao2000_real result[MOST];
+    copy(last, result, asked->found);
+    expect(asked->step(NULL, given, NULL, result, NULL) == wanted, asked->name,
+        "status of a step refused", number);
+    expect(memcmp(last, result, (size_t)asked->found * sizeof result[0]) == 0, asked->name,
+        "result untouched by a step refused", number);
+}
+
+/* Each number that is given or guessed in turn not finite, or out of all bounds; wrong configs, and
+ * too few steps. */
+static void refuse_values(const function *asked)
+{
+    const zhao2000_real bad[4] = { 0.0, -1.0, wrong[0], wrong[1] };
+    const int count = (int)strlen(asked->kinds);
+    zhao2000_real given[MOST];
+    zhao2000_real guess[MOST];
+    for (int i = 0; i < count; ++i) {
+        const zhao2000_real out = (asked->kinds[i] == 'c') ? 2400000.0 : ((asked->kinds[i] == 's')
+            ? (zhao2000_real)1e30 : -1.0);
+        for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
+            const int place = (i < asked->given) ? i : (i - asked->given);
+            const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
+            const zhao2000_status status = (k < 3) ? ZHAO2000_NONFINITE : ZHAO2000_OUT_OF_RANGE;
+            copy(asked->values, given, asked->given);
+            if (asked->guesses != NULL) {
+                copy(asked->guesses, guess, asked->found);
+            }
+            *((i < asked->given) ? &given[place] : &guess[place]) = (k < 3)
+                ? wrong[k] : (((k == 3) || (out < 0.0)) ? out : -out);
+            refuse(asked, given, guess, status, joint, 5 * i + k);
+            if (asked->step != NULL) {
+                refuse_step(asked, given, guess, status, 5 * i + k);
             }
         }
     }
-}
-
-static void refuse_configs(const zhao2000_real joints[ZHAO2000_JOINTS], const zhao2000_pose *home)
-{
-    const zhao2000_real wrong[4] = { 0.0, -1.0, (zhao2000_real)NAN, (zhao2000_real)INFINITY };
-    for (int i = 0; i < 8; ++i) {
-        const zhao2000_real other = wrong[i % 4];
-        const zhao2000_config config = { (i < 4) ? other : ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS,
-            (i < 4) ? ZHAO2000_MAX_STEP : other };
-        const zhao2000_status wanted = (i % 4 < 2) ? ZHAO2000_OUT_OF_RANGE : ZHAO2000_NONFINITE;
-        expect(refused(&config, joints, home, "wrong config") == wanted,
+    for (int i = 0; (i < 8) && asked->informs; ++i) {
+        const zhao2000_config config = { (i < 4) ? bad[i] : ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS,
+            (i < 4) ? ZHAO2000_MAX_STEP : bad[i - 4] };
+        const zhao2000_status status = asked->ask(&config, asked->values, asked->guesses, guess,
+            NULL);
+        expect(status == ((i % 4 < 2) ? ZHAO2000_OUT_OF_RANGE : ZHAO2000_NONFINITE), asked->name,
             "status of a wrong config", i);
     }
+    for (unsigned int steps = 0U; (steps <= asked->few) && asked->informs; ++steps) {
+        const zhao2000_config config = { ZHAO2000_TOLERANCE, (uint8_t)steps, ZHAO2000_MAX_STEP };
+        const zhao2000_status status = asked->ask(&config, asked->values, asked->guesses, guess,
+            NULL);
+        expect(status == ZHAO2000_MAX_ITERATIONS, asked->name, "status of too few steps",
+            (int)steps);
+    }
 }
 
-static void refuse_all(void)
+/* Rows of values that are refused: of given ones, or (as_guess) of guesses; blamed: the joint of
+ * each row, NULL where nobody asks. */
+static void refuse_rows(const function *asked, const zhao2000_real *rows, int count, int as_guess,
+    zhao2000_status wanted, const int *blamed)
 {
-    const zhao2000_pose home = pose_from(zhao2000_vector_home);
-    const zhao2000_config none = { ZHAO2000_TOLERANCE, 0U, ZHAO2000_MAX_STEP };
-    zhao2000_pose wrong = home;
-    zhao2000_pose pose = home;
-    zhao2000_info info;
-    zhao2000_real joints[ZHAO2000_JOINTS];
-    zhao2000_real jacobian[ZHAO2000_JOINTS * 6];
-    for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
-        joints[i] = zhao2000_vector_joints[0][i];
+    for (int k = 0; k < count; ++k) {
+        const zhao2000_real *const given = as_guess ? asked->values : &rows[asked->given * k];
+        const zhao2000_real *const guess = as_guess ? &rows[asked->found * k] : asked->guesses;
+        refuse(asked, given, guess, wanted, (blamed == NULL) ? -1 : blamed[k], k);
     }
-    expect(refused(&none, joints, &home, "no step is not enough") == ZHAO2000_MAX_ITERATIONS,
-        "MAX_ITERATIONS", 1);
-    refuse_configs(joints, &home);
-    joints[ZHAO2000_JOINTS - 1] = (zhao2000_real)NAN;
-    (void)zhao2000_direct(NULL, joints, &home, &pose, &info);
-    expect(info.joint == ZHAO2000_JOINTS - 1U, "joint of a NaN", 0);
-    joints[ZHAO2000_JOINTS - 1] = -2400000.0;
-    (void)zhao2000_direct(NULL, joints, &home, &pose, &info);
-    expect(info.joint == ZHAO2000_JOINTS - 1U, "joint out of range", 0);
-    (void)zhao2000_track(joints, &pose, &info);
-    expect(info.joint == ZHAO2000_JOINTS - 1U, "joint out of range of track", 0);
-    joints[ZHAO2000_JOINTS - 1] = zhao2000_vector_joints[0][ZHAO2000_JOINTS - 1];
-    pose = home;
-    joints[0] = (zhao2000_real)NAN;
-    expect(refused(NULL, joints, &home, "NaN joint") == ZHAO2000_NONFINITE, "NONFINITE", 0);
-    joints[0] = (zhao2000_real)INFINITY;
-    expect(refused(NULL, joints, &home, "infinite joint") == ZHAO2000_NONFINITE, "NONFINITE", 1);
-    joints[0] = -2400000.0;
-    expect(refused(NULL, joints, &home, "joint out of range") == ZHAO2000_OUT_OF_RANGE,
-        "OUT_OF_RANGE", 0);
-    joints[0] = 2400000.0;
-    (void)refused(NULL, joints, &home, "joint beyond reach");
-    joints[0] = zhao2000_vector_joints[0][0];
-    wrong.quaternion[0] = 2.0;
-    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == ZHAO2000_OUT_OF_RANGE,
-        "OUT_OF_RANGE", 1);
-    expect(zhao2000_inverse(&wrong, joints) == ZHAO2000_OUT_OF_RANGE, "OUT_OF_RANGE of inverse", 0);
-    expect(zhao2000_jacobian(&wrong, jacobian) == ZHAO2000_OUT_OF_RANGE,
-        "OUT_OF_RANGE of jacobian", 0);
-    wrong = home;
-    wrong.position[1] = (zhao2000_real)NAN;
-    expect(refused(NULL, joints, &wrong, "NaN guess") == ZHAO2000_NONFINITE, "NONFINITE", 2);
-    expect(zhao2000_inverse(&wrong, joints) == ZHAO2000_NONFINITE, "NONFINITE of inverse", 0);
-    expect(zhao2000_track(joints, &wrong, NULL) == ZHAO2000_NONFINITE, "NONFINITE of track", 0);
-    wrong = pose_from(zhao2000_vector_far);
-    pose = wrong;
-#if ZHAO2000_VECTOR_FAR > 0
-    expect(zhao2000_track(joints, &wrong, &info) == ZHAO2000_WRONG_BRANCH,
-        "WRONG_BRANCH of a long step", 0);
-    expect(same_pose(&pose, &wrong), "pose untouched by a long step", 0);
-#else
-    (void)zhao2000_track(joints, &pose, &info);
-#endif
-#if ZHAO2000_VECTOR_SINGULAR > 0
-    for (int k = 0; k < ZHAO2000_VECTOR_SINGULAR; ++k) {
-        wrong = pose_from(zhao2000_vector_singular[k]);
-        expect(refused(NULL, joints, &wrong, "singular start") == ZHAO2000_SINGULAR, "SINGULAR", k);
+}
+/* Jacobians of the first vectors. */
+static void jacobian_of(int k)
+{
+    const double most = 2.4e-06;
+    zhao2000_real jacobian[MOST];
+    const zhao2000_pose pose = pose_from(zhao2000_vector_poses[k]);
+    expect(zhao2000_jacobian(&pose, jacobian) == ZHAO2000_OK, "jacobian", "OK", k);
+    for (int i = 0; i < 6 * N; ++i) {
+        const double wanted = (double)zhao2000_vector_jacobians[k][i];
+        expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "jacobian",
+            "entry", i);
     }
-#endif
 }
 
-/* Poses that the mechanism cannot take, and joints beyond their limits. */
-static void refuse_infeasible(void)
+/* Rates of the twist of rates are these rates. The feed keeps the limits, and one joint reaches its
+ * own where it is below 1. */
+static void speeds_of(int k)
 {
-#if ZHAO2000_VECTOR_INFEASIBLE > 0 || ZHAO2000_VECTOR_PAST > 0
-#endif
-#if ZHAO2000_VECTOR_INFEASIBLE > 0
-    for (int k = 0; k < ZHAO2000_VECTOR_INFEASIBLE; ++k) {
-        const zhao2000_pose pose = pose_from(zhao2000_vector_infeasible[k]);
-        zhao2000_real joints[ZHAO2000_JOINTS];
-        for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
-            joints[i] = 4.0;
-        }
-        expect(zhao2000_inverse(&pose, joints) == ZHAO2000_OUT_OF_RANGE,
-            "a pose that cannot be taken", k);
-        for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
-            expect(joints[i] == 4.0, "joints untouched on failure", k);
-        }
-    }
-#endif
-#if ZHAO2000_VECTOR_PAST > 0
-    for (int k = 0; k < ZHAO2000_VECTOR_PAST; ++k) {
-        const zhao2000_pose home = pose_from(zhao2000_vector_home);
-        zhao2000_pose pose = home;
-        zhao2000_info info;
-        expect(refused(NULL, zhao2000_vector_past[k], &home,
-            "a joint beyond a limit") == ZHAO2000_OUT_OF_RANGE, "OUT_OF_RANGE of a limit", k);
-        (void)zhao2000_direct(NULL, zhao2000_vector_past[k], &home, &pose, &info);
-        expect(info.joint == (unsigned int)zhao2000_vector_blamed[k], "joint beyond a limit", k);
-    }
-#endif
-}
-
-/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
- * own. */
-static void speeds_of(const zhao2000_pose *pose, int k)
-{
-    zhao2000_real rates[ZHAO2000_JOINTS];
-    zhao2000_real again[ZHAO2000_JOINTS];
-    zhao2000_real limits[ZHAO2000_JOINTS];
+    const zhao2000_pose pose = pose_from(zhao2000_vector_poses[k]);
+    zhao2000_real rates[N];
+    zhao2000_real again[N];
     zhao2000_real twist[6] = { 0.0 };
+    zhao2000_real limits[N];
     zhao2000_real feed = 0.0;
-    double largest = 0.0;
-    for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
+    for (int i = 0; i < N; ++i) {
         rates[i] = (zhao2000_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (((i == 3))
             ? (double)ZHAO2000_SIZE : 1.0));
     }
-    expect(zhao2000_twist(pose, rates, twist) == ZHAO2000_OK, "twist", k);
-    expect(zhao2000_rates(pose, twist, again) == ZHAO2000_OK, "rates", k);
-    for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
-        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-9 * (((i == 3))
-            ? (double)ZHAO2000_SIZE : 1.0), "rates of the twist of rates", i);
-        limits[i] = (zhao2000_real)(0.125 * (((i == 3)) ? (double)ZHAO2000_SIZE : 1.0));
+    expect(zhao2000_twist(&pose, rates, twist) == ZHAO2000_OK, "twist", "OK", k);
+    expect(zhao2000_rates(&pose, twist, again) == ZHAO2000_OK, "rates", "OK", k);
+    for (int i = 0; i < N; ++i) {
+        const double off = fabs((double)again[i] - (double)rates[i]);
+        expect(off <= 1e-9 * (((i == 3)) ? (double)ZHAO2000_SIZE : 1.0), "rates",
+            "rates of the twist of rates", i);
     }
-    expect(zhao2000_feed(pose, twist, limits, &feed) == ZHAO2000_OK, "feed", k);
-    for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
-        largest = fmax(largest, fabs((double)feed * (double)again[i]) / (((i == 3))
-            ? (double)ZHAO2000_SIZE : 1.0));
+    for (int part = 0; part < 2; ++part) {
+        const double limit = (part == 0) ? 0.125 : 4.0;
+        double largest = 0.0;
+        for (int i = 0; i < N; ++i) {
+            limits[i] = (zhao2000_real)(limit * (((i == 3)) ? (double)ZHAO2000_SIZE : 1.0));
+        }
+        expect(zhao2000_feed(&pose, twist, limits, &feed) == ZHAO2000_OK, "feed", "OK", k);
+        for (int i = 0; i < N; ++i) {
+            largest = fmax(largest, fabs((double)feed * (double)again[i]) / (((i == 3))
+                ? (double)ZHAO2000_SIZE : 1.0));
+        }
+        expect(largest <= limit * (1.0 + 1e-5), "feed", "keeps limits", k);
+        expect((feed == 1.0) || (largest >= limit * (1.0 - 1e-5)), "feed", "reaches a limit", k);
     }
-    expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
-    for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
-        limits[i] = (zhao2000_real)(4.0 * (((i == 3)) ? (double)ZHAO2000_SIZE : 1.0));
-    }
-    expect((zhao2000_feed(pose, twist, limits, &feed) == ZHAO2000_OK)
-        && (feed == 1.0), "no need for a feed", k);
-    limits[0] = -1.0;
-    expect(zhao2000_feed(pose, twist, limits, &feed) == ZHAO2000_OUT_OF_RANGE, "a limit below 0",
-        k);
-    limits[0] = (zhao2000_real)NAN;
-    expect(zhao2000_feed(pose, twist, limits, &feed) == ZHAO2000_NONFINITE,
-        "a limit that is not a number", k);
-    twist[5] = (zhao2000_real)INFINITY;
-    expect(zhao2000_rates(pose, twist, again) == ZHAO2000_NONFINITE, "infinite twist", k);
-    rates[0] = (zhao2000_real)NAN;
-    expect(zhao2000_twist(pose, rates, twist) == ZHAO2000_NONFINITE, "NaN among rates", k);
-    rates[0] = (zhao2000_real)1e30;
-    expect(zhao2000_twist(pose, rates, twist) == ZHAO2000_OUT_OF_RANGE, "rates beyond all bounds",
-        k);
+    expect(feed == 1.0, "feed", "no need for one", k);
 }
-
 int main(void)
 {
-    solve_all();
-    for (int k = 0; k < ZHAO2000_VECTOR_JACOBIANS; ++k) {
-        const zhao2000_pose pose = pose_from(zhao2000_vector_poses[k]);
-        speeds_of(&pose, k);
+    static const double weights_of_direct[] = { 1.0, 1.0, 1.0, 480.0, 480.0, 480.0, 480.0 };
+    const function of_direct = { "direct", ask_direct, "ccccccccccc", 4, 7,
+        &zhao2000_vector_joints[0][0], &zhao2000_vector_guesses[0][0],
+        &zhao2000_vector_poses[0][0], weights_of_direct, ask_track, NULL, 1, 1, 0U, 1.0, 0.0 };
+    static const double weights_of_inverse[] = { 120.0, 120.0, 120.0, 1.0 };
+    const function of_inverse = { "inverse", ask_inverse, "ccccccc", 7, 4,
+        &zhao2000_vector_poses[0][0], NULL, &zhao2000_vector_inverse[0][0], weights_of_inverse,
+        NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const zhao2000_real numbers_of_jacobian[] = { -0x1.eab59b1a06c34p-4,
+        -0x1.0df5b4fcbb40dp+2, 0x1.9240216261854p+6, 0x1.ffbcfc022c50fp-1, 0x0.0p+0, 0x0.0p+0,
+        0x1.05eda39db42f9p-5 };
+    const function of_jacobian = { "jacobian", ask_jacobian, "ccccccc", 7, 24, numbers_of_jacobian,
+        NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const zhao2000_real numbers_of_rates[] = { -0x1.eab59b1a06c34p-4, -0x1.0df5b4fcbb40dp+2,
+        0x1.9240216261854p+6, 0x1.ffbcfc022c50fp-1, 0x0.0p+0, 0x0.0p+0, 0x1.05eda39db42f9p-5,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0 };
+    const function of_rates = { "rates", ask_rates, "cccccccssssss", 13, 4, numbers_of_rates, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const zhao2000_real numbers_of_twist[] = { -0x1.eab59b1a06c34p-4, -0x1.0df5b4fcbb40dp+2,
+        0x1.9240216261854p+6, 0x1.ffbcfc022c50fp-1, 0x0.0p+0, 0x0.0p+0, 0x1.05eda39db42f9p-5,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0 };
+    const function of_twist = { "twist", ask_twist, "cccccccssss", 11, 6, numbers_of_twist, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    static const zhao2000_real numbers_of_feed[] = { -0x1.eab59b1a06c34p-4, -0x1.0df5b4fcbb40dp+2,
+        0x1.9240216261854p+6, 0x1.ffbcfc022c50fp-1, 0x0.0p+0, 0x0.0p+0, 0x1.05eda39db42f9p-5,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
+        0x1.0000000000000p+0, 0x1.0000000000000p+0 };
+    const function of_feed = { "feed", ask_feed, "cccccccssssssllll", 17, 1, numbers_of_feed, NULL,
+        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+    const function *const all[] = { &of_direct, &of_inverse, &of_jacobian, &of_rates, &of_twist,
+        &of_feed };
+    for (int i = 0; i < 6; ++i) {
+        if (all[i]->answers != NULL) {
+            solve_all(all[i]);
+        }
+        refuse_values(all[i]);
     }
-    refuse_all();
-    refuse_infeasible();
+    for (int k = 0; k < ZHAO2000_VECTOR_JACOBIANS; ++k) {
+        jacobian_of(k);
+        speeds_of(k);
+    }
+    refuse_rows(&of_inverse, &zhao2000_vector_infeasible[0][0], 4, 0, ZHAO2000_OUT_OF_RANGE, NULL);
+    refuse_rows(&of_direct, &zhao2000_vector_doubled[0][0], 1, 1, ZHAO2000_OUT_OF_RANGE, NULL);
+    refuse_rows(&of_inverse, &zhao2000_vector_doubled[0][0], 1, 0, ZHAO2000_OUT_OF_RANGE, NULL);
     (void)printf("zhao2000: %d cases, %d failures\n", ZHAO2000_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

@@ -10,7 +10,7 @@
 #define ZHAO2000_VECTOR_SINGULAR 0
 #define ZHAO2000_VECTOR_INFEASIBLE 4
 #define ZHAO2000_VECTOR_PAST 0
-#define ZHAO2000_VECTOR_FAR 0
+#define ZHAO2000_VECTOR_DOUBLED 1
 
 static const zhao2000_real zhao2000_vector_guesses[24][7] = {
     { 0x0.0p+0, 0x0.0p+0, 0x1.9000000000000p+6, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0,
@@ -200,6 +200,11 @@ static const zhao2000_real zhao2000_vector_infeasible[4][7] = {
         0x1.475398ed26dc8p-8, -0x1.e5f40b89e80ffp-13, 0x1.7ba5d9abb752ap-5 },
     { -0x1.1f9c1f042204bp+2, 0x1.c9e5999fbf46bp-1, 0x1.c7a6e779eea5ep+6, 0x1.ff7187a0c88a3p-1,
         0x1.e5f40b89e80ffp-13, 0x1.475398ed26dc8p-8, 0x1.7ba5d9abb752ap-5 },
+};
+
+static const zhao2000_real zhao2000_vector_doubled[1][7] = {
+    { -0x1.eab59b1a06c34p-4, -0x1.0df5b4fcbb40dp+2, 0x1.9240216261854p+6, 0x1.ffbcfc022c50fp+0,
+        0x0.0p+0, 0x0.0p+0, 0x1.05eda39db42f9p-4 },
 };
 
 static const zhao2000_real zhao2000_vector_home[7] = { 0x0.0p+0, 0x0.0p+0, 0x1.9000000000000p+6,

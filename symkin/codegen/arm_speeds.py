@@ -6,16 +6,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from symkin.codegen.platform_rates import fastest
+from symkin.codegen.platform_rates import speeds_text
 from symkin.codegen.text.c import Real, indent
 from symkin.codegen.text.templates import fill
 from symkin.model.joint import Coordinate
 
-_DAMPED_BELOW = 0.02
+DAMPED_BELOW = 0.02
 """Root of the smallest pivot of the normal equations over their mean diagonal entry below which
 rates are damped: a 50th of the usual speed for a joint's rate.
 """
-_MOST_TURN = 0.2
+MOST_TURN = 0.2
 """Longest step of a joint in one call of NAME_track (rad, or of the size)."""
 _SHORTER, _ROUNDS = 0.25, 4
 """By which a step that does not come nearer is shortened, and how often it is tried."""
@@ -35,7 +35,7 @@ def arm_error(
         "per_count": literal(1.0 / min(count, 6)),
         "row_scales": ", ".join([str(values["per_size"])] * 3 + [literal(1.0)] * 3),
         "column_scales": ", ".join(literal(1.0 if c.is_angular else size) for c in coordinates),
-        "damped_pivot": literal(_DAMPED_BELOW**2),
+        "damped_pivot": literal(DAMPED_BELOW**2),
         "least_pivot": literal(16.0 * real.epsilon),
         # of six joints or more J J^T z = e and y = J^T z, of fewer J^T J y = J^T e
         "right_start": "e[i]" if wide else literal(0.0),
@@ -75,23 +75,10 @@ def arm_speeds(
         "per_turns": ", ".join(
             literal(1.0) if c.is_angular else str(values["per_size"]) for c in coordinates
         ),
-        "most_turn_literal": literal(_MOST_TURN),
+        "most_turn_literal": literal(MOST_TURN),
         "quarter_part": literal(_SHORTER),
         "rounds": _ROUNDS,
         "rounding": literal(rounding),
-        "fastest": literal(fastest(size)),
     }
-    return fill("check_speeds.c", {**values, **own}) + fill("arm_rates.c", {**values, **own})
-
-
-def arm_speeds_header(size: float, values: Mapping[str, object]) -> str:
-    """The declarations."""
-    return fill(
-        "arm_rates.h",
-        {
-            **values,
-            "fastest": f"{fastest(size):g}",
-            "damped_below": _DAMPED_BELOW,
-            "most_turn": _MOST_TURN,
-        },
-    )
+    twist = speeds_text("twist", "joints", size, real, values)
+    return twist + fill("arm_rates.c", {**values, **own})

@@ -19,7 +19,6 @@ from symkin.codegen.condition_bends import (
     ConditionBend,
     condition_bend,
     even_units,
-    scales_of,
     share_of,
 )
 from symkin.codegen.formula_guards import free_divisors
@@ -36,6 +35,7 @@ from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
+from symkin.model.joint import units_of
 from symkin.text import c_comment
 
 _RESOLVED = 64.0
@@ -293,7 +293,7 @@ class ClosedDirection:
     def units(self) -> np.ndarray:
         """What changes of the known values along a line are told in."""
         places = self.direction.problem.known_places
-        scales = scales_of(self.direction.known, self.made.size)
+        scales = np.array(units_of(self.direction.known, self.made.size))
         near = np.array([s.values[places] for s in self.made.samples])
         return even_units(self._over_usual, self._known_values, scales, near)
 

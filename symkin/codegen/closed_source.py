@@ -31,9 +31,10 @@ _LEAST = 256.0
 """Discriminants and strengths (squares over the size's) below so many roundings decide nothing."""
 _FINISH_STEPS, _FINISH_REACH = 6, 0.5
 """Newton steps from a nearly equal arm's branch, and the longest one (of the size)."""
-_NEARLY_CLOSED = """ The axes are only nearly as the
- * formulas ask, and Newton's method goes on from these: solutions may be MISSING, all of them too,
-   near where two of them meet."""
+_NEARLY_CLOSED = (
+    " The axes are only nearly as the formulas ask, and Newton's method goes on from these: "
+    "solutions may be MISSING, all of them too, near where two of them meet."
+)
 _MOST_TURNS = 1e4
 """Whole turns beyond which an angle is not moved: a float of them tells no angle."""
 

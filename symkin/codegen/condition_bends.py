@@ -18,7 +18,7 @@ import numpy as np
 
 from symkin.codegen.line_bounds import Span, bend_of
 from symkin.codegen.newton_kernel import rounded, rounded_up
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 
 _RAISED = 1.5
 """What the largest bend over samples is multiplied by."""
@@ -73,13 +73,8 @@ def condition_bend(
         if proved is not None:
             return ConditionBend(rounded_up(proved / 8.0), "proved", read)
     hessian = ca.Function("h", [values], [ca.hessian(condition, values)[0], share])
-    largest = _largest(hessian, points, scales_of(known, size), units)
+    largest = _largest(hessian, points, np.array(units_of(known, size)), units)
     return ConditionBend(rounded_up(_RAISED * largest / 8.0), "sampled", read)
-
-
-def scales_of(known: Sequence[Coordinate], size: float) -> np.ndarray:
-    """What is much of each known value: a radian, and the machine's size."""
-    return np.array([1.0 if c.is_angular else size for c in known])
 
 
 def even_units(

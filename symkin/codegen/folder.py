@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import casadi as ca
-import numpy as np
 
 from symkin._version import __version__
 from symkin.codegen.cpp_header import cpp_text
@@ -21,15 +20,15 @@ from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.linuxcnc import linuxcnc_text
 from symkin.codegen.options import Options
 from symkin.codegen.own_test import run_own_test
+from symkin.codegen.own_test_text import nominal, own_test_text, vectors_text
 from symkin.codegen.package import package_files
-from symkin.codegen.program import Program, build_program, is_closed
+from symkin.codegen.program import Program, build_program
 from symkin.codegen.readme import readme
 from symkin.codegen.ros2 import ros2_files
 from symkin.codegen.serial_arm import SerialArm
-from symkin.codegen.text.c import Real, indent
 from symkin.codegen.text.templates import fill
 from symkin.codegen.text.width import narrowed
-from symkin.codegen.vectors import Vectors, build_vectors
+from symkin.codegen.vectors import build_vectors
 from symkin.errors import InputError
 from symkin.files.outputs import write_output
 from symkin.files.written_files import (
@@ -154,16 +153,13 @@ def folder_files(
     if not isinstance(vectors, MapVectors):
         check_description(program, vectors)
     name = program.mechanism.name
-    values = program.values | _test_values(program)
-    values |= _closed_values(program, values)
+    values = program.values | _folder_values(program)
     templates = program.kind.templates
     files = {
         f"{name}.h": program.header,
         f"{name}.c": program.source,
-        f"{name}_test.c": fill(f"{templates}_test.c", values),
-        f"{name}_vectors.h": vectors.text()
-        if isinstance(vectors, MapVectors)
-        else vectors_text(program, vectors),
+        f"{name}_test.c": own_test_text(program, vectors),
+        f"{name}_vectors.h": vectors_text(program, vectors),
         "example_main.c": fill(f"{templates}_example.c", values),
         "CMakeLists.txt": fill("CMakeLists.txt", values),
         "Makefile": fill("Makefile", values),
@@ -221,210 +217,13 @@ def _closed_manifest(program: Program) -> dict[str, object]:
     }
 
 
-def _test_values(program: Program) -> dict[str, object]:
-    real, mechanism = program.real, program.mechanism
+def _folder_values(program: Program) -> dict[str, object]:
+    """Names of the templates of examples, packages and build files."""
+    name = program.mechanism.name
     struct = program.options.geometry == "struct"
-    name, length = mechanism.name, mechanism.characteristic_length
-    nominal = (
-        f"    const {name}_geometry nominal = {name.upper()}_NOMINAL;\n"
-        f"    const {name}_geometry *const geometry = &nominal;"
-        if struct
-        else ""
-    )
-    return (
-        _redundant_values(program)
-        | _map_values(program)
-        | {
-            "far": real.literal(1e4 * max(length, 1.0)),
-            "angle_bound": _angle_bound(program),
-            "jacobian_unit": f"{max(1.0, length, 1.0 / length)!r}",
-            "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
-            "nominal": nominal,
-            **_one_step_values(program),
-            "gpe": f"const {name}_geometry *geometry, " if struct else "",
-            "version": ".".join(re.findall(r"[0-9]+", __version__)[:3]),
-            "installed": f"{name}.h" + (f" {name}.hpp" if program.options.cpp else ""),
-            "speed_unit": _speed_unit(program),
-            "speed_bound": "1e-3" if real.name == "float" else "1e-9",
-            "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
-            "closed_test": "",
-            "closed_call": "",
-        }
-    )
-
-
-def _one_step_values(program: Program) -> dict[str, object]:
-    """Write the test that one step from home is not enough, for a direct problem that is
-    iterated.
-    """
-    if is_closed(program.kind):
-        return {"one_step": "", "one_step_is_few": ""}
-    prefix, few = program.mechanism.name, f"{program.mechanism.name.upper()}_MAX_ITERATIONS"
-    sizes = f"{prefix.upper()}_TOLERANCE, 1U, {prefix.upper()}_MAX_STEP"
     return {
-        "one_step": f"    const {prefix}_config one_step = {{ {sizes} }};",
-        "one_step_is_few": (
-            f'    expect(refused(&one_step, joints, &home, "one step is not enough") == {few}, '
-            f'"MAX_ITERATIONS", 0);'
-        ),
+        "nominal": nominal(program),
+        "gpe": f"const {name}_geometry *geometry, " if struct else "",
+        "version": ".".join(re.findall(r"[0-9]+", __version__)[:3]),
+        "installed": f"{name}.h" + (f" {name}.hpp" if program.options.cpp else ""),
     }
-
-
-def _closed_values(program: Program, values: dict[str, object]) -> dict[str, object]:
-    """Write the test of an arm's closed form."""
-    kind = program.kind
-    if not isinstance(kind, SerialArm) or kind.plan is None:
-        return {}
-    size, epsilon = program.mechanism.characteristic_length, program.real.epsilon
-    own = {
-        "angular": ", ".join(str(int(c.is_angular)) for c in program.mechanism.actuated),
-        "reached": f"{4 * program.main.tuning.tolerance + 512 * epsilon * size:.2g}",
-    }
-    return {
-        "closed_test": fill("closed_test.c", values | own),
-        "closed_call": "    closed_form();\n    closed_refusals();",
-    }
-
-
-def _map_values(program: Program) -> dict[str, object]:
-    """Give the weights that turn differences of a map's values into lengths."""
-    kind = program.kind
-    if not isinstance(kind, JointMap):
-        return {}
-    parts = {"joint_weights": kind.given, "found_weights": kind.found}
-    return {
-        key: ", ".join(f"{kind.size if c.is_angular else 1.0!r}" for c in part)
-        for key, part in parts.items()
-    }
-
-
-def _angle_bound(program: Program) -> str:
-    """What makes the allowed error of lengths one of joint value `i`, which may be an angle."""
-    if not any(c.is_angular for c in program.mechanism.actuated):
-        return ""
-    slides, weight = _slides(program), f"{2.0 / program.mechanism.characteristic_length!r}"
-    return f" * (({slides}) ? 1.0 : {weight})" if slides else f" * {weight}"
-
-
-def _speed_unit(program: Program) -> str:
-    """What a joint's rates are told in, C text by the joint's number `i`: sizes or radians."""
-    slides, size = _slides(program), f"(double){program.mechanism.name.upper()}_SIZE"
-    every = not any(c.is_angular for c in program.mechanism.actuated)
-    return size if every else f"({slides}) ? {size} : 1.0" if slides else "1.0"
-
-
-def _slides(program: Program) -> str:
-    """C condition: joint `i` is a length. Empty where none is."""
-    return " || ".join(
-        f"(i == {i})" for i, c in enumerate(program.mechanism.actuated) if not c.is_angular
-    )
-
-
-def _redundant_values(program: Program) -> dict[str, object]:
-    """Say how answers of a serial arm are compared: joint by joint; where a pose leaves joints
-    free, near the end of the finely followed path, and exactly by the tool's pose.
-    """
-    kind, name = program.kind, program.mechanism.name
-    if not kind.is_redundant:
-        return {"joint_bound": "bound" + _angle_bound(program), "again": ""}
-    slides = _slides(program)
-    bound = (
-        f"(({slides}) ? {0.01 * program.mechanism.characteristic_length!r} : 0.01)"
-        if slides
-        else "0.01"
-    )
-    first = "geometry, " if program.options.geometry == "struct" else ""
-    again = [
-        f'expect({name}_direct({first}joints, &pose) == {name.upper()}_OK, "direct of the '
-        f'answer", k);',
-        "for (int i = 0; i < 3; ++i) {",
-        f"    expect(fabs((double)pose.position[i] - (double){name}_vector_poses[k][i]) <= bound, "
-        f'"the answer\'s position", k);',
-        "}",
-        "for (int i = 0; i < 4; ++i) {",
-        f"    const double off = fabs((double)pose.quaternion[i] - "
-        f"(double){name}_vector_poses[k][3 + i]);",
-        f'    expect((double){name.upper()}_SIZE * off <= bound, "the answer\'s quaternion", k);',
-        "}",
-    ]
-    return {"joint_bound": bound, "again": indent(again, 2)}
-
-
-def vectors_text(program: Program, vectors: Vectors) -> str:
-    """Write NAME_vectors.h: every number as a hexadecimal float, exactly as it is compared."""
-    name, real = program.mechanism.name, program.real
-    kind = f"{name}_real"
-    far = _far(vectors)
-    tables = [
-        ("guesses", vectors.guesses),
-        ("joints", vectors.joints),
-        ("poses", vectors.poses),
-        ("inverse", vectors.inverse),
-        ("jacobians", vectors.jacobians),
-    ]
-    lines = [
-        f"/* Vectors for {name}_test.c, made by symkin's Python solvers; numbers are exact.",
-        " * SPDX-License-Identifier: MIT */",
-        f"#ifndef {name.upper()}_VECTORS_H",
-        f"#define {name.upper()}_VECTORS_H",
-        "",
-        f'#include "{name}.h"',
-        "",
-        f"#define {name.upper()}_VECTORS {len(vectors.joints)}",
-        f"#define {name.upper()}_VECTOR_JACOBIANS {len(vectors.jacobians)}",
-        f"#define {name.upper()}_VECTOR_SINGULAR {len(vectors.singular)}",
-        f"#define {name.upper()}_VECTOR_INFEASIBLE {len(vectors.infeasible)}",
-        f"#define {name.upper()}_VECTOR_PAST {len(vectors.past)}",
-        f"#define {name.upper()}_VECTOR_FAR {int(_is_too_far(program, far, vectors))}",
-        "",
-    ]
-    for label, table in tables:
-        lines += _table(f"{kind} {name}_vector_{label}", table, real)
-    if len(vectors.infeasible):
-        lines += _table(f"{kind} {name}_vector_infeasible", vectors.infeasible, real)
-    if len(vectors.past):
-        lines += _table(f"{kind} {name}_vector_past", vectors.past, real)
-        lines.append(
-            f"static const int {name}_vector_blamed[{len(vectors.blamed)}] = {{ "
-            f"{', '.join(map(str, vectors.blamed))} }};"
-        )
-    if len(vectors.singular):
-        lines += _table(f"{kind} {name}_vector_singular", vectors.singular, real)
-    if not isinstance(program.kind, SerialArm):
-        for label, row in (("home", vectors.home), ("far", far)):
-            lines.append(
-                f"static const {kind} {name}_vector_{label}[7] = {{ "
-                f"{', '.join(real.hexadecimal(float(v)) for v in row)} }};"
-            )
-    bounds = ", ".join(f"{float(v):.2g}" for v in vectors.bounds)
-    lines += [
-        "",
-        "/* Error allowed, as a length. */",
-        f"static const double {name}_vector_bounds[{len(vectors.bounds)}] = {{ {bounds} }};",
-        "",
-        "#endif",
-        "",
-    ]
-    return "\n".join(lines)
-
-
-def _is_too_far(program: Program, far: np.ndarray, vectors: Vectors) -> bool:
-    """Tell whether one step of tracking cannot bring the platform there: formulas can."""
-    away = np.linalg.norm(far[:3] - vectors.poses[0][:3])
-    return not is_closed(program.kind) and bool(
-        away > 0.06 * program.mechanism.characteristic_length
-    )
-
-
-def _table(head: str, table: np.ndarray, real: Real) -> list[str]:
-    rows = [f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }}," for row in table]
-    return [f"static const {head}[{table.shape[0]}][{table.shape[1]}] = {{", *rows, "};", ""]
-
-
-def _far(vectors: Vectors) -> np.ndarray:
-    """Find the pose farthest from the first vector's: too long a step for tracking."""
-    return np.asarray(
-        vectors.poses[
-            int(np.argmax(np.linalg.norm(vectors.poses[:, :3] - vectors.poses[0][:3], axis=1)))
-        ]
-    )

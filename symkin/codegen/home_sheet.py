@@ -18,7 +18,7 @@ import numpy as np
 
 from symkin.codegen.joint_map import Direction, JointMap
 from symkin.codegen.samples import followed
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 
 _REACHES = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)
 """Half widths of the box that are tried: in radians, and in sizes over three."""
@@ -64,7 +64,7 @@ def home_sheet(
 
 
 def _units(made: JointMap, coordinates: Sequence[Coordinate], length: float) -> np.ndarray:
-    return np.array([1.0 if c.is_angular else length * made.size for c in coordinates])
+    return np.array(units_of(coordinates, length * made.size))
 
 
 def _followed_rays(

@@ -226,15 +226,7 @@ class JointMap:
         """The rows with the given coordinates unknown and all others known: their derivatives are
         those by the given ones.
         """
-        system = self._whole.system
-        return System(
-            self.given,
-            system.known,
-            system.unknown,
-            system.rows,
-            system.errors,
-            system.characteristic_length,
-        )
+        return self._whole.system.exchanged(self.given)
 
     @property
     def given(self) -> tuple[Coordinate, ...]:

@@ -17,7 +17,7 @@ from symkin.codegen.joint_map_derivatives import step_columns
 from symkin.codegen.joint_map_rates import LARGEST, MapRates, step_text
 from symkin.codegen.joint_map_values import MapValues, places_among
 from symkin.codegen.linear_solver import singular_condition
-from symkin.codegen.newton_kernel import curvature
+from symkin.codegen.newton_kernel import sampled
 from symkin.codegen.newton_source import NewtonCode, tolerance_of
 from symkin.codegen.passive_limits import limit_lines
 from symkin.codegen.text.angles import number_counts, numbers_at
@@ -85,17 +85,15 @@ class JointMapSource:
 
     def _newton(self, direction: Direction) -> NewtonCode:
         made, kernel = self.made, direction.kernel
-        points = [made.numbers(direction, sample) for sample in made.samples]
-        none = np.zeros(0)
+        states, known = zip(*(made.numbers(direction, s) for s in made.samples), strict=True)
+        matrices, kappa = sampled(kernel, states, known, np.zeros(0))
         return NewtonCode(
             kernel=kernel,
             name=self.name,
             real=self.real,
             geometry=[],
-            matrices=np.array([kernel.matrix(state, known, none) for state, known in points]),
-            kappa=curvature(
-                kernel, [state for state, _ in points], [known for _, known in points], none
-            ),
+            matrices=matrices,
+            kappa=kappa,
             target_lines=self._target_lines(direction),
             known_count=len(direction.known),
             first_turn=_FIRST_TURN,

@@ -12,9 +12,10 @@ from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.refused_vectors import infeasible_values, joints_past
 from symkin.codegen.samples import Configuration
 from symkin.codegen.text.c import Real
-from symkin.codegen.vectors import COUNT, JACOBIANS, rounded_to
+from symkin.codegen.vectors import COUNT, JACOBIANS, rounded_to, tidied
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
+from symkin.model.joint import units_of
 
 _SPREAD, _TURN = 0.06, 0.3
 """How far the given coordinates go from the reference: in sizes, and in radians."""
@@ -95,11 +96,7 @@ class MapVectors:
     def _of(self, values: np.ndarray, which: str) -> np.ndarray:
         coordinates = self.made.given if which == "joints" else self.made.found
         places = self.made.direct.problem.places(coordinates)
-        scales = [1.0 if c.is_angular else self.made.size for c in coordinates]
-        digits = [_DIGITS - int(np.ceil(np.log10(scale))) for scale in scales]
-        return np.array(
-            [round(float(v), d) + 0.0 for v, d in zip(values[places], digits, strict=True)]
-        )
+        return tidied(values[places], units_of(coordinates, self.made.size))
 
     @cached_property
     def tables(self) -> dict[str, np.ndarray]:
@@ -113,9 +110,7 @@ class MapVectors:
         for number, case in enumerate(self.cases):
             near = home
             if number % 2:
-                scales = np.array(
-                    [1.0 if c.is_angular else self.made.size for c in self.made.given]
-                )
+                scales = np.array(units_of(self.made.given, self.made.size))
                 known = case.known + _NEAR * scales
                 near = case.values.copy()
                 near[direct.known_places], near[direct.unknown_places] = (
@@ -164,6 +159,11 @@ class MapVectors:
             found[f"past_{what}"] = joints_past(coordinates, self._of(home, what))[0]
         return found
 
+    @property
+    def blamed(self) -> list[int]:
+        """Which joint is beyond a limit in each of the rows of joints that are."""
+        return joints_past(self.made.given, self._of(self.made.reference, "joints"))[1]
+
     @cached_property
     def jacobians(self) -> np.ndarray:
         """Jacobians (count, n * n) of the first cases."""
@@ -196,65 +196,16 @@ class MapVectors:
             found.append((4 + worst) * tolerance + self._real.epsilon * size * (32 + 8 * worst))
         return np.array(found)
 
-    def text(self) -> str:
-        """NAME_vectors.h."""
-        name, real = self.made.name, self._real
-        kind, prefix = f"{name}_real", self.made.name.upper()
-        lines = [
-            f"/* Vectors for {name}_test.c, made by symkin's Python solvers; numbers are exact.",
-            " * SPDX-License-Identifier: MIT */",
-            f"#ifndef {prefix}_VECTORS_H",
-            f"#define {prefix}_VECTORS_H",
-            "",
-            f'#include "{name}.h"',
-            "",
-            f"#define {prefix}_VECTORS {len(self.cases)}",
-            f"#define {prefix}_VECTOR_JACOBIANS {len(self.jacobians)}",
-            "",
-        ]
-        derivatives = [("jacobians", self.jacobians), ("seconds", self.seconds)]
-        for label, table in [*self.tables.items(), *derivatives]:
-            rows = [
-                f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }}," for row in table
-            ]
-            lines += [
-                f"static const {kind} {name}_vector_{label}[{table.shape[0]}][{table.shape[1]}] = "
-                f"{{",
-                *rows,
-                "};",
-                "",
-            ]
-        for label, table in self.refused.items():
-            # an array of C has at least one row
-            rows = [
-                f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }},"
-                for row in (table if len(table) else np.zeros((1, table.shape[1])))
-            ]
-            lines += [
-                f"#define {prefix}_VECTOR_{label.upper()} {len(table)}",
-                f"static const {kind} {name}_vector_{label}[{len(rows)}][{table.shape[1]}] = {{",
-                *rows,
-                "};",
-                "",
-            ]
-        for label, which in (("home_joints", "joints"), ("home_found", "found")):
-            row = self._of(self.made.reference, which)
-            lines.append(
-                f"static const {kind} {name}_vector_{label}[{len(row)}] = {{ "
-                f"{', '.join(real.hexadecimal(float(v)) for v in row)} }};"
-            )
-        bounds = ", ".join(f"{float(v):.2g}" for v in self.bounds)
-        return "\n".join(
-            [
-                *lines,
-                "",
-                "/* Error allowed, as a length. */",
-                f"static const double {name}_vector_bounds[{len(self.bounds)}] = {{ {bounds} }};",
-                "",
-                "#endif",
-                "",
-            ]
-        )
+    @property
+    def answers(self) -> dict[str, np.ndarray]:
+        """Cases and their answers, by the name of their table."""
+        return self.tables | {"jacobians": self.jacobians, "seconds": self.seconds}
+
+    @property
+    def places(self) -> dict[str, np.ndarray]:
+        """Values at the reference."""
+        home = self.made.reference
+        return {f"home_{which}": self._of(home, which) for which in ("joints", "found")}
 
 
 def map_jacobian(made: JointMap, values: np.ndarray) -> np.ndarray:

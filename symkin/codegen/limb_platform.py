@@ -317,7 +317,7 @@ class LimbPlatform:
         platform's twist.
         """
         pose, size = self.closure.role("pose"), self.closure.characteristic_length
-        of_pose = System(pose, system.known, system.unknown, expression, expression, size)
+        of_pose = replace(system.exchanged(pose), rows=expression)
         scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
         return ca.mtimes(of_pose.jacobian, scale)
 

@@ -19,13 +19,13 @@ from symkin.codegen.limb_rates import LimbRates
 from symkin.codegen.limb_source import limb_text, rates_text
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.linear_solver import singular_condition
-from symkin.codegen.newton_kernel import curvature, rounded
+from symkin.codegen.newton_kernel import rounded, sampled
 from symkin.codegen.newton_source import NewtonCode, tracked_error
 from symkin.codegen.passive_limits import limit_lines
 from symkin.codegen.platform_rates import (
     closure_twist,
     decides_twist,
-    rates_functions,
+    speeds_text,
     square_twist,
 )
 from symkin.codegen.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
@@ -94,7 +94,7 @@ class LimbPlatformSource:
                 self._inverse,
                 "\n",
                 self._turned("jacobian"),
-                rates_functions(made.mechanism, real, values),
+                speeds_text("rates", "pose", made.mechanism.characteristic_length, real, values),
                 self._twist,
                 self._turned("twist"),
             ]
@@ -125,15 +125,14 @@ class LimbPlatformSource:
         values = made.geometry.values
         nq = len(made.actuated)
         states, known = zip(*(made.direct_state(s.values) for s in made.samples), strict=True)
+        matrices, kappa = sampled(kernel, states, known, values)
         return NewtonCode(
             kernel=kernel,
             name=self.name,
             real=self.real,
             geometry=made.geometry.names,
-            matrices=np.array(
-                [kernel.matrix(*at, values) for at in zip(states, known, strict=True)]
-            ),
-            kappa=curvature(kernel, states, known, values),
+            matrices=matrices,
+            kappa=kappa,
             target_lines=line_target(self.real, nq, None)
             if made.core is None
             else core_target(made.core.direct, self.real),

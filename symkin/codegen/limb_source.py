@@ -11,7 +11,7 @@ import numpy as np
 
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.line_parts import line_target
-from symkin.codegen.newton_kernel import Kernel, curvature, quaternion_place
+from symkin.codegen.newton_kernel import Kernel, quaternion_place, sampled
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import fill
@@ -66,15 +66,14 @@ def _newton_code(made: LimbPlatform, block: LimbBlock, kernel: Kernel) -> Newton
     poses = [
         made.inverse.select_values(s.values, made.inverse.known_coordinates) for s in made.samples
     ]
+    matrices, kappa = sampled(kernel, states, poses, made.geometry.values)
     return NewtonCode(
         kernel=kernel,
         name=made.name,
         real=made.real,
         geometry=made.geometry.names,
-        matrices=np.array(
-            [kernel.matrix(z, k, made.geometry.values) for z, k in zip(states, poses, strict=True)]
-        ),
-        kappa=curvature(kernel, states, poses, made.geometry.values),
+        matrices=matrices,
+        kappa=kappa,
         target_lines=line_target(made.real, int(kernel.known.shape[0]), kernel.quaternion),
         on_the_way=kernel.is_square or _closes_on_the_way(made, block, states, poses),
         compact=made.options.compact,

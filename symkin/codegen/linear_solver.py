@@ -23,6 +23,9 @@ UNROLLED = 8
 GUARD = 1e-3
 """Where a scaled pivot may be below this, the pivoting fallback takes over."""
 
+SINGULAR = 32.0
+"""Roundings of a column's usual size below which its pivot is none."""
+
 
 # --- the order of pivots --------------------------------------------------------------------------
 
@@ -274,8 +277,14 @@ def linear_solver(
     if not kernel.is_square:
         return _qr(kernel, real, {**values, "matrix": matrix}, dense.operations)
     _, column_scale = scales(matrices)
-    column_scales = ", ".join(real.literal(rounded(float(s))) for s in column_scale)
-    text = fill("pivoted.c", {**values, "matrix": matrix, "column_scales": column_scales}) + "\n"
+    rounded_scales = [rounded(float(s)) for s in column_scale]
+    tables = {
+        "column_scales": ", ".join(map(real.literal, rounded_scales)),
+        "least_pivots": ", ".join(
+            real.literal(SINGULAR * real.epsilon * s) for s in rounded_scales
+        ),
+    }
+    text = fill("pivoted.c", {**values, "matrix": matrix, **tables}) + "\n"
     if not is_unrolled(kernel, compact=compact):
         counted = {
             **dense.operations,

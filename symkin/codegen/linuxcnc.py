@@ -4,6 +4,8 @@ of the geometry.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from symkin.codegen.joint_map import JointMap
@@ -77,10 +79,33 @@ def linuxcnc_text(program: Program, home: np.ndarray) -> str:
         ),
     }
     conversions = fill(f"kins_{_CONVERSIONS[motion]}.c", shown).rstrip()
-    functions = fill(f"kins_{'serial' if serial else 'parallel'}.c", shown).rstrip()
     return fill(
-        "kins.c", shown | {"conversions": conversions + "\n", "functions": functions + "\n"}
+        "kins.c", shown | {"conversions": conversions + "\n"} | _calls(name, shown, serial=serial)
     )
+
+
+def _calls(name: str, shown: Mapping[str, object], *, serial: bool) -> dict[str, str]:
+    """Statements that ask an arm, or a platform, whose last pose is kept."""
+    ga, ok = shown["ga"], f"{name.upper()}_OK"
+    if serial:
+        return {
+            "forward": f"    status = {name}_direct({ga}joints, &pose);",
+            "inverse": "0, &pose, joints, joints, 0",
+            "remembered": "",
+        }
+    call = f"status = {name}_direct({ga}0, joints, &{name}_{{}}, &pose, 0);"
+    lines = [
+        "/* the line from the last pose, else the one from home */",
+        call.format("last"),
+        f"if (status != {ok}) {{",
+        "    " + call.format("home"),
+        "}",
+    ]
+    return {
+        "forward": indent(lines),
+        "inverse": "&pose, joints",
+        "remembered": f"    {name}_last = pose;",
+    }
 
 
 def _memory(program: Program, home: np.ndarray) -> str:

@@ -208,6 +208,17 @@ def curvature(
     return rounded(float(np.quantile(found, 0.9)))
 
 
+def sampled(
+    kernel: Kernel,
+    states: Sequence[np.ndarray],
+    known: Sequence[np.ndarray],
+    geometry: np.ndarray,
+) -> tuple[np.ndarray, float]:
+    """Matrices (count, m, n) at states with known values, and the curvature there."""
+    matrices = [kernel.matrix(z, k, geometry) for z, k in zip(states, known, strict=True)]
+    return np.array(matrices), curvature(kernel, states, known, geometry)
+
+
 def rounded(value: float) -> float:
     """Round to three digits: generated constants must not depend on the last bits of a linear
     algebra library.

@@ -12,7 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.codegen.line_parts import LONGEST_TURN, LineParts
-from symkin.codegen.linear_solver import GUARD, LinearSolver, factor_calls, linear_solver
+from symkin.codegen.linear_solver import (
+    GUARD,
+    SINGULAR,
+    LinearSolver,
+    factor_calls,
+    linear_solver,
+)
 from symkin.codegen.newton_kernel import Kernel, rounded
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import common_values, copy, copy_loop, fill
@@ -395,7 +401,8 @@ class NewtonCode:
             "chord2": literal(0.3),
             "near_one": literal(0.999),
             "least_part": literal(1.0 / 1024.0),
-            "singular": literal(32.0 * self.real.epsilon),
+            "singular": literal(SINGULAR * self.real.epsilon),
+            "least_sides": ", ".join([literal(SINGULAR * self.real.epsilon)] * self.kernel.n),
             "sure": literal(_SURE),
             "size2": literal(self.kernel.characteristic_length**2),
             "guard": literal(GUARD**-2),

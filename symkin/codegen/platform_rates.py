@@ -12,14 +12,14 @@ import numpy as np
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.line_parts import line_target
-from symkin.codegen.linear_solver import singular_condition
+from symkin.codegen.linear_solver import SINGULAR, singular_condition
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.pose_kernel import PoseKernel
 from symkin.codegen.pose_target import core_target
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
-from symkin.codegen.text.templates import copy, fill
+from symkin.codegen.text.templates import copy, fill, substitute
 from symkin.model.mechanism import Mechanism
 
 _FASTEST = 1e6
@@ -33,10 +33,27 @@ def fastest(size: float) -> float:
     return float(f"{_FASTEST * max(size, 1.0):.1g}")
 
 
-def rates_functions(mechanism: Mechanism, real: Real, values: Mapping[str, object]) -> str:
-    """NAME_rates and NAME_feed."""
-    shown = {**values, "fastest": real.literal(fastest(mechanism.characteristic_length))}
-    return fill("check_speeds.c", shown) + fill("platform_rates.c", shown)
+def speeds_text(
+    function: str, at: str, size: float, real: Real, values: Mapping[str, object]
+) -> str:
+    """NAME_rates of a twist or NAME_twist of rates, which is the Jacobian at a `pose`, or at
+    `joints`, times the other one; and NAME_feed.
+    """
+    count, of_twist = values["nq"], function == "rates"
+    declared = {"pose": "const @{p}_pose *pose", "joints": f"const @{{real}} joints[{count}]"}
+    shown = {
+        **values,
+        "function": function,
+        "about": "Joint rates of a twist" if of_twist else "The twist of joint rates",
+        "given": "twist" if of_twist else "rates",
+        "rows": count if of_twist else 6,
+        "columns": 6 if of_twist else count,
+        "at": substitute(declared[at], values),
+        "at_name": at,
+        "no_info": "" if at == "pose" else ", NULL",
+        "fastest": real.literal(fastest(size)),
+    }
+    return fill("check_speeds.c", shown) + fill("speeds.c", shown)
 
 
 def decides_twist(mechanism: Mechanism) -> bool:
@@ -57,7 +74,7 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
         "others": indent(
             [f"twist[{c}] = {real.literal(0.0)};" for c in range(6) if c not in columns], 2
         ),
-        "singular": real.literal(32.0 * real.epsilon),
+        "least_pivots": ", ".join([real.literal(SINGULAR * real.epsilon)] * len(columns)),
     }
     return fill("square_twist.c", {**values, **shown})
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any
 
-from symkin.codegen.arm_speeds import arm_speeds_header
+from symkin.codegen.arm_speeds import DAMPED_BELOW, MOST_TURN
 from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.geometry import finite_check
 from symkin.codegen.home_pose import home_pose
@@ -26,6 +26,17 @@ from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.rod_platform_source import RodSource
 from symkin.codegen.serial_arm import ArmSource, SerialArm
+from symkin.codegen.signature import (
+    ARM,
+    ARM_SPEEDS,
+    CLOSED_ARM,
+    LINE,
+    MAP,
+    PLATFORM,
+    PLATFORM_SPEEDS,
+    Function,
+    declarations,
+)
 from symkin.codegen.text.c import Real
 from symkin.codegen.text.templates import fill
 from symkin.codegen.worst_case import WorstCase
@@ -61,6 +72,7 @@ class Program:
     source: str
     header: str
     main: NewtonCode
+    functions: tuple[Function, ...]
     values: dict[str, object]
     worst: WorstCase
 
@@ -98,27 +110,15 @@ def build_program(
     if not isinstance(kind, RodPlatform | JointMap):
         kind.geometry.check(kind.real)
     begin = fill("begin.c", source.values | _header_values(kind, source.code, [], described.digest))
-    text = (
-        begin
-        + finite_check(kind.name, _numbers_of_struct(kind), kind.real)
-        + source.text.rstrip()
-        + "\n"
-    )
+    body = source.text.rstrip() + "\n"
+    lu = fill("lu.c", source.values) if f"{kind.name}_lu(" in body else ""
+    text = begin + finite_check(kind.name, _numbers_of_struct(kind), kind.real) + lu + body
     worst = WorstCase.of(kind.name, text, measured)
     values = source.values | _header_values(
         kind, source.code, worst.header_lines(), described.digest
     )
-    if low.machine.serial:
-        values["speeds"] = arm_speeds_header(mechanism.characteristic_length, values)
-    else:
-        values["speeds"] = fill(
-            "platform_rates.h",
-            values | {"fastest": f"{fastest(mechanism.characteristic_length):g}"},
-        )
-    values["line"] = (
-        fill("platform_line.h", values) if isinstance(kind, RodPlatform) and kind.has_limits else ""
-    )
-    values["declarations"] = fill(f"{kind.templates}.h", values)
+    functions = _functions(kind)
+    values["declarations"] = declarations(functions, values)
     return Program(
         described=described,
         lowered=low.machine,
@@ -126,6 +126,7 @@ def build_program(
         source=text,
         header=fill("header.h", values),
         main=source.code,
+        functions=functions,
         values=values,
         worst=worst,
     )
@@ -158,6 +159,16 @@ def _kind(low: Lowered, options: Options) -> Kind:
     if is_rod_platform(mechanism):
         return RodPlatform(mechanism, options, home_pose(mechanism, options.home), real)
     return limb_platform(mechanism, options, real, low.frames)
+
+
+def _functions(kind: Kind) -> tuple[Function, ...]:
+    """The functions of a kind of machine, in the order of their declarations."""
+    if isinstance(kind, JointMap):
+        return MAP
+    if isinstance(kind, SerialArm):
+        return (*ARM, *(CLOSED_ARM if kind.plan is not None else ()), *ARM_SPEEDS)
+    has_line = isinstance(kind, RodPlatform) and kind.has_limits
+    return (*PLATFORM, *((LINE,) if has_line else ()), *PLATFORM_SPEEDS)
 
 
 def _header_values(
@@ -220,6 +231,9 @@ def _header_values(
         "guess_precision": "" if isinstance(kind, JointMap) else _guess_precision(kind),
         "pose_type": "" if isinstance(kind, JointMap) else _pose_type(kind),
         "track_words": "" if isinstance(kind, JointMap) else _track_words(kind),
+        "fastest_text": f"{fastest(mechanism.characteristic_length):g}",
+        "damped_below": DAMPED_BELOW,
+        "most_turn": MOST_TURN,
         "pivot_words": _PIVOT_OF_FORMULAS if is_closed(kind) else _PIVOT,
         "size": real.literal(mechanism.characteristic_length),
         "tolerance": real.literal(main.tuning.tolerance),
@@ -284,14 +298,14 @@ def _track_words(kind: Kind) -> str:
     prefix = kind.mechanism.name
     if is_closed(kind):
         return (
-            "the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call\n"
-            f" * {prefix}_direct. info->residual is the answer's closure error, beyond "
+            "the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call "
+            f"{prefix}_direct. info->residual is the answer's closure error, beyond "
             f"{prefix.upper()}_TRACK_LIMIT near a singularity."
         )
     return (
         f"one step from the last pose; info->residual is the predicted error. Up to "
-        f"{prefix.upper()}_TRACK_LIMIT another call\n"
-        f" * with the same joints brings it below the tolerance; beyond it, call {prefix}_direct."
+        f"{prefix.upper()}_TRACK_LIMIT another call "
+        f"with the same joints brings it below the tolerance; beyond it, call {prefix}_direct."
     )
 
 
@@ -303,8 +317,8 @@ def _guess_precision(kind: Kind) -> str:
     off = _short(feasible_error(kind.real.epsilon, kind.mechanism.characteristic_length))
     motion, unit = kind.mechanism.motion, kind.mechanism.length_unit
     return (
-        f"{words},\n"
-        f" * its pose off the platform's motion ({motion}) by {off} {unit} (angles times the size)."
+        f"{words}, "
+        f"its pose off the platform's motion ({motion}) by {off} {unit} (angles times the size)."
     )
 
 

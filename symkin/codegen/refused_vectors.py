@@ -16,7 +16,7 @@ from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.samples import Configuration, configurations
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System, constant_rows, split_blocks
 from symkin.position.problem import Problem
@@ -52,14 +52,7 @@ def infeasible_poses(kind: LimbPlatform, cases: Sequence[Configuration]) -> np.n
             if column not in COLUMNS[kind.mechanism.motion]
         ][:2]
     known = inverse.known_coordinates
-    pose_system = System(
-        known,
-        inverse.system.known,
-        inverse.system.unknown,
-        inverse.system.rows,
-        inverse.system.errors,
-        size,
-    )
+    pose_system = inverse.system.exchanged(known)
     for step in _STEPS:
         for case in cases[:3]:
             at, near = (
@@ -158,7 +151,7 @@ def infeasible_values(
         made.direct.problem.select_values(case.values, direction.unknown)
         for case in (*cases[:6], *made.samples[:12])
     ]
-    scales = np.array([1.0 if c.is_angular else made.size for c in direction.known])
+    scales = np.array(units_of(direction.known, made.size))
     for step in (0.3, 1.0, 2.0, 3.0):
         for case in cases[:4]:
             at = made.direct.problem.select_values(case.values, direction.known)

@@ -10,7 +10,7 @@ from typing import ClassVar
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.newton_kernel import Kernel, curvature
+from symkin.codegen.newton_kernel import Kernel, sampled
 from symkin.codegen.options import Options
 from symkin.codegen.rod_kernel import Rods, rod_geometry, rod_kernel
 from symkin.codegen.text.c import Real, indexed
@@ -156,11 +156,10 @@ def sample_poses(home: Pose, count: int, reach: float, tilt: float, seed: int) -
     return poses
 
 
-def sampled(platform: RodPlatform, kernel: Kernel) -> tuple[np.ndarray, float]:
+def sampled_about_home(platform: RodPlatform, kernel: Kernel) -> tuple[np.ndarray, float]:
     """Matrices at poses within a seventh of the size and 0.3 rad of home, and kappa there."""
     size = platform.mechanism.characteristic_length
     poses = sample_poses(platform.home, 100, size / 7, 0.3, 1)
     geometry = platform.geometry_values if platform.options.geometry == "struct" else np.zeros(0)
     states = [platform.stated(pose) for pose in poses]
-    matrices = np.array([kernel.matrix(state, np.zeros(6), geometry) for state in states])
-    return matrices, curvature(kernel, states, [np.zeros(6)] * len(states), geometry)
+    return sampled(kernel, states, [np.zeros(6)] * len(states), geometry)

@@ -14,10 +14,10 @@ from symkin.codegen.joint_ranges import Range, range_functions
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.newton_source import NewtonCode
-from symkin.codegen.platform_rates import rates_functions, square_twist
+from symkin.codegen.platform_rates import speeds_text, square_twist
 from symkin.codegen.rod_kernel import Rods, rod_vectors
 from symkin.codegen.rod_line import rod_line
-from symkin.codegen.rod_platform import RodPlatform, sampled
+from symkin.codegen.rod_platform import RodPlatform, sampled_about_home
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import (
     FARTHEST,
@@ -57,7 +57,7 @@ class RodSource:
     @cached_property
     def code(self) -> NewtonCode:
         """The Newton iteration of the direct problem."""
-        matrices, kappa = sampled(self.platform, self.kernel)
+        matrices, kappa = sampled_about_home(self.platform, self.kernel)
         return NewtonCode(
             kernel=self.kernel,
             name=self.name,
@@ -136,7 +136,13 @@ class RodSource:
                 "\n",
                 self._inverse,
                 rod_line(self._ranges, self.real, values) if self.platform.has_limits else "",
-                rates_functions(self.platform.mechanism, self.real, values),
+                speeds_text(
+                    "rates",
+                    "pose",
+                    self.platform.mechanism.characteristic_length,
+                    self.real,
+                    values,
+                ),
                 square_twist(self.platform.mechanism, self.real, values),
             ]
         )

@@ -215,19 +215,15 @@ class SerialArm:
 
 
 def _meaning(arm: SerialArm) -> str:
-    """What OK says of the joint values, as lines of a comment in the header."""
+    """What OK says of the joint values, in words of the header."""
     if not arm.is_redundant:
         return ""
-    return "\n".join(
-        [
-            f" * The arm has {len(arm.actuated)} joints, so that a pose leaves "
-            f"{len(arm.actuated) - 6} of them free: each step is the shortest that",
-            " * its linear system allows (angles times the size), and the line is cut where a "
-            "step is too long. The answer is the",
-            " * one of the joints' shortest motion from `guess`, as fine as these steps follow "
-            "it; its tool pose is exact. A closed",
-            " * path of poses need not lead back to the same joint values.",
-        ]
+    return (
+        f"The arm has {len(arm.actuated)} joints, so that a pose leaves {len(arm.actuated) - 6} of "
+        "them free: each step is the shortest that its linear system allows (angles times the "
+        "size), and the line is cut where a step is too long. The answer is the one of the joints' "
+        "shortest motion from `guess`, as fine as these steps follow it; its tool pose is exact. A "
+        "closed path of poses need not lead back to the same joint values."
     )
 
 
@@ -281,21 +277,7 @@ class ArmSource:
             size, self.arm.forward_at(np.array([c.reference[0] for c in self.arm.actuated]))[:3]
         )
         literal = self.arm.real.literal
-        # Newton's method looks at limits at its answer alone
-        guess_past = (
-            [
-                f'expect(refused(NULL, &pose, {self.arm.name}_vector_past[k], "a guess beyond a '
-                f'limit") == {common["P"]}_OUT_OF_RANGE, "guess beyond a limit", k);',
-                f"(void){self.arm.name}_inverse({common['ga']}NULL, &pose, "
-                f"{self.arm.name}_vector_past[k], other, &info);",
-                f'expect(info.joint == (unsigned int){self.arm.name}_vector_blamed[k], "joint '
-                f'beyond a limit", k);',
-            ]
-            if self.line is not None
-            else [f"(void){self.arm.name}_vector_blamed;"]
-        )
         return common | {
-            "guess_past": indent(guess_past, 2),
             "nq": nq,
             "last_joint": nq - 1,
             "ns": nq,
@@ -304,33 +286,31 @@ class ArmSource:
             "farthest": literal(far),
             "farthest_joint": literal(FARTHEST * max(size, 1.0)),
             "per_size": literal(1.0 / size),
-            "closed": "" if self.closed is None else self.closed.header,
+            "branches_told": "" if self.closed is None else self.closed.header,
             "line_words": self._line_words,
         }
 
     @property
     def _line_words(self) -> str:
-        """What the line costs at most, and where limits are checked, as lines of a comment in the
-        header.
-        """
+        """What the line costs at most, and where limits are checked, in words of the header."""
         prefix = self.arm.name.upper()
         limited = any(c.limits is not None for c in self.arm.actuated)
         words = []
         if self.line is None:
             words = [
-                f" * Newton's method: the worst case is config->max_iterations steps "
-                f"({prefix}_MAX_STEPS where config is NULL), whatever pose and",
-                " * guess. The answer's error is that of the last step: predicted to be within "
-                "the tolerance, its rows evaluated.",
+                "Newton's method: the worst case is config->max_iterations steps "
+                f"({prefix}_MAX_STEPS where config is NULL), whatever pose and guess. The answer's "
+                "error is that of the last step: predicted to be within the tolerance, its rows "
+                "evaluated.",
+                *(["Limits are checked at the answer, not along the line."] if limited else []),
             ]
-            words += [" * Limits are checked at the answer, not along the line."] if limited else []
         elif limited:
             words = [
-                " * Joints keep their limits at all points of the line, the guess included: else, "
-                "and where one comes too near to be",
-                f" * decided, {prefix}_OUT_OF_RANGE, and info->joint is the joint.",
+                "Joints keep their limits at all points of the line, the guess included: else, and "
+                f"where one comes too near to be decided, {prefix}_OUT_OF_RANGE, and info->joint "
+                "is the joint."
             ]
-        return "\n".join(words)
+        return " ".join(words)
 
     @cached_property
     def closed(self) -> ClosedCode | None:

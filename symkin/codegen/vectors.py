@@ -20,7 +20,7 @@ from symkin.codegen.samples import Configuration, configurations
 from symkin.codegen.serial_arm import NEARLY, SerialArm, closed_misfit
 from symkin.codegen.text.c import Real
 from symkin.errors import InputError
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.system import System
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import pose_of
@@ -76,6 +76,31 @@ class Vectors:
     past: np.ndarray
     blamed: tuple[int, ...]
 
+    @property
+    def answers(self) -> dict[str, np.ndarray]:
+        """Cases and their answers, by the name of their table."""
+        names = ("guesses", "joints", "poses", "inverse", "jacobians")
+        return {name: getattr(self, name) for name in names}
+
+    @property
+    def refused(self) -> dict[str, np.ndarray]:
+        """What code refuses, by the name of its table; `doubled`: quaternions of length 2."""
+        doubled = self.poses[:1] * [1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0]
+        return {
+            "singular": self.singular,
+            "infeasible": self.infeasible,
+            "past": self.past,
+            "doubled": doubled,
+        }
+
+    @property
+    def places(self) -> dict[str, np.ndarray]:
+        """Home, and the pose farthest from the first case's; of arms nothing."""
+        if not len(self.home):
+            return {}
+        away = np.linalg.norm(self.poses[:, :3] - self.poses[0][:3], axis=1)
+        return {"home": self.home, "far": self.poses[int(np.argmax(away))]}
+
 
 _Row = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]
 """Joints, guess, pose, inverse and bound of one case."""
@@ -110,7 +135,7 @@ def build_vectors(kind: RodPlatform | LimbPlatform | SerialArm) -> Vectors:
     past, blamed = joints_past(kind.mechanism.actuated, joints[0], zero)
     return Vectors(
         infeasible=np.array(
-            [_tidy(row, _pose_scales(kind.mechanism.characteristic_length)) for row in infeasible]
+            [tidied(row, _pose_scales(kind.mechanism.characteristic_length)) for row in infeasible]
         ).reshape(-1, 7),
         past=past,
         blamed=tuple(blamed),
@@ -131,7 +156,7 @@ def rounded_to(real: Real, values: Sequence[float] | np.ndarray) -> np.ndarray:
     return exact.astype(np.float32).astype(float) if real.name == "float" else exact
 
 
-def _tidy(values: Sequence[float] | np.ndarray, scales: Sequence[float] | float) -> np.ndarray:
+def tidied(values: Sequence[float] | np.ndarray, scales: Sequence[float] | float) -> np.ndarray:
     """Each number rounded to 13 digits of its scale (the size for lengths, 1 for angles and
     quaternions): below every tolerance, above what linear algebra libraries differ by.
     """
@@ -148,10 +173,6 @@ def _pose_scales(size: float) -> list[float]:
     return [size] * 3 + [1.0] * 4
 
 
-def _joint_scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:
-    return [1.0 if c.is_angular else size for c in coordinates]
-
-
 def _bound(real: Real, size: float, condition: float, tolerance: float) -> float:
     """Error allowed: what rounding makes of the rows, times the condition, and the tolerance."""
     return float(f"{4 * tolerance + real.epsilon * size * (16 + 4 * min(condition, 1e4)):.2g}")
@@ -162,21 +183,21 @@ def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
     direct, back = (build_problem(mechanism, which) for which in ("direct", "inverse"))
     closure, size = direct.closure, direct.closure.characteristic_length
     home = kind.home_values
-    lengths, seven = _joint_scales(mechanism.actuated, size), _pose_scales(size)
+    lengths, seven = units_of(mechanism.actuated, size), _pose_scales(size)
     tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
     cases = _cases(kind, direct)
     rows: list[_Row] = []
     jacobians: list[np.ndarray] = []
     for number, case in enumerate(cases):
-        given = rounded_to(real, _tidy(case.known - kind.zero, lengths))
+        given = rounded_to(real, tidied(case.known - kind.zero, lengths))
         z = direct.system.polish(case.unknown, given + kind.zero, 6)
         pose = pose_of(closure, direct.join_values(z, given + kind.zero))
         # every other case starts next to the answer, as a servo loop does; the others from home
         warm = _shifted(direct, case, 2e-4) if number % 2 else home
-        guess = rounded_to(real, _tidy(kind.stated(pose_of(closure, warm)), seven))
-        target = _tidy(kind.stated(pose), seven)
+        guess = rounded_to(real, tidied(kind.stated(pose_of(closure, warm)), seven))
+        target = tidied(kind.stated(pose), seven)
         values = direct.join_values(z, given + kind.zero)
-        inverse = _tidy(kind.inverse_at(rounded_to(real, target), values), lengths)
+        inverse = tidied(kind.inverse_at(rounded_to(real, target), values), lengths)
         # of joints found for a pose, too
         condition = max(
             problem.system.condition(values[problem.unknown_places], values[problem.known_places])
@@ -187,8 +208,8 @@ def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
         if number < JACOBIANS:
             own = rates(closure, values)
             told = kind.told_rates(own) if isinstance(kind, LimbPlatform) else own
-            jacobians.append(_tidy(told, size).ravel())
-    here = rounded_to(real, _tidy(kind.stated(pose_of(closure, home)), seven))
+            jacobians.append(tidied(told, size).ravel())
+    here = rounded_to(real, tidied(kind.stated(pose_of(closure, home)), seven))
     return rows, jacobians, here, kind.singular_starts
 
 
@@ -210,12 +231,8 @@ def _cases(kind: RodPlatform | LimbPlatform, direct: Problem) -> list[Configurat
 
 def _shifted(direct: Problem, case: Configuration, part: float) -> np.ndarray:
     """A configuration near a case: joints moved by a part of the size."""
-    known = case.known + part * np.array(
-        [
-            1.0 if c.is_angular else direct.closure.characteristic_length
-            for c in direct.known_coordinates
-        ]
-    )
+    size = direct.closure.characteristic_length
+    known = case.known + part * np.array(units_of(direct.known_coordinates, size))
     return direct.join_values(direct.system.polish(case.unknown, known, 6), known)
 
 
@@ -229,14 +246,7 @@ def rates(closure: Closure, values: np.ndarray) -> np.ndarray:
         inverse.select_values(values, inverse.known_coordinates),
     )
     _, by_joints = inverse.system.linearise_one(unknown, known)
-    pose = System(
-        inverse.known_coordinates,
-        inverse.system.known,
-        inverse.system.unknown,
-        inverse.system.rows,
-        inverse.system.errors,
-        closure.characteristic_length,
-    )
+    pose = inverse.system.exchanged(inverse.known_coordinates)
     _, by_pose = pose.linearise_one(known, unknown)
     solved = np.linalg.lstsq(by_joints, -by_pose, rcond=1e-12)[0]
     columns = COLUMNS[closure.mechanism.motion]
@@ -272,7 +282,7 @@ def _decided(arm: SerialArm, branches: ca.Function | None) -> list[bool]:
     firm = np.all(~(found < _FIRM * np.nanmedian(found, axis=0)), axis=1)
     gaps, rng = [], np.random.default_rng(22)
     for _, pose in arm.samples:
-        target = rounded_to(arm.real, _tidy(_canonical(pose), _pose_scales(size)))
+        target = rounded_to(arm.real, tidied(_canonical(pose), _pose_scales(size)))
         # the code's own roundings are as large as those of such poses beside it
         beside = target + arm.real.epsilon * _ROUNDINGS * np.array(
             _pose_scales(size)
@@ -314,10 +324,10 @@ def _serial(arm: SerialArm) -> _Found:
             break
         given = rounded_to(real, q)
         pose = _canonical(arm.forward_at(given))
-        target = rounded_to(real, _tidy(pose, _pose_scales(size)))
+        target = rounded_to(real, tidied(pose, _pose_scales(size)))
         condition = system.condition(given, target)
         unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
-        units = np.array(_joint_scales(arm.actuated, size))
+        units = np.array(units_of(arm.actuated, size))
         away = (
             _AWAY
             if branches is None
@@ -335,11 +345,13 @@ def _serial(arm: SerialArm) -> _Found:
         if not arm.is_redundant and np.max(np.abs(end - given) / _scales(arm)) > 1e-6:
             continue
         inverse = end if arm.is_redundant else system.polish(given, unit, 6)
-        scales = _joint_scales(arm.actuated, size)
+        scales = units_of(arm.actuated, size)
         bound = _bound(real, size, condition, tolerance)
-        rows.append((given, guess, _tidy(pose, _pose_scales(size)), _tidy(inverse, scales), bound))
+        rows.append(
+            (given, guess, tidied(pose, _pose_scales(size)), tidied(inverse, scales), bound)
+        )
         if len(jacobians) < JACOBIANS:
-            jacobians.append(_tidy(arm.jacobian_at(given), size).ravel())
+            jacobians.append(tidied(arm.jacobian_at(given), size).ravel())
     zero = np.array([c.reference[0] for c in arm.actuated])
     singular = np.linalg.svd(
         arm.kernel.matrix(zero, arm.forward_at(zero), arm.geometry.values), compute_uv=False
@@ -352,7 +364,7 @@ def _serial(arm: SerialArm) -> _Found:
     # reasons
     is_told = singular[-1] < 1e-14 * singular[0] and within and not arm.is_redundant
     starts = zero[None] if is_told else np.zeros((0, len(zero)))
-    return rows, jacobians, zero, starts
+    return rows, jacobians, np.zeros(0), starts
 
 
 def _within(joints: np.ndarray, coordinates: Sequence[Coordinate]) -> np.ndarray:
@@ -364,9 +376,7 @@ def _within(joints: np.ndarray, coordinates: Sequence[Coordinate]) -> np.ndarray
 
 
 def _scales(arm: SerialArm) -> np.ndarray:
-    return np.array(
-        [1.0 if c.is_angular else 0.1 * arm.mechanism.characteristic_length for c in arm.actuated]
-    )
+    return np.array(units_of(arm.actuated, 0.1 * arm.mechanism.characteristic_length))
 
 
 def _branches(arm: SerialArm) -> ca.Function | None:

@@ -57,6 +57,10 @@ class System:
         ends = np.cumsum([c.width for c in self.unknowns]).tolist()
         return tuple(slice(end - c.width, end) for c, end in zip(self.unknowns, ends, strict=True))
 
+    def exchanged(self, known: tuple[Coordinate, ...]) -> System:
+        """The same rows with the values of coordinates that were `known` unknown, and back."""
+        return replace(self, unknowns=known, unknown=self.known, known=self.unknown)
+
     @cached_property
     def tangent(self) -> ca.SX:
         """dz/dd, width x freedom: columns 1, 1/size, and half the quaternion product with a unit

@@ -213,6 +213,10 @@ CPP = {
     const auto again = m::inverse(pose.value, m::joint_values{0.12, -1.21, 1.31, -1.0, 0.81, 0.4});
     const auto all = m::inverse_all(pose.value);
     const auto near = m::inverse_nearest(pose.value, joints);
+    const auto rates = m::rates(joints, m::twist_values{1, 0, 0, 0, 0, 0});
+    const auto twist = m::twist(joints, rates.value);
+    const auto step = m::track(pose.value, joints);
+    if (!rates || !twist || !step || std::abs(twist.value[0] - 1.0) > 1e-9) { return 1; }
     return pose && again && near && all.count == 8 && m::branch_count == 8 &&
       std::abs(again.value[2] - 1.3) < 1e-9
         && std::abs(near.value[4] - 0.8) < 1e-9 ? 0 : 1;""",

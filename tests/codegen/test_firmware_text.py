@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from helpers import firmware_tools as tools
-from helpers.inside import WIDTH, Emitter, Real, narrowed, rounded_up
+from helpers.inside import WIDTH, Emitter, Real, declared_functions, narrowed, rounded_up
 
 
 @pytest.mark.parametrize("folder", tools.at_hand(tools.FOLDERS))
@@ -33,6 +33,27 @@ def test_rows_are_named_as_in_the_model(folder):
     text = (tools.folder(folder) / f"{name}.c").read_text()
     wanted = ["leg1", "leg6"] if name == "zhang2009" else ["theta1", "op"]
     assert all(re.search(rf"/\* [^*]*\b{word}\b", text) for word in wanted)
+
+
+def test_the_page_on_generated_c_has_every_function():
+    """The page's list names each function of each kind of machine with its arguments in order."""
+    page = (tools.CODEGEN.parent / "docs" / "reference" / "generated-c.md").read_text()
+    listed = page[page.index("/* platforms */") : page.index("## Less code")]
+    _, platforms, arms, closed, maps = re.split(r"(?m)^ *\/\* .*\*/", "    " + listed)
+    told = {"platforms": platforms, "arms": arms + closed, "maps": maps}
+    for kind, functions in declared_functions.items():
+        calls = re.findall(r"NAME_(\w+)\(([^()]*)\)", told[kind].replace("NAME_BRANCHES", "B"))
+        found = {name: re.sub(r"\[.*?\]", "", words).split(", ") for name, words in calls}
+        found.pop("inverse_all", None)
+        wanted = {}
+        for function in functions:
+            arguments = [*function.takes, *function.gives]
+            wanted[function.name] = [
+                *(["config"] if function.config else []),
+                *(value.name for value in arguments),
+                *(["info"] if function.info else []),
+            ]
+        assert found == wanted, kind
 
 
 def test_narrow_text_is_the_same_program(tmp_path):

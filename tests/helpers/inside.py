@@ -486,6 +486,7 @@ NAMES = {
     "configurations": "symkin.codegen.samples",
     "followed": "symkin.codegen.samples",
     "SerialArm": "symkin.codegen.serial_arm",
+    "declared_functions": "symkin.codegen.signature:FUNCTIONS",
     "tidied": "symkin.codegen.text.simplification",
     "build_vectors": "symkin.codegen.vectors",
     "WorstCase": "symkin.codegen.worst_case",

@@ -1,25 +1,3 @@
-/* The twist of joint rates: the Jacobian times the rates. */
-@{p}_status @{p}_twist(@{gp}const @{real} joints[@{nq}], const @{real} rates[@{nq}], @{real} twist[6])
-{
-    @{real} jacobian[@{nj}];
-    @{real} found[6];
-    const @{p}_status status = @{p}_check_speeds(rates, @{nq}, @{p}_jacobian(@{ga}joints, jacobian));
-    if (status == @{P}_OK) {
-        for (int i = 0; i < 6; ++i) {
-            @{real} sum = @{zero};
-            for (int j = 0; j < @{nq}; ++j) {
-                sum += jacobian[@{nq} * i + j] * rates[j];
-            }
-            found[i] = sum;
-        }
-        /* rates and twist may be the same array */
-        for (int i = 0; i < 6; ++i) {
-            twist[i] = found[i];
-        }
-    }
-    return status;
-}
-
 /* Joint rates next to a twist, damped near singularities. */
 @{p}_status @{p}_rates(@{gp}const @{real} joints[@{nq}], const @{real} twist[6], @{real} rates[@{nq}], @{p}_info *info)
 {
@@ -45,28 +23,6 @@
             rates[i] = found[i];
         }
         @{p}_write_info(info, 1U, @{p}_length_of(e), @{zero}, (pivot > @{zero}) ? (@{one} / pivot) : @{zero});
-    }
-    return status;
-}
-
-/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-@{p}_status @{p}_feed(@{gp}const @{real} joints[@{nq}], const @{real} twist[6], const @{real} rate_limits[@{nq}], @{real} *feed)
-{
-    @{real} rates[@{nq}];
-    @{p}_status status = @{p}_check_finite(rate_limits, @{nq}, @{p}_rates(@{ga}joints, twist, rates, NULL));
-    @{real} most = @{one};
-    for (int i = 0; (i < @{nq}) && (status == @{P}_OK); ++i) {
-        const @{real} rate = @{fabs}(rates[i]);
-        if (rate_limits[i] < @{zero}) {
-            status = @{P}_OUT_OF_RANGE;
-        } else if (rate * most > rate_limits[i]) {
-            most = rate_limits[i] / rate;
-        } else {
-            /* within its limit */
-        }
-    }
-    if (status == @{P}_OK) {
-        *feed = most;
     }
     return status;
 }

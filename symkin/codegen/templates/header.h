@@ -53,6 +53,7 @@ typedef struct {
     uint8_t joint;
 } @{p}_info;
 
+@{geometry}
 @{declarations}
 #ifdef __cplusplus
 }

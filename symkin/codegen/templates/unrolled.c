@@ -14,7 +14,7 @@ static int @{k}_factor(@{gp}@{k}_work *w)
 static void @{k}_solve(@{k}_work *w)
 {
     if (w->pivoted) {
-        @{k}_pivoted_solve(w);
+        @{p}_lu_solve(w->a, w->order, w->f, @{n});
         return;
     }
 @{solve}
