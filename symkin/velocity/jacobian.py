@@ -19,6 +19,7 @@ from symkin.model.arm import arm_of
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
+from symkin.result import Result
 from symkin.text import not_among
 from symkin.velocity.differential import differentiate, pose_rates, quaternion_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
@@ -33,7 +34,7 @@ Values = Solution | Mapping[str, Any] | np.ndarray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Jacobian(SymbolicMatrix):
+class Jacobian(SymbolicMatrix, Result):
     """A Jacobian of a mechanism as an expression of its closure's variables, at any regular closed
     configuration.
 

@@ -35,6 +35,7 @@ from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
 from symkin.position.transfer import many_elsewhere, variables_elsewhere
+from symkin.result import Result
 from symkin.velocity.differential import TWIST_COLUMNS, pose_rates, tangent_jacobian
 from symkin.velocity.elimination import factored
 from symkin.velocity.jacobian_names import (
@@ -51,7 +52,7 @@ _LEVEL = ("azimuth", "tilt")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RateJacobian(SymbolicMatrix):
+class RateJacobian(SymbolicMatrix, Result):
     """of' = J by': rates of the coordinates in `rows` by those in `columns`, at any regular closed
     configuration.
 

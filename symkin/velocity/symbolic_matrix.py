@@ -10,11 +10,11 @@ import casadi as ca
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
-from symkin.result import Result, Summary
+from symkin.result import Summary
 from symkin.velocity.jacobian_names import Variable
 
 
-class SymbolicMatrix(Result):
+class SymbolicMatrix:
     """A matrix of rates by rates: `expression` reads the `symbols` of `inputs` (coordinates of a
     closure) and of `parameters`.
     """

@@ -59,6 +59,7 @@ def results() -> dict[str, Result]:
         "mobility": symkin.mobility(symkin.load("zhao2000_links")),
         "jacobian": symkin.jacobian(arm),
         "calibration": symkin.calibrate(arm, readings),
+        "passive rates": symkin.jacobian(symkin.load("four_bar"), "passive"),
         "rates": symkin.jacobian(symkin.load("four_bar"), of=["follower"], by=["crank"]),
         "closed": symkin.close("four_bar"),
         "sweep": symkin.sweep(
@@ -89,6 +90,7 @@ NAMES = (
     "jacobian",
     "calibration",
     "plan",
+    "passive rates",
     "rates",
     "closed",
     "sweep",
