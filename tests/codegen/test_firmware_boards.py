@@ -175,8 +175,8 @@ def test_no_library_symbol_no_data_no_bss(real, tmp_path):
 
 def test_float_code_is_small(tmp_path):
     """Direct, inverse and track linked alone, without libraries, at -O2: code and constants within
-    5,610 bytes, of which 40 let a line that is rounding stand still and 20 let parts of a line grow
-    after such steps.
+    5,650 bytes, of which 40 let a line that is rounding stand still, 20 let parts of a line grow
+    after such steps and 40 let one elimination serve all that is solved.
     """
     arm = tools.compiler("arm-none-eabi-gcc")
     roots = [
@@ -199,5 +199,5 @@ def test_float_code_is_small(tmp_path):
         ["arm-none-eabi-size", "z.elf"], cwd=tmp_path, check=True, capture_output=True, text=True
     ).stdout.splitlines()
     text, data, bss = (int(number) for number in sizes[1].split()[:3])
-    assert text <= 5610
+    assert text <= 5650
     assert (data, bss) == (0, 0)
