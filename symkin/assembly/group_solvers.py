@@ -83,7 +83,7 @@ def _group_paths(group: Problem, _folder: str) -> BlockPaths | None:
 
 @lru_cache(maxsize=256)
 def _combined_paths(group: Problem) -> BlockPaths | None:
-    if unsuitable(group) is not None or not is_tied(group):
+    if unsuitable(group) is not None or redundant_distances(group) or not is_tied(group):
         return None
     (block,) = group.blocks
     system = squared(system_of(group, block))
