@@ -89,14 +89,15 @@ def proofs_of_group(
         ends = of_paths.ends(roots.ends[:, here], knowns, number[roots.ends_of[here]])
     own = ends if paths is not None and paths.shared is None else None
     proofs = prover.proofs(roots.points[chosen], owner, knowns, own)
+    certified[chosen], complete[near] = proofs.certified, proofs.complete
+    grounds = prover.grounds(roots.points[chosen], owner, knowns, proofs)
     roots = roots.with_notes(
         {
             int(roots.owner[chosen[place]]): f"not certified: {reason}"
             for place, reason in proofs.reasons.items()
+            if grounds[place] is None
         }
     )
-    certified[chosen], complete[near] = proofs.certified, proofs.complete
-    grounds = prover.grounds(roots.points[chosen], owner, knowns, proofs)
     for place, proof in zip(chosen.tolist(), grounds, strict=True):
         if proof is not None:
             ground[place] = proof.independent, proof.rows, proof.radius, proof.remaining

@@ -34,6 +34,7 @@ from symkin.position.given_by_name import (
     problem_of,
 )
 from symkin.position.least_squares import LeastSquares
+from symkin.position.mobility import open_loops_note
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
 from symkin.position.out_of_reach import reach_note
@@ -159,6 +160,19 @@ class _Ask:
 
 
 def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
+    """The modes of inputs of one kind, with the loop that cannot close where there are none."""
+    found = _of_machine(ask, givens)
+    lost = [not modes and modes.problem.kind == "given" for modes in found]
+    note = open_loops_note(ask.mechanism) if any(lost) else None
+    if note is None:
+        return found
+    return tuple(
+        replace(modes, notes=(*modes.notes, note)) if none else modes
+        for modes, none in zip(found, lost, strict=True)
+    )
+
+
+def _of_machine(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     """The modes of inputs of one kind: those of the machine that the description means, where it
     is another one.
     """

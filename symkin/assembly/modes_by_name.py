@@ -15,7 +15,6 @@ from symkin.assembly.modes_result import Modes
 from symkin.assembly.search import Search
 from symkin.numeric.levenberg import Progress
 from symkin.position.given import Given
-from symkin.position.mobility import open_loops_note
 from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
 
@@ -49,12 +48,7 @@ def modes_by_name(
             replace(m, notes=(*m.notes, *notes)) if m.completeness == "sampled" else m
             for m in found
         ]
-    note = open_loops_note(problem.mechanism) if not all(found) else None
-    if note is None:
-        return tuple(found)
-    return tuple(
-        modes if len(modes) else replace(modes, notes=(*modes.notes, note)) for modes in found
-    )
+    return tuple(found)
 
 
 def _off_the_motion(modes: Modes, given: Given) -> Modes:

@@ -132,24 +132,23 @@ class Prover:
         return np.asarray(proves(found, self.bound) & (real == listed))
 
     def grounds(
-        self, points: np.ndarray, owner: np.ndarray, knowns: Knowns, proofs: Proofs | None = None
+        self, points: np.ndarray, owner: np.ndarray, knowns: Knowns, proofs: Proofs
     ) -> list[PartialProof | None]:
-        """What is proved of real roots as in `proofs`, which may be told: of all rows of those that
-        are certified, of independent ones where rows are redundant.
+        """What is proved of real roots: of all rows of those that are certified in `proofs`, of
+        independent ones of others where rows are redundant.
         """
         from symkin.certificate.independent_rows import prove_independent_rows
 
-        if self.is_redundant:
-            z = self._algebraic(points)
-            return prove_independent_rows(self.whole, z, knowns, owner, self._size)
-        proofs = proofs or self.proofs(points, owner, knowns)
         rows = int(self.block.rows.shape[0])
-        return [
-            PartialProof.whole(rows, radius) if certified else None
-            for certified, radius in zip(
-                proofs.certified.tolist(), proofs.radius.tolist(), strict=True
-            )
-        ]
+        told = zip(proofs.certified.tolist(), proofs.radius.tolist(), strict=True)
+        found = [PartialProof.whole(rows, radius) if sure else None for sure, radius in told]
+        left = np.flatnonzero(~proofs.certified)
+        if left.size and self.is_redundant:
+            z = self._algebraic(points[left])
+            proved = prove_independent_rows(self.whole, z, knowns, owner[left], self._size)
+            for place, proof in zip(left.tolist(), proved, strict=True):
+                found[place] = proof
+        return found
 
     @property
     def _size(self) -> float:

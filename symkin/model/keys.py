@@ -304,7 +304,11 @@ def _of_joint(types: Sequence[str], *links: Key) -> Table:
     )
 
 
-MOTOR = (Key("effort", _numbers(2), None), Key("speed", _number, None), Key("armature", _number, None))
+MOTOR = (
+    Key("effort", _numbers(2), None),
+    Key("speed", _number, None),
+    Key("armature", _number, None),
+)
 _LIMITS = Key("limits", _range, None)
 _LIMB_LINKS = Key("links", _LINKS, LIMB_LINKS)
 JOINT = _of_joint(JOINT_TYPES)

@@ -170,7 +170,8 @@ def numbers(value: Any, seen: tuple[int, ...] = ()) -> Iterator[tuple[str, bytes
     elif isinstance(value, BaseException):
         yield from numbers((str(value), vars(value)), (*seen, id(value)))
     elif is_dataclass(value):
-        for field in fields(value):
+        # results that were made of rows at their first use are not part of what travels
+        for field in (f for f in fields(value) if f.name != "_made"):
             item = getattr(value, field.name)
             yield from (
                 (f"{field.name}.{name}", data) for name, data in numbers(item, (*seen, id(value)))

@@ -230,7 +230,7 @@ def test_graphs_that_are_no_arms() -> None:
     assert arm_of(symkin.load("four_bar")) is None
     untold = replace(arm, platform_link=None)
     assert arm_of(untold) is None
-    with pytest.raises(InputError, match="no platform link, .*; name it by"):
+    with pytest.raises(InputError, match=r"no platform link, .*; name it by"):
         symkin.jacobian(untold)
 
 

@@ -4,6 +4,8 @@ a block's own.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -26,7 +28,7 @@ from helpers.inside import (
     vectorise,
 )
 
-group_paths = group_solvers.group_paths.__wrapped__
+group_paths = partial(group_solvers._group_paths.__wrapped__, _folder="")
 HEAD = 'format = 1\nname = "bars"\nlength_unit = "mm"\nangle_unit = "deg"\n'
 
 
