@@ -70,11 +70,11 @@ class Account:
         self._add_unresolved(number, roots, owner, which)
         np.logical_or.at(self.continuum[:, number], owner, roots.continuum[which])
         self.notes.setdefault(None, []).append((number, roots.orbits))
-        asked = (
-            np.isin(which, list(roots.notes)) if roots.notes else np.zeros(len(which), dtype=bool)
-        )
-        for i, row in np.unique(np.stack([owner[asked], which[asked]], axis=1), axis=0).tolist():
-            self.notes.setdefault(i, []).append((number, roots.notes[row]))
+        if roots.notes:
+            asked = np.isin(which, list(roots.notes))
+            pairs = np.unique(np.stack([owner[asked], which[asked]], axis=1), axis=0)
+            for i, row in pairs.tolist():
+                self.notes.setdefault(i, []).append((number, roots.notes[row]))
         if roots.theorem is not None:
             self.theorems[number] = roots.theorem
         self.engines += [roots.engine] if roots.engine is not None else []

@@ -90,6 +90,7 @@ class BlockPaths(BlockSolver):
             orbits=self.notes,
             ends=z,
             ends_of=instance,
+            origin=origin[kept],
         ), np.flatnonzero(~plain)
 
     def _clear(self, ends: np.ndarray) -> np.ndarray:

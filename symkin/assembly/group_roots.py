@@ -33,7 +33,8 @@ class GroupRoots:
     infinite), whether a set that is not isolated was met; `notes` of single rows, and the `samples`
     of those searched from random starts; `engine`, `orbits` (notes) and `theorem` (what
     proves that there are no others) of all; from paths all complex roots `ends` (width, e) of the
-    rows `ends_of` (e,), rising.
+    rows `ends_of` (e,), rising, and where they are told the `origin` (m,) of the solutions among
+    these.
     """
 
     points: np.ndarray
@@ -51,6 +52,7 @@ class GroupRoots:
     ends: np.ndarray = field(default_factory=lambda: NO_ENDS)
     ends_of: np.ndarray = field(default_factory=partial(np.zeros, 0, dtype=int))
     samples: Mapping[int, Roots] = field(default_factory=dict)
+    origin: np.ndarray | None = None
 
     @staticmethod
     def of_all(points: np.ndarray, owner: np.ndarray, count: np.ndarray, **told: Any) -> GroupRoots:
@@ -120,7 +122,11 @@ class GroupRoots:
         """
         order = np.lexsort((*np.round(self.points.T[::-1], _DIGITS), self.owner))
         return replace(
-            self, points=self.points[order], owner=self.owner[order], hits=self.hits[order]
+            self,
+            points=self.points[order],
+            owner=self.owner[order],
+            hits=self.hits[order],
+            origin=None if self.origin is None else self.origin[order],
         )
 
     def part(self, begin: int, end: int) -> GroupRoots:
@@ -142,6 +148,7 @@ class GroupRoots:
             samples={row - begin: r for row, r in self.samples.items() if begin <= row < end},
             ends=self.ends[:, ends],
             ends_of=self.ends_of[ends] - begin,
+            origin=None,
         )
 
 

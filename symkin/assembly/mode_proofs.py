@@ -88,7 +88,8 @@ def proofs_of_group(
         here = np.flatnonzero(near[roots.ends_of])
         ends = of_paths.ends(roots.ends[:, here], knowns, number[roots.ends_of[here]])
     own = ends if paths is not None and paths.shared is None else None
-    proofs = prover.proofs(roots.points[chosen], owner, knowns, own)
+    origin = roots.origin if near.all() else None
+    proofs = prover.proofs(roots.points[chosen], owner, knowns, own, origin)
     certified[chosen], complete[near] = proofs.certified, proofs.complete
     grounds = prover.grounds(roots.points[chosen], owner, knowns, proofs)
     roots = roots.with_notes(
@@ -101,7 +102,7 @@ def proofs_of_group(
     for place, proof in zip(chosen.tolist(), grounds, strict=True):
         if proof is not None:
             ground[place] = proof.independent, proof.rows, proof.radius, proof.remaining
-    if ends is not None:
+    if ends is not None and (own is None or not proofs.complete.all()):
         listed = np.bincount(owner, minlength=knowns.count)
         whole = np.bincount(owner[proofs.certified], minlength=knowns.count) == listed
         complete[near] |= whole & of_paths.completes(ends, listed)

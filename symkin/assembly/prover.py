@@ -80,10 +80,11 @@ class Prover:
         owner: np.ndarray,
         knowns: Knowns,
         ends: CertificateBatch | None = None,
+        origin: np.ndarray | None = None,
     ) -> Proofs:
         """What is proved of real roots `points` (m, width) of the block at the instances `owner`,
-        rising, by certificates of the complex roots `ends`, where these stand among them, else by
-        their own.
+        rising, by certificates of the complex roots `ends`, where these stand among them (at
+        `origin`, where that is told), else by their own.
         """
         from symkin.certificate.certificate import certify_batch
 
@@ -92,7 +93,7 @@ class Prover:
         z, listed = self._algebraic(points), np.bincount(owner, minlength=knowns.count)
         # a theorem on poses tells nothing of passive joints beside them
         if ends is not None and ends.system.width == len(z):
-            index, radius = ends.find(z, owner)
+            index, radius = ends.find(z, owner, origin)
             if (index >= 0).all():
                 return Proofs(index >= 0, radius, self.completes(ends, listed))
         found = certify_batch(self.whole, z, knowns, owner, self._size)

@@ -38,12 +38,9 @@ _MINE = (".npz", ".so")
 
 def cache_folder() -> Path:
     """SYMKIN_CACHE, else the platform's folder for caches."""
-    return _folder(
-        *(
-            os.environ.get(name)
-            for name in ("SYMKIN_CACHE", "HOME", "XDG_CACHE_HOME", "LOCALAPPDATA")
-        )
-    )
+    named = os.environ.get("SYMKIN_CACHE")
+    platform = ("HOME", "XDG_CACHE_HOME", "LOCALAPPDATA") if not named else ()
+    return _folder(named, *(os.environ.get(name) for name in platform))
 
 
 @lru_cache(maxsize=8)

@@ -41,7 +41,7 @@ class Motors:
     @property
     def notes(self) -> tuple[str, ...]:
         words = ", ".join(key.replace("_", " ") for key in self.of_file)
-        told = (f"{words} of the motors are the file's, in SI units",) if words else ()
+        told = (f"taken from the file, in SI units: {words} of the motors",) if words else ()
         return (*told, *(_NOTES[key] for key in self.untold))
 
 
