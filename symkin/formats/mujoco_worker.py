@@ -42,7 +42,6 @@ _ARRAYS = (
     "wrap_prm",
     "actuator_trnid",
     "actuator_gear",
-    "actuator_armature",
     "actuator_gainprm",
     "actuator_forcelimited",
     "actuator_forcerange",
@@ -141,6 +140,12 @@ def _plain(mujoco: Any, spec: Any) -> tuple[list[dict[str, Any]], list[tuple[Any
     return meshes, of_geoms
 
 
+def _armature(model: Any) -> list[float]:
+    """The armature of each actuator, which older versions know of joints alone."""
+    told = getattr(model, "actuator_armature", None)
+    return [0.0] * model.nu if told is None else np.asarray(told).tolist()
+
+
 def _told(mujoco: Any, model: Any) -> dict[str, Any]:
     """Numbers, kinds and names of a compiled model, and its bodies where joints that one equality
     holds stand at their values.
@@ -174,7 +179,8 @@ def _told(mujoco: Any, model: Any) -> dict[str, Any]:
     sites = int(objects.mjOBJ_SITE)
     return {
         "numbers": {key: int(getattr(model, key)) for key in _COUNTS},
-        "arrays": {key: np.asarray(getattr(model, key)).tolist() for key in _ARRAYS},
+        "arrays": {key: np.asarray(getattr(model, key)).tolist() for key in _ARRAYS}
+        | {"actuator_armature": _armature(model)},
         "placed": {key: np.asarray(getattr(data, key)).tolist() for key in _PLACED},
         "kinds": kinds,
         "names": names,
