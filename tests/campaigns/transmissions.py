@@ -43,6 +43,10 @@ POWER, THERE_AND_BACK, SAME, DYNAMICS = 1e-12, 1e-12, 1e-7, 1e-8
 """Relative power that is lost; error of motors that come back; what tells branches apart;
 relative error of motions, accelerations, inertias and torques of a closed leg.
 """
+REGULAR = 1e3
+"""Condition of a Jacobian up to which a configuration is regular: rounding of the inverse is as
+many times larger.
+"""
 
 
 def main() -> int:
@@ -126,9 +130,13 @@ def judge(found: symkin.Transmission, count: int, seed: int, tracks: int) -> tup
 
 
 def _power_lost(states: object, reached: np.ndarray, rng: np.random.Generator) -> float:
-    """The largest difference of power on both sides over the sum of its terms."""
+    """The largest difference of power on both sides over the sum of its terms, at regular
+    configurations.
+    """
     g, j = states.inverse_jacobian[reached], states.jacobian[reached]  # type: ignore[attr-defined]
     regular = np.isfinite(g).all(axis=(1, 2)) & np.isfinite(j).all(axis=(1, 2))
+    g, j = g[regular], j[regular]
+    regular = np.linalg.cond(g) < REGULAR
     g, j = g[regular], j[regular]
     joint_rates = rng.normal(size=(len(g), g.shape[2]))
     held = rng.normal(size=(len(g), g.shape[1]))
