@@ -59,11 +59,11 @@ def by_continuation(
     return sampled, (f"{names}: sampled by multistart, {why}",)
 
 
-def lacks_starts(problem: Problem, progress: Progress | None = None) -> bool:
+def lacks_starts(problem: Problem) -> bool:
     """Whether some block of a problem has no start system, though its given values may be any."""
     if unsuitable(problem) is not None:
         return True
-    found = [_start(problem, block, progress) for block in problem.blocks]
+    found = [_start(problem, block, None) for block in problem.blocks]
     return any(start is None and AGREEING not in why for _, start, why in found)
 
 

@@ -27,8 +27,9 @@ def group_solver(group: Problem, *, formulas: bool = True) -> BlockPaths | Close
     """The formulas of a group, if they are wanted and account for all its solutions, else what
     tracks its paths; None where it has neither.
     """
-    closed, paths = closed_block(group, 0) if formulas else None, group_paths(group)
-    if closed is not None and accounts_for_all(closed, paths):
+    closed = closed_block(group, 0) if formulas else None
+    # of an arm with formulas no generic solutions are searched
+    if closed is not None and (closed.is_of_arm or accounts_for_all(closed, group_paths(group))):
         return closed
     return any_paths(group)
 
@@ -43,18 +44,24 @@ def any_paths(group: Problem) -> BlockPaths | None:
 @lru_cache(maxsize=128)
 def groups_of(problem: Problem, method: str) -> tuple[Problem, ...]:
     """The parts of a problem in the order of their solution: structure groups where coordinates are
-    told by name, and where some block has no start of paths but its parts may have; else its
-    blocks.
+    told by name, and where some block has neither formulas nor a start of paths but its parts may
+    have; else its blocks.
     """
-    if problem.kind == "given" or (
-        method == "continuation"
-        and lacks_starts(problem)
-        and len(structure_groups(problem)) > len(problem.blocks)
-    ):
+    if problem.kind == "given":
         return structure_groups(problem)
-    if len(problem.blocks) == 1 and not problem.conditions.errors.shape[0]:
-        return (problem,)
-    return tuple(replace(problem, system=block) for block in problem.blocks)
+    blocks: tuple[Problem, ...] = (problem,)
+    if len(problem.blocks) != 1 or problem.conditions.errors.shape[0]:
+        blocks = tuple(replace(problem, system=block) for block in problem.blocks)
+    if method == "continuation" and any(_lacks_solver(block) for block in blocks):
+        finer = structure_groups(problem)
+        return finer if len(finer) > len(blocks) else blocks
+    return blocks
+
+
+def _lacks_solver(block: Problem) -> bool:
+    """Whether only random starts find the solutions of a block, though its values may be any."""
+    solved = solved_at_once(block) or solved_parts(block) or group_solver(block)
+    return not solved and lacks_starts(block)
 
 
 def group_paths(group: Problem) -> BlockPaths | None:
