@@ -13,6 +13,7 @@ import numpy as np
 
 from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.newton import Polished
+from symkin.numeric.rank import null_space
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import (
     CLOSURE_ROUNDING,
@@ -162,9 +163,6 @@ def lost_directions(jacobian: np.ndarray, share: float) -> np.ndarray:
     """Unit tangent steps (n, freedom), both ways, in which a Jacobian loses its rank: singular
     values below a share of the largest, at least the smallest; with several, mixtures of them too.
     """
-    _, singular, right = np.linalg.svd(jacobian)
-    lost = right[int(np.sum(singular > share * max(singular[0], 1e-300))) :]
-    if len(lost) == 0:
-        lost = right[-1:]
+    lost = null_space(jacobian, share, relative=True, least=1)
     mixed = np.random.default_rng(0).normal(size=(4 * len(lost), len(lost))) @ lost
     return np.vstack([lost, -lost, mixed / np.linalg.norm(mixed, axis=1, keepdims=True)])

@@ -27,7 +27,7 @@ from symkin.elimination.implied_rows import PointRow, implied_rows
 from symkin.elimination.product_rows import ProductRow
 from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import diagonal_parts, singular_values
-from symkin.numeric.rank import Rank
+from symkin.numeric.rank import Rank, independent_rows
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
@@ -331,20 +331,8 @@ def _spanning(jacobian: np.ndarray, sources: Sequence[str]) -> list[int]:
     width = {
         name: int(np.any(jacobian[rows] != 0.0, axis=0).sum()) for name, rows in groups.items()
     }
-    basis, kept = np.zeros((0, jacobian.shape[1])), list[int]()
-    for name in sorted(groups, key=lambda n: width[n]):
-        left = {k: jacobian[k] - basis.T @ (basis @ jacobian[k]) for k in groups[name]}
-        while left:
-            best = max(left, key=lambda k: float(np.linalg.norm(left[k])))
-            length = float(np.linalg.norm(left[best]))
-            if length <= RANK_TOLERANCE:
-                break
-            unit = left.pop(best) / length
-            unit -= basis.T @ (basis @ unit)
-            unit /= np.linalg.norm(unit)
-            basis, kept = np.vstack([basis, unit]), [*kept, best]
-            left = {k: row - unit * (unit @ row) for k, row in left.items()}
-    return kept
+    ordered = [groups[name] for name in sorted(groups, key=lambda n: width[n])]
+    return independent_rows(jacobian, RANK_TOLERANCE, groups=ordered)
 
 
 def _matching(holds: np.ndarray) -> list[int] | None:

@@ -22,6 +22,7 @@ from symkin.computed_once import lru_cache
 from symkin.model.bar import Bar
 from symkin.model.joint import Joint
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.rank import rank_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.spatial.pose import Pose
 
@@ -69,7 +70,7 @@ def loops_at(
         cut = _cut_freedom([edges[k] for k in cycle])
         # the cut joint's own freedoms are in the span: what is left of it is the rank of the rows
         # that remain
-        rank = _rank(span, tolerance) - cut
+        rank = rank_of(span, tolerance, relative=True) - cut
         names = tuple(_name(edges[k]) for k in cycle)
         found.append(
             Loop(names, _links_along([edges[k] for k in cycle]), _SPATIAL - cut, max(rank, 0))
@@ -105,7 +106,7 @@ def redundant_constraints(closure: Closure, values: np.ndarray) -> int:
         for name, rate in terms.items():
             row[columns[name]] = rate
     rows = np.vstack([rows, couplings / np.linalg.norm(couplings, axis=1, keepdims=True)])
-    return len(rows) - _rank(rows, RANK_TOLERANCE)
+    return len(rows) - rank_of(rows, RANK_TOLERANCE, relative=True)
 
 
 @lru_cache(maxsize=128)
@@ -303,8 +304,3 @@ def _coupling_rates(closure: Closure, readings: Mapping[str, np.ndarray]) -> lis
 def _turns(axes: np.ndarray, point: np.ndarray, size: float) -> np.ndarray:
     """Twists of unit turns about axes (k, 3) through a point, over the size."""
     return np.hstack([axes, np.cross(point, axes) / size])
-
-
-def _rank(span: np.ndarray, tolerance: float) -> int:
-    values = np.linalg.svd(span, compute_uv=False)
-    return int(np.sum(values > tolerance * values[0])) if len(values) and values[0] > 0.0 else 0

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.numeric.rank import count_above
 from symkin.position.given import Given
 from symkin.position.problem import Problem
 from symkin.position.solution import pose_of
@@ -48,7 +49,7 @@ class StartRank:
         singular = np.linalg.svd(jacobian, compute_uv=False)
         largest = max(float(singular[0]), 1e-300)
         return StartRank(
-            int(np.sum(singular > SINGULAR_START * largest)),
+            count_above(singular, SINGULAR_START, relative=True),
             generic,
             float(singular[generic - 1]) / largest,
         )

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from symkin.numeric.rank import null_space
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.singularities.curve import CORRECTED, distance
@@ -75,9 +76,8 @@ def _null_space(closed: System, z: np.ndarray) -> np.ndarray:
     """Orthonormal rows; the last one belongs to the smallest singular value, however large it
     is.
     """
-    _, singular, right = np.linalg.svd(closed.linearise_one(z, np.zeros(0))[1][:, :-2])
-    rank = int(np.sum(singular > SINGULAR_VALUE * singular[0])) if len(singular) else 0
-    return np.asarray(right[min(rank, len(right) - 1) :])
+    jacobian = closed.linearise_one(z, np.zeros(0))[1][:, :-2]
+    return null_space(jacobian, SINGULAR_VALUE, relative=True, least=1)
 
 
 def _close_all(closed: System, points: np.ndarray) -> np.ndarray | None:

@@ -25,7 +25,7 @@ from symkin.calibration.data.parameters import (
 from symkin.closure.branches import Branch, edges_of
 from symkin.model.joint import BASE, Joint
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.linear_algebra import independent_rows, null_space
+from symkin.numeric.rank import independent_rows, null_space
 from symkin.spatial.rotation import multiply
 
 _RANK_TOLERANCE = 1e-9
@@ -103,7 +103,7 @@ def _independent(space: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
     """A basis of a space (width, k): each direction is 1 in one number, the first that can be, 0 in
     those of the others.
     """
-    pivots = independent_rows(space, range(len(space)), _PIVOT)
+    pivots = independent_rows(space, _PIVOT, groups=range(len(space)))
     if pivots:
         basis = space @ np.linalg.inv(space[pivots])
         yield from zip(pivots, basis.T, strict=True)
