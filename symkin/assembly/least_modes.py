@@ -76,12 +76,10 @@ def _distinct(problem: Problem, values: np.ndarray) -> list[int]:
     features = []
     for c in problem.closure.coordinates:
         part = values[:, problem.closure.slices[c.name]]
-        if c.kind == "angle":
+        if c.is_periodic:
             features += [np.cos(part), np.sin(part)]
         else:
-            features.append(
-                part / problem.closure.characteristic_length if c.kind == "length" else part
-            )
+            features.append(part / problem.closure.characteristic_length if c.is_length else part)
     rows = np.concatenate(features, axis=1)
     kept: list[int] = []
     for k, row in enumerate(rows):

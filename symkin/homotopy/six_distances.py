@@ -48,7 +48,7 @@ def all_distances(problem: Problem) -> ca.Function | None:
     """Length, base point and platform point of each distance (7 numbers, length unit) as a function
     of the known joints; None where the direct problem is another one.
     """
-    if problem.kind != "direct" or problem.mechanism.motion != "spatial":
+    if not problem.of_joints or problem.mechanism.motion != "spatial":
         return None
     algebraic = build_algebraic_closure(problem.mechanism, "study")
     if algebraic.distances is None or algebraic.rows.shape[0] < DISTANCES:

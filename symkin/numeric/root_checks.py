@@ -54,9 +54,7 @@ def rounding(system: System, points: np.ndarray) -> np.ndarray:
     them, in the length unit.
     """
     size = system.characteristic_length
-    places = [
-        place for c, place in zip(system.unknowns, system.slices, strict=True) if c.kind == "length"
-    ]
+    places = [place for c, place in zip(system.unknowns, system.slices, strict=True) if c.is_length]
     long = [np.abs(points[:, place]).max(axis=1) for place in places]
     scale = np.max(np.array([np.full(len(points), max(size, system.farthest)), *long]), axis=0)
     return np.asarray(np.minimum(CLOSURE_ROUNDING * scale, CLOSURE_TOLERANCE * size))
@@ -128,9 +126,9 @@ def _halfway(system: System, point: np.ndarray, others: np.ndarray) -> np.ndarra
     """Points (n, width) between one (width,) and each of `others` (n, width), which are near it."""
     apart = others - point
     for c, place in zip(system.unknowns, system.slices, strict=True):
-        if c.kind == "angle":
+        if c.is_periodic:
             apart[:, place] = wrapped(apart[:, place])
-        elif c.kind == "quaternion":
+        elif c.is_rotation:
             opposite = others[:, place] @ point[place] < 0.0
             apart[:, place] = (
                 np.where(opposite[:, None], -others[:, place], others[:, place]) - point[place]

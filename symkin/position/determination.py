@@ -22,6 +22,7 @@ from symkin.position.closed_configurations import (
 )
 from symkin.position.file_digits import rank_to_digits
 from symkin.position.problem import Problem
+from symkin.text import counted
 
 DIGITS = 1e-4
 """Largest closure error, as a share of the size, that may be due to the digits of a file."""
@@ -73,7 +74,7 @@ def refuse_unless_determined(problem: Problem) -> None:
             else "no joint is left to be given; use"
         )
         raise InputError(
-            f"given: {listed}; that leaves {name} {found.free} freedom{'s' * (found.free != 1)}, "
+            f"given: {listed}; that leaves {name} {counted(found.free, 'freedom')}, "
             f"and its configurations are not "
             f"isolated: {what} solve with a start for one of them"
         )
@@ -151,7 +152,7 @@ def _determination(
         c
         for c in closure.coordinates
         if c not in problem.known_coordinates
-        and c.kind != "quaternion"
+        and not c.is_rotation
         and c.role not in ("body", "pose")
     ]
     # one after another: how many motions each decides that those before it leave free

@@ -25,7 +25,7 @@ from symkin.closure.closure import Closure, random_values
 from symkin.computed_once import lru_cache
 from symkin.elimination.implied_rows import PointRow, implied_rows
 from symkin.elimination.product_rows import ProductRow
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.linear_algebra import diagonal_parts, singular_values
 from symkin.numeric.rank import Rank, independent_rows
 from symkin.numeric.system import System
@@ -176,7 +176,7 @@ def is_linear(group: Problem) -> bool:
     without a search.
     """
     system = group.system
-    turning = any(c.kind == "quaternion" for c in system.unknowns)
+    turning = any(c.is_rotation for c in system.unknowns)
     return not turning and not any(ca.which_depends(system.rows, system.unknown, 2, True))
 
 
@@ -222,10 +222,7 @@ def dependence_of(rows: ca.SX, closure: Closure) -> np.ndarray:
         for _ in range(_POINTS)
     ]
     jacobian = ca.Function("j", [closure.variables], [ca.jacobian(rows, closure.variables)])
-    lengths = np.array(
-        [c.kind == "length" for c in closure.coordinates for _ in range(c.width)], dtype=bool
-    )
-    units = np.where(lengths, closure.characteristic_length, 1.0)
+    units = np.array(units_of(closure.coordinates, closure.characteristic_length))
     sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0) * units
     return np.asarray(sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300))
 

@@ -146,16 +146,16 @@ def features(system: System, points: np.ndarray) -> np.ndarray:
     columns = []
     for c, place in zip(system.unknowns, system.slices, strict=True):
         part = points[:, place]
-        if c.kind == "quaternion":
+        if c.is_rotation:
             outer = part[:, :, None] * part[:, None, :]
             columns.append(system.characteristic_length * outer.reshape(len(part), 16))
-        elif c.kind == "angle":
+        elif c.is_periodic:
             columns += [
                 system.characteristic_length * np.cos(part),
                 system.characteristic_length * np.sin(part),
             ]
         else:
-            columns.append(system.characteristic_length * part if c.kind == "turns" else part)
+            columns.append(system.characteristic_length * part if c.is_advancing else part)
     return np.hstack(columns)
 
 

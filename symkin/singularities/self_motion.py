@@ -106,9 +106,7 @@ def _finite_motion(system: LocusSystem, begin: np.ndarray, chain: np.ndarray) ->
     closed, count = system.closed, len(system.free)
     steps = distance(closed, chain[1:], chain[:-1], count)
     length = _STEP * closed.characteristic_length
-    scale = np.array(
-        [closed.characteristic_length if c.is_angular else 1.0 for c in system.plane.coordinates]
-    )
+    scale = np.array([c.lever(closed.characteristic_length) for c in system.plane.coordinates])
     strayed = float(np.max(np.abs((chain[0] - begin)[system.uv] * scale)))
     reached = float(distance(closed, chain[-1], chain[0], count))
     return (

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from helpers.inside import FREEDOMS, JOINT_TYPES
+from helpers.inside import JOINT_FORMS, JOINT_TYPES
 from helpers.samples import random_joint, seeds
 from symkin import Joint, MechanismError
 
@@ -23,7 +23,7 @@ def test_coordinates_carry_the_freedom(kind, rng):
     as documented.
     """
     joint = random_joint(rng, kind, "j")
-    assert sum(c.freedom for c in joint.coordinates) == joint.freedom == FREEDOMS[kind]
+    assert sum(c.freedom for c in joint.coordinates) == joint.freedom == JOINT_FORMS[kind].freedom
     assert [c.name for c in joint.coordinates] == ["j" + suffix for suffix in NAMES[kind]]
     assert all(len(c.reference) == c.width for c in joint.coordinates)
     if joint.freedom == 1:

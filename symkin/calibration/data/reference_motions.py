@@ -79,7 +79,7 @@ def reference_motions(
 def _rates(edge: Branch, values: Mapping[str, float], held: Sequence[str]) -> Iterator[_Rate]:
     """The free rates of one joint; none of a rod, which does not join frames at the reference."""
     joint, path = edge.elements[0].part, edge.elements[0].path
-    if not isinstance(joint, Joint) or joint.type == "weld":
+    if not isinstance(joint, Joint) or not joint.freedom:
         return
     zero = f"{path}.zero" if joint.freedom == 1 else None
     names = [c.name for c in joint.coordinates]
@@ -89,14 +89,12 @@ def _rates(edge: Branch, values: Mapping[str, float], held: Sequence[str]) -> It
         return
     point = vector_values(values, f"{path}.point")
     given = [f"{path}.{k}" for k in ("axis", "axis2") if getattr(joint, k) is not None]
-    axes = [vector_values(values, name) for name in given] or list(np.eye(3))
+    axes = [vector_values(values, name) for name in given]
     units = [axis / np.linalg.norm(axis) for axis in axes]
-    turns = [np.concatenate([np.cross(point, axis), axis]) for axis in units]
-    slide = np.concatenate([units[0], np.zeros(3)])
-    pitch = values.get(f"{path}.pitch", 0.0) / (2.0 * np.pi)
-    screws = {"P": [slide], "H": [turns[0] + pitch * slide], "C": [turns[0], slide]}
-    for name, screw in zip(names, screws.get(joint.type, turns), strict=True):
-        yield name, screw, zero
+    for name, screw in zip(
+        names, joint.form.screws(point, units, values.get(f"{path}.pitch", 0.0)), strict=True
+    ):
+        yield name, np.roll(screw, 3), zero
 
 
 def _independent(space: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:

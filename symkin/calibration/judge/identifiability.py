@@ -197,7 +197,7 @@ def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
     some = spread_rows(len(state.z), _MAX_BESIDE)
     joints, quaternions = problem.measurements.joints[some], problem.quaternions[some]
     size, rng = model.closure.characteristic_length, np.random.default_rng(0)
-    units = np.array([1.0 if c.is_angular else size for c in model.closure.role("actuated")])
+    units = np.array([c.unit(size) for c in model.closure.role("actuated")])
     moved = _JOINTS_BESIDE * units * rng.uniform(-1.0, 1.0, joints.shape)
 
     def left_over(q: np.ndarray) -> np.ndarray:
