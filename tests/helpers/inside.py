@@ -124,7 +124,6 @@ NAMES = {
     "ROWS": "symkin.formats.closure_rows",
     "loops_beside": "symkin.formats.gepetto_yaml",
     "as_graph": "symkin.formats.graph_form",
-    "links_along": "symkin.formats.graph_form",
     "is_robot": "symkin.formats.load",
     "read_robot": "symkin.formats.load",
     "read_mjcf": "symkin.formats.mjcf",

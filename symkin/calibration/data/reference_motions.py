@@ -26,12 +26,9 @@ from symkin.closure.branches import Branch, edges_of
 from symkin.model.joint import BASE, Joint
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import independent_rows, null_space
+from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.spatial.rotation import multiply
 
-_RANK_TOLERANCE = 1e-9
-"""Singular values (lengths over the size) below this share of the largest are zero: geometry is
-written with more digits.
-"""
 _PIVOT = 1e-6
 """Smallest share of a rate, in a space of unit directions, by which it can be chosen."""
 _Rate = tuple[str, np.ndarray, str | None]
@@ -60,7 +57,7 @@ def reference_motions(
         ends = [float(link == edge.ends[1]) - float(link == edge.ends[0]) for link in links]
         screws = [-unit * screw if own is edge else np.zeros(6) for own, (_, screw, _) in rates]
         rows.append(np.column_stack([*screws, np.kron(ends, np.eye(6))]))
-    moves = null_space(np.vstack(rows), _RANK_TOLERANCE, relative=True).T
+    moves = null_space(np.vstack(rows), RANK_TOLERANCE, relative=True).T
     labels = [f"reference configuration by {name}" for _, (name, *_) in rates]
     labels += [
         f"reference place of {link}, {k}"
