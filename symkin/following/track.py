@@ -201,7 +201,7 @@ def _check_start(trajectory: Trajectory, mode: Solution) -> None:
         elif c.is_periodic:
             off = abs(math.remainder(own[0] - wanted[0], 2 * math.pi))
         else:
-            off = abs(float(own[0] - wanted[0])) / (c.unit(mechanism.characteristic_length))
+            off = abs(float(own[0] - wanted[0])) / c.unit(mechanism.characteristic_length)
         if not off <= _OFF_START:
             shown = [mechanism.value_out(c, float(v)) for v in (own[0], wanted[0])]
             raise InputError(

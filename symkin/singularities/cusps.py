@@ -130,8 +130,8 @@ def _length_between(system: LocusSystem, a: np.ndarray, b: np.ndarray, ahead: np
             relative = np.array([p[0] * q[1:] - q[0] * p[1:] - np.cross(q[1:], p[1:])])[0]
             difference[column : column + 3] = 2 * system.curve.characteristic_length * relative
         else:
-            difference[column] = (b[place] - a[place])[0] * (
-                c.lever(system.curve.characteristic_length)
+            difference[column] = (b[place] - a[place])[0] * c.lever(
+                system.curve.characteristic_length
             )
         column += c.freedom
     return float(difference @ ahead)
