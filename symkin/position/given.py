@@ -242,12 +242,7 @@ def joint_values(mechanism: Mechanism, values: Joints, what: str = "joints") -> 
             f"actuated joints ({names})"
         )
     for coordinate, number in zip(coordinates, numbers, strict=True):
-        if coordinate.least is not None and number < coordinate.least:
-            raise InputError(
-                f"{what}: {coordinate.name} = {number:g} makes a rod of length "
-                f"{number - coordinate.least:g} "
-                f"{mechanism.length_unit}; allowed: {coordinate.least + 0.0:g} and above"
-            )
+        refuse_negative_rod(mechanism, coordinate, number, what)
     turn = mechanism.angle_out(2 * math.pi)
     whole = [
         math.remainder(n, turn) if c.is_periodic and abs(n) > turn else n
@@ -450,23 +445,34 @@ def _pose_numbers(mechanism: Mechanism, values: np.ndarray) -> list[float]:
 def _numbers(values: Sequence[float], what: str) -> list[float]:
     if isinstance(values, (Set, str, bytes, bytearray)) or not isinstance(values, Iterable):
         raise InputError(f"{what} = {shown(values)} is no list of numbers")
-    numbers = []
-    for k, value in enumerate(values, start=1):
-        try:
-            number = real(value)
-        except OverflowError:
-            number = LARGEST_GIVEN * 2
-        except (TypeError, ValueError):
-            raise InputError(f"{what}: value {k} = {shown(value)} is not a number") from None
-        if not math.isfinite(number):
-            raise InputError(f"{what}: value {k} = {shown(value)} is not finite")
-        if abs(number) > LARGEST_GIVEN:
-            raise InputError(
-                f"{what}: value {k} = {shown(value)} is too large to compute with; allowed: "
-                f"magnitudes up to {LARGEST_GIVEN:g}"
-            )
-        numbers.append(number)
-    return numbers
+    return [number_of(value, f"{what}: value {k}") for k, value in enumerate(values, start=1)]
+
+
+def number_of(value: Any, what: str) -> float:
+    """A given number. Raises InputError where it is none, or none to compute with."""
+    try:
+        number = real(value)
+    except OverflowError:
+        number = LARGEST_GIVEN * 2
+    except (TypeError, ValueError):
+        raise InputError(f"{what} = {shown(value)} is not a number") from None
+    if not math.isfinite(number):
+        raise InputError(f"{what} = {shown(value)} is not finite")
+    if abs(number) > LARGEST_GIVEN:
+        raise InputError(
+            f"{what} = {shown(value)} is too large to compute with; allowed: magnitudes up to "
+            f"{LARGEST_GIVEN:g}"
+        )
+    return number
+
+
+def refuse_negative_rod(mechanism: Mechanism, c: Coordinate, number: float, what: str) -> None:
+    """Raise InputError for the value of a rod that makes its length negative."""
+    if c.least is not None and number < c.least:
+        raise InputError(
+            f"{what}: {c.name} = {number:g} makes a rod of length {number - c.least:g} "
+            f"{mechanism.length_unit}; allowed: {c.least + 0.0:g} and above"
+        )
 
 
 def _coordinate_out(mechanism: Mechanism, coordinate: Coordinate) -> float:

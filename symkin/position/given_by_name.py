@@ -4,7 +4,6 @@ the platform's pose.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -15,10 +14,9 @@ from symkin.closure.partition import POSE_COORDINATES
 from symkin.errors import InputError
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.given import LARGEST_GIVEN, Given, given_from, given_many
+from symkin.position.given import Given, given_from, given_many, number_of, refuse_negative_rod
 from symkin.position.problem import Kind, Problem, build_problem
 from symkin.text import meant, shown
-from symkin.verb import real
 
 Values = Mapping[str, float | Sequence[float]]
 Columns = Mapping[str, float | Sequence[float] | Sequence[Sequence[float]] | np.ndarray]
@@ -133,23 +131,8 @@ def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = 
 
 
 def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:
-    try:
-        number = real(value)
-    except OverflowError:
-        number = math.inf
-    except (TypeError, ValueError):
-        raise InputError(f"given: {c.name} = {shown(value)} is not a number") from None
-    if not math.isfinite(number) or abs(number) > LARGEST_GIVEN:
-        raise InputError(
-            f"given: {c.name} = {shown(value)}; a finite number is needed, of magnitude up to "
-            f"{LARGEST_GIVEN:g}"
-        )
-    if c.least is not None and number < c.least:
-        raise InputError(
-            f"given: {c.name} = {number:g} makes a rod of length {number - c.least:g} "
-            f"{mechanism.length_unit}; allowed: "
-            f"{c.least + 0.0:g} and above"
-        )
+    number = number_of(value, f"given: {c.name}")
+    refuse_negative_rod(mechanism, c, number, "given")
     return mechanism.value_in(c, number)
 
 
