@@ -14,8 +14,8 @@ from typing import ClassVar, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.closure.angle_sums import AngleSum
 from symkin.codegen.circle_kernel import CircleKernel, circle_kernel, shortened
+from symkin.codegen.composed import Part
 from symkin.codegen.formula_guards import is_firm
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.options import Options
@@ -24,7 +24,7 @@ from symkin.codegen.samples import Configuration, followed
 from symkin.codegen.text.angles import numbers_at, sum_of_angles
 from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
-from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
+from symkin.elimination.closed_form import closed_form, samples_about
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate, units_of
 from symkin.model.mechanism import Mechanism
@@ -46,23 +46,6 @@ _BACK = 1e-6
 """How far from where it began a way there and back may end: in sizes, and in radians."""
 _CLOSED = 1e-6
 """Closure error at the reference, in sizes, above which the loops are open there."""
-
-
-@dataclass(frozen=True, eq=False)
-class Part:
-    """A structure group: `form` where it has a closed form, `total` where it couples an angle to
-    others, `is_linear` where its rows are linear; none of them where only Newton's method solves
-    it.
-    """
-
-    problem: Problem
-    form: ClosedForm | None
-    total: AngleSum | None
-    is_linear: bool
-
-    @property
-    def is_closed(self) -> bool:
-        return self.form is not None or self.total is not None or self.is_linear
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,24 +143,22 @@ def _part(group: Problem) -> Part:
         ]
         total = sum_of_angles(system.rows, [system.unknown, system.known], angular)
         if total is not None and (0, 0) in total.factors:
-            return Part(group, None, total, is_linear=False)
+            return Part(group, total=total)
     if is_linear(group) and int(system.rows.shape[0]) == system.freedom:
-        return Part(group, None, None, is_linear=True)
+        return Part(group, is_linear=True)
     sources = [group.closure.row_sources[place].relation for place in group.places_of_rows]
     if periodic and "coupling" in sources:
         # its row is of half an angle and changes its sign with every turn, and the choice of a
         # formula with it
-        return Part(group, None, None, is_linear=False)
+        return Part(group)
     reference = group.select_values(group.closure.reference, known)
     short = shortened(system, known)
     found = closed_form(short, samples_about(short, reference, known))
     if found is None or found.has_conditions:
-        return Part(group, None, None, is_linear=False)
+        return Part(group)
     signs = found.signs_at(group.select_values(group.closure.reference, unknown), reference)
     near = np.vstack([samples_about(short, reference, known, seed) for seed in range(_DRAWS)])
-    return Part(
-        group, found if is_firm(found, reference, near, signs) else None, None, is_linear=False
-    )
+    return Part(group, found if is_firm(found, reference, near, signs) else None)
 
 
 @dataclass(frozen=True, eq=False)
