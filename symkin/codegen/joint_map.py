@@ -20,7 +20,7 @@ from symkin.codegen.formula_guards import is_firm
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.options import Options
 from symkin.codegen.passive_limits import PassiveLimit, passive_limits
-from symkin.codegen.samples import Configuration, followed
+from symkin.codegen.samples import MORE, Configuration, all_followed
 from symkin.codegen.text.angles import numbers_at, sum_of_angles
 from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
@@ -440,29 +440,24 @@ def map_configurations(
     begin_known, begin = (made.reference_of(c) for c in (made.given, made.direct.unknown))
     reach = np.array([turn if c.is_angular else spread * made.size for c in made.given])
     scales = np.array(units_of(made.inverse.unknown, made.size))
-    found: list[Configuration] = []
-    for _ in range(_MOST_TRIES * count):
-        if len(found) == count:
-            break
-        goal = begin_known + reach * np.round(rng.uniform(-1, 1, len(reach)), 6)
-        if not _within(made.given, goal):
-            continue
-        z = followed(direct, begin, begin_known, goal)
-        if z is None:
-            continue
-        values = made.reference.copy()
-        values[direct.unknown_places], values[direct.known_places] = z, goal
-        places = inverse.unknown_places, inverse.known_places
-        back = followed(
-            inverse, made.reference[places[0]], made.reference[places[1]], values[places[1]]
-        )
-        if (
-            back is not None
-            and np.all(np.abs(back - values[places[0]]) <= _BACK * scales)
-            and _within(made.found, values[places[1]])
-        ):
-            found.append(Configuration(values, z, goal))
-    return found
+    found, left = list[Configuration](), _MOST_TRIES * count
+    while len(found) < count and left > 0:
+        tried = min(left, count - len(found) + MORE)
+        left -= tried
+        goals = begin_known + reach * np.round(rng.uniform(-1, 1, (tried, len(reach))), 6)
+        goals = goals[[_within(made.given, goal) for goal in goals]]
+        ends, whole = all_followed(direct, begin, begin_known, goals)
+        values = np.tile(made.reference, (len(goals), 1))
+        values[:, direct.unknown_places], values[:, direct.known_places] = ends, goals
+        values, places = values[whole], (inverse.unknown_places, inverse.known_places)
+        home = made.reference
+        back, kept = all_followed(inverse, home[places[0]], home[places[1]], values[:, places[1]])
+        kept &= np.all(np.abs(back - values[:, places[0]]) <= _BACK * scales, axis=1)
+        kept &= [_within(made.found, v[places[1]]) for v in values]
+        found += [
+            Configuration(v, v[direct.unknown_places], v[direct.known_places]) for v in values[kept]
+        ]
+    return found[:count]
 
 
 def _within(coordinates: Sequence[Coordinate], values: np.ndarray) -> bool:
