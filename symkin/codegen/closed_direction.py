@@ -13,28 +13,20 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.closure.angle_sums import AngleSum, turned
 from symkin.closure.snapping import snapped_expression
+from symkin.codegen.composed import Composed, Condition, Part
 from symkin.codegen.condition_bends import (
     ConditionBend,
     condition_bend,
     even_units,
     share_of,
 )
-from symkin.codegen.formula_guards import free_divisors
-from symkin.codegen.joint_map import Direction, JointMap, Part
+from symkin.codegen.joint_map import Direction, JointMap
 from symkin.codegen.newton_kernel import rounded
-from symkin.codegen.text.angles import (
-    Numbers,
-    by_numbers,
-    number_counts,
-    numbers_of,
-    of_circle,
-)
+from symkin.codegen.text.angles import Numbers, number_counts, numbers_by_name
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
-from symkin.elimination.closed_form import ClosedForm
 from symkin.model.joint import units_of
 from symkin.text import c_comment
 
@@ -45,18 +37,6 @@ _ROOT = 1e-12
 _POINTS = 400
 _FAR = 1.0
 """How far from the reference bends are sampled: in half turns, and in sizes."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Condition:
-    """What must stay above 0: a discriminant with its root, or a divisor; `name` says of which
-    coordinate, `part` of which of the direction's parts.
-    """
-
-    name: str
-    value: ca.SX
-    root: ca.SX | None
-    part: Part
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,94 +60,24 @@ class ClosedDirection:
         return ca.SX.sym("x", sum(number_counts(self.direction.unknown)))
 
     @cached_property
-    def _forms(self) -> list[ClosedForm]:
-        return [part.form for part in self.direction.parts if part.form is not None]
+    def _composed(self) -> Composed:
+        return Composed.of(self.direction.known, self.known, self.direction.parts)
 
     @cached_property
     def signs(self) -> ca.SX:
         """Symbols of all choices."""
-        return ca.vertcat(ca.SX(0, 1), *(form.signs for form in self._forms))
+        return self._composed.signs
 
     @cached_property
     def roots(self) -> ca.SX:
-        return ca.vertcat(ca.SX(0, 1), *(form.roots for form in self._forms))
-
-    @cached_property
-    def _solved(self) -> tuple[dict[str, list[Numbers]], list[_Condition]]:
-        """Numbers of every coordinate, and all conditions in their order."""
-        numbers = self._by_name(self.direction.known, self.known)
-        conditions: list[_Condition] = []
-        for part in self.direction.parts:
-            self._solve(part, numbers, conditions)
-        return numbers, conditions
-
-    def _by_name(self, coordinates: tuple, symbols: ca.SX) -> dict[str, list[Numbers]]:  # type: ignore[type-arg]
-        found, entries, place = {}, numbers_of(coordinates, symbols), 0
-        for c in coordinates:
-            found[c.name] = entries[place : place + c.width]
-            place += c.width
-        return found
-
-    def _solve(
-        self, part: Part, numbers: dict[str, list[Numbers]], conditions: list[_Condition]
-    ) -> None:
-        """Add the numbers of a group's unknowns and its conditions."""
-        system, read = (
-            part.problem.system,
-            [n for c in part.problem.known_coordinates for n in numbers[c.name]],
-        )
-        if part.form is not None:
-            form, symbols = part.form, [(system.known, read)]
-            first, second, discriminants, divisors = (
-                self._written(e, form, symbols)
-                for e in (form.first, form.second, form.discriminants, form.divisors)
-            )
-            for k in range(int(discriminants.shape[0])):
-                conditions.append(_Condition(form.names[k], discriminants[k], form.roots[k], part))
-            for k in free_divisors(form):
-                conditions.append(
-                    _Condition(", ".join(c.name for c in system.unknowns), divisors[k], None, part)
-                )
-            for k, c in enumerate(system.unknowns):
-                numbers[c.name] = [
-                    of_circle(first[k], second[k]) if c.kind == "angle" else Numbers(first[k])
-                ]
-        elif part.total is not None:
-            numbers[system.unknowns[0].name] = [_coupled(part.total, read)]
-        else:
-            slope = ca.jacobian(system.rows, system.unknown)
-            value = by_numbers(
-                ca.solve(slope, -ca.substitute(system.rows, system.unknown, 0)),
-                [(system.known, read)],
-            )
-            # at its zeros the unknowns are infinite
-            determinant = snapped_expression(
-                by_numbers(ca.det(slope), [(system.known, read)]),
-                [self.known, self.signs, self.roots],
-            )
-            if not determinant.is_constant():
-                conditions.append(
-                    _Condition(", ".join(c.name for c in system.unknowns), determinant, None, part)
-                )
-            for k, c in enumerate(system.unknowns):
-                circle = (ca.cos(value[k]), ca.sin(value[k])) if c.kind == "angle" else ()
-                numbers[c.name] = [Numbers(value[k], *circle)]
-
-    @staticmethod
-    def _written(expression: ca.SX, form: ClosedForm, symbols: list) -> ca.SX:  # type: ignore[type-arg]
-        """An expression of a form over numbers; its signs and roots stay."""
-        rest = [
-            (s, [Numbers(s[i]) for i in range(int(s.shape[0]))]) for s in (form.signs, form.roots)
-        ]
-        return by_numbers(expression, [*symbols, *rest])
+        return self._composed.roots
 
     @cached_property
     def _outputs(self) -> ca.SX:
         """The state's numbers."""
-        numbers, _ = self._solved
         found: list[ca.SX] = []
         for c in self.direction.unknown:
-            for n in numbers[c.name]:
+            for n in self.numbers[c.name]:
                 found += (
                     _unit(n.cosine, n.sine)
                     if c.kind == "angle" and n.cosine is not None
@@ -176,9 +86,9 @@ class ClosedDirection:
         return snapped_expression(ca.vertcat(*found), [self.known, self.signs, self.roots])
 
     @property
-    def conditions(self) -> list[_Condition]:
+    def conditions(self) -> list[Condition]:
         """Discriminants, and the divisors that none of them implies."""
-        return self._solved[1]
+        return self._composed.conditions
 
     @cached_property
     def divisors(self) -> list[int]:
@@ -234,7 +144,7 @@ class ClosedDirection:
         self, expression: ca.SX, values: ca.SX, root: Callable[[ca.SX], ca.SX] = ca.sqrt
     ) -> ca.SX:
         """An expression of the known numbers, signs and roots over the known `values` and signs."""
-        for one in reversed([c for c in self._solved[1] if c.root is not None]):
+        for one in reversed([c for c in self.conditions if c.root is not None]):
             expression = ca.substitute(expression, one.root, root(one.value))
         numbers = []
         for k, c in enumerate(self.direction.known):
@@ -244,7 +154,7 @@ class ClosedDirection:
     @property
     def numbers(self) -> dict[str, list[Numbers]]:
         """The numbers of every coordinate over the known numbers, signs and roots."""
-        return self._solved[0]
+        return self._composed.numbers
 
     @cached_property
     def reference_signs(self) -> np.ndarray:
@@ -483,23 +393,16 @@ class ClosedDirection:
     @property
     def _told_lines(self) -> list[str]:
         """Statements of the signs of a configuration, and of its conditions."""
-        numbers = self._by_name(self.direction.known, self.known) | self._by_name(
-            self.direction.unknown, self.state
+        there = Composed(
+            numbers_by_name(self.direction.known, self.known)
+            | numbers_by_name(self.direction.unknown, self.state)
         )
         told: list[ca.SX] = []
         for part in self.direction.parts:
-            if part.form is None:
-                continue
-            system = part.problem.system
-            symbols = [
-                (s, [n for c in group for n in numbers[c.name]])
-                for s, group in (
-                    (system.known, part.problem.known_coordinates),
-                    (system.unknown, system.unknowns),
-                )
-            ]
-            written = self._written(part.form.told, part.form, symbols)
-            told += [written[k] for k in range(int(written.shape[0]))]
+            if part.form is not None:
+                system, own = part.form.system, part.problem
+                inputs = [(system.known, own.known_coordinates), (system.unknown, system.unknowns)]
+                told += there.written(part.form.told, inputs, part.form).elements()
         inputs = [self.known, self.state, self.signs, self.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
         expressions = [
@@ -561,17 +464,3 @@ def _unit(cosine: ca.SX, sine: ca.SX | None) -> list[ca.SX]:
     assert sine is not None  # noqa: S101 - an angle has both
     inverse = 1 / ca.sqrt(cosine * cosine + sine * sine)
     return [cosine * inverse, sine * inverse]
-
-
-def _coupled(total: AngleSum, read: list[Numbers]) -> Numbers:
-    """The angle that a sum of angles gives, which vanishes."""
-    own = total.factors[0, 0]
-    factors = {place: -factor / own for place, factor in total.factors.items() if place != (0, 0)}
-    shift = -total.offset / own
-    value = sum((factor * read[k].value for (_, k), factor in factors.items()), shift)
-    circle = ca.cos(shift), ca.sin(shift)
-    for (_, k), factor in factors.items():
-        if read[k].cosine is None or factor != round(factor):
-            return Numbers(value, ca.cos(value), ca.sin(value))
-        circle = turned(circle, read[k].circle(), factor)
-    return Numbers(value, *circle)

@@ -4,7 +4,8 @@ is OK.
 
 from __future__ import annotations
 
-from symkin.codegen.joint_map import Direction, JointMap, Part
+from symkin.codegen.composed import Part
+from symkin.codegen.joint_map import Direction, JointMap
 
 _MAP = r"""The loops hold the given coordinates $q$, the found ones $X$ and passive ones $x$; their
 rows are $F(q, X, x) = 0$ (below; angular rows are multiplied by the machine's size). Either
