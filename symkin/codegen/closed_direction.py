@@ -22,6 +22,7 @@ from symkin.codegen.condition_bends import (
     share_of,
 )
 from symkin.codegen.joint_map import Direction, JointMap
+from symkin.codegen.line_bounds import Span
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.text.angles import Numbers, number_counts, numbers_by_name
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
@@ -37,6 +38,10 @@ _ROOT = 1e-12
 _POINTS = 400
 _FAR = 1.0
 """How far from the reference bends are sampled: in half turns, and in sizes."""
+SLIDE_PARTS = (1.0 / 16, 1.0 / 4, 1.0)
+"""Parts of a slide's range for which bends are bounded."""
+_SMALLER = 0.25
+"""Share of a bend in the whole range below which that in the least part is worth a table."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,17 +121,27 @@ class ClosedDirection:
             )
         ]
 
-    @cached_property
-    def _points(self) -> np.ndarray:
-        """Random known values (n, known) about the reference, within limits."""
-        rng = np.random.default_rng(7)
-        reference = self.made.reference_of(self.direction.known)
-        low, high = [], []
-        for c, v in zip(self.direction.known, reference, strict=True):
-            reach = _FAR * (np.pi if c.is_angular else self.made.size)
-            low.append(max(v - reach, c.limits[0]) if c.limits else v - reach)
-            high.append(min(v + reach, c.limits[1]) if c.limits else v + reach)
-        return rng.uniform(low, high, (_POINTS, len(low)))
+    def _spans(self, part: float) -> list[Span]:
+        """What the known values run over about the reference: within limits, slides in a part of
+        their range.
+        """
+        found, reference = list[Span](), self.made.reference_of(self.direction.known)
+        for c, v, unit in zip(self.direction.known, reference, self.units.tolist(), strict=True):
+            reach = _FAR * np.pi if c.is_angular else part * _FAR * self.made.size
+            low, high = (v - reach, v + reach)
+            if c.limits is not None:
+                low, high = max(low, c.limits[0]), min(high, c.limits[1])
+            found.append(Span(c.is_angular, 0.5 * (low + high), 0.5 * (high - low), unit))
+        return found
+
+    @property
+    def _is_bounded(self) -> bool:
+        """Whether all slides have limits near the reference."""
+        far, reference = _FAR * self.made.size, self.made.reference_of(self.direction.known)
+        return all(
+            c.is_angular or (c.limits is not None and np.max(np.abs(c.limits - v)) <= far)
+            for c, v in zip(self.direction.known, reference, strict=True)
+        )
 
     def _bound(self, expression: ca.SX) -> ca.Function:
         """A function of the known values, at the reference's signs, roots put in."""
@@ -184,7 +199,7 @@ class ClosedDirection:
         """An eighth of the largest second derivative of each condition over its usual size, known
         values in their `units`.
         """
-        return np.array([bend.eighth for bend in self._bends])
+        return np.array([bend.eighth for bend in self.part_bends[-1]])
 
     @cached_property
     def _known_values(self) -> ca.SX:
@@ -208,21 +223,37 @@ class ClosedDirection:
         return even_units(self._over_usual, self._known_values, scales, near)
 
     @cached_property
-    def _bends(self) -> list[ConditionBend]:
-        """The bend of each condition, and how it is known."""
-        values, plain, size = self._known_values, self._over_usual, self.made.size
+    def part_bends(self) -> list[list[ConditionBend]]:
+        """The bend of each condition, and how it is known, in each of the parts; in the whole alone
+        where bends in the least part are not far smaller.
+        """
+        whole = self._bends_in(SLIDE_PARTS[-1])
+        if all(c.is_angular for c in self.direction.known):
+            return [whole]
+        least = self._bends_in(SLIDE_PARTS[0])
+        smaller = any(a.eighth < _SMALLER * b.eighth for a, b in zip(least, whole, strict=True))
+        between = [self._bends_in(part) for part in SLIDE_PARTS[1:-1]] if smaller else []
+        return [least, *between, whole] if smaller else [whole]
+
+    def _bends_in(self, part: float) -> list[ConditionBend]:
+        values, plain = self._known_values, self._over_usual
+        scales = np.array(units_of(self.direction.known, self.made.size))
         shares = [
             share_of(v, divides=one.root is None)
             for v, one in zip(plain, self.conditions, strict=True)
         ]
+        spans, rng = self._spans(part), np.random.default_rng(7)
+        low, high = np.array([(s.middle - s.half, s.middle + s.half) for s in spans]).T
+        points = rng.uniform(low, high, (_POINTS, len(spans)))
+        # lines may leave the whole of a range that no limits bound
+        held = spans if part < SLIDE_PARTS[-1] or self._is_bounded else None
         found = []
         for j, one in enumerate(plain):
             read = self._read_by(j)
             share = ca.SX(1)
             for i in read:
                 share = share * shares[i]
-            known, units = self.direction.known, self.units
-            found.append(condition_bend(one, share, values, known, size, units, self._points, read))
+            found.append(condition_bend(one, share, values, scales, self.units, held, points, read))
         return found
 
     def _read_by(self, j: int) -> tuple[int, ...]:
@@ -263,8 +294,6 @@ class ClosedDirection:
             "nto": len(self.direction.known),
             "signs": max(1, int(self.signs.shape[0])),
             "conditions": count,
-            "bends": ", ".join(literal(float(b)) for b in self.bends) or literal(0.0),
-            "bend_grounds": ", ".join(bend.ground for bend in self._bends) or "no condition",
             "hold": indent(self._hold_lines, 2),
             "resolved": literal(_RESOLVED * self.real.epsilon),
             "near_one": literal(0.999),
@@ -276,11 +305,52 @@ class ClosedDirection:
         }
 
     @property
+    def _bend_lines(self) -> list[str]:
+        """Statements of the bends: where they are of parts of the slides' ranges, of the first that
+        holds the line.
+        """
+        real, literal, count = self.real, self.real.literal, max(1, len(self.conditions))
+        rows = [
+            ", ".join(literal(b.eighth) for b in row) or literal(0.0) for row in self.part_bends
+        ]
+        grounds = ", ".join(bend.ground for bend in self.part_bends[-1]) or "no condition"
+        if len(rows) == 1:
+            return [
+                f"static const {real.type} bend[{count}] = {{ {rows[0]} }}; /* M / 8: {grounds} */"
+            ]
+        reference = self.made.reference_of(self.direction.known)
+        away = [
+            value if v == 0.0 else f"{value} - {literal(float(v))}"
+            for i, (c, v) in enumerate(zip(self.direction.known, reference, strict=True))
+            if not c.is_angular
+            for value in (f"w->at[{i}]", f"to[{i}]")
+        ]
+        table = ", ".join(f"{{ {row} }}" for row in rows)
+        fabs, ends = (
+            self.real.call("fabs"),
+            [part * _FAR * self.made.size for part in SLIDE_PARTS[:-1]],
+        )
+        return [
+            f"static const {real.type} bends[{len(rows)}][{count}] = {{ {table} }}; /* M / 8: "
+            f"{grounds} */",
+            f"const {real.type} away[{len(away)}] = {{ {', '.join(away)} }};",
+            "unsigned int reach = 0U; /* the part of the slides' ranges that holds the line */",
+            f"for (int i = 0; i < {len(away)}; ++i) {{",
+            *(
+                f"    reach = ((reach < {k}U) && ({fabs}(away[i]) > {literal(end)})) ? {k}U : "
+                f"reach;"
+                for k, end in enumerate(ends, start=1)
+            ),
+            "}",
+            f"const {real.type} *const bend = bends[reach];",
+        ]
+
+    @property
     def _hold_lines(self) -> list[str]:
         """Statements that hold a part of a line against the conditions' bends."""
         literal, count = self.real.literal, max(1, len(self.conditions))
         bent = "bend[{}] * way2 * (aim - done) * (aim - done)"
-        read = {i for bend in self._bends for i in bend.read}
+        read = {i for bend in self.part_bends[-1] for i in bend.read}
         if not read:
             return [
                 f"for (int i = 0; i < {count}; ++i) {{",
@@ -294,7 +364,7 @@ class ClosedDirection:
             "/* bends of conditions that read others are over the shares that these keep in the "
             "part (README.md) */"
         ]
-        for j, bend in enumerate(self._bends):
+        for j, bend in enumerate(self.part_bends[-1]):
             share = " * ".join(f"share{i}" for i in bend.read)
             lines += [
                 f"const {self.real.type} smaller{j} = (begin[{j}] < end[{j}]) ? begin[{j}] : "
@@ -339,6 +409,7 @@ class ClosedDirection:
             "map_closed.c",
             self.values
             | {
+                "bends": indent(self._bend_lines),
                 "formulas": indent(self._formula_lines),
                 "told": told,
                 "way": indent(way),
