@@ -86,15 +86,14 @@ class PointRow:
         return pose.weight * rest + 2 * ca.dot(gap, pose.direction(arm))
 
 
-def pose_rows(system: System, poses: np.ndarray, lost: int | None = None) -> list[PointRow] | None:
-    """The rows of a limb without its passive joints, as many as the platform loses freedoms by it,
-    `lost` if its rows depend on one another; None where none are found. Coefficients are compared
-    at the sampled `poses` (n, known).
+def pose_rows(system: System, poses: np.ndarray) -> list[PointRow] | None:
+    """The rows of a limb without its passive joints, as many as the platform loses freedoms by it;
+    None where none are found. Coefficients are compared at the sampled `poses` (n, known).
     """
-    limb = _limb(system, poses) if lost is None else _limb(_of_points(system), poses)
+    limb = _limb(system, poses)
     if limb is None:
         return None
-    lacking = len(limb.rows) - len(limb.gone) if lost is None else lost
+    lacking = len(limb.rows) - len(limb.gone)
     points = limb.planes(lacking)
     sphere = limb.sphere() if len(points) < lacking else None
     if sphere is not None:
@@ -226,24 +225,6 @@ def _part(closure: Closure, rows: ca.SX, unknown: Sequence[int]) -> tuple[System
     variables = closure.variables
     system = System(tuple(chosen), variables[own, 0], variables[others, 0], rows, rows, size)
     return system, values[:, others]
-
-
-def _of_points(system: System) -> System:
-    """The rows that are polynomials and hold the pose: those of positions, not of orientations
-    alone.
-    """
-    ring, kept = Ring(system.unknowns), list[int]()
-    for i in range(int(system.rows.shape[0])):
-        try:
-            (row,) = polynomial_rows(ring, system, system.rows[i], {})
-        except NotPolynomialError:
-            continue
-        if any(ca.which_depends(row.terms.get(ring.one, ca.SX(0)), system.known, 1, False)):
-            kept.append(i)
-    rows = system.rows[kept]
-    return System(
-        system.unknowns, system.unknown, system.known, rows, rows, system.characteristic_length
-    )
 
 
 def plain(

@@ -445,6 +445,7 @@ NAMES = {
     "Emitter": "symkin.codegen.text.c",
     "Real": "symkin.codegen.text.c",
     "ClosedDirection": "symkin.codegen.closed_direction",
+    "SLIDE_PARTS": "symkin.codegen.closed_direction",
     "share_of": "symkin.codegen.condition_bends",
     "folder_files": "symkin.codegen.folder",
     "write_folder": "symkin.codegen.folder",
