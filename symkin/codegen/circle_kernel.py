@@ -14,14 +14,13 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snap, snapped_expression
-from symkin.codegen.newton_kernel import Kernel, Meaning, bent_places, listed
+from symkin.codegen.newton_kernel import Kernel, Meaning, bent_places, listed, moves
 from symkin.codegen.text.angles import by_numbers, number_counts, numbers_of
 from symkin.elimination.polynomial import Monomial, Polynomial, Ring
 from symkin.elimination.rows import NotPolynomialError, polynomial_rows
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
 from symkin.spatial.backend import dot
-from symkin.spatial.rotation import multiply
 
 _MOST_ANGLES = 6
 """Coordinates of rows that are written as polynomials: terms double with each angle."""
@@ -115,37 +114,6 @@ def _length(expressions: Sequence[ca.SX], symbols: Sequence[ca.SX]) -> int:
             "f", list(symbols), [ca.densify(e) for e in expressions], {"cse": True}
         ).n_instructions()
     )
-
-
-def moves(
-    coordinates: Sequence[Coordinate], state: ca.SX, step: ca.SX, size: float
-) -> tuple[ca.SX, ca.SX]:
-    """dstate/dstep (numbers, freedom), and the state after a step; angles and turns are moved by
-    the arc whose tangent is the step.
-    """
-    tangent, moved, place, column = ca.SX(int(state.shape[0]), int(step.shape[0])), [], 0, 0
-    for c in coordinates:
-        if c.kind == "angle":
-            cosine, sine, turn = state[place], state[place + 1], (1 / size) * step[column]
-            tangent[place, column], tangent[place + 1, column] = -sine / size, cosine / size
-            after = [cosine - sine * turn, sine + cosine * turn]
-            inverse = 1 / ca.sqrt(after[0] * after[0] + after[1] * after[1])
-            moved += [part * inverse for part in after]
-            place += 1
-        elif c.kind == "quaternion":
-            q, part = state[place : place + 4], step[column : column + 3]
-            for k in range(3):
-                axis = [0.0, 0.0, 0.0, 0.0]
-                axis[k + 1] = 0.5 / size
-                tangent[place : place + 4, column + k] = multiply(axis, q)
-            turned = multiply(ca.vertcat(1, (0.5 / size) * part), q)
-            moved += [turned[k] / ca.sqrt(dot(turned, turned)) for k in range(4)]
-        else:
-            scale = 1 / size if c.is_angular else 1.0
-            tangent[place, column] = scale
-            moved.append(state[place] + scale * step[column])
-        place, column = place + c.width, column + c.freedom
-    return tangent, ca.vertcat(*moved)
 
 
 # --- rows as polynomials --------------------------------------------------------------------------
