@@ -445,7 +445,7 @@ def map_configurations(
         tried = min(left, count - len(found) + MORE)
         left -= tried
         goals = begin_known + reach * np.round(rng.uniform(-1, 1, (tried, len(reach))), 6)
-        goals = goals[[_within(made.given, goal) for goal in goals]]
+        goals = goals[_within(made.given, goals)]
         ends, whole = all_followed(direct, begin, begin_known, goals)
         values = np.tile(made.reference, (len(goals), 1))
         values[:, direct.unknown_places], values[:, direct.known_places] = ends, goals
@@ -453,15 +453,14 @@ def map_configurations(
         home = made.reference
         back, kept = all_followed(inverse, home[places[0]], home[places[1]], values[:, places[1]])
         kept &= np.all(np.abs(back - values[:, places[0]]) <= _BACK * scales, axis=1)
-        kept &= [_within(made.found, v[places[1]]) for v in values]
+        kept &= _within(made.found, values[:, places[1]])
         found += [
             Configuration(v, v[direct.unknown_places], v[direct.known_places]) for v in values[kept]
         ]
     return found[:count]
 
 
-def _within(coordinates: Sequence[Coordinate], values: np.ndarray) -> bool:
-    return all(
-        c.limits is None or c.limits[0] < v < c.limits[1]
-        for c, v in zip(coordinates, values, strict=True)
-    )
+def _within(coordinates: Sequence[Coordinate], values: np.ndarray) -> np.ndarray:
+    """Which rows (n,) of values (n, coordinates) lie within all limits."""
+    low, high = np.array([c.limits or (-np.inf, np.inf) for c in coordinates]).T
+    return np.asarray(np.all((low < values) & (values < high), axis=1))

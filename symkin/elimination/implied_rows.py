@@ -33,6 +33,7 @@ from symkin.elimination.rows import NotPolynomialError, polynomial_rows
 from symkin.elimination.sums import product
 from symkin.elimination.workspace import Workspace
 from symkin.model.joint import Coordinate
+from symkin.numeric.rank import null_space
 from symkin.numeric.system import System
 
 _VANISHED = 1e-10
@@ -335,7 +336,7 @@ class _Limb:
             return np.zeros((0, len(polynomials)))
         matrix = np.array(
             [[float(p.terms.get(m, ca.SX(0))) for p in polynomials] for m in terms]
-        ).reshape(len(terms), -1)
+        ).reshape(len(terms), len(polynomials))
         sizes = np.max(np.abs(matrix), axis=1, initial=0.0)
         kept = sizes > _CANCELLED * np.max(sizes, initial=0.0)
         return np.asarray(matrix[kept] / sizes[kept, None])
@@ -345,7 +346,7 @@ class _Limb:
         for monomials in self.factors:
             polynomials = self._products(monomials)
             matrix = self._bound(polynomials)
-            null = _null_space(matrix, len(polynomials))
+            null = _reduced_null_space(matrix)
             if len(null) and (len(monomials) == 1 or len(null) == 1):
                 return [self._plane(factors, monomials, polynomials) for factors in null[:most]]
         return []
@@ -355,7 +356,7 @@ class _Limb:
         found = []
         for monomials in self.factors:
             polynomials = self._products(monomials)
-            null = _null_space(self._bound(polynomials), len(polynomials))
+            null = _reduced_null_space(self._bound(polynomials))
             found += [self._plane(factors, monomials, polynomials) for factors in null]
         return found
 
@@ -461,15 +462,11 @@ def _tidy(value: float, beside: np.ndarray) -> float:
     return float(value) if abs(value) > _VANISHED * np.max(np.abs(beside)) else 0.0
 
 
-def _null_space(matrix: np.ndarray, count: int) -> np.ndarray:
-    """Unit vectors (k, count) that a matrix makes zero, in a form of its own: reduced, so that
+def _reduced_null_space(matrix: np.ndarray) -> np.ndarray:
+    """Unit vectors (k, columns) that a matrix makes zero, in a form of its own: reduced, so that
     plain factors stay plain.
     """
-    if not len(matrix):
-        return np.eye(count)
-    _, sizes, v = np.linalg.svd(matrix)
-    rank = int(np.sum(sizes > _VANISHED * sizes[0]))
-    null = v[rank:].copy()
+    null = null_space(matrix, _VANISHED, relative=True)
     # reduced row by row: ones and zeros where the vectors allow them; of entries that are equal but
     # for rounding, the first
     for i in range(len(null)):
