@@ -8,20 +8,20 @@ line.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snap, snapped_expression
-from symkin.codegen.newton_kernel import Kernel, Meaning, bent_places, listed
+from symkin.codegen.newton_kernel import Kernel, Meaning, bent_places, listed, moves
 from symkin.codegen.text.angles import by_numbers, number_counts, numbers_of
+from symkin.computed_once import lru_cache
 from symkin.elimination.polynomial import Monomial, Polynomial, Ring
 from symkin.elimination.rows import NotPolynomialError, polynomial_rows
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
 from symkin.spatial.backend import dot
-from symkin.spatial.rotation import multiply
 
 _MOST_ANGLES = 6
 """Coordinates of rows that are written as polynomials: terms double with each angle."""
@@ -117,37 +117,6 @@ def _length(expressions: Sequence[ca.SX], symbols: Sequence[ca.SX]) -> int:
     )
 
 
-def moves(
-    coordinates: Sequence[Coordinate], state: ca.SX, step: ca.SX, size: float
-) -> tuple[ca.SX, ca.SX]:
-    """dstate/dstep (numbers, freedom), and the state after a step; angles and turns are moved by
-    the arc whose tangent is the step.
-    """
-    tangent, moved, place, column = ca.SX(int(state.shape[0]), int(step.shape[0])), [], 0, 0
-    for c in coordinates:
-        if c.kind == "angle":
-            cosine, sine, turn = state[place], state[place + 1], (1 / size) * step[column]
-            tangent[place, column], tangent[place + 1, column] = -sine / size, cosine / size
-            after = [cosine - sine * turn, sine + cosine * turn]
-            inverse = 1 / ca.sqrt(after[0] * after[0] + after[1] * after[1])
-            moved += [part * inverse for part in after]
-            place += 1
-        elif c.kind == "quaternion":
-            q, part = state[place : place + 4], step[column : column + 3]
-            for k in range(3):
-                axis = [0.0, 0.0, 0.0, 0.0]
-                axis[k + 1] = 0.5 / size
-                tangent[place : place + 4, column + k] = multiply(axis, q)
-            turned = multiply(ca.vertcat(1, (0.5 / size) * part), q)
-            moved += [turned[k] / ca.sqrt(dot(turned, turned)) for k in range(4)]
-        else:
-            scale = 1 / size if c.is_angular else 1.0
-            tangent[place, column] = scale
-            moved.append(state[place] + scale * step[column])
-        place, column = place + c.width, column + c.freedom
-    return tangent, ca.vertcat(*moved)
-
-
 # --- rows as polynomials --------------------------------------------------------------------------
 
 
@@ -161,10 +130,28 @@ def polynomials_of(
         c.kind not in ("angle", "length") for c in coordinates
     ):
         return None
-    ring, symbols = Ring(coordinates), ca.vertcat(system.unknown, system.known)
-    whole = System(coordinates, symbols, ca.SX(0, 1), rows, rows, system.characteristic_length)
+    symbols, none = ca.vertcat(system.unknown, system.known), ca.SX(0, 1)
+    whole = System(coordinates, symbols, none, rows, rows, system.characteristic_length)
+    entries = (*symbols.elements(), *rows.elements())
+    return _found(_Asked(coordinates, tuple(e.element_hash() for e in entries), whole))
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Rows that are asked for as polynomials, by the marks of their symbols and expressions: groups
+    and kernels ask for the same ones.
+    """
+
+    coordinates: tuple[Coordinate, ...]
+    marks: tuple[int, ...]
+    system: System = field(compare=False)
+
+
+@lru_cache(maxsize=32)
+def _found(asked: _Asked) -> tuple[Ring, list[Polynomial]] | None:
+    ring, system = Ring(asked.coordinates), asked.system
     try:
-        found = polynomial_rows(ring, whole, rows, {})
+        found = polynomial_rows(ring, system, system.rows, {})
     except NotPolynomialError:
         return None
     tidy = [_tidied(row) for row in found]
@@ -199,10 +186,10 @@ def _polynomials(
     """Rows, Jacobian, symbols of the known values and what they are; None where rows are no short
     polynomials.
     """
-    found = polynomials_of(-system.rows, system, (*system.unknowns, *known))
+    found = polynomials_of(system.rows, system, (*system.unknowns, *known))
     if found is None:
         return None
-    ring, rows = found
+    ring, rows = found[0], [row.times(-1.0) for row in found[1]]
     count, size = int(state.shape[0]), system.characteristic_length
     generators = ca.vertcat(state, numbers)
     coefficients: list[ca.SX] = []

@@ -15,8 +15,8 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.circle_kernel import moves
 from symkin.codegen.joint_map import Direction, JointMap
+from symkin.codegen.newton_kernel import moves
 from symkin.codegen.text.angles import numbers_at
 from symkin.model.joint import Coordinate
 

@@ -128,24 +128,11 @@ def system_kernel(
 ) -> Kernel:
     """Make the kernel of a position system: rows -F, J = dF/dd over the system's tangent space.
 
-    `known` are the coordinates of the system's known values. A quaternion q moves to the unit
-    quaternion of (1, d / (2 size)) q, d the part of the step that is its turn times the size.
+    `known` are the coordinates of the system's known values.
     """
     step = ca.SX.sym("s", system.freedom)
-    moved, column = [], 0
-    for coordinate, place in zip(system.unknowns, system.slices, strict=True):
-        z, part = system.unknown[place], step[column : column + coordinate.freedom]
-        if coordinate.kind == "quaternion":
-            # a turn by w is exp(w / 2) q, to first order (1, w / 2) q; the step holds w times the
-            # size
-            q = multiply(ca.vertcat(1, (0.5 / system.characteristic_length) * part), z)
-            inverse = 1 / ca.sqrt(dot(q, q))
-            moved.append(ca.vertcat(*(q[k] * inverse for k in range(4))))
-        else:
-            moved.append(
-                z + (1 / system.characteristic_length) * part if coordinate.is_angular else z + part
-            )
-        column += coordinate.freedom
+    size = system.characteristic_length
+    _, moved = moves(system.unknowns, system.unknown, step, size, circles=False)
     symbols = [system.unknown, system.known, geometry]
     return Kernel(
         name=name,
@@ -157,7 +144,7 @@ def system_kernel(
         rows=snapped_expression(-system.rows, symbols),
         shared=ca.SX(0, 1),
         jacobian=snapped_expression(system.jacobian, symbols),
-        moved=ca.vertcat(*moved),
+        moved=moved,
         norm=dot(step, step),
         row_length=1.0,
         characteristic_length=system.characteristic_length,
@@ -171,6 +158,44 @@ def system_kernel(
         quaternion=quaternion_place(known),
         turns=bent_places(known, system.characteristic_length),
     )
+
+
+def moves(
+    coordinates: Sequence[Coordinate],
+    state: ca.SX,
+    step: ca.SX,
+    size: float,
+    *,
+    circles: bool = True,
+) -> tuple[ca.SX, ca.SX]:
+    """dstate/dstep (numbers, freedom), and the state after a step, angles and turns of which are
+    times the size. Quaternions, and angles where they are `circles`, cosine and sine, are moved by
+    the arc whose tangent is the step.
+    """
+    tangent, moved, place, column = ca.SX(int(state.shape[0]), int(step.shape[0])), [], 0, 0
+    for c in coordinates:
+        if c.kind == "angle" and circles:
+            cosine, sine, turn = state[place], state[place + 1], (1 / size) * step[column]
+            tangent[place, column], tangent[place + 1, column] = -sine / size, cosine / size
+            after = [cosine - sine * turn, sine + cosine * turn]
+            inverse = 1 / ca.sqrt(after[0] * after[0] + after[1] * after[1])
+            moved += [part * inverse for part in after]
+            place += 1
+        elif c.kind == "quaternion":
+            q, part = state[place : place + 4], step[column : column + 3]
+            for k in range(3):
+                axis = [0.0, 0.0, 0.0, 0.0]
+                axis[k + 1] = 0.5 / size
+                tangent[place : place + 4, column + k] = multiply(axis, q)
+            turned = multiply(ca.vertcat(1, (0.5 / size) * part), q)
+            inverse = 1 / ca.sqrt(dot(turned, turned))
+            moved += [turned[k] * inverse for k in range(4)]
+        else:
+            scale = 1 / size if c.is_angular else 1.0
+            tangent[place, column] = scale
+            moved.append(state[place] + scale * step[column])
+        place, column = place + c.width, column + c.freedom
+    return tangent, ca.vertcat(*moved)
 
 
 def _about_row(system: System, used: set[int]) -> str:

@@ -33,15 +33,12 @@ class Polynomial:
         """This and `factor` times the other."""
         terms = dict(self.terms)
         for monomial, coefficient in other.terms.items():
-            more = (
-                coefficient if isinstance(factor, float) and factor == 1.0 else factor * coefficient
-            )
-            add_term(terms, monomial, more)
+            add_term(terms, monomial, times(factor, coefficient))
         return Polynomial(terms)
 
     def times(self, factor: float | ca.SX) -> Polynomial:
         return Polynomial(
-            {monomial: factor * coefficient for monomial, coefficient in self.terms.items()}
+            {monomial: times(factor, coefficient) for monomial, coefficient in self.terms.items()}
         )
 
     @property
@@ -97,7 +94,7 @@ class Ring:
         for a, x in first.terms.items():
             for b, y in second.terms.items():
                 monomial = tuple(i + j for i, j in zip(a, b, strict=True))
-                add_term(terms, monomial, x * y)
+                add_term(terms, monomial, times(x, y))
         return self._reduced(terms)
 
     def _reduced(self, terms: dict[Monomial, ca.SX]) -> Polynomial:
@@ -113,10 +110,10 @@ class Ring:
                         add_term(found, monomial, coefficient)
                         continue
                     for lower, sign in (
-                        (_moved(monomial, {sine: -2}), 1),
-                        (_moved(monomial, {sine: -2, cosine: 2}), -1),
+                        (_moved(monomial, {sine: -2}), 1.0),
+                        (_moved(monomial, {sine: -2, cosine: 2}), -1.0),
                     ):
-                        add_term(found, lower, sign * coefficient)
+                        add_term(found, lower, times(sign, coefficient))
                 terms = found
         return Polynomial(terms)
 
@@ -163,28 +160,32 @@ class Ring:
         return polynomial.terms.get(self.one, ca.SX(0))
 
 
+def times(first: float | ca.SX, second: ca.SX) -> ca.SX:
+    """A product of coefficients, of constants as numbers, which takes a fraction of the time."""
+    if isinstance(first, float):
+        if first == 1.0:
+            return second
+    elif first.is_constant():
+        first = float(first)
+    if isinstance(first, float) and second.is_constant():
+        return ca.SX(first * float(second))
+    return first * second
+
+
 def add_term(terms: dict[Monomial, ca.SX], monomial: Monomial, coefficient: ca.SX) -> None:
     """Add to a coefficient. Constants that cancel to rounding leave nothing, since a sum of
     constants forgets its terms.
     """
     before = terms.get(monomial)
-    whole = coefficient if before is None else before + coefficient
-    if (
-        before is not None
-        and whole.is_constant()
-        and abs(float(whole)) <= _CANCELLED * _absolute(before, coefficient)
-    ):
-        whole = ca.SX(0)
-    terms[monomial] = whole
-
-
-def _absolute(first: ca.SX, second: ca.SX) -> float:
-    """|a| + |b| of constants, 0 of others."""
-    return (
-        abs(float(first)) + abs(float(second))
-        if first.is_constant() and second.is_constant()
-        else 0.0
-    )
+    if before is None:
+        terms[monomial] = coefficient
+    elif before.is_constant() and coefficient.is_constant():
+        first, second = float(before), float(coefficient)
+        cancelled = abs(first + second) <= _CANCELLED * (abs(first) + abs(second))
+        terms[monomial] = ca.SX(0.0 if cancelled else first + second)
+    else:
+        whole = before + coefficient
+        terms[monomial] = ca.SX(0) if whole.is_zero() else whole
 
 
 def _moved(monomial: Monomial, changes: dict[int, int]) -> Monomial:

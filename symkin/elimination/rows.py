@@ -15,7 +15,7 @@ import casadi as ca
 
 from symkin.closure.angle_sums import AngleSum, combined
 from symkin.closure.expression_graph import walk
-from symkin.elimination.polynomial import Monomial, Polynomial, Ring, add_term
+from symkin.elimination.polynomial import Monomial, Polynomial, Ring, add_term, times
 from symkin.numeric.system import System
 
 
@@ -161,12 +161,12 @@ class _Reader:
         product = self.ring.product
         for unknown, factor in angle.factors.items():
             own = 0.5 if unknown in self.halves else 1.0
-            times = factor / own
-            if times != round(times):
+            count = factor / own
+            if count != round(count):
                 raise NotPolynomialError
             c, s = (self.ring.generator(place) for place in self.ring.places[unknown])
-            for _ in range(abs(round(times))):
-                turn = s.times(1.0 if times > 0 else -1.0)
+            for _ in range(abs(round(count))):
+                turn = s.times(1.0 if count > 0 else -1.0)
                 cosine, sine = (
                     product(cosine, c).plus(product(sine, turn), -1.0),
                     product(sine, c).plus(product(cosine, turn)),
@@ -210,7 +210,7 @@ def _whole(ring: Ring, row: Polynomial, halves: set[int]) -> Polynomial:
                 whole = (
                     base if place is None else tuple(e + (k == place) for k, e in enumerate(base))
                 )
-                add_term(terms, whole, part * coefficient)
+                add_term(terms, whole, times(part, coefficient))
         row = Polynomial(terms)
     return row
 
