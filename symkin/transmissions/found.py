@@ -11,7 +11,7 @@ from symkin.closure.branches import Branch, edges_of
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.bar import Bar
-from symkin.model.graph import LinkJoint
+from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import BASE, FREEDOMS, Coordinate, Joint, interval
 from symkin.model.mechanism import Mechanism
 from symkin.position.loops import independent_cycles
@@ -154,6 +154,28 @@ def with_ranges(mechanism: Mechanism, ranges: Mapping[str, Sequence[float]]) -> 
     return replace(
         mechanism, link_joints=[_limited(e, mechanism, ranges) for e in mechanism.link_joints]
     )
+
+
+def with_twins(mechanism: Mechanism, names: Sequence[str]) -> tuple[Mechanism, dict[str, str]]:
+    """The mechanism with a joint geared one to one to each coordinate of these names, and the
+    twins' names by these: a map may then have the coordinate on one side and its twin on the other.
+    """
+    twins, taken = dict[str, str](), {c.name for c in mechanism.coordinates}
+    joints, gears = list(mechanism.link_joints), list(mechanism.couplings)
+    for c in mechanism.coordinates:
+        if c.name not in names:
+            continue
+        twin = f"{c.name}_as_joint"
+        while twin in taken:
+            twin += "_"
+        taken.add(twin)
+        twins[c.name] = twin
+        point, axis = next(iter(mechanism.places.values())), (0.0, 0.0, 1.0)
+        kind = "R" if c.is_angular else "P"
+        made = Joint(twin, kind, point, axis, zero=c.reference[0], limits=c.limits)
+        joints.append(LinkJoint(made, (BASE, twin)))
+        gears.append(Coupling(twin, {c.name: 1.0}))
+    return replace(mechanism, link_joints=joints, couplings=gears), twins
 
 
 def _limited(

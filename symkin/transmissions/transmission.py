@@ -124,11 +124,16 @@ def transmission(
 
 
 def _begun(mechanism: Mechanism, start: Solution | Values | None) -> Mechanism:
-    """The mechanism with another reference."""
+    """The mechanism with another reference; values are held, or where others than they decide one
+    of them, as beside a reference where joints are locked, a search begins at them.
+    """
     if start is None:
         return mechanism
     if not isinstance(start, Solution):
-        start = solve(mechanism, given=start).solution
+        try:
+            start = solve(mechanism, given=start).solution
+        except InputError:
+            start = solve(mechanism, start=start).solution
     if start is None or start.mechanism != mechanism:
         raise InputError(f"start: the solution is none of {mechanism.name}")
     closure = build_closure(mechanism, start.partition)
