@@ -170,9 +170,14 @@ def with_twins(mechanism: Mechanism, names: Sequence[str]) -> tuple[Mechanism, d
             twin += "_"
         taken.add(twin)
         twins[c.name] = twin
-        point, axis = next(iter(mechanism.places.values())), (0.0, 0.0, 1.0)
-        kind = "R" if c.is_angular else "P"
-        made = Joint(twin, kind, point, axis, zero=c.reference[0], limits=c.limits)
+        made = Joint(
+            twin,
+            "R" if c.is_angular else "P",
+            next(iter(mechanism.places.values())).tolist(),
+            (0.0, 0.0, 1.0),
+            zero=c.reference[0],
+            limits=c.limits,
+        )
         joints.append(LinkJoint(made, (BASE, twin)))
         gears.append(Coupling(twin, {c.name: 1.0}))
     return replace(mechanism, link_joints=joints, couplings=gears), twins

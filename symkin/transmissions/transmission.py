@@ -129,15 +129,17 @@ def _begun(mechanism: Mechanism, start: Solution | Values | None) -> Mechanism:
     """
     if start is None:
         return mechanism
-    if not isinstance(start, Solution):
+    if isinstance(start, Solution):
+        begun: Solution | None = start
+    else:
         try:
-            start = solve(mechanism, given=start).solution
+            begun = solve(mechanism, given=start).solution
         except InputError:
-            start = solve(mechanism, start=start).solution
-    if start is None or start.mechanism != mechanism:
+            begun = solve(mechanism, start=start).solution
+    if begun is None or begun.mechanism != mechanism:
         raise InputError(f"start: the solution is none of {mechanism.name}")
-    closure = build_closure(mechanism, start.partition)
-    return with_reference_at(closure, start.variables)
+    closure = build_closure(mechanism, begun.partition)
+    return with_reference_at(closure, begun.variables)
 
 
 def _all(mechanism: Mechanism, options: dict[str, Any]) -> Transmissions:
