@@ -81,18 +81,33 @@ class Group:
         that end at a link that carries more of the robot, then those that pass the fewest motors,
         then in file order.
         """
-        edges, order = _edges(self.mechanism), [c.name for c in self.coordinates]
-        motors = {c.name for c in self.actuated}
-        beyond = {link for k, e in enumerate(edges) if k not in self.edges for link in e.ends}
+        order = [c.name for c in self.coordinates]
+        motors, carriers = {c.name for c in self.actuated}, self.carriers
         found: list[tuple[int, int, list[int], tuple[str, ...]]] = []
         for names, end in self._ways(self._root, (self._root,), (), count):
             passed = len(motors & set(names))
             if passed < len(names):
                 places = sorted(order.index(name) for name in names)
-                found.append((end not in beyond, passed, places, names))
+                found.append((end not in carriers, passed, places, names))
             if len(found) == _MOST_WAYS:
                 break
         return list(dict.fromkeys(names for *_, names in sorted(found)))
+
+    @cached_property
+    def carriers(self) -> list[str]:
+        """Its links that carry more of the robot."""
+        others = [e for k, e in enumerate(_edges(self.mechanism)) if k not in self.edges]
+        beyond = {link for edge in others for link in edge.ends}
+        own = {link for k in self.edges for link in _edges(self.mechanism)[k].ends}
+        return sorted(own & beyond - {self._root})
+
+    def way_to(self, link: str, most: int) -> tuple[str, ...] | None:
+        """The fewest single coordinates, up to so many, that lead from the first link to one."""
+        for count in range(most + 1):
+            for names, end in self._ways(self._root, (self._root,), (), count):
+                if end == link:
+                    return names
+        return None
 
     def _ways(
         self, link: str, visited: tuple[str, ...], names: tuple[str, ...], count: int
