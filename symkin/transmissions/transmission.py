@@ -251,7 +251,8 @@ def _checked(robot: str, linkage: Linkage, options: dict[str, Any]) -> Transmiss
         np.isfinite(here.jacobian).all() and np.isfinite(here.inverse_jacobian).all()
     ):
         raise InputError(
-            f"{robot}: the reference configuration is singular{''.join(singular[:1])}: "
+            f"{robot}: the reference configuration of the linkage of {', '.join(motors)} is "
+            f"singular{''.join(singular[:1])}: "
             f"{here.lost(0)}; give another start (--start NAME=VALUE,...)"
         )
     notes: tuple[str, ...] = ()
