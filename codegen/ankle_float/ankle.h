@@ -25,21 +25,21 @@
  *   track_inverse: 279 add, 344 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 219 mul, 4 div, 1 sqrt
  *   inverse_jacobian: 183 add, 257 mul, 4 div, 1 sqrt
- *   second: 310 add, 465 mul, 4 div, 1 sqrt
+ *   second: 260 add, 383 mul, 4 div, 1 sqrt
  *   rates: 160 add, 223 mul, 4 div, 1 sqrt
  *   torques: 160 add, 223 mul, 4 div, 1 sqrt
  *   inertia: 197 add, 273 mul, 4 div, 1 sqrt
  *   torque_limits: 156 add, 223 mul, 8 div, 1 sqrt
  *   rate_limits: 187 add, 261 mul, 8 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18403 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18057 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 78645 instructions, 648 stack, 7996 code
+ *   direct: 77020 instructions, 648 stack, 7996 code
  *   track: 1085 instructions, 188 stack, 3496 code
- *   inverse: 88865 instructions, 672 stack, 10784 code
+ *   inverse: 89810 instructions, 672 stack, 10784 code
  *   track_inverse: 1005 instructions, 196 stack, 4864 code
  *   jacobian: 780 instructions, 220 stack, 2944 code
  *   inverse_jacobian: 795 instructions, 212 stack, 3044 code
- *   second: 1360 instructions, 420 stack, 4732 code
+ *   second: 1200 instructions, 364 stack, 4124 code
  *   rates: 910 instructions, 268 stack, 3188 code
  *   torques: 910 instructions, 268 stack, 3188 code
  *   inertia: 1035 instructions, 268 stack, 3316 code

@@ -183,15 +183,10 @@ def _written(several: list[Transmission], folder: Path, language: str) -> list[P
     from symkin.codegen.transmission_array import array_source
     from symkin.files.outputs import write_output
     from symkin.model.names import identifiers
+    from symkin.transmissions.found import with_twins
 
     if folder.exists() and not folder.is_dir():
         raise InputError(f"-o: {str(folder)!r} is a file; the name of a folder is needed")
-    both = [name for one in several for name in one.joints if name in one.motors]
-    if both and language != "array":
-        raise InputError(
-            f"--format {language}: {', '.join(both)}: motor and joint at once, which C has "
-            f"no map for; name other joints (--motors, --joints), or take --format array"
-        )
     stems = [one.linkage.mechanism.name for one in several]
     if len(several) > 1:
         stems = [f"{stem}_{one.joints[0]}" for stem, one in zip(stems, several, strict=True)]
@@ -203,17 +198,21 @@ def _written(several: list[Transmission], folder: Path, language: str) -> list[P
             write_output(path, text)
         return list(texts)
     also: list[Any] = ["cpp", *(["ros2"] if language == "ros2" else [])]
-    return [
-        path
-        for stem, one in named
-        for path in write_firmware(
-            replace(one.linkage.mechanism, name=stem),
+    files = []
+    for stem, one in named:
+        mechanism, twins = with_twins(
+            one.linkage.mechanism, [n for n in one.joints if n in one.motors]
+        )
+        for name, twin in twins.items():
+            say(f"{name} is motor and joint at once: as a joint its name is {twin}")
+        files += write_firmware(
+            replace(mechanism, name=stem),
             folder / stem if len(several) > 1 else folder,
             given=one.motors,
-            find=one.joints,
+            find=[twins.get(name, name) for name in one.joints],
             also=also,
         )
-    ]
+    return files
 
 
 def _limits(text: str | None, what: str, unit: str) -> list[Any] | None:

@@ -34,30 +34,33 @@ def row_derivatives(direction: Direction) -> ca.Function:
 
 def row_bends(direction: Direction) -> ca.Function:
     """Give the second derivatives (m, pairs) of the kernel's rows along two known values each, of
-    (state, numbers, steps), where column j of `steps` moves the state with known value j. The pairs
-    j <= k stand in the order k (k + 1) / 2 + j.
+    (state, numbers, rates), where column j of `rates` moves the state with known value j. The pairs
+    j <= k stand in the order k (k + 1) / 2 + j. Two turns of one quaternion are taken in one order:
+    in the other they differ by a turn of the same quaternion, which moves no other coordinate.
     """
     circles = direction.circles
-    kernel, numbers, n = circles.kernel, circles.numbers, len(direction.known)
-    steps = ca.SX.sym("s", int(kernel.step.shape[0]), n)
-    everything = ca.vertcat(kernel.state, numbers)
-    scales = [
-        scale
-        for c, (_, scale) in zip(
-            direction.unknown,
-            step_columns(direction, direction.unknown, kernel.characteristic_length),
-            strict=True,
+    state, numbers, n = circles.kernel.state, circles.numbers, len(direction.known)
+    rates = ca.SX.sym("s", int(circles.kernel.step.shape[0]), n)
+    everything, motions = ca.vertcat(state, numbers), ca.vertcat(rates, ca.SX.eye(n))
+    tangent = ca.diagcat(_tangent(direction.unknown, state), _tangent(direction.known, numbers))
+    # the entries of a row's Hessian serve all pairs
+    count = tangent.shape[1]
+    along = [ca.jtimes(circles.rows_by_numbers, everything, tangent[:, a]) for a in range(count)]
+    bent = {
+        (a, b): ca.jtimes(along[b], everything, tangent[:, a])
+        for a in range(count)
+        for b in range(a + 1)
+    }
+    rows = []
+    for i in range(circles.kernel.m):
+        hessian = ca.sparsify(
+            ca.blockcat(
+                [[bent[max(a, b), min(a, b)][i] for b in range(count)] for a in range(count)]
+            )
         )
-        for _ in range(c.freedom)
-    ]
-    rates = ca.mtimes(ca.diag(scales), steps)
-    motions = ca.vertcat(
-        ca.mtimes(_tangent(direction.unknown, kernel.state), rates),
-        _tangent(direction.known, numbers),
-    )
-    along = [ca.jtimes(circles.rows_by_numbers, everything, motions[:, j]) for j in range(n)]
-    pairs = [ca.jtimes(along[j], everything, motions[:, k]) for k in range(n) for j in range(k + 1)]
-    return _function(ca.horzcat(*pairs), [kernel.state, numbers, steps])
+        turned = [ca.mtimes(hessian, motions[:, k]) for k in range(n)]
+        rows.append([ca.dot(motions[:, j], turned[k]) for k in range(n) for j in range(k + 1)])
+    return _function(ca.blockcat(rows), [state, numbers, rates])
 
 
 def second_derivatives(made: JointMap, values: np.ndarray) -> np.ndarray:
@@ -75,7 +78,8 @@ def second_derivatives(made: JointMap, values: np.ndarray) -> np.ndarray:
         return np.asarray(np.linalg.lstsq(matrix, sides, rcond=1e-12)[0])
 
     steps = solved(row_derivatives(direct), state, numbers)
-    bends = solved(row_bends(direct), state, numbers, steps)
+    scales = [scale for _, scale in step_columns(direct, direct.unknown, made.size)]
+    bends = solved(row_bends(direct), state, numbers, steps * np.array(scales)[:, None])
     lower = np.tril_indices(n)
     second = np.zeros((n, n, n))
     for i, (column, scale) in enumerate(step_columns(direct, made.found, made.size)):
@@ -87,14 +91,14 @@ def second_derivatives(made: JointMap, values: np.ndarray) -> np.ndarray:
 def step_columns(
     direction: Direction, wanted: Sequence[Coordinate], size: float
 ) -> list[tuple[int, float]]:
-    """List the place of each wanted coordinate in a step, and what turns the step's length into its
-    unit.
+    """List the places of each wanted coordinate in a step, and what turns the step's length into
+    its unit.
     """
     places, column = {}, 0
     for c in direction.unknown:
         places[c.name] = (column, 1.0 / size if c.is_angular else 1.0)
         column += c.freedom
-    return [places[c.name] for c in wanted]
+    return [(places[c.name][0] + k, places[c.name][1]) for c in wanted for k in range(c.freedom)]
 
 
 def _tangent(coordinates: tuple[Coordinate, ...], numbers: ca.SX) -> ca.SX:

@@ -236,6 +236,7 @@ class MapRates:
             "about": about,
             "written": f"{made.real.type} {function}[{nj}]",
             "most_sides": nsides,
+            "nrates": nj,
             "kept": "",
             "y": indent(y),
             "state": indent(state),
@@ -261,11 +262,10 @@ class MapRates:
             "pairs": pairs,
             "nsteps": n * freedom,
             "nbends": m * pairs,
-            "nseconds": n * pairs,
             "bends": indent(self._emitted(direct, row_bends(direct), steps)),
             "seconds": indent(
                 [
-                    f"seconds[{pairs * i} + j] = {step_text(made.real, *place)};"
+                    f"rates[{n * n + pairs * i} + j] = {step_text(made.real, *place)};"
                     for i, place in enumerate(step_columns(direct, made.found, made.size))
                 ]
             ),
@@ -275,10 +275,14 @@ class MapRates:
             "second",
             "Jacobian, if it is asked for, and second derivatives: the same matrix solved for the "
             "rows' second derivatives.",
-            [f"steps[{freedom} * j + {i}] = w.f[{i}];" for i in range(freedom)],
+            [
+                f"steps[{freedom} * j + {i}] = {step_text(made.real, *place)};"
+                for i, place in enumerate(step_columns(direct, direct.unknown, made.size))
+            ],
             written=f"{real} jacobian[{n * n}], {real} second[{n**3}]",
             most_sides=m * max(n, pairs),
-            kept=indent([f"{real} steps[{n * freedom}];", f"{real} seconds[{n * pairs}];"]),
+            nrates=n * n + n * pairs,
+            kept=indent([f"{real} steps[{n * freedom}];"]),
             more=indent(fill("map_second.c", values).splitlines(), 3),
             store=indent(fill("map_give_second.c", values).splitlines(), 2),
         )

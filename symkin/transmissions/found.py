@@ -11,7 +11,7 @@ from symkin.closure.branches import Branch, edges_of
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.bar import Bar
-from symkin.model.graph import LinkJoint
+from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import BASE, Coordinate, Joint, interval
 from symkin.model.mechanism import Mechanism
 from symkin.position.loops import independent_cycles
@@ -79,18 +79,33 @@ class Group:
         that end at a link that carries more of the robot, then those that pass the fewest motors,
         then in file order.
         """
-        edges, order = _edges(self.mechanism), [c.name for c in self.coordinates]
-        motors = {c.name for c in self.actuated}
-        beyond = {link for k, e in enumerate(edges) if k not in self.edges for link in e.ends}
+        order = [c.name for c in self.coordinates]
+        motors, carriers = {c.name for c in self.actuated}, self.carriers
         found: list[tuple[int, int, list[int], tuple[str, ...]]] = []
         for names, end in self._ways(self._root, (self._root,), (), count):
             passed = len(motors & set(names))
             if passed < len(names):
                 places = sorted(order.index(name) for name in names)
-                found.append((end not in beyond, passed, places, names))
+                found.append((end not in carriers, passed, places, names))
             if len(found) == _MOST_WAYS:
                 break
         return list(dict.fromkeys(names for *_, names in sorted(found)))
+
+    @cached_property
+    def carriers(self) -> list[str]:
+        """Its links that carry more of the robot."""
+        others = [e for k, e in enumerate(_edges(self.mechanism)) if k not in self.edges]
+        beyond = {link for edge in others for link in edge.ends}
+        own = {link for k in self.edges for link in _edges(self.mechanism)[k].ends}
+        return sorted(own & beyond - {self._root})
+
+    def way_to(self, link: str, most: int) -> tuple[str, ...] | None:
+        """The fewest single coordinates, up to so many, that lead from the first link to one."""
+        for count in range(most + 1):
+            for names, end in self._ways(self._root, (self._root,), (), count):
+                if end == link:
+                    return names
+        return None
 
     def _ways(
         self, link: str, visited: tuple[str, ...], names: tuple[str, ...], count: int
@@ -152,6 +167,33 @@ def with_ranges(mechanism: Mechanism, ranges: Mapping[str, Sequence[float]]) -> 
     return replace(
         mechanism, link_joints=[_limited(e, mechanism, ranges) for e in mechanism.link_joints]
     )
+
+
+def with_twins(mechanism: Mechanism, names: Sequence[str]) -> tuple[Mechanism, dict[str, str]]:
+    """The mechanism with a joint geared one to one to each coordinate of these names, and the
+    twins' names by these: a map may then have the coordinate on one side and its twin on the other.
+    """
+    twins, taken = dict[str, str](), {c.name for c in mechanism.coordinates}
+    joints, gears = list(mechanism.link_joints), list(mechanism.couplings)
+    for c in mechanism.coordinates:
+        if c.name not in names:
+            continue
+        twin = f"{c.name}_as_joint"
+        while twin in taken:
+            twin += "_"
+        taken.add(twin)
+        twins[c.name] = twin
+        made = Joint(
+            twin,
+            "R" if c.is_angular else "P",
+            next(iter(mechanism.places.values())).tolist(),
+            (0.0, 0.0, 1.0),
+            zero=c.reference[0],
+            limits=c.limits,
+        )
+        joints.append(LinkJoint(made, (BASE, twin)))
+        gears.append(Coupling(twin, {c.name: 1.0}))
+    return replace(mechanism, link_joints=joints, couplings=gears), twins
 
 
 def _limited(

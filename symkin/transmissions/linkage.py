@@ -27,6 +27,7 @@ from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.problem import Problem, build_problem
+from symkin.transmissions.lines import Followed, follow_lines
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +108,18 @@ class Linkage:
     def units(self) -> np.ndarray:
         """The size for lengths and 1 for other numbers of w."""
         return np.array(units_of(self.problem.closure.coordinates, self.size))
+
+    def moved(self, names: tuple[str, ...], starts: np.ndarray, goals: np.ndarray) -> Followed:
+        """Configurations w from some, or from one, along straight lines of the motors or the joints
+        to goals (n, names).
+        """
+        system = self.by_motors if names == self.motors else self.by_joints
+        unknown, known = self.problem.places(system.unknowns), self.places_of(names)
+        w = np.broadcast_to(starts, (len(goals), self.units.size)).copy()
+        found = follow_lines(system, w[:, unknown], w[:, known], goals)
+        w[:, unknown] = found.points
+        w[:, known] += found.shares[:, None] * (goals - w[:, known])
+        return Followed(w, found.shares)
 
     # --- differentials at n closed configurations w (n, width) ------------------------------------
 

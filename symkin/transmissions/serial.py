@@ -19,9 +19,11 @@ from symkin.formats.serial_form import Drive, serial_form
 from symkin.formats.urdf_text import urdf_text
 from symkin.model.mechanism import Mechanism
 from symkin.model.motor import motor_of
-from symkin.transmissions.found import group_with
+from symkin.transmissions.found import Group, group_with
 from symkin.transmissions.transmission_result import Transmission
 
+_LONGER = 3
+"""Coordinates beyond the freedoms that a way is looked for with."""
 _WRITERS = {".urdf": urdf_text, ".xml": mjcf_text}
 
 
@@ -47,11 +49,27 @@ def write_serial(
         drives |= found
         notes += of_it
         group = group_with(mechanism, [*transmission.motors, *transmission.joints])
+        _refuse_too_long(transmission, group)
         inside |= {element.path for k in group.edges for element in edges[k].elements}
         inside |= {element.name for k in group.edges for element in edges[k].elements}
     serial, told = serial_form(mechanism, inside, drives), "".join(f"; {note}" for note in notes)
     write_output(output, _WRITERS[output.suffix.lower()](serial, told))
     return tuple(notes)
+
+
+def _refuse_too_long(transmission: Transmission, group: Group) -> None:
+    """Raise InputError where the way to a link that carries more of the robot has more joints than
+    the linkage has freedoms: some follow from others, and no tree of driven joints does that.
+    """
+    free = transmission.linkage.mobility
+    for link in group.carriers:
+        way = group.way_to(link, free + _LONGER)
+        if way is not None and len(way) > free:
+            raise InputError(
+                f"{transmission.name}: no serial robot stands for this linkage: the way to "
+                f"{link!r}, which carries more of the robot, is by {', '.join(way)}, of which the "
+                f"linkage leaves {free} free of each other; its map is written by --format"
+            )
 
 
 def drives_of(transmission: Transmission) -> tuple[dict[str, Drive], list[str]]:

@@ -4,7 +4,7 @@ and rates that they give at least and at most, ratios, and backlash.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,6 @@ import numpy as np
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.result import Summary
-from symkin.transmissions.lines import follow_lines
 from symkin.transmissions.linkage import Linkage
 from symkin.transmissions.motors import Motors
 from symkin.transmissions.polytope import facets
@@ -159,52 +158,43 @@ class Survey:
 
     def summary(self, name: str, notes: Sequence[str]) -> Summary:
         """The table: ranges and torques of each joint; what holds of all of them below."""
-        linkage, out = self.linkage, self.out
+        linkage, told = self.linkage, self.to_dict()
         header = ["joint", "from", "to", "torque", "least", "most", "with others", "rate", "to"]
         rows, below = [], []
-        for i, joint in enumerate(linkage.joints):
-            low, high = self.ends[i]
-            small, large = self.smallest(i), self.largest(i)
-            rates = self.rates[:, i]
+        for joint, own in told["joints"].items():
+            low, high = own["from"], own["to"]
+            small, large = own["smallest_torque"], own["largest_torque"]
             numbers = [
-                self.alone[0, i],
-                small.value,
-                large.value,
-                self.together[:, i].max(),
-                rates.min(),
-                rates.max(),
+                low["value"],
+                high["value"],
+                own["torque_at_reference"],
+                small["value"],
+                large["value"],
+                own["largest_torque_with_others"],
+                *own["rate"],
             ]
-            rows.append(
-                [joint, f"{out(i, low.value):.4g}", f"{out(i, high.value):.4g}"]
-                + [f"{number:.4g}" for number in numbers]
-            )
+            rows.append([joint, *(f"{number:.4g}" for number in numbers)])
             below.append(
-                f"{joint}: ends at {low.by} and at {high.by}; weakest at {self._place(small)}, "
-                f"where {small.by} binds; strongest at {self._place(large)} ({large.by})"
+                f"{joint}: ends at {low['by']} and at {high['by']}; weakest at {_place(small)}, "
+                f"where {small['by']} binds; strongest at {_place(large)} ({large['by']})"
             )
-        if self.weakest is not None and len(linkage.joints) > 1:
-            one, way = self.weakest
+        weakest = told["weakest"]
+        if weakest is not None and len(rows) > 1:
             below.append(
-                f"weakest direction: {way}: {one.value:.4g} at {self._place(one)} ({one.by})"
+                f"weakest direction: {weakest['direction']}: {weakest['value']:.4g} at "
+                f"{_place(weakest)} ({weakest['by']})"
             )
-        ratios = _without_rounding(self.states.inverse_jacobian)
-        for a, motor in enumerate(linkage.motors):
-            told = ", ".join(
-                f"{ratios[:, a, i].min():.4g} to {ratios[:, a, i].max():.4g} by {joint}"
-                for i, joint in enumerate(linkage.joints)
-            )
-            below.append(f"ratio of {motor}: {told}")
+        for motor, ratios in told["ratios"].items():
+            spans = (f"{low:.4g} to {high:.4g} by {n}" for n, (low, high) in ratios.items())
+            below.append(f"ratio of {motor}: {', '.join(spans)}")
         if self.backlash is not None:
-            told = ", ".join(
-                f"{joint} {out(i, play):.3g}"
-                for i, (joint, play) in enumerate(zip(linkage.joints, self.backlash, strict=True))
-            )
-            below.append(f"play within the motors' resolution, at most: {told}")
+            plays = (f"{n} {own['backlash']:.3g}" for n, own in told["joints"].items())
+            below.append(f"play within the motors' resolution, at most: {', '.join(plays)}")
         units = (
             f"angles in {linkage.mechanism.angle_unit}, lengths in {linkage.mechanism.length_unit}"
         )
         above = [
-            f"{name}, driven by {', '.join(linkage.motors)}: {len(self.states.w)} configurations "
+            f"{name}, driven by {', '.join(linkage.motors)}: {told['samples']} configurations "
             f"within limits, {units}",
             "torque and rate: of one joint alone, in its weaker direction, at the reference, at "
             "least and at most; with others: at most, where they give any",
@@ -249,15 +239,14 @@ class Survey:
         at = {n: self.out(i, one.at[i]) for i, n in enumerate(self.linkage.joints)}
         return {"value": one.value, "at": at, "by": one.by}
 
-    def _place(self, one: Extreme) -> str:
-        return ", ".join(
-            f"{n} = {self.out(i, one.at[i]):.3g}" for i, n in enumerate(self.linkage.joints)
-        )
-
     def out(self, joint: int, value: float) -> float:
         """A joint's value in the mechanism's unit."""
         mechanism = self.linkage.mechanism
         return mechanism.value_out(self._joints[joint], float(value))
+
+
+def _place(told: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name} = {value:.3g}" for name, value in told["at"].items())
 
 
 def _without_rounding(ratios: np.ndarray) -> np.ndarray:
@@ -272,8 +261,9 @@ def survey(linkage: Linkage, data: Motors) -> Survey:
     joints alike is kept.
     """
     names, goals = _goals(linkage)
-    w, shares = _from_reference(linkage, names, goals)
-    w = w[(shares >= 1.0) & (linkage.beyond_limits(w) <= 0.0).all(axis=1)]
+    found = linkage.moved(names, linkage.reference, goals)
+    within = (linkage.beyond_limits(found.points) <= 0.0).all(axis=1)
+    w = found.points[found.reached & within]
     others = linkage.joints if names == linkage.motors else linkage.motors
     if len(linkage.motors) == linkage.mobility:
         w = w[_is_led_back(linkage, w, others)]
@@ -288,9 +278,9 @@ def _is_led_back(linkage: Linkage, w: np.ndarray, names: tuple[str, ...]) -> np.
     """Whether the values of these coordinates lead to the configurations as well (n,): beyond a
     dead centre of a motor the joints are those of another one, and no map from joints reaches this.
     """
-    back, shares = _from_reference(linkage, names, w[:, linkage.places_of(names)])
-    off = np.abs((back - w) / linkage.units).max(axis=1, initial=0.0)
-    return np.asarray((shares >= 1.0) & (off < _SAME))
+    back = linkage.moved(names, linkage.reference, w[:, linkage.places_of(names)])
+    off = np.abs((back.points - w) / linkage.units).max(axis=1, initial=0.0)
+    return np.asarray(back.reached & (off < _SAME))
 
 
 def _goals(linkage: Linkage) -> tuple[tuple[str, ...], np.ndarray]:
@@ -322,28 +312,6 @@ def _span(c: Coordinate) -> tuple[float, float] | None:
     return None if wide else c.limits
 
 
-def _from_reference(
-    linkage: Linkage, names: tuple[str, ...], goals: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Configurations (k, width) of goals on the reference's mode, as `_moved` finds them."""
-    return _moved(linkage, names, np.tile(linkage.reference, (len(goals), 1)), goals)
-
-
-def _moved(
-    linkage: Linkage, names: tuple[str, ...], starts: np.ndarray, goals: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Configurations on the straight lines from some to goals of these coordinates, and how far
-    along each.
-    """
-    system = linkage.by_motors if names == linkage.motors else linkage.by_joints
-    unknown, known = linkage.problem.places(system.unknowns), linkage.places_of(names)
-    found = follow_lines(system, starts[:, unknown], starts[:, known], goals)
-    w = starts.copy()
-    w[:, unknown] = found.points
-    w[:, known] += found.shares[:, None] * (goals - starts[:, known])
-    return w, found.shares
-
-
 def _ends(linkage: Linkage, states: States) -> tuple[tuple[End, End], ...]:
     """Where each joint's range ends: from the outermost sample on along this joint alone, up to a
     singularity, or to the first limit before it, found by halving.
@@ -356,23 +324,23 @@ def _ends(linkage: Linkage, states: States) -> tuple[tuple[End, End], ...]:
     ways = np.zeros((2 * n, n))
     for k in range(2 * n):
         ways[k, k // 2] = reach[k // 2] * (1.0 if k % 2 else -1.0)
-    final, shares = _moved(linkage, linkage.joints, starts, begin + ways)
-    low, high = np.zeros(2 * n), shares.copy()
-    over = linkage.beyond_limits(final)
+    final = linkage.moved(linkage.joints, starts, begin + ways)
+    low, high = np.zeros(2 * n), final.shares.copy()
+    over = linkage.beyond_limits(final.points)
     stopped = np.asarray((over > 0.0).any(axis=1))
     for _ in range(_HALVINGS if stopped.any() else 0):
         middle = np.where(stopped, 0.5 * (low + high), high)
-        w, _ = _moved(linkage, linkage.joints, starts, begin + middle[:, None] * ways)
+        w = linkage.moved(linkage.joints, starts, begin + middle[:, None] * ways).points
         here = linkage.beyond_limits(w)
         out = np.asarray((here > 0.0).any(axis=1))
         over[out] = here[out]
         starts = np.where(out[:, None], starts, w)
         low, high = np.where(out, low, middle), np.where(out, middle, high)
-    low = np.where(stopped, low, shares)
+    low = np.where(stopped, low, final.shares)
     values = begin + low[:, None] * ways
     told = []
     for k in range(2 * n):
-        by = "a singularity" if shares[k] < 1.0 else "the end of what was looked at"
+        by = "a singularity" if not final.reached[k] else "the end of what was looked at"
         if stopped[k]:
             by = f"the limit of {linkage.limited[over[k].argmax()].name}"
         told.append(End(float(values[k, k // 2]), by))

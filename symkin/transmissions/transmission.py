@@ -124,15 +124,22 @@ def transmission(
 
 
 def _begun(mechanism: Mechanism, start: Solution | Values | None) -> Mechanism:
-    """The mechanism with another reference."""
+    """The mechanism with another reference; values are held, or where others than they decide one
+    of them, as beside a reference where joints are locked, a search begins at them.
+    """
     if start is None:
         return mechanism
-    if not isinstance(start, Solution):
-        start = solve(mechanism, given=start).solution
-    if start is None or start.mechanism != mechanism:
+    if isinstance(start, Solution):
+        begun: Solution | None = start
+    else:
+        try:
+            begun = solve(mechanism, given=start).solution
+        except InputError:
+            begun = solve(mechanism, start=start).solution
+    if begun is None or begun.mechanism != mechanism:
         raise InputError(f"start: the solution is none of {mechanism.name}")
-    closure = build_closure(mechanism, start.partition)
-    return with_reference_at(closure, start.variables)
+    closure = build_closure(mechanism, begun.partition)
+    return with_reference_at(closure, begun.variables)
 
 
 def _all(mechanism: Mechanism, options: dict[str, Any]) -> Transmissions:
@@ -244,7 +251,8 @@ def _checked(robot: str, linkage: Linkage, options: dict[str, Any]) -> Transmiss
         np.isfinite(here.jacobian).all() and np.isfinite(here.inverse_jacobian).all()
     ):
         raise InputError(
-            f"{robot}: the reference configuration is singular{''.join(singular[:1])}: "
+            f"{robot}: the reference configuration of the linkage of {', '.join(motors)} is "
+            f"singular{''.join(singular[:1])}: "
             f"{here.lost(0)}; give another start (--start NAME=VALUE,...)"
         )
     notes: tuple[str, ...] = ()

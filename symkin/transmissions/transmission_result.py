@@ -16,7 +16,6 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.solve_result import SolveError
 from symkin.result import Result, Summary
 from symkin.text import counted, shown
-from symkin.transmissions.lines import follow_lines
 from symkin.transmissions.linkage import Linkage
 from symkin.transmissions.motors import Motors, read_motors
 from symkin.transmissions.polytope import between_planes, torque_vertices
@@ -229,15 +228,8 @@ class Transmission(Result):
         names = self.motors if joints is None else self.joints
         values = self._numbers(motors if joints is None else joints, names)
         goals = values.reshape(-1, len(names)) * _radians(linkage.coordinates_of(names), linkage)
-        system = linkage.by_motors if joints is None else linkage.by_joints
-        known, unknown = linkage.places_of(names), linkage.problem.places(system.unknowns)
-        n = len(goals)
-        found = follow_lines(
-            system, np.tile(start[unknown], (n, 1)), np.tile(start[known], (n, 1)), goals
-        )
-        w = np.empty((n, start.size))
-        w[:, unknown] = found.points
-        w[:, known] = start[known] + found.shares[:, None] * (goals - start[known])
+        found = linkage.moved(names, start, goals)
+        w = found.points
         if check and not found.reached.all():
             raise SolveError(self._why(names, w, goals, found.shares))
         w[~found.reached] = np.nan

@@ -119,13 +119,18 @@ def judge(found: symkin.Transmission, count: int, seed: int, tracks: int) -> tup
         return faults + wrong, f"{text}; no array file"
     with np.errstate(all="ignore"):
         mine = twin.joints(goals)
+        still = twin.joints(goals, guess=mine)
     told = np.isfinite(mine).all(axis=1)
     apart = np.abs(mine - there.joints).max(axis=1)
     left = int((told & reached & (apart > SAME)).sum())
     more = int((told & ~reached).sum())
+    # an answer as its own guess stays where it is
+    stays = np.abs(still - mine)[told].max(axis=1, initial=0.0) <= SAME
+    moved = int((~stays).sum())
     return (
-        faults + wrong + left,
-        f"{text}; file: {told.sum()} told, {left} on another branch, {more} that no line reaches",
+        faults + wrong + left + moved,
+        f"{text}; file: {told.sum()} told, {left} on another branch, {moved} that do not stand "
+        f"still, {more} that no line reaches",
     )
 
 

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 import symkin
 from helpers import firmware_tools as tools
-from helpers.inside import JointMap, Options, Real, app, write_folder
+from helpers.inside import JointMap, Options, Real, app, with_twins, write_folder
 from symkin import InputError
 
 HEADERS = Path(__file__).parents[1] / "data" / "ros2_control"
@@ -258,6 +258,24 @@ def test_a_transmission_keeps_power_and_leads_back(machine, reach, tmp_path):
     """
     name, given, find = machine
     _run(tmp_path, symkin.load(name), given, find, COMMON + LAWS, reach)
+
+
+@FMT
+def test_a_motor_may_be_a_joint_too(tmp_path):
+    """A joint that is a motor itself, beside one that follows: the command gives it a twin in C,
+    and the laws hold.
+    """
+    both, motors = "ankle.1", ("upper_motor", "ankle.1")
+    machine, twins = with_twins(symkin.load("ankle"), [both])
+    assert list(twins) == [both]
+    find = (twins[both], "ankle.2")
+    _run(tmp_path, machine, motors, find, COMMON + LAWS, "0.08")
+    told = ["--motors", ",".join(motors), "--joints", f"{both},ankle.2", "--format", "ros2"]
+    ran = CliRunner().invoke(app, ["transmission", "ankle", *told, "-o", str(tmp_path / "told")])
+    assert ran.exit_code == 0, ran.output
+    assert f"as a joint its name is {find[0]}" in ran.stderr
+    texts = [(folder / "ankle.c").read_text() for folder in (tmp_path, tmp_path / "told")]
+    assert texts[0].partition("#include")[2] == texts[1].partition("#include")[2]
 
 
 @FMT

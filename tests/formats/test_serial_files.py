@@ -161,22 +161,26 @@ def test_two_coordinates_of_a_joint_are_two_joints_in_metres(tmp_path):
 
 
 def test_what_hangs_on_a_left_out_link_is_named(tmp_path):
-    """A hand on the coupler of a four-bar linkage, whose follower alone is driven; a joint of two
-    coordinates that is driven in part; another suffix.
+    """A hand on the crank of a four-bar linkage, whose follower alone is driven; on the coupler,
+    to which no one joint leads; another suffix.
     """
     four_bar = symkin.load("four_bar")
-    hand = symkin.LinkJoint(
-        symkin.Joint("hand", "R", [0, 90, 0], [0, 0, 1], actuated=True), ["coupler", "palm"]
-    )
-    robot = symkin.Mechanism(
-        "robot",
-        link_joints=[*four_bar.link_joints, hand],
-        length_unit="mm",
-        angle_unit="deg",
-    )
-    transmission = symkin.transmission(robot, ["crank"], ["follower"])
-    with pytest.raises(MechanismError, match="hand is on the link 'coupler', which only joints"):
-        write_serial(robot, [transmission], tmp_path / "robot.urdf")
+    for link, error, sentence in (
+        ("crank_link", MechanismError, "hand is on the link 'crank_link', which only joints"),
+        ("coupler", InputError, "'coupler', .*, is by crank, .*, of which the linkage leaves 1"),
+    ):
+        hand = symkin.LinkJoint(
+            symkin.Joint("hand", "R", [0, 90, 0], [0, 0, 1], actuated=True), [link, "palm"]
+        )
+        robot = symkin.Mechanism(
+            "robot",
+            link_joints=[*four_bar.link_joints, hand],
+            length_unit="mm",
+            angle_unit="deg",
+        )
+        transmission = symkin.transmission(robot, ["crank"], ["follower"])
+        with pytest.raises(error, match=sentence):
+            write_serial(robot, [transmission], tmp_path / "robot.urdf")
     with pytest.raises(InputError, match=r"another suffix than \.urdf, \.xml"):
         write_serial(robot, [transmission], tmp_path / "robot.stl")
     held = symkin.transmission(robot, ["crank"], ["follower"], ranges={"follower": [170, 175]})

@@ -356,6 +356,7 @@ NAMES = {
     "open_store": "symkin.sweeps.store",
     # transmissions
     "largest_box": "symkin.transmissions.serial",
+    "with_twins": "symkin.transmissions.found",
     "write_serial": "symkin.transmissions.serial",
     # calibration
     "METHODS": "symkin.calibration.options",

@@ -98,6 +98,16 @@ def test_springs_are_named_among_the_motors() -> None:
     assert np.abs(found.motors_of(found.joints_of(goals)) - goals).max() < 1e-12
 
 
+def test_a_start_leaves_a_reference_where_joints_are_locked() -> None:
+    """At Kangaroo's zero the slide and the knee stand still while the thigh swings, so that neither
+    may be given there; from values of a bent leg on the slide turns the knee.
+    """
+    knee = transmission("kangaroo")
+    bent = knee.joints_of(knee.motors_of([1.0, 0.2]))
+    assert np.abs(bent - [1.0, 0.2]).max() < 1e-12
+    assert 0.1 < abs(knee.inverse_jacobian(joints=[1.0, 0.2])[0, 0]) < 1.0
+
+
 def _out(found: symkin.Transmission, values: np.ndarray, names: tuple, turn: float) -> np.ndarray:  # type: ignore[type-arg]
     kinds = [turn if c.is_angular else 1.0 for c in found.linkage.coordinates_of(names)]
     return values * np.array(kinds)

@@ -3,7 +3,7 @@
 {
     @{k}_work w;
     @{real} sides[@{most_sides}];
-    @{real} rates[@{nj}];
+    @{real} rates[@{nrates}];
 @{y}
 @{kept}
     @{p}_status status = @{p}_limit_joints(@{P}_OK, joints);
@@ -25,8 +25,8 @@
                 @{k}_solve(&w);
 @{rates}
             }
-            status = (@{p}_check_finite(rates, @{nj}, @{P}_OK) == @{P}_OK) ? @{P}_OK : @{P}_SINGULAR;
 @{more}
+            status = (@{p}_check_finite(rates, @{nrates}, @{P}_OK) == @{P}_OK) ? @{P}_OK : @{P}_SINGULAR;
         }
     }
     if (status == @{P}_OK) {

@@ -6,6 +6,3 @@ for (int j = 0; j < @{pairs}; ++j) {
     @{k}_solve(&w);
 @{seconds}
 }
-if (@{p}_check_finite(seconds, @{nseconds}, status) != @{P}_OK) {
-    status = @{P}_SINGULAR;
-}
