@@ -167,7 +167,7 @@ def univariate_degree(system: AlgebraicSystem) -> int | None:
     if (
         result is None
         or result.degree == 0
-        or (result.turning and system.unknowns[0].kind != "angle")
+        or (result.turning and not system.unknowns[0].is_periodic)
     ):
         return None
     return 2 * result.degree if result.turning else result.degree

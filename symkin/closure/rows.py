@@ -318,7 +318,7 @@ class RowBuilder(BodyBuilder):
     def _cut(self, name: str, element: Element, base: Side, platform: Side) -> None:
         symbols, size = self.joints[element.name], self.mechanism.characteristic_length
         cut = _Cut(
-            symbols.joint.form.kept,
+            symbols.joint.form.kept or (),
             element.along,
             symbols.point,
             symbols.axis,

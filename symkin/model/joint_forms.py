@@ -8,7 +8,6 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from symkin.computed_once import cached_property
 from symkin.spatial.screw import prismatic_screw, revolute_screw
 
 JointType = Literal["R", "P", "H", "C", "U", "S", "weld"]
@@ -53,26 +52,21 @@ class Move(NamedTuple):
 @dataclass(frozen=True)
 class JointForm:
     """What joints of a type have: elementary `moves` in their order, how many `axes`, whether their
-    point means something, and the relations that they keep (`kept`), which are the rows of a loop
-    that is cut there; empty where none is.
+    `point` means something, and the relations that they keep (`kept`), which are the rows of a loop
+    that is cut there; None where no loop is.
     """
 
     moves: tuple[Move, ...]
     axes: int
     has_point: bool
-    kept: tuple[Relation, ...]
+    kept: tuple[Relation, ...] | None
 
-    @cached_property
+    @property
     def coordinates(self) -> tuple[tuple[str, Kind], ...]:
         """What is added to the joint's name, and the kind, of each coordinate."""
         return tuple((move.suffix, _KINDS[move.how]) for move in self.moves)
 
     @property
-    def is_cut(self) -> bool:
-        """Whether loops may be cut there."""
-        return bool(self.kept)
-
-    @cached_property
     def freedom(self) -> int:
         """Count of degrees of freedom."""
         return sum(NUMBERS[kind][1] for _, kind in self.coordinates)
@@ -95,11 +89,11 @@ class JointForm:
 JOINT_FORMS: dict[JointType, JointForm] = {
     "R": JointForm((Move("turn"),), 1, True, ("point", "axis")),
     "P": JointForm((Move("slide"),), 1, False, ("line", "orientation")),
-    "H": JointForm((Move("screw"),), 1, True, ()),
+    "H": JointForm((Move("screw"),), 1, True, None),
     "C": JointForm((Move("turn", ".angle"), Move("slide", ".slide")), 1, True, ("line", "axis")),
     "U": JointForm((Move("turn", ".1"), Move("turn", ".2", 1)), 2, True, ("point", "axes' angle")),
     "S": JointForm((Move("ball"),), 0, True, ("point",)),
-    "weld": JointForm((), 0, False, ()),
+    "weld": JointForm((), 0, False, None),
 }
 JOINT_TYPES: tuple[JointType, ...] = ("R", "P", "H", "C", "U", "S")
 """Those that move."""

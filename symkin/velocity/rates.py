@@ -124,13 +124,7 @@ class RateJacobian(SymbolicMatrix, Result):
     def _weights(self) -> np.ndarray:
         """What makes lengths of the unknown rates: the size for angles, 1 for lengths."""
         size, unknowns = self.closure.characteristic_length, self.problem.system.unknowns
-        return np.array(
-            [
-                size if c.is_angular or c.kind == "quaternion" else 1.0
-                for c in unknowns
-                for _ in range(c.freedom)
-            ]
-        )
+        return np.array([c.lever(size) for c in unknowns for _ in range(c.freedom)])
 
     @cached_property
     def _places(self) -> dict[str, int]:
