@@ -8,7 +8,8 @@ kinds, whose geometry is numbers or a struct (`geometry`): `rod_platform`, `rod_
 (six rods, with `rod_kernel`, `home_pose`); `limb_platform`, `limb_platform_source` (any limbs, with
 `limb_source`, `pose_coordinates`); `serial_arm`; `joint_map`, `joint_map_source` (maps between
 joints, with `closed_direction` where formulas solve one, `circle_kernel`, which knows angles by
-cosine and sine, `joint_map_vectors`, `joint_map_readme`).
+cosine and sine, `joint_map_vectors`, `joint_map_readme`). `composed` puts the formulas of a
+problem's parts together.
 
 Newton's method: `newton_kernel` states what an iteration computes, `newton_source` writes it,
 `linear_solver` its LU or QR.
