@@ -248,7 +248,7 @@ NAMES = {
     "Symmetries": "symkin.homotopy.symmetry",
     "binary_null_space": "symkin.homotopy.symmetry",
     "find_symmetries": "symkin.homotopy.symmetry",
-    "orbits": "symkin.homotopy.symmetry",
+    "orbits": "symkin.homotopy.symmetry:orbits_under",
     "algebraic_systems": "symkin.homotopy.systems",
     "system_of": "symkin.homotopy.systems",
     "TrackSettings": "symkin.homotopy.tracker",
@@ -547,6 +547,7 @@ NAMES = {
 
 MODULES = {
     "by_groups": "symkin.assembly.by_groups",
+    "block_paths": "symkin.assembly.block_paths",
     "closed_roots": "symkin.assembly.closed_roots",
     "continuation": "symkin.assembly.continuation",
     "group_solvers": "symkin.assembly.group_solvers",
