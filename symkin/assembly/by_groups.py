@@ -50,11 +50,12 @@ class GroupedModes:
         """The modes of one input. Raises TooManyModesError where its groups' choices are more than
         can be held.
         """
-        account, groups = self.account, solved_groups(self.problem, self.search.method)
+        account, groups = self.account, solved_groups(self.problem, self.search)
         if account.too_many[number] != FEW:
             raise TooManyModesError(_too_many(self.problem, groups, int(account.too_many[number])))
         mine = np.flatnonzero(self.owner == number)
-        found = replace(self.listed.chosen(mine), notes=given.notes)
+        listed = self.listed if len(mine) == len(self.owner) else self.listed.chosen(mine)
+        found = replace(listed, notes=given.notes, _made={})
         reached = np.flatnonzero(account.seen[number]).tolist()
         grounds = (
             []
@@ -109,7 +110,7 @@ def modes_by_groups(
     groups, by number. With `least_errors` inputs without a solution are searched for the least
     closure error; with `certify` modes are proved.
     """
-    n, groups = len(known), solved_groups(problem, search.method)
+    n, groups = len(known), solved_groups(problem, search)
     begin = np.zeros((n, int(problem.closure.variables.shape[0])))
     # of a structure nothing moves, its geometry is what is given
     begin[:, problem.known_places] = known if known.shape[1] else problem.reference_known
@@ -196,6 +197,12 @@ def _combined(begin: np.ndarray, parts: list[Tree]) -> _Combined:
     these are too many, the first of each with every one of one part; and how many they are.
     """
     n = len(begin)
+    if len(parts) == 1:
+        (part,) = parts
+        values = begin[part.owner]
+        values[:, part.columns] = part.values
+        total = tuple(np.bincount(part.owner, minlength=n).tolist())
+        return _Combined(values, part.owner, part.hits, part.proofs, total)
     sizes = np.array([np.bincount(part.owner, minlength=n) for part in parts], dtype=int).reshape(
         len(parts), n
     )

@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import casadi as ca
+
 from symkin.assembly.block_paths import BlockPaths, own_paths, paths_of_rows
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
+from symkin.assembly.rod_lengths import rod_lengths
+from symkin.assembly.search import Search
 from symkin.computed_once import lru_cache
 from symkin.homotopy.six_distances import redundant_distances
 from symkin.homotopy.start_store import AGREEING
 from symkin.homotopy.structure import MOST_UNKNOWNS, start_of_structure, structure_of
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.cache_folder import cache_folder
+from symkin.numeric.system import incidence_of
 from symkin.position.gear_train import gear_train
 from symkin.position.groups import implied_parts, is_linear, structure_groups
 from symkin.position.problem import Problem
@@ -27,8 +32,8 @@ def group_solver(group: Problem, *, formulas: bool = True) -> BlockPaths | Close
     tracks its paths; None where it has neither.
     """
     closed = closed_block(group, 0) if formulas else None
-    # of an arm with formulas no generic solutions are searched
-    if closed is not None and (closed.is_of_arm or accounts_for_all(closed, group_paths(group))):
+    # of rods, and of an arm with formulas, no generic solutions are searched
+    if closed is not None and (closed.is_whole or accounts_for_all(closed, group_paths(group))):
         return closed
     return any_paths(group)
 
@@ -41,21 +46,45 @@ def any_paths(group: Problem) -> BlockPaths | None:
     return found if found is not None or redundant_distances(group) else own_paths(group)[0]
 
 
-@lru_cache(maxsize=128)
-def solved_groups(problem: Problem, method: str) -> tuple[Problem, ...]:
+def solved_groups(problem: Problem, search: Search) -> tuple[Problem, ...]:
     """The parts of a problem in the order of their solution: structure groups where coordinates are
     told by name, and where some block has neither formulas nor a start of paths but its parts may
     have; else its blocks.
     """
+    return _solved_groups(problem, search.method == "continuation", search.formulas)
+
+
+@lru_cache(maxsize=128)
+def _solved_groups(problem: Problem, by_paths: bool, formulas: bool) -> tuple[Problem, ...]:
     if problem.kind == "given":
         return structure_groups(problem)
     blocks: tuple[Problem, ...] = (problem,)
     if len(problem.blocks) != 1 or problem.conditions.errors.shape[0]:
         blocks = tuple(replace(problem, system=block) for block in problem.blocks)
-    if method == "continuation" and any(_lacks_solver(block) for block in blocks):
+    if by_paths and any(_lacks_solver(block) for block in blocks):
         finer = structure_groups(problem)
         return finer if len(finer) > len(blocks) else blocks
-    return blocks
+    return _with_rods_together(problem, blocks) if by_paths and formulas else blocks
+
+
+def _with_rods_together(problem: Problem, blocks: tuple[Problem, ...]) -> tuple[Problem, ...]:
+    """The blocks of a problem, those of rods whose ends are known as one group."""
+    rods = [block for block in blocks if rod_lengths(block.system) is not None]
+    if len(rods) < 2:
+        return blocks
+    unknowns = tuple(c for block in rods for c in block.system.unknowns)
+    own = {k for k, c in enumerate(problem.system.unknowns) if c in unknowns}
+    held = incidence_of(problem.system.rows, problem.system)
+    places = tuple(k for k, some in enumerate(held) if some & own)
+    system = replace(
+        problem.system,
+        unknowns=unknowns,
+        unknown=ca.vertcat(*(block.system.unknown for block in rods)),
+        rows=problem.system.rows[list(places), 0],
+        errors=ca.vertcat(*(block.system.errors for block in rods)),
+    )
+    together = replace(problem, kind="given", system=system, row_places=places)
+    return (together, *(block for block in blocks if block not in rods))
 
 
 def _lacks_solver(block: Problem) -> bool:

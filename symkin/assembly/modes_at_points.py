@@ -135,7 +135,7 @@ class GroupFinder:
         problem = self.problem
         if problem.kind != "given" and (problem.is_explicit or free_unknowns(problem)):
             return ()
-        return solved_groups(problem, self.search.method)
+        return solved_groups(problem, self.search)
 
     @property
     def engine(self) -> str | None:

@@ -44,7 +44,7 @@ def prove_independent_rows(
         z.astype(complex), knowns.discs.middle[instance].T.astype(complex)
     )
     takes = most_independent(jacobians, freedom)
-    for chosen in np.unique(takes[takes.sum(axis=1) == freedom], axis=0):
+    for chosen in {t.tobytes(): t for t in takes[takes.sum(axis=1) == freedom]}.values():
         here = np.flatnonzero((takes == chosen).all(axis=1))
         batch = certify_batch(
             _part(system, tuple(np.flatnonzero(chosen).tolist())),

@@ -570,6 +570,7 @@ MODULES = {
     "load_file": "symkin.formats.load",
     "compiled": "symkin.homotopy.compiled",
     "engine": "symkin.homotopy.engine",
+    "far_roots": "symkin.homotopy.far_roots",
     "quadratic": "symkin.homotopy.quadratic",
     "start_files": "symkin.homotopy.start_files",
     "start_store": "symkin.homotopy.start_store",
