@@ -122,7 +122,9 @@ def finish(system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: T
 
 
 def are_regular(system: AlgebraicSystem, tracked: Tracked, target: np.ndarray) -> np.ndarray:
-    """Paths that arrived at regular roots with a pose, no two at the same: these need no endgame."""
+    """Paths that arrived at regular roots with a pose, no two at the same: these need no
+    endgame.
+    """
     regular = tracked.arrived.copy()
     places = np.flatnonzero(regular)
     if not places.size:
