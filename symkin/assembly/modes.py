@@ -138,7 +138,9 @@ def modes(
         else any_given(mechanism, joints, pose, given)
     )
     found = _found(ask, [one])[0]
-    note = motion_note(mechanism, [mode.pose for mode in found.modes])
+    # coordinates of a pose are those of the declared motion; joints may carry it elsewhere
+    is_carried = not found.problem.closure.role("pose")
+    note = motion_note(mechanism, [mode.pose for mode in found.modes]) if is_carried else None
     found = found if note is None else replace(found, notes=(*found.notes, note))
     if found.modes or found.positive_dimensional or found.smallest_residual is None:
         return found
