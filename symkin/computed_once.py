@@ -34,7 +34,7 @@ def lru_cache(maxsize: int) -> Callable[[Callable[Arguments, Value]], Callable[A
 
         @functools.wraps(function)
         def cached(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Value:
-            with guard:
+            with guard.held:
                 entry = entries(*args, **kwargs)  # type: ignore[arg-type]  # unhashable arguments raise TypeError
             if entry.value is _MISSING:
                 with computing(id(entry)):

@@ -17,30 +17,31 @@ class Lock:
     holds it.
     """
 
-    __slots__ = ("__weakref__", "_lock")
+    __slots__ = ("__weakref__", "held")
 
     def __init__(self) -> None:
-        self._lock = threading.RLock()
+        self.held = threading.RLock()
+        """What is taken, for those that take it too often to ask this object."""
         _locks.add(self)
 
     def acquire(self, blocking: bool = True) -> bool:
         """Take the lock; whether it was taken."""
-        return self._lock.acquire(blocking=blocking)
+        return self.held.acquire(blocking=blocking)
 
     def release(self) -> None:
         """Give it back, once for each time that it was taken."""
-        self._lock.release()
+        self.held.release()
 
     def __enter__(self) -> None:
-        self.acquire()
+        self.held.acquire()
 
     def __exit__(self, *_: object) -> None:
-        self.release()
+        self.held.release()
 
     def renew(self) -> None:
         """Be free, where this thread is not the holder."""
-        if not self._lock._is_owned():  # type: ignore[attr-defined]
-            self._lock = threading.RLock()
+        if not self.held._is_owned():  # type: ignore[attr-defined]
+            self.held = threading.RLock()
 
 
 _locks: weakref.WeakSet[Lock] = weakref.WeakSet()

@@ -17,14 +17,18 @@ from symkin.assembly.block_solver import BlockSolver
 from symkin.assembly.checked_roots import checked_roots
 from symkin.assembly.group_roots import GroupRoots
 from symkin.assembly.prover import Prover, prover_of
-from symkin.computed_once import cached_property
+from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
 from symkin.homotopy.engine import engine_of
 from symkin.homotopy.many_instances import plain_instances
 from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.start_store import TIED, start_of
 from symkin.homotopy.structure import Structure
-from symkin.homotopy.systems import meets_all_rows
+from symkin.homotopy.systems import meets_all_rows, squared, system_of, unsuitable
 from symkin.homotopy.values import known_values, many_real_values
+from symkin.numeric.cache_folder import cache_folder
+from symkin.position.groups import is_tied
+from symkin.position.problem import Problem
 
 _REAL, _NOT_REAL = 1e-10, 1e-4
 """Imaginary parts of roots below the first and above the second leave no doubt."""
@@ -118,4 +122,37 @@ def orbit_notes(start: Fibre) -> tuple[str, ...]:
     return (
         f"the generic modes fall into {len(sizes)} operation modes of "
         f"{', '.join(str(s) for s in sizes)} complex solutions",
+    )
+
+
+def own_paths(group: Problem) -> tuple[BlockPaths | None, str]:
+    """What tracks the paths of a group's own rows, or of combinations of them where these are more
+    than its unknowns and known values must satisfy conditions; None and why it has no start.
+    """
+    found, why = paths_of_rows(group)
+    return _paths(group, True, str(cache_folder())) if why == TIED else (found, why)
+
+
+def paths_of_rows(group: Problem) -> tuple[BlockPaths | None, str]:
+    """What tracks the paths of a group's own rows as they are; None and why it has no start."""
+    return _paths(group, False, str(cache_folder()))
+
+
+@lru_cache(maxsize=256)
+def _paths(group: Problem, combined: bool, _folder: str) -> tuple[BlockPaths | None, str]:
+    """Paths whose start is read from the cache folder once in a process."""
+    why = unsuitable(group)
+    if why is not None:
+        return None, why
+    (block,) = group.blocks
+    system = system_of(group, block)
+    if combined:
+        system = squared(system)
+    elif group.kind == "given" and is_tied(group) and not system.projective:
+        return None, TIED
+    start, why = start_of(group, system, block)
+    return (
+        (None, why)
+        if start is None
+        else (BlockPaths(group, block, system, start, combined=combined), "")
     )

@@ -16,14 +16,13 @@ import numpy as np
 
 from symkin.assembly.account import FEW, Account
 from symkin.assembly.group_roots import STATEMENTS
-from symkin.assembly.group_solvers import groups_of
+from symkin.assembly.group_solvers import solved_groups
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import PartProofs, can_be_proved, ground_notes, theorem_notes
 from symkin.assembly.modes_result import Modes, sampling
 from symkin.assembly.search import Search
-from symkin.assembly.tree import Ask, Step, Tree, grown_together
+from symkin.assembly.tree import Solving, Step, Tree, grown_together
 from symkin.errors import InputError, TooManyModesError
-from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
 from symkin.position.problem import Problem
@@ -51,11 +50,12 @@ class GroupedModes:
         """The modes of one input. Raises TooManyModesError where its groups' choices are more than
         can be held.
         """
-        account, groups = self.account, groups_of(self.problem, self.search.method)
+        account, groups = self.account, solved_groups(self.problem, self.search)
         if account.too_many[number] != FEW:
             raise TooManyModesError(_too_many(self.problem, groups, int(account.too_many[number])))
         mine = np.flatnonzero(self.owner == number)
-        found = replace(self.listed.chosen(mine), notes=given.notes)
+        listed = self.listed if len(mine) == len(self.owner) else self.listed.chosen(mine)
+        found = replace(listed, notes=given.notes, _made={})
         reached = np.flatnonzero(account.seen[number]).tolist()
         grounds = (
             []
@@ -105,20 +105,19 @@ def modes_by_groups(
     *,
     least_errors: bool = False,
     certify: bool = False,
-    progress: Progress | None = None,
 ) -> GroupedModes:
     """The modes for known values (n, numbers); `choose` takes one solution of each of the first
     groups, by number. With `least_errors` inputs without a solution are searched for the least
     closure error; with `certify` modes are proved.
     """
-    n, groups = len(known), groups_of(problem, search.method)
+    n, groups = len(known), solved_groups(problem, search)
     begin = np.zeros((n, int(problem.closure.variables.shape[0])))
     # of a structure nothing moves, its geometry is what is given
     begin[:, problem.known_places] = known if known.shape[1] else problem.reference_known
     _check_choices(problem, groups, choose)
     account, parts = Account.empty(n, len(groups)), independent_parts(groups)
     certify = certify and can_be_proved(groups)
-    ask = Ask(search, least_errors, certify, progress)
+    solving = Solving(search, least_errors, certify)
     trees = [Tree.begun(begin) for _ in parts]
     for depth in range(max(map(len, parts), default=0)):
         deep = [k for k, numbers in enumerate(parts) if depth < len(numbers)]
@@ -132,7 +131,7 @@ def modes_by_groups(
             for k in deep
             for number in [parts[k][depth]]
         ]
-        grown = grown_together(steps, groups, account, ask)
+        grown = grown_together(steps, groups, account, solving)
         for k, tree in zip(deep, grown, strict=True):
             trees[k] = tree
     done = []
@@ -198,6 +197,12 @@ def _combined(begin: np.ndarray, parts: list[Tree]) -> _Combined:
     these are too many, the first of each with every one of one part; and how many they are.
     """
     n = len(begin)
+    if len(parts) == 1:
+        (part,) = parts
+        values = begin[part.owner]
+        values[:, part.columns] = part.values
+        total = tuple(np.bincount(part.owner, minlength=n).tolist())
+        return _Combined(values, part.owner, part.hits, part.proofs, total)
     sizes = np.array([np.bincount(part.owner, minlength=n) for part in parts], dtype=int).reshape(
         len(parts), n
     )

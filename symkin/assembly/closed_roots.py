@@ -19,6 +19,7 @@ from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.block_solver import BlockSolver
 from symkin.assembly.checked_roots import checked_roots
 from symkin.assembly.group_roots import GroupRoots
+from symkin.assembly.rod_lengths import rod_lengths
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import ClosedForm, Solutions, closed_form, samples_about
 from symkin.elimination.complex_branches import complex_errors
@@ -99,9 +100,9 @@ class ClosedBlock(BlockSolver):
         return bool(found.clear[0] and np.all(errors <= _SOLVES * self.block.characteristic_length))
 
     @property
-    def is_of_arm(self) -> bool:
-        """Whether the formulas are those of an arm, which are derived for its family of axes,
-        complex branches included.
+    def is_whole(self) -> bool:
+        """Whether the formulas have all complex branches by their derivation: those of rods, and
+        of an arm, which are derived for its family of axes.
         """
         return not isinstance(self.formulas, ClosedForm)
 
@@ -148,7 +149,7 @@ def accounts_for_all(closed: ClosedBlock, paths: BlockPaths | None) -> bool:
     are as many as paths find, and all of them close. Where no paths tell, since known values must
     meet conditions, all of them close at the regular configuration.
     """
-    if not isinstance(closed.formulas, ClosedForm):
+    if closed.is_whole or not isinstance(closed.formulas, ClosedForm):
         return True
     if paths is None:
         return _all_close(closed.formulas, closed.regular[None])
@@ -168,6 +169,9 @@ def closed_block(problem: Problem, number: int) -> ClosedBlock | None:
     if problem.implied and len(problem.system.unknowns) > _MOST_IMPLIED:
         return None
     near = problem.reference_known
+    rods = rod_lengths(block)
+    if rods is not None:
+        return ClosedBlock(problem, block, rods, near)
     samples = samples_about(block, near, problem.known_coordinates)
     found = closed_form(block, samples, all_rows=problem.by_name)
     if found is None:

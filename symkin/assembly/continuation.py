@@ -11,18 +11,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.assembly.block_paths import orbit_notes
-from symkin.assembly.prover import prover_of
-from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
+from symkin.assembly.block_paths import BlockPaths, own_paths
+from symkin.homotopy.algebraic import imaginary_part
 from symkin.homotopy.ends import Ends
-from symkin.homotopy.engine import engine_of
 from symkin.homotopy.instance import instance
-from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
-from symkin.homotopy.start_store import AGREEING, TIED, start_of
-from symkin.homotopy.systems import meets_all_rows, squared, system_of, unsuitable
+from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.values import known_values, real_values
-from symkin.numeric.levenberg import Progress
 from symkin.numeric.system import System
 from symkin.position.given import Given
 from symkin.position.multistart import batched
@@ -36,65 +31,31 @@ _LEAST_ERROR_STARTS = 200
 
 
 def by_continuation(
-    problem: Problem,
-    given: Given,
-    starts: int,
-    rng: np.random.Generator,
-    progress: Progress | None = None,
+    problem: Problem, given: Given, starts: int, rng: np.random.Generator
 ) -> tuple[Roots, tuple[str, ...]]:
     """Roots of a problem of one block by paths; where it has no start system by `starts` random
     starts, with a note why. These are of use too where paths left something in doubt.
     """
     from symkin.certificate.disc_library import begin_loading
 
-    (block,), why = problem.blocks, unsuitable(problem)
     begin_loading()
-    if why is None:
-        system, start, why = _start(problem, block, progress)
-        if start is not None:
-            roots = _block_roots(problem, system, block, start, given, starts, rng)
-            return roots, orbit_notes(start)
+    paths, why = own_paths(problem)
+    if paths is not None:
+        return _block_roots(paths, given, starts, rng), paths.notes
+    (block,) = problem.blocks
     names = ", ".join(sorted(c.name for c in block.unknowns))
     sampled = batched(problem, block, given, starts, rng)
     return sampled, (f"{names}: sampled by multistart, {why}",)
 
 
-def lacks_starts(problem: Problem) -> bool:
-    """Whether some block of a problem has no start system, though its given values may be any."""
-    if unsuitable(problem) is not None:
-        return True
-    found = [_start(problem, block, None) for block in problem.blocks]
-    return any(start is None and AGREEING not in why for _, start, why in found)
-
-
-def _start(
-    problem: Problem, block: System, progress: Progress | None
-) -> tuple[AlgebraicSystem, Fibre | None, str]:
-    """The system of a block that paths are tracked in and its generic roots, or None and why."""
-    system = system_of(problem, block)
-    start, why = start_of(problem, system, block, progress)
-    if start is None and why == TIED:
-        system = squared(system)
-        start, why = start_of(problem, system, block, progress)
-    return system, start, why
-
-
-def _block_roots(
-    problem: Problem,
-    algebraic: AlgebraicSystem,
-    block: System,
-    start: Fibre,
-    given: Given,
-    starts: int,
-    rng: np.random.Generator,
-) -> Roots:
+def _block_roots(paths: BlockPaths, given: Given, starts: int, rng: np.random.Generator) -> Roots:
     """Roots that are real: polished on the block's own rows and checked on all of them. Where paths
     are unresolved, or end on a set that is not isolated, `starts` random starts look for what they
     missed; where no root is real, a fixed number of fixed ones looks for the least error.
     """
+    problem, block, algebraic = paths.problem, paths.block, paths.algebraic
     k = known_values(problem, given.values)
-    ends = instance(algebraic, start, k)
-    prover = prover_of(problem, algebraic, block)
+    ends, prover = instance(algebraic, paths.start, k), paths.prover
     knowns = prover.knowns(given.values[None])
     count = ends.z.shape[1]
     proved = prover.ends(ends.z, knowns, np.zeros(count, dtype=int)) if prover.proves_ends else None
@@ -131,7 +92,7 @@ def _block_roots(
         # roots that nearly meet may be one for paths and two for the rows
         complex_count=max(int(whole.sum()), len(points)),
         complex_sets=not ends.singular.isolated.all(),
-        engine=engine_of(algebraic)[1],
+        engine=paths.engine,
         missing=_missing(ends),
         ends=ends.z,
     )

@@ -15,27 +15,21 @@ from symkin.assembly.group_roots import NO_ENDS, STATEMENTS, GroupRoots, engines
 from symkin.assembly.group_solvers import group_paths
 from symkin.assembly.modes_result import Completeness
 from symkin.assembly.search import Search
-from symkin.numeric.levenberg import Progress
 from symkin.numeric.newton import Polished
 from symkin.numeric.root_checks import are_roots
 from symkin.position.canonical import canonical
 from symkin.position.gear_train import GearTrain
 from symkin.position.given import Given
-from symkin.position.multistart import batched
-from symkin.position.multistart import one_by_one as by_solver
+from symkin.position.multistart import batched, one_by_one
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN, Roots
 
 
-def one_by_one(
-    group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None
-) -> GroupRoots:
+def searched_alone(group: Problem, known: np.ndarray, search: Search) -> GroupRoots:
     """The solutions of a group at known values (n, known), each searched alone, with random numbers
     that do not depend on the others.
     """
-    searched = [
-        _searched(group, Given(group.kind, numbers, {}), search, progress) for numbers in known
-    ]
+    searched = [_searched(group, Given(group.kind, numbers, {}), search) for numbers in known]
     roots = [found for found, _ in searched]
     paths = group_paths(group) if search.method == "continuation" else None
     own = paths is not None and paths.shared is None
@@ -64,17 +58,15 @@ def one_by_one(
     )
 
 
-def _searched(
-    group: Problem, given: Given, search: Search, progress: Progress | None
-) -> tuple[Roots, tuple[str, ...]]:
+def _searched(group: Problem, given: Given, search: Search) -> tuple[Roots, tuple[str, ...]]:
     """The roots of a group, and what is said of them."""
     rng, notes = np.random.default_rng(search.seed), tuple[str, ...]()
     if search.method == "continuation":
-        roots, notes = by_continuation(group, given, search.starts, rng, progress)
+        roots, notes = by_continuation(group, given, search.starts, rng)
     elif search.solver == "batched":
-        roots = batched(group, group.blocks[0], given, search.starts, rng, progress)
+        roots = batched(group, group.blocks[0], given, search.starts, rng, search.progress)
     else:
-        roots = by_solver(group, given, search.starts, rng, search.solver, progress)
+        roots = one_by_one(group, given, search.starts, rng, search.solver, search.progress)
     return roots, (*notes, *_notes_of(group, roots))
 
 

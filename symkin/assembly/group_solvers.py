@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
-from symkin.assembly.block_paths import BlockPaths
+import casadi as ca
+
+from symkin.assembly.block_paths import BlockPaths, own_paths, paths_of_rows
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
-from symkin.assembly.continuation import lacks_starts
+from symkin.assembly.rod_lengths import rod_lengths
+from symkin.assembly.search import Search
 from symkin.computed_once import lru_cache
 from symkin.homotopy.six_distances import redundant_distances
-from symkin.homotopy.start_store import start_of
+from symkin.homotopy.start_store import AGREEING
 from symkin.homotopy.structure import MOST_UNKNOWNS, start_of_structure, structure_of
-from symkin.homotopy.systems import squared, system_of, unsuitable
+from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.cache_folder import cache_folder
+from symkin.numeric.system import incidence_of
 from symkin.position.gear_train import gear_train
-from symkin.position.groups import implied_parts, is_linear, is_tied, structure_groups
+from symkin.position.groups import implied_parts, is_linear, structure_groups
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN, product_of_counts
 
@@ -28,8 +32,8 @@ def group_solver(group: Problem, *, formulas: bool = True) -> BlockPaths | Close
     tracks its paths; None where it has neither.
     """
     closed = closed_block(group, 0) if formulas else None
-    # of an arm with formulas no generic solutions are searched
-    if closed is not None and (closed.is_of_arm or accounts_for_all(closed, group_paths(group))):
+    # of rods, and of an arm with formulas, no generic solutions are searched
+    if closed is not None and (closed.is_whole or accounts_for_all(closed, group_paths(group))):
         return closed
     return any_paths(group)
 
@@ -38,30 +42,57 @@ def any_paths(group: Problem) -> BlockPaths | None:
     """What tracks the paths of a group, of combinations of its rows where these are more than its
     unknowns and known values must satisfy conditions.
     """
-    return group_paths(group) or _combined_paths(group)
+    found = group_paths(group)
+    return found if found is not None or redundant_distances(group) else own_paths(group)[0]
 
 
-@lru_cache(maxsize=128)
-def groups_of(problem: Problem, method: str) -> tuple[Problem, ...]:
+def solved_groups(problem: Problem, search: Search) -> tuple[Problem, ...]:
     """The parts of a problem in the order of their solution: structure groups where coordinates are
     told by name, and where some block has neither formulas nor a start of paths but its parts may
     have; else its blocks.
     """
+    return _solved_groups(problem, search.method == "continuation", search.formulas)
+
+
+@lru_cache(maxsize=128)
+def _solved_groups(problem: Problem, by_paths: bool, formulas: bool) -> tuple[Problem, ...]:
     if problem.kind == "given":
         return structure_groups(problem)
     blocks: tuple[Problem, ...] = (problem,)
     if len(problem.blocks) != 1 or problem.conditions.errors.shape[0]:
         blocks = tuple(replace(problem, system=block) for block in problem.blocks)
-    if method == "continuation" and any(_lacks_solver(block) for block in blocks):
+    if by_paths and any(_lacks_solver(block) for block in blocks):
         finer = structure_groups(problem)
         return finer if len(finer) > len(blocks) else blocks
-    return blocks
+    return _with_rods_together(problem, blocks) if by_paths and formulas else blocks
+
+
+def _with_rods_together(problem: Problem, blocks: tuple[Problem, ...]) -> tuple[Problem, ...]:
+    """The blocks of a problem, those of rods whose ends are known as one group."""
+    rods = [block for block in blocks if rod_lengths(block.system) is not None]
+    if len(rods) < 2:
+        return blocks
+    unknowns = tuple(c for block in rods for c in block.system.unknowns)
+    own = {k for k, c in enumerate(problem.system.unknowns) if c in unknowns}
+    held = incidence_of(problem.system.rows, problem.system)
+    places = tuple(k for k, some in enumerate(held) if some & own)
+    system = replace(
+        problem.system,
+        unknowns=unknowns,
+        unknown=ca.vertcat(*(block.system.unknown for block in rods)),
+        rows=problem.system.rows[list(places), 0],
+        errors=ca.vertcat(*(block.system.errors for block in rods)),
+    )
+    together = replace(problem, kind="given", system=system, row_places=places)
+    return (together, *(block for block in blocks if block not in rods))
 
 
 def _lacks_solver(block: Problem) -> bool:
     """Whether only random starts find the solutions of a block, though its values may be any."""
-    solved = solved_at_once(block) or solved_parts(block) or group_solver(block)
-    return not solved and lacks_starts(block)
+    if solved_at_once(block) or solved_parts(block) or group_solver(block) is not None:
+        return False
+    paths, why = own_paths(block)
+    return paths is None and AGREEING not in why
 
 
 def group_paths(group: Problem) -> BlockPaths | None:
@@ -82,20 +113,7 @@ def _group_paths(group: Problem, _folder: str) -> BlockPaths | None:
         shared = start_of_structure(group, structure)
         if shared is not None:
             return BlockPaths(group, block, structure.system, shared, structure)
-    if group.kind == "given" and is_tied(group) and not system.projective:
-        return None
-    start, _ = start_of(group, system, block)
-    return None if start is None else BlockPaths(group, block, system, start)
-
-
-@lru_cache(maxsize=256)
-def _combined_paths(group: Problem) -> BlockPaths | None:
-    if unsuitable(group) is not None or redundant_distances(group) or not is_tied(group):
-        return None
-    (block,) = group.blocks
-    system = squared(system_of(group, block))
-    start, _ = start_of(group, system, block)
-    return None if start is None else BlockPaths(group, block, system, start, combined=True)
+    return paths_of_rows(group)[0]
 
 
 def most_roots(group: Problem) -> int | None:
@@ -138,55 +156,30 @@ def solved_parts(group: Problem) -> tuple[Problem, ...]:
     """
     if solved_at_once(group) or closed_block(group, 0) is not None:
         return ()
+    whole = group
     if group.kind != "given":
-        whole = parted_group(group)
-        return () if whole is None else implied_parts(whole)
-    if group.system.freedom <= MOST_UNKNOWNS and group_paths(group) is not None:
+        if group.kind != "direct" or len(group.blocks) != 1:
+            return ()
+        whole = replace(group, kind="given", row_places=group.places_of_rows)
+    elif group.system.freedom <= MOST_UNKNOWNS and group_paths(group) is not None:
         return ()
-    parts = implied_parts(group)
-
-    def own_count() -> int | None:
-        paths = group_paths(group)
-        return None if paths is None else paths.most_roots
-
-    return parts if _are_taken(parts, own_count) else ()
+    parts = implied_parts(whole)
+    return parts if parts and not _are_followed_together(group, parts) else ()
 
 
-@lru_cache(maxsize=128)
-def parted_group(problem: Problem) -> Problem | None:
-    """The group that a direct problem of limbs is as a whole, where implied rows take it apart as
-    in `solved_parts`.
+def _are_followed_together(group: Problem, parts: Sequence[Problem]) -> bool:
+    """Whether a group is not left to its parts. Its own paths are taken where it has some, and
+    passive joints, which implied rows leave, have one solution each, so that these paths are as
+    many as those of the parts; or where all are few.
     """
-    if problem.kind != "direct" or len(problem.blocks) != 1 or closed_block(problem, 0) is not None:
-        return None
-    group = replace(problem, kind="given", row_places=problem.places_of_rows)
-
-    def own_count() -> int | None:
-        if unsuitable(problem) is not None:
-            return None
-        (block,) = problem.blocks
-        system = system_of(problem, block)
-        start, _ = start_of(problem, system, block)
-        return None if start is None else int(start.z.shape[1])
-
-    return group if _are_taken(implied_parts(group), own_count) else None
-
-
-def _are_taken(parts: Sequence[Problem], own_count: Callable[[], int | None]) -> bool:
-    """Whether a group is left to its parts. Its own paths are taken where it has some, and passive
-    joints, which implied rows leave, have one solution each, so that these paths are as many as
-    those of the parts; or where all are few.
-    """
-    if not parts:
-        return False
     single = all(part.implied or most_roots(part) == 1 for part in parts)
-    if single and own_count() is not None:
-        return False
+    if single and group_paths(group) is not None:
+        return True
     count = most_of_parts(parts)
     if count is None or count > _FEW_ROOTS:
-        return count is not None
-    own = own_count()
-    return own is None or own < count
+        return count is None
+    paths = group_paths(group)
+    return paths is not None and paths.most_roots >= count
 
 
 def solved_at_once(group: Problem) -> bool:

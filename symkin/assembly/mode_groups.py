@@ -21,7 +21,7 @@ _PROJECTIONS = 3
 """Random directions along which different ones are told apart."""
 
 
-def groups_of(problem: Problem, modes: Sequence[Solution], *, joints: bool) -> np.ndarray:
+def sets_of_modes(problem: Problem, modes: Sequence[Solution], *, joints: bool) -> np.ndarray:
     """The group (n,) of each mode, numbered in the order of their first modes: those of one pose,
     with `joints` also of one set of actuated joints. Each is its own where neither was found.
     """

@@ -91,17 +91,14 @@ def proofs_of_group(
     origin = roots.origin if near.all() else None
     proofs = prover.proofs(roots.points[chosen], owner, knowns, own, origin)
     certified[chosen], complete[near] = proofs.certified, proofs.complete
-    grounds = prover.grounds(roots.points[chosen], owner, knowns, proofs)
+    ground[chosen] = prover.grounds(roots.points[chosen], owner, knowns, proofs)
     roots = roots.with_notes(
         {
             int(roots.owner[chosen[place]]): f"not certified: {reason}"
             for place, reason in proofs.reasons.items()
-            if grounds[place] is None
+            if np.isinf(ground[chosen[place], 2])
         }
     )
-    for place, proof in zip(chosen.tolist(), grounds, strict=True):
-        if proof is not None:
-            ground[place] = proof.independent, proof.rows, proof.radius, proof.remaining
     if ends is not None and (own is None or not proofs.complete.all()):
         listed = np.bincount(owner, minlength=knowns.count)
         whole = np.bincount(owner[proofs.certified], minlength=knowns.count) == listed

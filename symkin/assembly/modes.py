@@ -20,6 +20,7 @@ from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.assembly.without_search import known_without_search
+from symkin.homotopy.monodromy import told_of_searches
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.determination import refuse_unless_determined
@@ -128,7 +129,7 @@ def modes(
     [4, 4]
     """
     require_mechanism(mechanism)
-    ask = _Ask(mechanism, Search.of(method, **random), choose, progress)
+    ask = _Ask(mechanism, Search.of(method, **random, progress=progress), choose)
     if has_columns(given) or (given is None and (are_many(joints) or are_many(pose))):
         return _found(ask, many_given(mechanism, joints, pose, given))
     one = (
@@ -137,7 +138,9 @@ def modes(
         else any_given(mechanism, joints, pose, given)
     )
     found = _found(ask, [one])[0]
-    note = motion_note(mechanism, [mode.pose for mode in found.modes])
+    # coordinates of a pose are those of the declared motion; joints may carry it elsewhere
+    is_carried = not found.problem.closure.role("pose")
+    note = motion_note(mechanism, [mode.pose for mode in found.modes]) if is_carried else None
     found = found if note is None else replace(found, notes=(*found.notes, note))
     if found.modes or found.positive_dimensional or found.smallest_residual is None:
         return found
@@ -152,12 +155,12 @@ class _Ask:
     mechanism: Mechanism
     search: Search
     choose: Sequence[int] = ()
-    progress: Progress | None = None
 
 
 def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     """The modes of inputs of one kind, with the loop that cannot close where there are none."""
-    found = _of_machine(ask, givens)
+    with told_of_searches(ask.search.progress):
+        found = _of_machine(ask, givens)
     lost = [not modes and modes.problem.kind == "given" for modes in found]
     note = open_loops_note(ask.mechanism) if any(lost) else None
     if note is None:
@@ -212,9 +215,7 @@ def _of_description(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     }
     left = [i for i in range(len(givens)) if i not in found]
     if left:
-        searched = modes_by_name(
-            problem, [givens[i] for i in left], search, ask.choose, ask.progress
-        )
+        searched = modes_by_name(problem, [givens[i] for i in left], search, ask.choose)
         found |= dict(zip(left, searched, strict=True))
     feasible = [found[i] for i in left if givens[i].off_motion == 0.0]
     if (

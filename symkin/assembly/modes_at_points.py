@@ -20,7 +20,7 @@ from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import STATEMENTS
-from symkin.assembly.group_solvers import groups_of, most_roots, solvers_of
+from symkin.assembly.group_solvers import most_roots, solved_groups, solvers_of
 from symkin.assembly.machine_finder import Finder, MachineFinder, Plain
 from symkin.assembly.mode_table import (
     COMPLETENESS,
@@ -35,10 +35,13 @@ from symkin.assembly.mode_table import (
 )
 from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.search import Search
-from symkin.assembly.without_search import free_unknowns, known_without_search
+from symkin.assembly.without_search import (
+    free_unknowns,
+    known_without_search,
+    meet_conditions,
+)
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.determination import determination, refuse_unless_determined
 from symkin.position.given import Given
 from symkin.position.given_by_name import any_given, problem_of
@@ -132,7 +135,7 @@ class GroupFinder:
         problem = self.problem
         if problem.kind != "given" and (problem.is_explicit or free_unknowns(problem)):
             return ()
-        return groups_of(problem, self.search.method)
+        return solved_groups(problem, self.search)
 
     @property
     def engine(self) -> str | None:
@@ -166,7 +169,7 @@ class GroupFinder:
         all, but for points that contradict rows without unknowns, and those without a solution
         where the description's digits may be why.
         """
-        chosen = np.flatnonzero(self._may_have_some(known))
+        chosen = np.flatnonzero(bool(self._groups) & meet_conditions(self.problem, known))
         known = known[chosen]
         each = max(1, ROOTS_AT_ONCE // max(self.most_modes, 1))
         begins = range(0, max(len(known), 1), each)
@@ -176,16 +179,6 @@ class GroupFinder:
             places = np.flatnonzero(table.count != 0)
             table = at_places(table, places)
         return Plain(table, chosen[places])
-
-    def _may_have_some(self, known: np.ndarray) -> np.ndarray:
-        """Which points (n,) are searched for modes."""
-        problem = self.problem
-        if not self._groups or problem.kind == "given":
-            return np.full(len(known), bool(self._groups))
-        if not problem.conditions.errors.shape[0]:
-            return np.ones(len(known), dtype=bool)
-        off = problem.conditions.residuals(np.zeros((len(known), 0)), known)
-        return off <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
 
     def _table(self, known: np.ndarray, certify: bool) -> ModeTable:
         found = modes_by_groups(self.problem, known, self.search, certify=certify)

@@ -13,7 +13,6 @@ from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.search import Search
-from symkin.numeric.levenberg import Progress
 from symkin.position.given import Given
 from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
@@ -24,15 +23,12 @@ def modes_by_name(
     givens: Sequence[Given],
     search: Search,
     choose: Sequence[int] = (),
-    progress: Progress | None = None,
 ) -> tuple[Modes, ...]:
     """The modes of each input of a problem; `choose` takes one solution of each of the first
     structure groups.
     """
     known = np.array([given.values for given in givens])
-    grouped = modes_by_groups(
-        problem, known, search, choose, least_errors=True, certify=True, progress=progress
-    )
+    grouped = modes_by_groups(problem, known, search, choose, least_errors=True, certify=True)
     found = []
     for number, given in enumerate(givens):
         modes = grouped.modes_of(number, given)

@@ -10,7 +10,7 @@ from typing import Any, Literal, TypedDict
 
 import numpy as np
 
-from symkin.assembly.mode_groups import differing_universal_joints, groups_of
+from symkin.assembly.mode_groups import differing_universal_joints, sets_of_modes
 from symkin.computed_once import cached_property
 from symkin.position.problem import Problem
 from symkin.position.roots import Roots
@@ -132,7 +132,7 @@ class Modes(Result):
         """The set (n,) of each mode: one pose, and one value of each actuated joint that is not
         given.
         """
-        return groups_of(self.problem, self.modes, joints=True)
+        return sets_of_modes(self.problem, self.modes, joints=True)
 
     @cached_property
     def first_of_sets(self) -> list[int]:
@@ -156,7 +156,7 @@ class Modes(Result):
     @property
     def poses(self) -> int:
         """Count of distinct poses among the modes."""
-        return len(set(groups_of(self.problem, self.modes, joints=False).tolist()))
+        return len(set(sets_of_modes(self.problem, self.modes, joints=False).tolist()))
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON object of `symkin modes --json`."""

@@ -19,7 +19,6 @@ from symkin.numeric.system import System
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem
 from symkin.position.roots import Proofs
-from symkin.position.solution import PartialProof
 
 if TYPE_CHECKING:
     from symkin.certificate.bounds import Bound
@@ -134,21 +133,20 @@ class Prover:
 
     def grounds(
         self, points: np.ndarray, owner: np.ndarray, knowns: Knowns, proofs: Proofs
-    ) -> list[PartialProof | None]:
-        """What is proved of real roots: of all rows of those that are certified in `proofs`, of
-        independent ones of others where rows are redundant.
+    ) -> np.ndarray:
+        """What is proved of real roots (m,): of all rows of those that are certified in `proofs`,
+        of independent ones of others where rows are redundant, as numbers of a `PartialProof` (m,
+        4) whose radius is infinite where nothing is proved.
         """
-        from symkin.certificate.independent_rows import prove_independent_rows
-
         rows = int(self.block.rows.shape[0])
-        told = zip(proofs.certified.tolist(), proofs.radius.tolist(), strict=True)
-        found = [PartialProof.whole(rows, radius) if sure else None for sure, radius in told]
-        left = np.flatnonzero(~proofs.certified)
-        if left.size and self.is_redundant:
+        found = np.tile([rows, rows, np.inf, 0.0], (len(owner), 1))
+        found[:, 2] = np.where(proofs.certified, proofs.radius, np.inf)
+        left = np.flatnonzero(~proofs.certified) if self.is_redundant else ()
+        if len(left):
+            from symkin.certificate.independent_rows import prove_independent_rows
+
             z = self._algebraic(points[left])
-            proved = prove_independent_rows(self.whole, z, knowns, owner[left], self._size)
-            for place, proof in zip(left.tolist(), proved, strict=True):
-                found[place] = proof
+            found[left] = prove_independent_rows(self.whole, z, knowns, owner[left], self._size)
         return found
 
     @property

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
+from symkin.numeric.levenberg import Progress
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
@@ -27,6 +28,7 @@ class Search:
     """`starts` and `seed` of random starts and the `solver` of multistart; `named` are those that
     the caller gave, None for the others, so that what a problem has no use for can be refused.
     `formulas`: whether continuation may leave inputs to closed forms where there are some.
+    `progress` is told how far a search has come.
     """
 
     method: str
@@ -35,6 +37,7 @@ class Search:
     solver: str | Newton | LeastSquares
     named: Mapping[str, object] = field(default_factory=dict)
     formulas: bool = True
+    progress: Progress | None = None
 
     @property
     def name(self) -> str:
@@ -47,6 +50,7 @@ class Search:
         starts: int | None = None,
         seed: int | None = None,
         solver: str | Newton | LeastSquares | None = None,
+        progress: Progress | None = None,
     ) -> Search:
         """A checked search; a solver without a method means multistart. Raises InputError."""
         starts, seed = read_as("int | None", "starts", starts), read_as("int | None", "seed", seed)
@@ -70,6 +74,7 @@ class Search:
             "batched" if solver is None else solver,
             {"starts": starts, "seed": seed, "solver": solver},
             formulas=method is None,
+            progress=progress,
         )
 
     def refuse_starts(self, problem: Problem) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.group_solvers import parted_group, solvers_of
+from symkin.assembly.group_solvers import solved_parts, solvers_of
 from symkin.formats.load import load
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.start_files import SHIPPED, content_of
@@ -15,7 +15,6 @@ from symkin.homotopy.start_store import compute_start, start_key
 from symkin.homotopy.systems import system_of
 from symkin.model.shipped import shipped_names
 from symkin.numeric.system import System
-from symkin.position.groups import implied_parts
 from symkin.position.problem import Problem, build_problem
 
 
@@ -41,8 +40,7 @@ def shipped_systems() -> Iterator[tuple[Problem, AlgebraicSystem, System]]:
             if problem.is_explicit:
                 continue
             yield from ((problem, system_of(problem, block), block) for block in problem.blocks)
-            group = parted_group(problem)
-            for part in () if group is None else implied_parts(group):
+            for part in solved_parts(problem) if len(problem.blocks) == 1 else ():
                 for solver in solvers_of(part):
                     if isinstance(solver, BlockPaths) and solver.shared is None:
                         yield part, solver.algebraic, solver.block

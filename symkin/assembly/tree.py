@@ -12,12 +12,11 @@ from symkin.assembly.account import FEW, Account
 from symkin.assembly.checked_roots import checked_roots
 from symkin.assembly.continuation import least_error
 from symkin.assembly.group_roots import STATEMENTS, GroupRoots
-from symkin.assembly.group_search import geared_roots, linear_roots, one_by_one
+from symkin.assembly.group_search import geared_roots, linear_roots, searched_alone
 from symkin.assembly.group_solvers import any_paths, group_solver, most_roots, solved_parts
 from symkin.assembly.mode_proofs import PartProofs, proofs_of_group
 from symkin.assembly.search import Search
 from symkin.errors import InputError
-from symkin.numeric.levenberg import Progress
 from symkin.position.canonical import canonical
 from symkin.position.families import Member, members_of
 from symkin.position.gear_train import gear_train
@@ -51,7 +50,7 @@ class Tree:
     def grown(
         self,
         group: Problem,
-        found: Found,
+        found: ProvedRoots,
         which: np.ndarray,
         first: np.ndarray,
         counts: np.ndarray,
@@ -72,7 +71,7 @@ class Tree:
 
 
 @dataclass(frozen=True)
-class Ask:
+class Solving:
     """How groups are to be solved: the search, whether least errors are needed, whether solutions
     are to be proved, and whether inputs with more choices than are listed keep some of them.
     """
@@ -80,7 +79,6 @@ class Ask:
     search: Search
     least_errors: bool = False
     certify: bool = False
-    progress: Progress | None = None
     keeps_some: bool = False
 
 
@@ -95,7 +93,7 @@ class Step(NamedTuple):
     choice: int | None = None
 
 
-class Found(NamedTuple):
+class ProvedRoots(NamedTuple):
     """The solutions of a group in their order, and what is proved of them."""
 
     roots: GroupRoots
@@ -103,15 +101,15 @@ class Found(NamedTuple):
 
 
 def grown_together(
-    steps: Sequence[Step], groups: tuple[Problem, ...], account: Account, ask: Ask
+    steps: Sequence[Step], groups: tuple[Problem, ...], account: Account, solving: Solving
 ) -> list[Tree]:
     """The trees with every solution of their groups, or the chosen one, beside each of their
     configurations. Groups of one family, of the problem's `groups`, are solved together.
     """
     asked = [_Rows.of(step) for step in steps if len(step.tree.owner)]
-    found = _solved(asked, members_of(groups), ask)
+    found = _solved(asked, members_of(groups), solving)
     grown = {
-        rows.step.number: _grown(rows, one, account, ask)
+        rows.step.number: _grown(rows, one, account, solving)
         for rows, one in zip(asked, found, strict=True)
     }
     return [grown.get(step.number, step.tree) for step in steps]
@@ -138,16 +136,16 @@ class _Rows(NamedTuple):
         return _Rows(step, known, away, which.ravel())
 
 
-def _grown(rows: _Rows, found: Found, account: Account, ask: Ask) -> Tree:
+def _grown(rows: _Rows, found: ProvedRoots, account: Account, solving: Solving) -> Tree:
     """One tree with the solutions of its group."""
     (group, number, tree, choice), which, n = rows.step, rows.which, len(account.seen)
     roots = found.roots
     lost = _lost(roots, tree.owner, which, n)
-    if lost.any() and ask.least_errors:
+    if lost.any() and solving.least_errors:
         untold = np.unique(which[lost[tree.owner] & np.isinf(roots.smallest[which])])
         if untold.size:
-            roots = with_least_errors(group, roots, rows.known, untold, ask)
-            found = _proved(group, roots, rows.known, rows.away, ask)
+            roots = with_least_errors(group, roots, rows.known, untold, solving)
+            found = _proved(group, roots, rows.known, rows.away, solving)
             roots, lost = found.roots, _lost(found.roots, tree.owner, which, n)
     account.add(number, roots, tree.owner, which)
     empty, least = lost[tree.owner], np.full(n, np.inf)
@@ -158,7 +156,7 @@ def _grown(rows: _Rows, found: Found, account: Account, ask: Ask) -> Tree:
         first, counts = _chosen(group, choice, first, counts)
     each = np.bincount(tree.owner, weights=counts, minlength=n)
     account.too_many[(each > MOST_MODES) & (account.too_many == FEW)] = number
-    if ask.keeps_some:
+    if solving.keeps_some:
         # no more than show that they are too many
         before = np.cumsum(counts) - counts
         before -= before[np.searchsorted(tree.owner, tree.owner)]
@@ -201,27 +199,29 @@ def _chosen(
 # --- solutions of groups --------------------------------------------------------------------------
 
 
-def _solved(asked: Sequence[_Rows], members: dict[Problem, Member], ask: Ask) -> list[Found]:
+def _solved(
+    asked: Sequence[_Rows], members: dict[Problem, Member], solving: Solving
+) -> list[ProvedRoots]:
     """The solutions of each group at the rows that are asked for, those of a family together."""
-    found: dict[int, Found] = {}
+    found: dict[int, ProvedRoots] = {}
     families: dict[Problem, list[int]] = {}
     for place, rows in enumerate(asked):
         member = members.get(rows.step.group)
-        if member is not None and ask.search.method == "continuation":
+        if member is not None and solving.search.method == "continuation":
             families.setdefault(member.family, []).append(place)
             continue
         group = rows.step.group
-        roots = group_roots(group, rows.known, ask.search, ask.progress)
-        found[place] = _proved(group, roots, rows.known, rows.away, ask)
+        roots = group_roots(group, rows.known, solving.search)
+        found[place] = _proved(group, roots, rows.known, rows.away, solving)
     for family, places in families.items():
-        together = _of_family(family, [asked[k] for k in places], members, ask)
+        together = _of_family(family, [asked[k] for k in places], members, solving)
         found |= dict(zip(places, together, strict=True))
     return [found[place] for place in range(len(asked))]
 
 
 def _of_family(
-    family: Problem, asked: Sequence[_Rows], members: dict[Problem, Member], ask: Ask
-) -> list[Found]:
+    family: Problem, asked: Sequence[_Rows], members: dict[Problem, Member], solving: Solving
+) -> list[ProvedRoots]:
     """The solutions of a family's members; rows in doubt are left to the member's own rows."""
     own = [members[rows.step.group] for rows in asked]
     known = np.vstack([one.known(rows.known) for one, rows in zip(own, asked, strict=True)])
@@ -229,15 +229,15 @@ def _of_family(
     away = np.hstack([np.vstack([rows.away for rows in asked]), numbers])
     ends = np.cumsum([len(rows.known) for rows in asked]).tolist()
     places = [slice(end - len(rows.known), end) for end, rows in zip(ends, asked, strict=True)]
-    solved, doubtful = _by_solver(family, known, ask.search)
+    solved, doubtful = _by_solver(family, known, solving.search)
     if solved is None:
         return [
             _proved(
                 rows.step.group,
-                group_roots(rows.step.group, rows.known, ask.search, ask.progress),
+                group_roots(rows.step.group, rows.known, solving.search),
                 rows.known,
                 rows.away,
-                ask,
+                solving,
             )
             for rows in asked
         ]
@@ -245,12 +245,12 @@ def _of_family(
         mine = doubtful[(doubtful >= place.start) & (doubtful < place.stop)]
         if mine.size:
             left = rows.known[mine - place.start]
-            alone = group_roots(rows.step.group, left, ask.search, ask.progress)
+            alone = group_roots(rows.step.group, left, solving.search)
             solved = solved.with_rows(mine, alone)
-    found = _proved(family, solved, known, away, ask)
+    found = _proved(family, solved, known, away, solving)
     owner = found.roots.owner
     return [
-        Found(
+        ProvedRoots(
             found.roots.part(place.start, place.stop),
             found.proofs.of(slice(*np.searchsorted(owner, [place.start, place.stop]).tolist())),
         )
@@ -259,19 +259,17 @@ def _of_family(
 
 
 def _proved(
-    group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray, ask: Ask
-) -> Found:
+    group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray, solving: Solving
+) -> ProvedRoots:
     """The solutions in their order, with what is proved of them if it is asked for."""
     roots = roots.in_order()
-    if not ask.certify:
-        return Found(roots, PartProofs.of_nothing(len(roots.owner)))
+    if not solving.certify:
+        return ProvedRoots(roots, PartProofs.of_nothing(len(roots.owner)))
     proofs, roots = proofs_of_group(group, roots, known, away)
-    return Found(roots, proofs)
+    return ProvedRoots(roots, proofs)
 
 
-def group_roots(
-    group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None
-) -> GroupRoots:
+def group_roots(group: Problem, known: np.ndarray, search: Search) -> GroupRoots:
     """The solutions of a group at known values (n, known)."""
     if is_linear(group):
         return linear_roots(group, known)
@@ -279,16 +277,16 @@ def group_roots(
     if train is not None:
         return geared_roots(group, train, known)
     if search.method != "continuation":
-        return one_by_one(group, known, search, progress)
+        return searched_alone(group, known, search)
     parts = solved_parts(group)
     if parts:
-        return roots_of_parts(group, parts, known, search, progress)
+        return roots_of_parts(group, parts, known, search)
     found, doubtful = _by_solver(group, known, search)
     if found is None:
-        return one_by_one(group, known, search, progress)
+        return searched_alone(group, known, search)
     if not doubtful.size:
         return found
-    return found.with_rows(doubtful, one_by_one(group, known[doubtful], search, progress))
+    return found.with_rows(doubtful, searched_alone(group, known[doubtful], search))
 
 
 def _by_solver(
@@ -308,13 +306,13 @@ def _by_solver(
 
 
 def with_least_errors(
-    group: Problem, roots: GroupRoots, known: np.ndarray, places: np.ndarray, ask: Ask
+    group: Problem, roots: GroupRoots, known: np.ndarray, places: np.ndarray, solving: Solving
 ) -> GroupRoots:
     """The same with the least closure errors that are found at rows, by their `places`, of known
     values (n, known), which have no solution.
     """
-    if not (ask.search.method == "continuation" and solved_parts(group)):
-        return roots.with_rows(places, one_by_one(group, known[places], ask.search, ask.progress))
+    if not (solving.search.method == "continuation" and solved_parts(group)):
+        return roots.with_rows(places, searched_alone(group, known[places], solving.search))
     smallest = roots.smallest.copy()
     for place in places.tolist():
         smallest[place] = least_error(group, group.blocks[0], Given(group.kind, known[place], {}))
@@ -329,7 +327,6 @@ def roots_of_parts(
     parts: Sequence[Problem],
     known: np.ndarray,
     search: Search,
-    progress: Progress | None = None,
 ) -> GroupRoots:
     """The solutions of a group from those of its parts, each for every choice of those before it,
     held against all rows of the group. Passive joints whose rows known values must agree with are
@@ -338,9 +335,9 @@ def roots_of_parts(
     begin = np.zeros((len(known), int(group.closure.variables.shape[0])))
     begin[:, group.known_places] = known
     tree, account = Tree.begun(begin), Account.empty(len(known), len(parts))
-    ask = Ask(replace(search, formulas=True), progress=progress, keeps_some=True)
+    solving = Solving(replace(search, formulas=True), keeps_some=True)
     for number, part in enumerate(parts):
-        (tree,) = grown_together([Step(part, number, tree)], (), account, ask)
+        (tree,) = grown_together([Step(part, number, tree)], (), account, solving)
     generic = [most_roots(part) for part in parts]
     most = np.array([NOT_KNOWN if count is None else count for count in generic], dtype=float)
     points, owner, hits, met = _held_against(group, tree, known)

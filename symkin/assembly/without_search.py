@@ -31,7 +31,7 @@ def free_unknowns(problem: Problem) -> str | None:
     )
 
 
-def _proved(problem: Problem, solution: Solution) -> Solution:
+def _certified(problem: Problem, solution: Solution) -> Solution:
     """The pose that a formula gives, certified in balls as any other solution."""
     if unsuitable(problem) is not None:
         return solution
@@ -45,6 +45,22 @@ def _proved(problem: Problem, solution: Solution) -> Solution:
             return replace(solution, certified=False, radius=None)
         radii.append(float(found.radius[0]))
     return replace(solution, certified=True, radius=max(radii, default=0.0))
+
+
+def meet_conditions(problem: Problem, known: np.ndarray) -> np.ndarray:
+    """Which given values (n, known) meet the rows without unknowns."""
+    return _errors_of_given(problem, known) <= (
+        CLOSURE_TOLERANCE * problem.closure.characteristic_length
+    )
+
+
+def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
+    """The errors (n,) of rows without unknowns at given values (n, known). Rows of a problem whose
+    coordinates are told by name are left to its groups.
+    """
+    if problem.kind == "given" or not problem.conditions.errors.shape[0]:
+        return np.zeros(len(known))
+    return problem.conditions.residuals(np.zeros((len(known), 0)), known)
 
 
 def known_without_search(problem: Problem, given: Given, search: Search) -> Modes | None:
@@ -62,53 +78,45 @@ def known_without_search(problem: Problem, given: Given, search: Search) -> Mode
         return replace(empty, positive_dimensional=True)
     if given.off_motion > 0.0:
         return _nothing(problem, given, search, given.off_motion)
+    if not problem.is_explicit:
+        if not meet_conditions(problem, given.values[None])[0]:
+            off = float(_errors_of_given(problem, given.values[None])[0])
+            return _nothing(problem, given, search, off)
+        if problem.blocks:
+            return None
+    return _of_no_unknowns(problem, given, search)
+
+
+def _of_no_unknowns(problem: Problem, given: Given, search: Search) -> Modes:
+    """The one mode of given values that leave nothing open."""
+    who = f"the {problem.kind} problem of {problem.mechanism.name}"
+    unknown, notes = np.zeros(0), given.notes
     if problem.is_explicit:
-        search.refuse_unless_multistart(
-            "the direct problem of a serial arm is a function of its joints, and nothing is "
-            "searched"
+        who = "the direct problem of a serial arm"
+        unknown = start_values(problem, given, None)
+        notes = (
+            *notes,
+            "forward kinematics of a serial arm is a function of its joints: one pose",
         )
-        values = problem.join_values(start_values(problem, given, None), given.values)
-        note = "forward kinematics of a serial arm is a function of its joints: one pose"
-        solution = make_solution(problem, values)
+    what = "is a function of its joints" if problem.is_explicit else "has no unknowns"
+    search.refuse_unless_multistart(f"{who} {what}, and nothing is searched")
+    solution = make_solution(problem, problem.join_values(unknown, given.values), notes=given.notes)
+    if problem.is_explicit:
         if not solution.residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length:
             return _nothing(problem, given, search, solution.residual)
-        return Modes(
-            problem=problem,
-            given=given.echo,
-            modes=(_proved(problem, solution),),
-            completeness="proved",
-            method="forward",
-            seed=None,
-            elapsed_s=0.0,
-            complex_count=1,
-            unresolved_paths=0,
-            notes=(*given.notes, note),
-        )
-    conditions = problem.conditions
-    off = conditions.residual(np.zeros(0), given.values) if conditions.errors.shape[0] else 0.0
-    if off > CLOSURE_TOLERANCE * problem.closure.characteristic_length:
-        return _nothing(problem, given, search, off)
-    if not problem.blocks:
-        search.refuse_unless_multistart(
-            f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing "
-            f"is searched"
-        )
-        solution = make_solution(
-            problem, problem.join_values(np.zeros(0), given.values), notes=given.notes
-        )
-        return Modes(
-            problem=problem,
-            given=given.echo,
-            modes=(solution,),
-            completeness="proved",
-            method=search.method,
-            seed=search.seed,
-            elapsed_s=0.0,
-            complex_count=1,
-            unresolved_paths=0,
-            notes=given.notes,
-        )
-    return None
+        solution = _certified(problem, solution)
+    return Modes(
+        problem=problem,
+        given=given.echo,
+        modes=(solution,),
+        completeness="proved",
+        method="forward" if problem.is_explicit else search.method,
+        seed=None if problem.is_explicit else search.seed,
+        elapsed_s=0.0,
+        complex_count=1,
+        unresolved_paths=0,
+        notes=notes,
+    )
 
 
 def _nothing(

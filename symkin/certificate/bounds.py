@@ -10,9 +10,11 @@ near another, a curve in the variety would lead to generic members with one solu
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
+from math import prod
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -85,16 +87,98 @@ def bound_of(
     if is_six_revolute(problem):
         arm, geometry = exact_arm(problem, system)
         return Bound(SIX_REVOLUTE, arm, lambda knowns: knowns.beside(geometry))
-    degree = univariate_degree(system)
-    if degree is None:
+    return _of_triangular_rows(system)
+
+
+def _of_triangular_rows(system: AlgebraicSystem) -> Bound | None:
+    """The bound on the roots of rows that hold one unknown more each than those before: every root
+    of the first ones goes on to as many as the next row's degree. A row that vanishes at some of
+    these has no isolated root there, and the count is not reached. An unknown that enters rows
+    times numbers is taken from all of them but one, which gives it.
+    """
+    if system.projective or system.count != system.width:
         return None
-    least = system.unknowns[0].least is not None
-    text = f"{system.unknowns[0].name} alone, by a polynomial of degree {degree}" + (
-        " in the square of the length" * least
+    slopes = ca.jacobian(system.rows, system.z)
+    rows = [_unknowns_in(system, slopes, i) for i in range(system.count)]
+    degrees: dict[str, int] = {}
+    while rows:
+        taken = _next_row(rows)
+        degree = None if taken is None else rows[taken[0]][taken[1]].degree
+        if taken is None or degree is None:
+            return None
+        giving, k = rows.pop(taken[0]), taken[1]
+        rows = [_without(row, k, giving) if k in row else row for row in rows]
+        degrees[system.unknowns[k].name] = degree
+    counts = [
+        (degrees[c.name] + 1) // 2 if c.least is not None else degrees[c.name]
+        for c in system.unknowns
+    ]
+    squares = " in the square of the length" * any(c.least is not None for c in system.unknowns)
+    names, numbers = (", ".join(str(v) for v in part) for part in (degrees, degrees.values()))
+    text = (
+        f"{names} alone, by a polynomial of degree {numbers}{squares}"
+        if len(degrees) == 1
+        else f"{names} one after another, by polynomials of degrees {numbers}{squares}"
     )
-    return Bound(
-        Theorem((degree + 1) // 2 if least else degree, text, "fundamental theorem of algebra"),
-        system,
+    return Bound(Theorem(prod(counts), text, "fundamental theorem of algebra"), system)
+
+
+class _Unknown(NamedTuple):
+    """How a row holds an unknown: by a polynomial of a `degree`, None where it is none; whether
+    that is the unknown times a number.
+    """
+
+    degree: int | None
+    is_linear: bool
+
+
+def _unknowns_in(system: AlgebraicSystem, slopes: ca.SX, row: int) -> dict[int, _Unknown]:
+    """The unknowns of a row, by their places."""
+    places = [k for k in range(system.width) if slopes.sparsity().has_nz(row, k)]
+    return {k: _Unknown(_degree_in(system, k, row), slopes[row, k].is_constant()) for k in places}
+
+
+def _next_row(rows: list[dict[int, _Unknown]]) -> tuple[int, int] | None:
+    """A row, and the unknown that it gives: its only one, or one that enters all rows that hold it
+    times a number.
+    """
+    for i, row in enumerate(rows):
+        if len(row) == 1:
+            return i, next(iter(row))
+    for i, row in enumerate(rows):
+        for k in row:
+            if all(other[k].is_linear for other in rows if k in other):
+                return i, k
+    return None
+
+
+def _without(
+    row: dict[int, _Unknown], gone: int, giving: dict[int, _Unknown]
+) -> dict[int, _Unknown]:
+    """A row without the unknown that another one gives, which is known then, or is put in."""
+    left = {k: held for k, held in row.items() if k != gone}
+    if len(giving) == 1:
+        return left
+    for k, other in giving.items():
+        own = left.get(k, other)
+        degrees = [own.degree, other.degree]
+        degree = None if None in degrees else max(d for d in degrees if d is not None)
+        if k != gone:
+            left[k] = _Unknown(degree, own.is_linear and other.is_linear)
+    return left
+
+
+def _degree_in(system: AlgebraicSystem, unknown: int, row: int) -> int | None:
+    """`univariate_degree` of a row in one unknown, the others known."""
+    others = [k for k in range(system.width) if k != unknown]
+    return univariate_degree(
+        replace(
+            system,
+            unknowns=(system.unknowns[unknown],),
+            z=system.z[unknown],
+            k=ca.vertcat(system.k, system.z[others]),
+            rows=system.rows[row],
+        )
     )
 
 
@@ -133,13 +217,15 @@ def proves(found: CertificateBatch, bound: Bound) -> np.ndarray:
 @dataclass(frozen=True)
 class _Degree:
     """What is known of an intermediate value as a function of the unknown z: its degree as a
-    polynomial in z, or, with `turning`, as one in exp(i z) and exp(-i z); `slope`, if it is slope
-    z + something that z does not enter.
+    polynomial in z, or, with `turning`, as one in exp(i z) and exp(-i z), of half angles by halves;
+    `flips` where a whole turn of z changes its sign; `slope`, if it is slope z + something that z
+    does not enter.
     """
 
-    degree: int = 0
+    degree: Fraction = Fraction(0)
     turning: bool = False
     slope: Fraction | None = Fraction(0)
+    flips: bool = False
 
 
 def univariate_degree(system: AlgebraicSystem) -> int | None:
@@ -154,7 +240,8 @@ def univariate_degree(system: AlgebraicSystem) -> int | None:
     result: _Degree | None = None
     for op, a, o, constant in instructions(function):
         if op == ca.OP_INPUT:
-            work[o[0]] = (_Degree(1, slope=Fraction(1)) if a[0] == 0 else _Degree(), None)
+            own = _Degree(Fraction(1), slope=Fraction(1))
+            work[o[0]] = (own if a[0] == 0 else _Degree(), None)
         elif op == ca.OP_CONST:
             work[o[0]] = (_Degree(), constant)
         elif op == ca.OP_OUTPUT:
@@ -167,10 +254,11 @@ def univariate_degree(system: AlgebraicSystem) -> int | None:
     if (
         result is None
         or result.degree == 0
+        or result.flips
         or (result.turning and not system.unknowns[0].is_periodic)
     ):
         return None
-    return 2 * result.degree if result.turning else result.degree
+    return int(2 * result.degree if result.turning else result.degree)
 
 
 def _degree_of(op: int, operands: list[tuple[_Degree, float | None]]) -> _Degree | None:
@@ -184,6 +272,8 @@ def _degree_of(op: int, operands: list[tuple[_Degree, float | None]]) -> _Degree
     turning = any(d.turning for d in degrees)
     slopes = [d.slope for d in degrees]
     if op in (ca.OP_ADD, ca.OP_SUB):
+        if degrees[0].flips != degrees[1].flips:
+            return None
         first, second = slopes
         slope = (
             None
@@ -192,18 +282,20 @@ def _degree_of(op: int, operands: list[tuple[_Degree, float | None]]) -> _Degree
             if op == ca.OP_ADD
             else first - second
         )
-        return _Degree(max(d.degree for d in degrees), turning, None if turning else slope)
+        highest = max(d.degree for d in degrees)
+        return _Degree(highest, turning, None if turning else slope, degrees[0].flips)
     if op in (ca.OP_NEG, ca.OP_TWICE, ca.OP_ASSIGN):
         factor = {ca.OP_NEG: -1, ca.OP_TWICE: 2}.get(op, 1)
-        return _Degree(x.degree, turning, None if x.slope is None else factor * x.slope)
+        return _Degree(x.degree, turning, None if x.slope is None else factor * x.slope, x.flips)
     if op == ca.OP_SQ:
         return _Degree(2 * x.degree, turning, None)
     if op == ca.OP_MUL:
-        return _Degree(sum(d.degree for d in degrees), turning, _scaled(operands))
+        product = sum((d.degree for d in degrees), Fraction(0))
+        return _Degree(product, turning, _scaled(operands), degrees[0].flips != degrees[1].flips)
     if op == ca.OP_DIV and degrees[1].degree == 0:
-        return _Degree(x.degree, turning, None)
-    if op in (ca.OP_SIN, ca.OP_COS) and x.slope is not None and x.slope.denominator == 1:
-        return _Degree(abs(int(x.slope)), True, None)
+        return _Degree(x.degree, turning, None, x.flips)
+    if op in (ca.OP_SIN, ca.OP_COS) and x.slope is not None and x.slope.denominator <= 2:
+        return _Degree(abs(x.slope), True, None, x.slope.denominator == 2)
     return None
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -34,7 +35,6 @@ from symkin.certificate.separation import (
     is_pose,
     not_real,
 )
-from symkin.computed_once import cached_property
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import COMPLEX, REAL, UP, Number, precision
 
@@ -103,8 +103,8 @@ class Certificates:
 
 @dataclass(frozen=True, eq=False)
 class CertificateBatch:
-    """What is proved of n roots of m instances: arrays as in `Certificates`, `distinct` (m,) for
-    each instance.
+    """What is proved of n roots of m instances: arrays as in `Certificates`, `pose` and `distinct`
+    (m,), for each instance, where they are asked for.
 
     `instance` (n,) says which of the known values each root belongs to, in ascending order.
     """
@@ -118,9 +118,18 @@ class CertificateBatch:
     centre: np.ndarray
     ball: np.ndarray
     real: np.ndarray
-    pose: np.ndarray
-    distinct: np.ndarray
     reasons: dict[int, str]
+    _roots: _Roots
+
+    @property
+    def pose(self) -> np.ndarray:
+        """Which certified roots (n,) are proved to be poses."""
+        return self._roots.poses
+
+    @property
+    def distinct(self) -> np.ndarray:
+        """So many certified roots of each instance (m,) are proved to differ."""
+        return self._roots.distinct
 
     @cached_property
     def radius(self) -> np.ndarray:
@@ -324,10 +333,9 @@ class _Roots:
 
     def collect(self, size: float) -> CertificateBatch:
         """All that is proved of the roots, beyond their boxes."""
-        found = np.isfinite(self.half)
+        found = self._found
         real = self.real & found
-        of, not_real_ones = self._features(real), self._not_real(found & ~real)
-        centre, distinct = self.centre, self._distinct(found, of)
+        not_real_ones, centre = self._not_real(found & ~real), self.centre
         if not found.all():
             centre = np.where(found, centre, self.given)
         return CertificateBatch(
@@ -340,14 +348,19 @@ class _Roots:
             centre=centre,
             ball=self.half,
             real=_REALITY[real + 2 * not_real_ones],
-            pose=self._poses(found, of),
-            distinct=distinct,
             reasons=self.reasons,
+            _roots=self,
         )
 
-    def _features(self, real: np.ndarray) -> Features:
+    @cached_property
+    def _found(self) -> np.ndarray:
+        """Which roots (n,) are certified."""
+        return np.asarray(np.isfinite(self.half))
+
+    @cached_property
+    def _features(self) -> Features:
         """Of the numbers within discs that hold the boxes."""
-        radius = np.where(real, self.half, self.half * _DIAGONAL)
+        radius = np.where(self.real & self._found, self.half, self.half * _DIAGONAL)
         return features(
             self.system, Discs(self.centre.T, np.repeat(radius[:, None], self.system.width, axis=1))
         )
@@ -361,17 +374,24 @@ class _Roots:
             shown[i] = not_real(self.system, self._box(i))
         return shown
 
-    def _poses(self, found: np.ndarray, of: Features) -> np.ndarray:
-        poses: np.ndarray = of.poses & found
+    @cached_property
+    def poses(self) -> np.ndarray:
+        """Which certified roots (n,) are proved to be poses."""
+        found = self._found
+        if not self.system.projective:
+            return found
+        poses: np.ndarray = self._features.poses & found
         for i in np.flatnonzero(found & ~poses).tolist() if not poses.all() else ():
             poses[i] = is_pose(self.system, self._box(i))
         return poses
 
-    def _distinct(self, found: np.ndarray, of: Features) -> np.ndarray:
-        """So many certified roots of each instance are proved to differ."""
-        instance, mixed = (
-            (self.instance, of.mixed) if found.all() else (self.instance[found], of.mixed.at(found))
-        )
+    @cached_property
+    def distinct(self) -> np.ndarray:
+        """So many certified roots of each instance (m,) are proved to differ."""
+        found, mixed = self._found, self._features.mixed
+        instance = self.instance
+        if not found.all():
+            instance, mixed = instance[found], mixed.at(found)
         distinct = np.bincount(instance, minlength=self.knowns.count)
         apart = are_apart(mixed, instance, len(distinct))
         for j in np.flatnonzero(~apart).tolist() if not apart.all() else ():

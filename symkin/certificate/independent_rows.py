@@ -23,27 +23,26 @@ from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import REAL, precision, upper
 from symkin.numeric.rank import most_independent
-from symkin.position.solution import PartialProof
 
 _BITS = 128
 
 
 def prove_independent_rows(
     system: AlgebraicSystem, z: np.ndarray, knowns: Knowns, instance: np.ndarray, size: float
-) -> list[PartialProof | None]:
+) -> np.ndarray:
     """The proofs about real roots z (width, m) of more rows than unknowns, of the instances
-    `instance` (m,), ascending, of known values; None where as many independent rows as unknowns are
-    not found there, or no proof is.
+    `instance` (m,), ascending, of known values: numbers of a `PartialProof` (m, 4), the radius
+    infinite where as many independent rows as unknowns are not found there, or no proof is.
     """
-    found: list[PartialProof | None] = [None] * z.shape[1]
     freedom = system.width - bool(system.projective)
+    found = np.tile([freedom, system.count, np.inf, 0.0], (z.shape[1], 1))
     if system.count <= freedom:
         return found
     _, jacobians = system.linearise(
         z.astype(complex), knowns.discs.middle[instance].T.astype(complex)
     )
     takes = most_independent(jacobians, freedom)
-    for chosen in np.unique(takes[takes.sum(axis=1) == freedom], axis=0):
+    for chosen in {t.tobytes(): t for t in takes[takes.sum(axis=1) == freedom]}.values():
         here = np.flatnonzero((takes == chosen).all(axis=1))
         batch = certify_batch(
             _part(system, tuple(np.flatnonzero(chosen).tolist())),
@@ -53,11 +52,8 @@ def prove_independent_rows(
             size,
         )
         sure = np.flatnonzero(batch.certified & (batch.real == "real") & batch.pose)
-        others = _largest_other(system, ~chosen, batch, sure) * size * UP
-        for place, other in zip(sure.tolist(), others.tolist(), strict=True):
-            found[here[place]] = PartialProof(
-                freedom, system.count, float(batch.radius[place]), other
-            )
+        found[here[sure], 2] = batch.radius[sure]
+        found[here[sure], 3] = _largest_other(system, ~chosen, batch, sure) * size * UP
     return found
 
 

@@ -84,7 +84,7 @@ class ClosedForm:
     names: tuple[str, ...]
     samples: np.ndarray
 
-    @property
+    @cached_property
     def count(self) -> int:
         """How many solutions the formulas have, over the complex numbers."""
         return int(2 ** int(self.signs.shape[0]))

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.circles import Germ, circle, follow, gaps, separations
 from symkin.homotopy.ends import Ends, SingularRoots
@@ -35,10 +36,12 @@ it.
 """
 _AGREED = 1e-6
 """Largest distance between ends that two radii, or a mean and Newton, give for one cycle."""
-BESIDE = 1e-7
-"""Distance from a root at which a Newton step shows that it is well conditioned."""
-RETURNED = 0.05
-"""Share of that distance by which a step from beside a regular root may miss it."""
+_BESIDE = (1e-7, 1e-9)
+"""Distances from a root at which a Newton step shows that it is well conditioned; the second for
+roots about which the rows bend more.
+"""
+_RETURNED = 0.05
+"""Share of such a distance by which a step from beside a regular root may miss it."""
 _ONE = 1e-7
 """Distance below which two regular ends are one root, and one of the paths has jumped."""
 _SAME_END = 1e-5
@@ -119,23 +122,42 @@ def finish(system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: T
 
 
 def are_regular(system: AlgebraicSystem, tracked: Tracked, target: np.ndarray) -> np.ndarray:
-    """Paths that arrived at regular roots with a pose, no two at the same: these need no endgame.
-    Where one Newton step from beside a root leads back to it, its Jacobian need not be looked at.
+    """Paths that arrived at regular roots with a pose, no two at the same: these need no
+    endgame.
     """
     regular = tracked.arrived.copy()
     places = np.flatnonzero(regular)
     if not places.size:
         return regular
     z = tracked.z[:, places]
-    rng = np.random.default_rng(0)
-    shift = BESIDE * (rng.normal(size=z.shape) + 1j * rng.normal(size=z.shape))
-    back, _ = newton(system, z + shift, target, 1)
-    good = gaps(system, back, z) < RETURNED * BESIDE
-    doubtful = np.flatnonzero(~good)
-    if doubtful.size:
-        good[doubtful] = look(system, z[:, doubtful], target).share > RANK_TOLERANCE
+    good = are_well_conditioned(system, z, target)
     regular[places] = good & ~is_no_pose(system, z) & (separations(system, z) > _ONE)
     return regular
+
+
+def are_well_conditioned(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray:
+    """Which roots z (width, n) at known values (known,) or (known, n) are well conditioned: a
+    Newton step from beside each leads back to it, or the Jacobian there has full rank.
+    """
+    direction, good = _direction(system.width), np.zeros(z.shape[1], dtype=bool)
+    for distance in _BESIDE:
+        left = np.flatnonzero(~good)
+        if left.size:
+            here, at = z[:, left], k if k.ndim == 1 else k[:, left]
+            back, _ = newton(system, here + distance * direction, at, 1)
+            good[left] = gaps(system, back, here) < _RETURNED * distance
+    left = np.flatnonzero(~good)
+    if left.size:
+        at = k if k.ndim == 1 else k[:, left]
+        good[left] = look(system, z[:, left], at).share > RANK_TOLERANCE
+    return good
+
+
+@lru_cache(maxsize=64)
+def _direction(width: int) -> np.ndarray:
+    """A random complex direction (width, 1), the same for every root."""
+    rng = np.random.default_rng(0)
+    return rng.normal(size=(width, 1)) + 1j * rng.normal(size=(width, 1))
 
 
 def _with_far_roots(

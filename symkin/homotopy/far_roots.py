@@ -26,7 +26,9 @@ _NEAREST = 1e-3
 _TOLERANCE = 1e-5
 """Largest first Newton step of a step along a path."""
 _FIRST, _SMALLEST, _MOST_STEPS = 0.01, 1e-9, 1000
-"""First and smallest step along a path, as shares of it, and the most that are made."""
+"""First and smallest step along a path, in u, and the most that are made."""
+_LAST = 23.0
+"""The u from which Newton's method leads to the end, 1e-10 of the path away."""
 
 
 def are_far(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
@@ -100,27 +102,28 @@ def _follow(
     system: AlgebraicSystem, z: np.ndarray, begin: np.ndarray, end: np.ndarray
 ) -> tuple[np.ndarray, bool]:
     """One path: the polynomial through the last three points and their tangents predicts, two
-    Newton steps correct.
+    Newton steps correct. It is followed over u = -log(1 - s), s its share: a root that is far
+    away is neared as s is, one at infinity by steps that are equally long in u.
     """
-    along, s, h = end - begin, 0.0, _FIRST
-    first = _corrected(system, z, begin, along)
+    way, u, h = end - begin, 0.0, _FIRST
+    first = _corrected(system, z, begin, way)
     if first is None:
         return z, False
     stations: list[_Station] = [(0.0, *first[:2])]
     for _ in range(_MOST_STEPS):
-        step = min(h, 1.0 - s)
-        ahead = 1.0 if step >= 1.0 - s else s + step
-        found = _corrected(
-            system, _predicted(stations[-3:], s + step), begin + ahead * along, along
-        )
+        ahead = min(u + h, _LAST)
+        left = float(np.exp(-ahead))
+        found = _corrected(system, _predicted(stations[-3:], ahead), end - left * way, left * way)
         if found is None:
-            h = 0.3 * step
+            h = 0.3 * (ahead - u)
             if h < _SMALLEST:
                 break
             continue
-        stations, s = [*stations[-2:], (ahead, *found[:2])], ahead
-        if s >= 1.0:
-            return found[0], True
+        stations, step, u = [*stations[-2:], (ahead, *found[:2])], ahead - u, ahead
+        if u >= _LAST:
+            # dz/du there is what is left of the way times dz/ds
+            last = _corrected(system, found[0] + found[1], end, way)
+            return (stations[-1][1], False) if last is None else (last[0], True)
         h = step * float(
             np.clip(
                 0.9 * (0.3 * _TOLERANCE / max(found[2], 1e-16)) ** (0.5 / len(stations)), 0.3, 2.5
@@ -130,11 +133,11 @@ def _follow(
 
 
 _Station = tuple[float, np.ndarray, np.ndarray]
-"""Place s on a path, point and tangent there."""
+"""Place u on a path, point and tangent there."""
 
 
-def _predicted(stations: list[_Station], s: float) -> np.ndarray:
-    """Hermite's polynomial through points and tangents, at s: Newton's divided differences over
+def _predicted(stations: list[_Station], u: float) -> np.ndarray:
+    """Hermite's polynomial through points and tangents, at u: Newton's divided differences over
     doubled places.
     """
     places = [place for place, _, _ in stations for _ in (0, 1)]
@@ -147,7 +150,7 @@ def _predicted(stations: list[_Station], s: float) -> np.ndarray:
             tangents[i // 2] if gap == 0.0 else (b - a) / gap
             for i, (gap, a, b) in enumerate(zip(gaps, column[:-1], column[1:], strict=True))
         ]
-        product *= s - places[order - 1]
+        product *= u - places[order - 1]
         total += product * column[0]
     return total
 

@@ -8,20 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.circles import gaps
-from symkin.homotopy.endgame import BESIDE, RETURNED
-from symkin.homotopy.engine import aligned, newton, track
+from symkin.homotopy.endgame import are_well_conditioned
+from symkin.homotopy.engine import aligned, track
 from symkin.homotopy.monodromy import Fibre
-from symkin.homotopy.point_checks import is_no_pose, look
+from symkin.homotopy.point_checks import is_no_pose
 from symkin.homotopy.symmetry import Orbits
-from symkin.numeric.tolerances import RANK_TOLERANCE
 
 _PATHS_AT_ONCE = 1400
 """Paths that are tracked in one call: enough to fill vectors, few enough to stay in the cache."""
-_CLOSE_BESIDE = 1e-9
-"""A second such distance, for roots about which the rows bend more."""
 APART = 1e-5
 """Distance of two ends (see `nearest`) above which they are two roots, whatever is asked of them:
 equal roots are told by 1e-6.
@@ -59,7 +54,7 @@ def _group(
     if places.size:
         # by symmetry what holds of roots holds of their images
         kept = tracked.z if places.size == n else tracked.z[:, np.repeat(plain, each)]
-        good = ~is_no_pose(system, kept) & are_regular(
+        good = ~is_no_pose(system, kept) & are_well_conditioned(
             system, kept, target[:, 0] if n == 1 else np.repeat(target[:, places], each, axis=1)
         )
         plain[places] = good.reshape(places.size, each).all(axis=1)
@@ -78,34 +73,6 @@ def _unfolded(mirrors: Orbits, ends: np.ndarray) -> np.ndarray:
         mirrors.symmetries.shifts[mirrors.maps],
     )
     return np.asarray(np.einsum("rij,njr->nir", matrices, ends[:, :, mirrors.labels]) + shifts.T)
-
-
-def are_regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Which roots z (width, n) at known values (known,) or (known, n) are well conditioned: a
-    Newton step from beside each leads back to it, or the Jacobian there has full rank.
-    """
-    direction, good = _direction(system.width), np.zeros(z.shape[1], dtype=bool)
-    for distance in (BESIDE, _CLOSE_BESIDE):
-        left = np.flatnonzero(~good)
-        if left.size:
-            here = z[:, left]
-            back, _ = newton(
-                system, here + distance * direction, k if k.ndim == 1 else k[:, left], 1
-            )
-            good[left] = gaps(system, back, here) < RETURNED * distance
-    left = np.flatnonzero(~good)
-    if left.size:
-        good[left] = (
-            look(system, z[:, left], k if k.ndim == 1 else k[:, left]).share > RANK_TOLERANCE
-        )
-    return good
-
-
-@lru_cache(maxsize=64)
-def _direction(width: int) -> np.ndarray:
-    """A random complex direction (width, 1), the same for every root."""
-    rng = np.random.default_rng(0)
-    return rng.normal(size=(width, 1)) + 1j * rng.normal(size=(width, 1))
 
 
 def nearest(system: AlgebraicSystem, ends: np.ndarray) -> np.ndarray:

@@ -7,7 +7,9 @@ and reveal new ones (Duff et al. 2019).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -126,6 +128,26 @@ class Looping:
     bound: int | None = None
     needed: float = 6.0
     most_loops: int = 200
+
+
+_progress: ContextVar[Progress | None] = ContextVar("progress", default=None)
+
+
+@contextmanager
+def told_of_searches(progress: Progress | None) -> Iterator[None]:
+    """In this block the first search for generic solutions of each system tells how far it has
+    come, wherever it is begun.
+    """
+    token = _progress.set(progress)
+    try:
+        yield
+    finally:
+        _progress.reset(token)
+
+
+def progress_of_searches() -> Progress | None:
+    """What is told how far a search for generic solutions has come."""
+    return _progress.get()
 
 
 def fibre(

@@ -26,14 +26,14 @@ from symkin.homotopy.monodromy import (
     fibre,
     loop_radius,
     orbits,
+    progress_of_searches,
     within_reach,
 )
 from symkin.homotopy.seeds import Points, full_linearisation, random_known, random_point
 from symkin.homotopy.six_distances import DISTANCES, distance_data, distance_function, is_universal
 from symkin.homotopy.six_revolute import arm_start, is_six_revolute
 from symkin.homotopy.start_files import closure_key, hash_of, kept_or_computed
-from symkin.homotopy.symmetry import find_symmetries
-from symkin.homotopy.symmetry import orbits as orbits_under
+from symkin.homotopy.symmetry import find_symmetries, orbits_under
 from symkin.homotopy.systems import system_of
 from symkin.homotopy.tracker import TrackSettings
 from symkin.homotopy.universal_start import machine_start, universal_start
@@ -68,17 +68,15 @@ or not at all, and then how many second searches.
 """
 
 
-def start_of(
-    problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
-) -> tuple[Fibre | None, str]:
+def start_of(problem: Problem, system: AlgebraicSystem, block: System) -> tuple[Fibre | None, str]:
     """The generic roots of a block, or None and the reason."""
     return kept_or_computed(
-        start_key(problem, system), system, lambda: compute_start(problem, system, block, progress)
+        start_key(problem, system), system, lambda: compute_start(problem, system, block)
     )
 
 
 def compute_start(
-    problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None = None
+    problem: Problem, system: AlgebraicSystem, block: System
 ) -> tuple[Fibre | None, str]:
     """Generic roots from the universal start of six distances where the closure is that, else by
     monodromy; at a base from which real instances take few steps.
@@ -110,7 +108,7 @@ def compute_start(
         )
     else:
         try:
-            found, reason = _by_monodromy(problem, system, block, progress)
+            found, reason = _by_monodromy(problem, system, block)
         except TooManyRootsError as error:
             return (
                 None,
@@ -231,7 +229,7 @@ def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarra
 
 
 def _by_monodromy(
-    problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None
+    problem: Problem, system: AlgebraicSystem, block: System
 ) -> tuple[Fibre | None, str]:
     if problem.of_joints:
         found = mobility(problem.mechanism)
@@ -259,7 +257,7 @@ def _by_monodromy(
     bound = 1 if len(system.unknowns) == 1 and system.unknowns[0].least is not None else None
     looping = Looping(known_angles(problem), bound, most_loops=loops)
     search = _Searching(problem, system, block, points, rank, looping)
-    first = search.fibre(0, 0, progress=progress)
+    first = search.fibre(0, 0, progress=progress_of_searches())
     if first is None:
         return None, "no generic complex solution was found"
     if bound is not None:

@@ -27,13 +27,20 @@ from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal, known_roo
 from symkin.homotopy.body_on_rods import distances_of, universal_system_of
 from symkin.homotopy.engine import newton, track
 from symkin.homotopy.many_instances import plain_instances
-from symkin.homotopy.monodromy import Fibre, Looping, TooManyRootsError, fibre
+from symkin.homotopy.monodromy import (
+    Fibre,
+    Looping,
+    TooManyRootsError,
+    fibre,
+    progress_of_searches,
+)
 from symkin.homotopy.seeds import random_known
 from symkin.homotopy.start_files import closure_key, kept_or_computed
 from symkin.homotopy.tracker import TrackSettings
 from symkin.homotopy.universal_start import universal_start
 from symkin.homotopy.values import known_values
 from symkin.model.joint import Coordinate
+from symkin.numeric.levenberg import Progress
 from symkin.position.problem import Problem
 
 MOST_UNKNOWNS = 4
@@ -269,7 +276,7 @@ def _searched(system: AlgebraicSystem) -> tuple[Fibre | None, str]:
 
 def _settled(system: AlgebraicSystem) -> tuple[Fibre | None, str]:
     """As many searches as it takes until one finds nothing new."""
-    first = _search(system, 0)
+    first = _search(system, 0, progress=progress_of_searches())
     for seed in range(1, 1 + _SEARCHES):
         if first is None:
             return None, "no generic complex solution was found"
@@ -284,12 +291,16 @@ def _settled(system: AlgebraicSystem) -> tuple[Fibre | None, str]:
 
 
 def _search(
-    system: AlgebraicSystem, seed: int, known: tuple[np.ndarray, np.ndarray] | None = None
+    system: AlgebraicSystem,
+    seed: int,
+    known: tuple[np.ndarray, np.ndarray] | None = None,
+    progress: Progress | None = None,
 ) -> Fibre | None:
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
         return complex_normal(system.width, rng), complex_normal(int(system.k.shape[0]), rng)
 
-    return fibre(system, points, np.random.default_rng(seed), seed, system.count, Looping(), known)
+    rng = np.random.default_rng(seed)
+    return fibre(system, points, rng, seed, system.count, Looping(), known, progress)
 
 
 def _beside(system: AlgebraicSystem, start: Fibre, z: np.ndarray, k: np.ndarray) -> np.ndarray:

@@ -78,7 +78,7 @@ class Orbits:
         )
 
 
-def orbits(system: AlgebraicSystem, symmetries: Symmetries, z: np.ndarray) -> Orbits:
+def orbits_under(system: AlgebraicSystem, symmetries: Symmetries, z: np.ndarray) -> Orbits:
     """Group roots z (width, n) of a common k into orbits."""
     f = system.features(z)
     n = z.shape[1]

@@ -36,24 +36,6 @@ class PartialProof:
     radius: float
     remaining: float
 
-    @staticmethod
-    def whole(rows: int, radius: float) -> PartialProof:
-        """Of a certified part: all of its rows vanish at one point."""
-        return PartialProof(rows, rows, radius, 0.0)
-
-    @staticmethod
-    def joined(parts: Sequence[PartialProof | None]) -> PartialProof | None:
-        """Of parts that are solved one by one; None where nothing is proved of one of them."""
-        kept = [part for part in parts if part is not None]
-        if len(kept) < len(parts):
-            return None
-        return PartialProof(
-            sum(p.independent for p in kept),
-            sum(p.rows for p in kept),
-            max(p.radius for p in kept),
-            max(p.remaining for p in kept),
-        )
-
 
 @dataclass(frozen=True, eq=False)
 class _Read:

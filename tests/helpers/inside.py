@@ -250,7 +250,7 @@ NAMES = {
     "Symmetries": "symkin.homotopy.symmetry",
     "binary_null_space": "symkin.homotopy.symmetry",
     "find_symmetries": "symkin.homotopy.symmetry",
-    "orbits": "symkin.homotopy.symmetry",
+    "orbits": "symkin.homotopy.symmetry:orbits_under",
     "algebraic_systems": "symkin.homotopy.systems",
     "system_of": "symkin.homotopy.systems",
     "TrackSettings": "symkin.homotopy.tracker",
@@ -551,6 +551,7 @@ NAMES = {
 
 MODULES = {
     "by_groups": "symkin.assembly.by_groups",
+    "block_paths": "symkin.assembly.block_paths",
     "closed_roots": "symkin.assembly.closed_roots",
     "continuation": "symkin.assembly.continuation",
     "group_solvers": "symkin.assembly.group_solvers",
@@ -573,6 +574,7 @@ MODULES = {
     "load_file": "symkin.formats.load",
     "compiled": "symkin.homotopy.compiled",
     "engine": "symkin.homotopy.engine",
+    "far_roots": "symkin.homotopy.far_roots",
     "quadratic": "symkin.homotopy.quadratic",
     "start_files": "symkin.homotopy.start_files",
     "start_store": "symkin.homotopy.start_store",

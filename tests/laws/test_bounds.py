@@ -27,6 +27,7 @@ from helpers.inside import (
 )
 from helpers.known_roots import DIETMAIER, case, complex_roots, dietmaier
 from helpers.samples import five_bar, unit
+from helpers.spellings import MACHINES, spellings
 from symkin import Joint, Limb, Mechanism
 
 
@@ -151,6 +152,41 @@ def test_rod_lengths_are_proved_alone():
         assert is_complete(certificates, bound)
 
 
+def test_rows_with_one_unknown_more_each_are_bounded_together():
+    """y^2 = x, cos(a) = y, x^2 = k: 4 roots (x, y) and 8 with the angle. All of them are complete,
+    one less is not; combinations of the first two that hold y^2 and y have no such bound.
+    """
+    z, k = ca.SX.sym("z", 3), ca.SX.sym("k")
+    unknowns = tuple(
+        Coordinate(name, kind, "passive")
+        for name, kind in (("y", "length"), ("a", "angle"), ("x", "length"))
+    )
+    rows = ca.vertcat(z[0] ** 2 - z[2], ca.cos(z[1]) - z[0], z[2] ** 2 - k)
+    system = AlgebraicSystem(1.0, unknowns, z, k, rows, ())
+    bound = bound_of(build_problem(five_bar(), "direct"), system)
+    assert bound is not None
+    assert bound.theorem.count == 8
+    points = [
+        (y, sign * np.arccos(complex(y)), x)
+        for x in (0.3, -0.3)
+        for y in (np.sqrt(complex(x)), -np.sqrt(complex(x)))
+        for sign in (1, -1)
+    ]
+    roots = np.array(points).T
+    assert is_complete(certify(system, roots, np.array([0.09])), bound)
+    assert not is_complete(certify(system, roots[:, 1:], np.array([0.09])), bound)
+    both = ca.vertcat(z[0] ** 2 - z[2], ca.cos(z[1]) - z[0], z[2] * z[0] - k)
+    assert bound_of(build_problem(five_bar(), "direct"), replace(system, rows=both)) is None
+
+
+def test_a_chain_of_such_rows_is_proved_in_every_spelling(tmp_path):
+    """The piston of a crank: two solutions, proved to be all, however the machine is written."""
+    machine = MACHINES["slider-crank"]()
+    for spelled in spellings(machine, tmp_path):
+        found = spelled.modes(machine, inverse=False)
+        assert (spelled.name, len(found), found.completeness) == (spelled.name, 2, "proved")
+
+
 def test_no_theorem_no_bound():
     """A five-bar's direct problem has two solutions, but no theorem here says so: it has no
     bound.
@@ -183,6 +219,9 @@ def test_known_balls_hold_the_quotients():
         ("angle", lambda z, k: ca.cos(z) * k + ca.sin(z - 0.2), 2),
         ("angle", lambda z, k: ca.cos(z) ** 2 - k * ca.sin(2 * z + k), 4),
         ("angle", lambda z, k: ca.sin(0.5 * z) - k, None),
+        ("angle", lambda z, k: ca.sin(0.5 * z) * ca.cos(0.5 * z) - k, 2),
+        ("angle", lambda z, k: ca.cos(0.5 * z) ** 2 + k * ca.sin(z), 2),
+        ("angle", lambda z, k: ca.cos(0.5 * z) * k, None),
         ("angle", lambda z, k: ca.sin(z) - k * z, None),
         ("angle", lambda z, k: ca.sin(k * z) - 0.5, None),
         ("angle", lambda z, k: ca.sin(k) - 0.5 + 0 * z, None),

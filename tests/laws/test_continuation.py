@@ -254,6 +254,27 @@ def test_complex_roots_come_in_conjugate_pairs():
     assert np.max(np.min(np.max(np.abs(f[:, None] - g[None]), axis=2), axis=0)) < 1e-8
 
 
+@pytest.mark.parametrize("asked", ["joints", "pose"])
+def test_the_search_for_generic_solutions_is_told(asked, tmp_path, monkeypatch):
+    """In a cache that holds nothing: percents of each search, in the direct and in the inverse
+    problem; there is nothing to tell the second time.
+    """
+    monkeypatch.setenv("SYMKIN_CACHE", str(tmp_path))
+    machine, told = three_rps(), []
+    given = {
+        "joints": [c.reference[0] + 1.0 for c in machine.actuated],
+        "pose": machine.reference_pose,
+    }[asked]
+    first, again = (
+        symkin.modes(machine, **{asked: given}, progress=lambda *now, k=k: told.append((k, *now)))
+        for k in range(2)
+    )
+    assert len(first) == len(again)
+    assert told
+    assert {k for k, _, _ in told} == {0}
+    assert all(0 <= done <= total == 100 for _, done, total in told)
+
+
 # --- what is not claimed --------------------------------------------------------------------------
 
 

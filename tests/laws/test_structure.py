@@ -12,6 +12,7 @@ import pytest
 import symkin
 from helpers.gate import in_gate
 from helpers.inside import (
+    block_paths,
     build_problem,
     closed_configurations,
     complex_normal,
@@ -126,7 +127,7 @@ def test_a_dyad_is_never_searched_twice(monkeypatch):
         structure, "_searched", lambda system: searched.append(system) or search(system)
     )
     monkeypatch.setattr(
-        group_solvers, "start_of", lambda *_: pytest.fail("the block's own roots were sought")
+        block_paths, "start_of", lambda *_: pytest.fail("the block's own roots were sought")
     )
     for seed in (1, 2, 3):
         (group,) = groups(drawn(seed))

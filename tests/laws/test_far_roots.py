@@ -1,0 +1,52 @@
+"""Roots far from real ones: they are reached with more bits, those at infinity are not."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from helpers.inside import AlgebraicSystem, Coordinate, far_roots
+
+BEGIN = np.array([1.3 + 0.4j, 0.7 - 0.2j])
+
+
+def system() -> AlgebraicSystem:
+    """k0 cos z + k1 sin z = 1, a quadratic in exp(i z)."""
+    z, k = ca.SX.sym("z"), ca.SX.sym("k", 2)
+    row = k[0] * ca.cos(z) + k[1] * ca.sin(z) - 1
+    return AlgebraicSystem(1.0, (Coordinate("z", "angle", "passive"),), z, k, row, ())
+
+
+def roots(k: np.ndarray) -> np.ndarray:
+    """Both, by the quadratic, where exp(i z) does not vanish."""
+    turns = np.roots([(k[0] - 1j * k[1]) / 2, -1, (k[0] + 1j * k[1]) / 2])
+    return np.asarray(-1j * np.log(turns))
+
+
+@pytest.mark.parametrize("distance", [1e-3, 1e-6])
+def test_far_roots_are_reached(distance):
+    """Near k = (1, i) one root lies as far up as log(2 / distance)."""
+    end = np.array([1.0 + distance, 1j])
+    came, points = far_roots.carried(system(), roots(BEGIN)[None], BEGIN, end)
+    assert came.all()
+    found = sorted(points[0], key=lambda z: z.imag)
+    wanted = sorted(roots(end), key=lambda z: z.imag)
+    assert found[1].imag == pytest.approx(np.log(2 / distance), rel=0.01)
+    np.testing.assert_allclose(np.exp(1j * np.array(found)), np.exp(1j * np.array(wanted)), 1e-8)
+
+
+def test_a_root_at_infinity_is_left_after_few_steps(monkeypatch):
+    """At k = (1, i) one path comes to 0, and the other has no end: it is not followed to where
+    double precision ends by ever smaller steps.
+    """
+    corrected, steps = far_roots._corrected, []
+    monkeypatch.setattr(
+        far_roots, "_corrected", lambda *told: steps.append(told) or corrected(*told)
+    )
+    came = [
+        bool(far_roots.carried(system(), np.array([[z]]), BEGIN, np.array([1.0, 1j]))[0][0])
+        for z in roots(BEGIN)
+    ]
+    assert sorted(came) == [False, True]
+    assert len(steps) < 200
