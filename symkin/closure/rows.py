@@ -296,10 +296,6 @@ class RowBuilder(BodyBuilder):
             self._from_first(branch, len(branch.elements)), self.bodies[branch.ends[1]]
         )
         size, origin = self.mechanism.characteristic_length, self.reference.position
-        gap = base.weight * platform.move(origin) - platform.weight * base.move(origin)
-        e = multiply(conjugate(base.quaternion), platform.quaternion)
-        # the check compares whole rotation matrices, which no spurious root of the rows passes
-        full = ca.vertcat(*(platform.direction(u) - base.direction(u) for u in _unit_vectors()))
         if branch.ends == (BASE, self.mechanism.platform_link) and all(
             _is_actuated(element) for element in branch.elements
         ):
@@ -307,42 +303,42 @@ class RowBuilder(BodyBuilder):
                 base.move(origin), multiply(base.quaternion, self.reference.quaternion)
             )
             self.arm = base
-        self._add(
-            branch.name,
-            "frame",
-            [*ca.vertsplit(gap), *(2 * size * e[i] for i in (1, 2, 3))],
-            [*ca.vertsplit(gap), *ca.vertsplit(size * full)],
-        )
+        cut = Cut("weld", origin)
+        for relation, rows, errors in rows_of_joint(cut, base, platform, ca.SX(size)):
+            self._add(branch.name, relation, rows, errors)
 
     def _cut(self, name: str, element: Element, base: Side, platform: Side) -> None:
         symbols, size = self.joints[element.name], self.mechanism.characteristic_length
-        cut = _Cut(
-            symbols.joint.type,
-            element.along,
-            symbols.point,
-            symbols.axis,
-            symbols.axis2,
-            0 if symbols.joint.axis is None else int(np.argmin(np.abs(symbols.joint.axis))),
-        )
-        for relation, rows, errors in written_once(_rows_of_cut, cut, base, platform, ca.SX(size)):
+        cut = Cut.of(symbols, along=element.along)
+        for relation, rows, errors in written_once(rows_of_joint, cut, base, platform, ca.SX(size)):
             self._add(name, relation, rows, errors)
 
 
 @dataclass(frozen=True)
-class _Cut:
+class Cut:
     """The joint at which a loop is cut, and the axis of the base frame that its axis is furthest
-    from (`helper`).
+    from (`helper`). A loop that is cut at no joint is one at a weld.
     """
 
     type: str
-    along: bool
     point: ca.SX
-    axis: ca.SX | None
-    axis2: ca.SX | None
-    helper: int
+    axis: ca.SX | None = None
+    axis2: ca.SX | None = None
+    pitch: ca.SX | None = None
+    helper: int = 0
+    along: bool = True
+
+    @staticmethod
+    def of(symbols: JointSymbols, *, along: bool = True) -> Cut:
+        """A joint, which the branch passes `along` its description or the other way."""
+        joint = symbols.joint
+        helper = 0 if joint.axis is None else int(np.argmin(np.abs(joint.axis)))
+        return Cut(
+            joint.type, symbols.point, symbols.axis, symbols.axis2, symbols.pitch, helper, along
+        )
 
 
-def _rows_of_cut(cut: _Cut, base: Side, platform: Side, size: ca.SX) -> Rows:
+def rows_of_joint(cut: Cut, base: Side, platform: Side, size: ca.SX) -> Rows:
     """What a joint between two sides constrains."""
     gap = base.weight * platform.move(cut.point) - platform.weight * base.move(cut.point)
     found: Rows = []
@@ -350,7 +346,10 @@ def _rows_of_cut(cut: _Cut, base: Side, platform: Side, size: ca.SX) -> Rows:
         found.append(("point", ca.vertsplit(gap), ca.vertsplit(gap)))
     if cut.type == "S":
         return found
-    assert cut.axis is not None  # noqa: S101 - every cut joint but S has an axis
+    if cut.type == "weld":
+        rows, errors = _same_orientation(base, platform, size)
+        return [("frame", [*ca.vertsplit(gap), *rows], [*ca.vertsplit(gap), *errors])]
+    assert cut.axis is not None  # noqa: S101 - every other joint has an axis
     if cut.type == "U":
         # a universal joint keeps the angle between its two axes; the first is fixed to the link
         # before it
@@ -360,20 +359,34 @@ def _rows_of_cut(cut: _Cut, base: Side, platform: Side, size: ca.SX) -> Rows:
             cut.axis, cut.axis2
         )
         return [*found, ("axes' angle", [size * angle], [size * angle])]
-    # e is parallel to the joint's axis: both components normal to it vanish
     u, v = _normals(cut.axis, cut.helper)
-    if cut.type in "CP":
+    if cut.type in "CPH":
         # the joint slides along its axis: only the gap across it is held
         offsets = [dot(base.direction(n), gap) for n in (u, v)]
         found.append(("line", offsets, offsets))
-    e = multiply(conjugate(base.quaternion), platform.quaternion)
     if cut.type == "P":
-        full = ca.vertcat(*(platform.direction(n) - base.direction(n) for n in _unit_vectors()))
-        rows = [2 * size * e[i] for i in (1, 2, 3)]
-        return [*found, ("orientation", rows, ca.vertsplit(size * full))]
+        return [*found, ("orientation", *_same_orientation(base, platform, size))]
+    # e is parallel to the joint's axis: both components normal to it vanish
+    e = multiply(conjugate(base.quaternion), platform.quaternion)
     parallel = platform.direction(cut.axis) - base.direction(cut.axis)
     rows = [2 * size * dot(e[1:], n) for n in (u, v)]
-    return [*found, ("axis", rows, ca.vertsplit(size * parallel))]
+    found.append(("axis", rows, ca.vertsplit(size * parallel)))
+    if cut.type == "H":
+        # the angle 2 atan2(a.e, e_0) within half a turn either way
+        sine = dot(cut.axis, e[1:])
+        turn = ca.atan2(2 * e[0] * sine, e[0] * e[0] - sine * sine)
+        advance = dot(base.direction(cut.axis), gap) - cut.pitch * turn / (2 * ca.pi)
+        found.append(("advance", [advance], [advance]))
+    return found
+
+
+def _same_orientation(base: Side, platform: Side, size: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:
+    """What vanishes where two sides are not turned against each other. The check compares whole
+    rotation matrices, which no spurious root of the rows passes.
+    """
+    e = multiply(conjugate(base.quaternion), platform.quaternion)
+    full = ca.vertcat(*(platform.direction(n) - base.direction(n) for n in _unit_vectors()))
+    return [2 * size * e[i] for i in (1, 2, 3)], ca.vertsplit(size * full)
 
 
 @dataclass(frozen=True)

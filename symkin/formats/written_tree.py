@@ -17,6 +17,7 @@ import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.graph_form import as_graph, is_closed_at_reference
+from symkin.formats.naming import fresh_name
 from symkin.formats.parts import Parts, Whole, turned
 from symkin.model.graph import Coupling, LinkJoint, LinkRod
 from symkin.model.graph_checks import links_of
@@ -339,12 +340,3 @@ def _is_plain(joint: Joint) -> bool:
         or joint.axis2 is None
         or abs(float(np.dot(joint.axis, joint.axis2))) <= _SQUARE
     )
-
-
-def fresh_name(name: str, taken: set[str]) -> str:
-    """A name near this one that nothing has, which is then taken."""
-    number, found = 2, name
-    while found in taken:
-        found, number = f"{name}_{number}", number + 1
-    taken.add(found)
-    return found
