@@ -36,6 +36,8 @@ _STALLED = 25
 """Steps in a row that shrink the gap by less than a tenth, after which a search has ended at a
 local minimum.
 """
+_STALLED_NEAR = 3
+"""The same of a search from a step off a closed configuration."""
 _SEARCHES = ((0.05, 4), (0.3, 8), (1.0, 24))
 """Further searches where the first does not close: radians (or shares of the size) of their random
 steps, and how many.
@@ -253,7 +255,7 @@ def _random_steps(
     return tree.system.move(np.tile(state, (count, 1)), steps)
 
 
-def _searched(tree: Tree, starts: np.ndarray) -> np.ndarray:
+def _searched(tree: Tree, starts: np.ndarray, patience: int = _STALLED) -> np.ndarray:
     """Where least squares on all rows ends: at rounding, or at a local minimum."""
     if not row_count(tree):
         return starts
@@ -263,7 +265,7 @@ def _searched(tree: Tree, starts: np.ndarray) -> np.ndarray:
         NOTHING,
         tolerance=_ROUNDING,
         max_iterations=_ITERATIONS,
-        patience=_STALLED,
+        patience=patience,
     )
     return np.asarray(tree.system.polish_many(batch.points, NOTHING).points)
 
@@ -276,7 +278,7 @@ def _nearest(tree: Tree, state: np.ndarray) -> np.ndarray:
         free = back - _felt(tree.system.linearise_one(state, NOTHING)[1], back)
         if share < 1e-3 or np.linalg.norm(free) <= 1e-9 * tree.size:
             break
-        (trial,) = _searched(tree, tree.system.move(state[None], share * free[None]))
+        (trial,) = _searched(tree, tree.system.move(state[None], share * free[None]), _STALLED_NEAR)
         distance = float(np.linalg.norm(way_between(tree, trial, tree.own)))
         if distance < far and _largest(tree, trial) <= CLOSED * tree.size:
             state, far = trial, distance

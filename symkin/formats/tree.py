@@ -18,6 +18,7 @@ import numpy as np
 from symkin.closure.chain import Ball, Chain, JointSymbols, Side, Turn, relative_sides
 from symkin.closure.parameters import ParameterTable
 from symkin.closure.rows import Cut, rows_of_joint
+from symkin.closure.written_once import written_once
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.robot import Closure, Robot
@@ -216,7 +217,9 @@ def rows_and_checks(
     """
     away = ca.SX(ca.DM(gap.position))
     steps = (Turn(away, away, None, ca.SX(1)), Ball(ca.SX(3, 1), ca.SX(ca.DM(gap.quaternion))))
-    found = rows_of_joint(Cut.of(_symbols_of(joint)), base, other.extended(steps), ca.SX(size))
+    found = written_once(
+        rows_of_joint, Cut.of(_symbols_of(joint)), base, other.extended(steps), ca.SX(size)
+    )
     return (
         [row for _, rows, _ in found for row in rows],
         [error for _, _, errors in found for error in errors],
