@@ -24,12 +24,15 @@ from symkin.model.graph_checks import links_of
 from symkin.model.joined import Joined
 from symkin.model.joint import BASE, Joint, JointType
 from symkin.model.mechanism import Mechanism
+from symkin.model.motor import Motor
 
 Loops = Literal["loop", "yaml"]
 """How loops are written that a format has two forms for: as <loop> of URDF+ in the file, or in the
 YAML file of the Gepetto team beside it.
 """
 LOOPS: tuple[Loops, ...] = ("loop", "yaml")
+MASS, INERTIA = 0.1, 1e-3
+"""Kilograms and kilogram square metres of every link: any that are not zero do."""
 _CLOSED = 1e-5
 """Of the size: rods and couplings that miss their lengths and values by less are closed at the
 reference, if only to the digits of a file; what they miss is told in the text.
@@ -329,6 +332,12 @@ class _Writer:
                 raise MechanismError(
                     f"joint {name!r}: {self.form.name} has no joint of type {joint.type}"
                 )
+
+
+def least_effort(motor: Motor) -> float:
+    """The effort that a motor gives either way, which formats of one number hold."""
+    low, high = motor.effort or (0.0, 0.0)
+    return min(-low, high)
 
 
 def _is_plain(joint: Joint) -> bool:
