@@ -31,6 +31,7 @@ from symkin.errors import MechanismError
 from symkin.model.bar import Bar
 from symkin.model.graph import Coupling
 from symkin.model.joint import BASE, POSE_CONDITIONS, Coordinate, Joint
+from symkin.model.joint_forms import Relation
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
@@ -132,7 +133,7 @@ class RowBuilder(BodyBuilder):
         """
         size, angles = (
             self.mechanism.characteristic_length,
-            {c.name for c in self.kinds.values() if c.kind == "angle"},
+            {c.name for c in self.kinds.values() if c.is_periodic},
         )
         for coupling in self.mechanism.couplings:
             coordinate, value = self.coordinates[coupling.joint]
@@ -152,7 +153,7 @@ class RowBuilder(BodyBuilder):
                 if {coupling.joint, *coupling.names} <= angles
                 else value - wanted
             )
-            gap = gap * (size if coordinate.is_angular else 1.0)
+            gap = gap * coordinate.lever(size)
             self._add(f"coupling of {coupling.joint}", "coupling", [gap], [gap])
 
     def _periodic_gap(self, coupling: Coupling) -> ca.SX:
@@ -303,7 +304,7 @@ class RowBuilder(BodyBuilder):
                 base.move(origin), multiply(base.quaternion, self.reference.quaternion)
             )
             self.arm = base
-        cut = Cut("weld", origin)
+        cut = Cut(("frame",), origin)
         for relation, rows, errors in rows_of_joint(cut, base, platform, ca.SX(size)):
             self._add(branch.name, relation, rows, errors)
 
@@ -316,11 +317,11 @@ class RowBuilder(BodyBuilder):
 
 @dataclass(frozen=True)
 class Cut:
-    """The joint at which a loop is cut, and the axis of the base frame that its axis is furthest
-    from (`helper`). A loop that is cut at no joint is one at a weld.
+    """The joint at which a loop is closed, what it keeps, and the axis of the base frame that its
+    axis is furthest from (`helper`).
     """
 
-    type: str
+    kept: tuple[Relation, ...]
     point: ca.SX
     axis: ca.SX | None = None
     axis2: ca.SX | None = None
@@ -333,60 +334,53 @@ class Cut:
         """A joint, which the branch passes `along` its description or the other way."""
         joint = symbols.joint
         helper = 0 if joint.axis is None else int(np.argmin(np.abs(joint.axis)))
-        return Cut(
-            joint.type, symbols.point, symbols.axis, symbols.axis2, symbols.pitch, helper, along
-        )
+        own = (symbols.point, symbols.axis, symbols.axis2, symbols.pitch)
+        return Cut(joint.form.kept, *own, helper, along)
 
 
 def rows_of_joint(cut: Cut, base: Side, platform: Side, size: ca.SX) -> Rows:
     """What a joint between two sides constrains."""
     gap = base.weight * platform.move(cut.point) - platform.weight * base.move(cut.point)
+    normals = () if cut.axis is None else _normals(cut.axis, cut.helper)
     found: Rows = []
-    if cut.type in "SRU":
-        found.append(("point", ca.vertsplit(gap), ca.vertsplit(gap)))
-    if cut.type == "S":
-        return found
-    if cut.type == "weld":
-        rows, errors = _same_orientation(base, platform, size)
-        return [("frame", [*ca.vertsplit(gap), *rows], [*ca.vertsplit(gap), *errors])]
-    assert cut.axis is not None  # noqa: S101 - every other joint has an axis
-    if cut.type == "U":
-        # a universal joint keeps the angle between its two axes; the first is fixed to the link
-        # before it
-        before, after = (base, platform) if cut.along else (platform, base)
-        weights = base.weight * platform.weight
-        angle = dot(before.direction(cut.axis), after.direction(cut.axis2)) - weights * dot(
-            cut.axis, cut.axis2
-        )
-        return [*found, ("axes' angle", [size * angle], [size * angle])]
-    u, v = _normals(cut.axis, cut.helper)
-    if cut.type in "CPH":
-        # the joint slides along its axis: only the gap across it is held
-        offsets = [dot(base.direction(n), gap) for n in (u, v)]
-        found.append(("line", offsets, offsets))
-    if cut.type == "P":
-        return [*found, ("orientation", *_same_orientation(base, platform, size))]
-    # e is parallel to the joint's axis: both components normal to it vanish
-    e = multiply(conjugate(base.quaternion), platform.quaternion)
-    parallel = platform.direction(cut.axis) - base.direction(cut.axis)
-    rows = [2 * size * dot(e[1:], n) for n in (u, v)]
-    found.append(("axis", rows, ca.vertsplit(size * parallel)))
-    if cut.type == "H":
-        # the angle 2 atan2(a.e, e_0) within half a turn either way
-        sine = dot(cut.axis, e[1:])
-        turn = ca.atan2(2 * e[0] * sine, e[0] * e[0] - sine * sine)
-        advance = dot(base.direction(cut.axis), gap) - cut.pitch * turn / (2 * ca.pi)
-        found.append(("advance", [advance], [advance]))
+    for relation in cut.kept:
+        match relation:
+            case "point":
+                rows = errors = ca.vertsplit(gap)
+            case "line":
+                # the joint slides along its axis: only the gap across it is held
+                rows = errors = [dot(base.direction(n), gap) for n in normals]
+            case "axes' angle":
+                # the first axis is fixed to the link before the joint
+                before, after = (base, platform) if cut.along else (platform, base)
+                weights = base.weight * platform.weight
+                angle = dot(before.direction(cut.axis), after.direction(cut.axis2)) - weights * dot(
+                    cut.axis, cut.axis2
+                )
+                rows = errors = [size * angle]
+            case "axis":
+                # e is parallel to the joint's axis: both components normal to it vanish
+                e = multiply(conjugate(base.quaternion), platform.quaternion)
+                rows = [2 * size * dot(e[1:], n) for n in normals]
+                errors = ca.vertsplit(
+                    size * (platform.direction(cut.axis) - base.direction(cut.axis))
+                )
+            case "advance":
+                # the angle 2 atan2(a.e, e_0) within half a turn either way
+                e = multiply(conjugate(base.quaternion), platform.quaternion)
+                sine = dot(cut.axis, e[1:])
+                turn = ca.atan2(2 * e[0] * sine, e[0] * e[0] - sine * sine)
+                along = dot(base.direction(cut.axis), gap)
+                rows = errors = [along - cut.pitch * turn / (2 * ca.pi)]
+            case "orientation" | "frame":
+                # the check compares whole rotation matrices, which no spurious root passes
+                e = multiply(conjugate(base.quaternion), platform.quaternion)
+                held = ca.vertsplit(gap) if relation == "frame" else []
+                full = (platform.direction(n) - base.direction(n) for n in _unit_vectors())
+                rows = [*held, *(2 * size * e[i] for i in (1, 2, 3))]
+                errors = [*held, *ca.vertsplit(size * ca.vertcat(*full))]
+        found.append((relation, rows, errors))
     return found
-
-
-def _same_orientation(base: Side, platform: Side, size: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:
-    """What vanishes where two sides are not turned against each other. The check compares whole
-    rotation matrices, which no spurious root of the rows passes.
-    """
-    e = multiply(conjugate(base.quaternion), platform.quaternion)
-    full = ca.vertcat(*(platform.direction(n) - base.direction(n) for n in _unit_vectors()))
-    return [2 * size * e[i] for i in (1, 2, 3)], ca.vertsplit(size * full)
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,8 @@ from symkin.formats.robot import Closure, Mesh, Robot, joint_at
 from symkin.formats.tree import rows_and_checks
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joined import Joined
-from symkin.model.joint import BASE, FREEDOMS, Joint, JointType
+from symkin.model.joint import BASE, Joint
+from symkin.model.joint_forms import JOINT_FORMS, JointType
 from symkin.model.motor import Motor
 from symkin.spatial.pose import Pose
 from symkin.text import first_of
@@ -151,7 +152,7 @@ def place(
 
 def moved_along(joint: GraphJoint | Joint, value: float) -> Pose:
     """How far a joint of one coordinate moves its second frame in its first, by a value."""
-    if not value or joint.axis is None or FREEDOMS[joint.type] != 1:
+    if not value or joint.axis is None or JOINT_FORMS[joint.type].freedom != 1:
         return Pose.identity()
     along = value if joint.type == "P" else value * joint.pitch / (2.0 * math.pi)
     turn = np.zeros(3) if joint.type == "P" else value * np.array(joint.axis)
@@ -258,7 +259,7 @@ class _Assembly:
             for a in (joint.axis, joint.axis2)
         )
         value = self.graph.parts.reference.get(joint.name, joint.value)
-        zero = value if FREEDOMS[joint.type] == 1 else 0.0
+        zero = value if JOINT_FORMS[joint.type].freedom == 1 else 0.0
         name, point = self.joint_names[joint.name], _numbers(frame.position)
         made = Joint(name, joint.type, point, axis, axis2, zero=zero, **self._told(joint))
         return LinkJoint(
@@ -269,7 +270,7 @@ class _Assembly:
         """What is told of a joint beside its place."""
         driven = joint.actuated or self.graph.parts.drives(joint.name, joint.type)
         told: dict[str, Any] = {"pitch": joint.pitch, "actuated": driven}
-        if FREEDOMS[joint.type] == 1:
+        if JOINT_FORMS[joint.type].freedom == 1:
             told |= {"limits": joint.limits, "motor": joint.motor}
         return told
 

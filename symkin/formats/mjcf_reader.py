@@ -30,7 +30,8 @@ from symkin.formats.naming import fresh_name, robot_name
 from symkin.formats.parts import KEY, Parts, parts_from
 from symkin.formats.robot import Mesh
 from symkin.model.joined import Joined
-from symkin.model.joint import BASE, JointType
+from symkin.model.joint import BASE
+from symkin.model.joint_forms import JointType
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply
 from symkin.text import first_of

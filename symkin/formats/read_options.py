@@ -16,7 +16,7 @@ from symkin.text import first_of, meant, shown
 
 if TYPE_CHECKING:
     from symkin.formats.robot import Closure, Robot
-    from symkin.model.joint import JointType
+    from symkin.model.joint_forms import JointType
 
 Entry = TypeVar("Entry", bound=LinkJoint)
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}

@@ -18,7 +18,8 @@ import numpy as np
 from symkin.errors import MechanismError
 from symkin.formats.parts import Parts
 from symkin.model.graph import Coupling, LinkJoint
-from symkin.model.joint import Joint, JointType
+from symkin.model.joint import Joint
+from symkin.model.joint_forms import JointType
 from symkin.model.mechanism import MOST_PARTS
 from symkin.spatial.pose import Pose
 

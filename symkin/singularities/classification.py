@@ -27,7 +27,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.tolerances import RANK_TOLERANCE, SINGULAR_VALUE
 from symkin.position.given import Joints
 from symkin.position.given_by_name import Values
@@ -37,7 +37,7 @@ from symkin.position.transfer import variables_elsewhere
 from symkin.quiet import without_float_warnings
 from symkin.singularities.configuration import configuration
 from symkin.singularities.held_motions import held_motions
-from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations, row_span
+from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations
 from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
 from symkin.singularities.output import (
@@ -193,7 +193,7 @@ def classify(
         inputs=tuple(
             joint_rates(solution.mechanism, roles.driven(closure), row) for row in tidy_rows(inputs)
         ),
-        feasible_twists=_twists(solution, whole, row_span(feasible, tolerance))
+        feasible_twists=_twists(solution, whole, row_space(feasible, tolerance))
         if roles.has_twist
         else (),
         notes=_notes(closure, ranks, generic, output, roles),

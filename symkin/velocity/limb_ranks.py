@@ -18,7 +18,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.rank import Rank
+from symkin.numeric.rank import Rank, independent_rows
 from symkin.numeric.tolerances import RANK_TOLERANCE
 
 Matrices = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -125,20 +125,9 @@ def independent_columns(matrix: np.ndarray, among: list[int]) -> list[int]:
     """Columns that span those `among`, in order, chosen by largest remaining part; RANK_TOLERANCE
     of the largest decides.
     """
-    left = matrix[:, among].copy()
-    norms = np.linalg.norm(left, axis=0)
-    largest = float(np.max(norms, initial=0.0))
-    chosen: list[int] = []
-    while len(chosen) < min(left.shape):
-        k = int(np.argmax(norms))
-        if norms[k] <= RANK_TOLERANCE * largest:
-            break
-        chosen.append(k)
-        direction = left[:, k] / norms[k]
-        left -= np.outer(direction, direction @ left)
-        norms = np.linalg.norm(left, axis=0)
-        norms[chosen] = 0.0
-    return [among[k] for k in sorted(chosen)]
+    columns = matrix[:, among].T
+    largest = float(np.max(np.linalg.norm(columns, axis=1), initial=0.0))
+    return [among[k] for k in sorted(independent_rows(columns, RANK_TOLERANCE * largest))]
 
 
 def _without_noise(matrix: np.ndarray, whole: np.ndarray) -> np.ndarray:

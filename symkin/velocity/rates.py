@@ -25,7 +25,7 @@ from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.determination import refuse_unless_determined
@@ -124,13 +124,7 @@ class RateJacobian(SymbolicMatrix, Result):
     def _weights(self) -> np.ndarray:
         """What makes lengths of the unknown rates: the size for angles, 1 for lengths."""
         size, unknowns = self.closure.characteristic_length, self.problem.system.unknowns
-        return np.array(
-            [
-                size if c.is_angular or c.kind == "quaternion" else 1.0
-                for c in unknowns
-                for _ in range(c.freedom)
-            ]
-        )
+        return np.array([c.lever(size) for c in unknowns for _ in range(c.freedom)])
 
     @cached_property
     def _places(self) -> dict[str, int]:
