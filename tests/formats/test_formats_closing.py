@@ -31,6 +31,7 @@ from helpers.inside import (
 )
 from helpers.inside import RobotClosure as Closure
 from helpers.laws import axis_turn, chain
+from helpers.robot_files import closure_misfit
 from symkin import Coupling, Joint, LinkJoint, Pose
 
 Z = (0.0, 0.0, 1.0)
@@ -162,12 +163,15 @@ def test_a_closed_file_stays_as_it_is() -> None:
 
 @pytest.mark.parametrize("kind", ROWS)
 def test_the_assembled_mechanism_is_closed_and_has_the_mobility(kind: str) -> None:
-    """Its reference leaves no row of its own closure; its freedoms less its rank are those of the
+    """The frames of every closure meet as its type says; the mechanism's reference leaves no row of
+    its own closure; its freedoms less its rank are those of the
     tree less the closures' rank, but for idle spins; its joints tell the closed values at the
     reference.
     """
     robot = spatial_loop(kind, 0.05)
     found = nearest_closed(robot)
+    misfits = [closure_misfit(closure, found.displacements) for closure in robot.closures]
+    assert max(misfits) <= 1e-9 * found.tree.size
     mechanism = assembled(robot, found)
     closure = build_closure(mechanism)
     assert whole_system(closure).residual(closure.reference, np.zeros(0)) <= 1e-9 * found.tree.size
