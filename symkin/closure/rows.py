@@ -297,10 +297,6 @@ class RowBuilder(BodyBuilder):
             self._from_first(branch, len(branch.elements)), self.bodies[branch.ends[1]]
         )
         size, origin = self.mechanism.characteristic_length, self.reference.position
-        gap = base.weight * platform.move(origin) - platform.weight * base.move(origin)
-        e = multiply(conjugate(base.quaternion), platform.quaternion)
-        # the check compares whole rotation matrices, which no spurious root of the rows passes
-        full = ca.vertcat(*(platform.direction(u) - base.direction(u) for u in _unit_vectors()))
         if branch.ends == (BASE, self.mechanism.platform_link) and all(
             _is_actuated(element) for element in branch.elements
         ):
@@ -308,42 +304,41 @@ class RowBuilder(BodyBuilder):
                 base.move(origin), multiply(base.quaternion, self.reference.quaternion)
             )
             self.arm = base
-        self._add(
-            branch.name,
-            "frame",
-            [*ca.vertsplit(gap), *(2 * size * e[i] for i in (1, 2, 3))],
-            [*ca.vertsplit(gap), *ca.vertsplit(size * full)],
-        )
+        cut = Cut(("frame",), origin)
+        for relation, rows, errors in rows_of_joint(cut, base, platform, ca.SX(size)):
+            self._add(branch.name, relation, rows, errors)
 
     def _cut(self, name: str, element: Element, base: Side, platform: Side) -> None:
         symbols, size = self.joints[element.name], self.mechanism.characteristic_length
-        cut = _Cut(
-            symbols.joint.form.kept or (),
-            element.along,
-            symbols.point,
-            symbols.axis,
-            symbols.axis2,
-            0 if symbols.joint.axis is None else int(np.argmin(np.abs(symbols.joint.axis))),
-        )
-        for relation, rows, errors in written_once(_rows_of_cut, cut, base, platform, ca.SX(size)):
+        cut = Cut.of(symbols, along=element.along)
+        for relation, rows, errors in written_once(rows_of_joint, cut, base, platform, ca.SX(size)):
             self._add(name, relation, rows, errors)
 
 
 @dataclass(frozen=True)
-class _Cut:
-    """The joint at which a loop is cut, what it keeps, and the axis of the base frame that its axis
-    is furthest from (`helper`).
+class Cut:
+    """The joint at which a loop is closed, what it keeps, and the axis of the base frame that its
+    axis is furthest from (`helper`).
     """
 
     kept: tuple[Relation, ...]
-    along: bool
     point: ca.SX
-    axis: ca.SX | None
-    axis2: ca.SX | None
-    helper: int
+    axis: ca.SX | None = None
+    axis2: ca.SX | None = None
+    pitch: ca.SX | None = None
+    helper: int = 0
+    along: bool = True
+
+    @staticmethod
+    def of(symbols: JointSymbols, *, along: bool = True) -> Cut:
+        """A joint, which the branch passes `along` its description or the other way."""
+        joint = symbols.joint
+        helper = 0 if joint.axis is None else int(np.argmin(np.abs(joint.axis)))
+        own = (symbols.point, symbols.axis, symbols.axis2, symbols.pitch)
+        return Cut(joint.form.kept, *own, helper, along)
 
 
-def _rows_of_cut(cut: _Cut, base: Side, platform: Side, size: ca.SX) -> Rows:
+def rows_of_joint(cut: Cut, base: Side, platform: Side, size: ca.SX) -> Rows:
     """What a joint between two sides constrains."""
     gap = base.weight * platform.move(cut.point) - platform.weight * base.move(cut.point)
     normals = () if cut.axis is None else _normals(cut.axis, cut.helper)
@@ -370,11 +365,20 @@ def _rows_of_cut(cut: _Cut, base: Side, platform: Side, size: ca.SX) -> Rows:
                 errors = ca.vertsplit(
                     size * (platform.direction(cut.axis) - base.direction(cut.axis))
                 )
-            case "orientation":
+            case "advance":
+                # the angle 2 atan2(a.e, e_0) within half a turn either way
                 e = multiply(conjugate(base.quaternion), platform.quaternion)
-                rows = [2 * size * e[i] for i in (1, 2, 3)]
+                sine = dot(cut.axis, e[1:])
+                turn = ca.atan2(2 * e[0] * sine, e[0] * e[0] - sine * sine)
+                along = dot(base.direction(cut.axis), gap)
+                rows = errors = [along - cut.pitch * turn / (2 * ca.pi)]
+            case "orientation" | "frame":
+                # the check compares whole rotation matrices, which no spurious root passes
+                e = multiply(conjugate(base.quaternion), platform.quaternion)
+                held = ca.vertsplit(gap) if relation == "frame" else []
                 full = (platform.direction(n) - base.direction(n) for n in _unit_vectors())
-                errors = ca.vertsplit(size * ca.vertcat(*full))
+                rows = [*held, *(2 * size * e[i] for i in (1, 2, 3))]
+                errors = [*held, *ca.vertsplit(size * ca.vertcat(*full))]
         found.append((relation, rows, errors))
     return found
 

@@ -4,7 +4,7 @@ becomes a joint between two links.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -21,6 +21,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.model.mesh import LinkMesh
 from symkin.model.names import identifier
 from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import wrapped
 from symkin.text import printable
 
 
@@ -53,7 +54,8 @@ def open_sentence(closed: Closed) -> str:
 def _with_place(closed: Closed) -> str:
     """The closure that resists, with its place in the file."""
     where = next(
-        (c.where for c in closed.tree.robot.closures if c.name == closed.resists and c.where), ""
+        (c.where for c in closed.tree.robot.closures if c.joint.name == closed.resists and c.where),
+        "",
     )
     return f"{closed.resists} ({where})" if where else closed.resists
 
@@ -62,8 +64,8 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
     """The graph of links at a closed configuration, which is its reference; joints of one
     coordinate keep their values from there.
     """
-    joints = [_moved_joint(entry, closed) for entry in robot.joints]
-    joints += [_closing_joint(closure, closed) for closure in robot.closures]
+    entries = (*robot.joints, *robot.closures)
+    joints = [(_moved(entry, closed), tuple(entry.links)) for entry in entries]
     joints = [
         (turned(joint), links[::-1]) if joint.name in robot.turned else (joint, links)
         for joint, links in joints
@@ -89,66 +91,42 @@ def _link_meshes(robot: Robot, closed: Closed) -> Iterator[LinkMesh]:
     for name, meshes in robot.meshes.items():
         link, frame = robot.merged[name] if name in robot.merged else (name, robot.links[name])
         for mesh in meshes:
-            pose = closed.placed.displacement(link) @ frame @ mesh.pose
+            pose = closed.displacements[link] @ frame @ mesh.pose
             yield LinkMesh(
                 link, mesh.file, tuple(pose.position), tuple(pose.quaternion), mesh.scale
             )
 
 
-def _moved_joint(entry: LinkJoint, closed: Closed) -> tuple[Joint, Sequence[str]]:
-    """A joint of the tree where its links are; `zero` is its value there, for joints of one
-    coordinate.
+def _moved(entry: LinkJoint, closed: Closed) -> Joint:
+    """A joint where its links are, a closure half of what is left open away from its first frame;
+    `zero` is its value there, for joints of one coordinate.
     """
-    joint, (carrier, link), placed = entry.joint, entry.links, closed.placed
-    changes: dict[str, Any] = {"point": tuple(placed.point(carrier, np.array(joint.point)))}
-    if joint.axis is not None:
-        changes["axis"] = tuple(placed.rotations[carrier] @ np.array(joint.axis))
-    if joint.axis2 is not None:
-        changes["axis2"] = tuple(placed.rotations[link] @ np.array(joint.axis2))
-    if joint.type in ("R", "P", "H"):
-        changes["zero"] = closed.values[joint.coordinates[0].name][0]
-    return replace(joint, **changes), entry.links
-
-
-def _closing_joint(closure: Closure, closed: Closed) -> tuple[Joint, Sequence[str]]:
-    """A closure as a joint at its first frame, half of what is left open away from it."""
-    first, second = (
-        closed.placed.displacement(link) @ frame
-        for link, frame in zip(closure.links, (closure.first, closure.second), strict=True)
-    )
-    axis, axis2 = None, None
-    if closure.type not in ("S", "weld"):
-        axis = tuple(first.rotation[:, 2])
-    if closure.type == "U":
-        axis2 = tuple(second.rotation[:, 0])
-    point = tuple(0.5 * (np.asarray(first.position) + np.asarray(second.position)))
-    joint = Joint(
-        closure.name,
-        closure.type,
-        point,
-        axis,
-        axis2,
-        pitch=closure.pitch,
-        actuated=closure.actuated,
-    )
-    if closure.type in ("R", "P", "H"):
-        joint = replace(
-            joint,
-            zero=_closing_value(closure, first, second),
-            limits=closure.limits,
-            motor=closure.motor,
+    joint = entry.joint
+    first, second = (closed.displacements[link] for link in entry.links)
+    point = first.apply(np.array(joint.point))
+    if isinstance(entry, Closure):
+        second = second @ entry.second @ entry.first.inverse()
+        point = 0.5 * (point + second.apply(np.array(joint.point)))
+    changes: dict[str, Any] = {"point": tuple(point)}
+    for key, pose in (("axis", first), ("axis2", second)):
+        own = getattr(joint, key)
+        changes[key] = None if own is None else tuple(pose.turn(np.array(own)))
+    if joint.freedom == 1:
+        changes["zero"] = (
+            _closing_value(joint, first.inverse() @ second)
+            if isinstance(entry, Closure)
+            else closed.values[joint.name][0]
         )
-    return joint, closure.links
+    return replace(joint, **changes)
 
 
-def _closing_value(closure: Closure, first: Pose, second: Pose) -> float:
-    """How far the second frame is turned about, or slid along, the first one's z axis."""
-    between = first.inverse() @ second
-    slide, turn = float(between.position[2]), between.rotation
-    if closure.type == "P":
+def _closing_value(joint: Joint, between: Pose) -> float:
+    """How far a displacement turns about a joint, or slides along it."""
+    point, axis = np.array(joint.point), np.array(joint.axis)
+    slide = float(axis @ (between.apply(point) - point))
+    if joint.type == "P":
         return slide
-    return (
-        slide * 2.0 * np.pi / closure.pitch
-        if closure.type == "H"
-        else float(np.arctan2(turn[1, 0], turn[0, 0]))
-    )
+    if joint.type == "H":
+        return slide * 2.0 * np.pi / joint.pitch
+    cosine, *sines = between.quaternion
+    return float(wrapped(2.0 * np.arctan2(axis @ np.array(sines), cosine)))

@@ -4,15 +4,17 @@ Levenberg-Marquardt on all closures and couplings.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.formats.closure_rows import ROWS, constraint_rows
+from symkin.computed_once import cached_property
 from symkin.formats.robot import Robot
-from symkin.formats.tree_motion import Placed, State, Step, Tree
+from symkin.formats.tree import NOTHING, Tree
+from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import wrapped
 
 CLOSED = 1e-10
 """Of the size: loops that stay open by less are closed."""
@@ -30,16 +32,12 @@ _ROUNDING = 1e-14
 """Of the size: loops of a file that stay open by less are left as they are."""
 _ITERATIONS = 300
 """Steps of one search; those that arrive take 10 to 100."""
-_MOST_DAMPING = 1e8
-"""Damping (singular values of lengths) at which a step that makes nothing smaller ends a search."""
-_FELT = 1e-4
-"""Share of the rows' values that steps can change, below which a search is at a local minimum: a
-millionth of a percent of their squares is left to gain.
-"""
 _STALLED = 25
 """Steps in a row that shrink the gap by less than a tenth, after which a search has ended at a
 local minimum.
 """
+_STALLED_NEAR = 3
+"""The same of a search from a step off a closed configuration."""
 _SEARCHES = ((0.05, 4), (0.3, 8), (1.0, 24))
 """Further searches where the first does not close: radians (or shares of the size) of their random
 steps, and how many.
@@ -63,19 +61,22 @@ _SEED = 0
 @dataclass(frozen=True, eq=False)
 class Closed:
     """The closed configuration of a robot that is nearest to the file's own, or what comes nearest
-    to one.
+    to one: `state` holds the values of the tree's coordinates.
 
-    `values` are of every coordinate (radians, metres; the quaternion of a ball from the file's
-    configuration); `displacements` move links from their places in the file. `gaps` tell what each
-    closure and coupling leaves open in the file, `residuals` what it leaves here (metres). `state`
-    is the same configuration as `values`, for `tree`.
+    `displacements` move links from their places in the file. `gaps` tell what each closure and
+    coupling leaves open in the file, `residuals` what it leaves here (metres).
     """
 
     tree: Tree
-    state: State
-    placed: Placed
-    gaps: Mapping[str, float]
-    residuals: Mapping[str, float]
+    state: np.ndarray
+
+    @cached_property
+    def gaps(self) -> Mapping[str, float]:
+        return self.tree.misfits(self.tree.own)
+
+    @cached_property
+    def residuals(self) -> Mapping[str, float]:
+        return self.tree.misfits(self.state)
 
     @property
     def open_by(self) -> float:
@@ -101,16 +102,16 @@ class Closed:
         """Whether the loops close, if only to the digits of a file."""
         return self.residual <= DIGITS * self.tree.size
 
-    @property
+    @cached_property
     def values(self) -> dict[str, tuple[float, ...]]:
-        return {
-            step.name: tuple(map(float, value))
-            for step, value in zip(self.tree.steps, self.state, strict=True)
-        }
+        """Of every coordinate, in radians and metres; the quaternion of a ball from the file's
+        configuration.
+        """
+        return self.tree.by_name(self.state)
 
-    @property
+    @cached_property
     def displacements(self) -> dict[str, Pose]:
-        return {link: self.placed.displacement(link) for link in self.placed.rotations}
+        return self.tree.displacements(self.state)
 
     def rank(self) -> int:
         """Rank of the constraints here."""
@@ -122,42 +123,48 @@ def nearest_closed(robot: Robot) -> Closed:
     nearest. Where the first search ends open, others begin at random steps from there.
     """
     tree = Tree(robot)
-    best = tree.own
-    if _largest(tree, best) <= _ROUNDING * tree.size:
-        return Closed(tree, best, tree.placed(best), misfits(tree, best), misfits(tree, best))
-    best = _searched(tree, best)
+    if _largest(tree, tree.own) <= _ROUNDING * tree.size:
+        return Closed(tree, tree.own)
+    (best,) = _searched(tree, tree.own[None])
     rng = np.random.default_rng(_SEED)
-    for start in _random_starts(tree, rng):
+    for radius, count in _SEARCHES:
         if _largest(tree, best) <= CLOSED * tree.size:
             break
-        found = _searched(tree, start)
-        best = min(best, found, key=lambda state: _largest(tree, state))
+        ends = _searched(tree, _random_steps(tree, tree.own, count, radius, rng))
+        closed = [
+            _without_turns(tree, end) for end in ends if _largest(tree, end) <= CLOSED * tree.size
+        ]
+        best = (
+            min(closed, key=lambda z: float(np.linalg.norm(way_between(tree, z, tree.own))))
+            if closed
+            else min((best, *ends), key=lambda z: _largest(tree, z))
+        )
     if _largest(tree, best) <= CLOSED * tree.size:
         best = _nearest(tree, _without_turns(tree, best))
-    return Closed(tree, best, tree.placed(best), misfits(tree, tree.own), misfits(tree, best))
+    return Closed(tree, best)
 
 
-def closed_neighbours(closed: Closed, count: int, seed: int, step: float = 0.1) -> list[State]:
+def closed_neighbours(closed: Closed, count: int, seed: int, step: float = 0.1) -> list[np.ndarray]:
     """Closed configurations from random steps off a closed one; those searches that stay open are
     left out.
     """
-    tree = closed.tree
-    starts = _starts_aside(closed, count, seed, step, np.ones(tree.freedom, dtype=bool))
-    bound = max(CLOSED * tree.size, closed.residual)
-    ends = [_searched(tree, start) for start in starts]
+    every = np.ones(closed.tree.freedom, dtype=bool)
+    bound = max(CLOSED * closed.tree.size, closed.residual)
+    return _ends_aside(closed, count, seed, step, every, bound)
+
+
+def _ends_aside(
+    closed: Closed, count: int, seed: int, step: float, moved: np.ndarray, bound: float
+) -> list[np.ndarray]:
+    """Where searches from random steps (share of the size) off a closed configuration, of some of
+    the freedoms, end with loops that are open by no more than `bound`.
+    """
+    tree, rng = closed.tree, np.random.default_rng(seed)
+    ends = _searched(tree, _random_steps(tree, closed.state, count, step, rng, moved))
     return [end for end in ends if _largest(tree, end) <= bound]
 
 
-def _starts_aside(
-    closed: Closed, count: int, seed: int, step: float, moved: np.ndarray
-) -> list[State]:
-    """Random steps (share of the size) off a closed configuration, of some of the freedoms."""
-    tree, rng = closed.tree, np.random.default_rng(seed)
-    steps = [step * tree.size * rng.normal(size=tree.freedom) * moved for _ in range(count)]
-    return [tree.moved(closed.state, _unscaled(tree, lengths)) for lengths in steps]
-
-
-def rank_at(tree: Tree, state: State, share: float = RANK_SHARE) -> int:
+def rank_at(tree: Tree, state: np.ndarray, share: float = RANK_SHARE) -> int:
     """Rank of the derivative of all closures and couplings, lengths and angles times the size
     alike.
     """
@@ -180,7 +187,7 @@ def generic_rank(closed: Closed, seed: int) -> GenericRank | None:
     which it is clear.
     """
     tree = closed.tree
-    if not row_count(tree.robot) or not tree.freedom:
+    if not row_count(tree) or not tree.coordinates:
         return GenericRank(0, False)
     for step in _STEPS_ASIDE if closed.closed else ():
         ranks = _clear_ranks(
@@ -190,17 +197,18 @@ def generic_rank(closed: Closed, seed: int) -> GenericRank | None:
             return GenericRank(max(ranks), False)
     # joints of one coordinate are moved alone: what a rounded file leaves to others is not their
     # motion
-    starts = _starts_aside(closed, _NEIGHBOURS_TO_DIGITS, seed, _STEP_TO_DIGITS, _single(tree))
-    ends = [
-        end
-        for start in starts
-        if _largest(tree, end := _searched(tree, start)) <= DIGITS * tree.size
-    ]
+    names = {entry.joint.name for entry in tree.robot.joints}
+    single = np.array(
+        [c.name in names and c.freedom == 1 for c in tree.coordinates for _ in range(c.freedom)]
+    )
+    ends = _ends_aside(
+        closed, _NEIGHBOURS_TO_DIGITS, seed, _STEP_TO_DIGITS, single, DIGITS * tree.size
+    )
     ranks = _clear_ranks(tree, ends, DIGITS, _GAP_TO_DIGITS)
     return GenericRank(max(set(ranks), key=ranks.count), True) if ranks else None
 
 
-def _clear_ranks(tree: Tree, states: list[State], share: float, gap: float) -> list[int]:
+def _clear_ranks(tree: Tree, states: list[np.ndarray], share: float, gap: float) -> list[int]:
     """Ranks at those states at which the singular values that count are far from those that do
     not.
     """
@@ -214,120 +222,84 @@ def _clear_ranks(tree: Tree, states: list[State], share: float, gap: float) -> l
     return found
 
 
-def _single(tree: Tree) -> np.ndarray:
-    """Which freedoms are those of joints of one coordinate."""
-    names = {entry.joint.name for entry in tree.robot.joints}
-    return np.array(
-        [
-            step.name in names and step.freedom == 1
-            for step in tree.steps
-            for _ in range(step.freedom)
-        ]
-    )
-
-
-def _singular_values(tree: Tree, state: State) -> np.ndarray:
-    jacobian = constraint_rows(tree).rates(state)
+def _singular_values(tree: Tree, state: np.ndarray) -> np.ndarray:
+    _, jacobian = tree.system.linearise_one(state, NOTHING)
     if min(jacobian.shape) == 0:
         return np.zeros(0)
-    values = np.linalg.svd(jacobian / _scales(tree), compute_uv=False)
+    values = np.linalg.svd(jacobian, compute_uv=False)
     return np.where(values > _NOTHING, values, 0.0)
 
 
-def row_count(robot: Robot) -> int:
+def row_count(tree: Tree) -> int:
     """Constraints that the closures and couplings are counted with, each by itself."""
-    return sum(ROWS[closure.type] for closure in robot.closures) + len(robot.couplings)
-
-
-def misfits(tree: Tree, state: State) -> dict[str, float]:
-    """What each closure and coupling leaves open (metres), by its name."""
-    rows = constraint_rows(tree)
-    values = rows.values(state)
-    return {name: float(np.linalg.norm(values[place])) for name, place in rows.places}
+    return int(tree.system.rows.shape[0])
 
 
 # --- searches -------------------------------------------------------------------------------------
 
 
-def _scales(tree: Tree) -> np.ndarray:
-    """What steps are multiplied by to be lengths."""
-    return np.where(tree.angular, tree.size, 1.0)
+def _largest(tree: Tree, state: np.ndarray) -> float:
+    return max(tree.misfits(state).values(), default=0.0)
 
 
-def _unscaled(tree: Tree, lengths: np.ndarray) -> np.ndarray:
-    return np.asarray(lengths / _scales(tree))
+def _random_steps(
+    tree: Tree,
+    state: np.ndarray,
+    count: int,
+    radius: float,
+    rng: np.random.Generator,
+    moved: np.ndarray | bool = True,
+) -> np.ndarray:
+    """Configurations (count, width) at random steps (share of the size) of some of the freedoms."""
+    steps = radius * tree.size * rng.normal(size=(count, tree.freedom)) * moved
+    return tree.system.move(np.tile(state, (count, 1)), steps)
 
 
-def _largest(tree: Tree, state: State) -> float:
-    return max(misfits(tree, state).values(), default=0.0)
+def _searched(tree: Tree, starts: np.ndarray, patience: int = _STALLED) -> np.ndarray:
+    """Where least squares on all rows ends: at rounding, or at a local minimum."""
+    if not row_count(tree):
+        return starts
+    batch = levenberg_marquardt(
+        tree.system,
+        starts,
+        NOTHING,
+        tolerance=_ROUNDING,
+        max_iterations=_ITERATIONS,
+        patience=patience,
+    )
+    return np.asarray(tree.system.polish_many(batch.points, NOTHING).points)
 
 
-def _random_starts(tree: Tree, rng: np.random.Generator) -> Iterator[State]:
-    for radius, count in _SEARCHES:
-        for _ in range(count):
-            yield tree.moved(
-                tree.own, _unscaled(tree, radius * tree.size * rng.normal(size=tree.freedom))
-            )
-
-
-def _searched(tree: Tree, start: State) -> State:
-    """Minimise the squares of all rows: (J^T J + l^2 1) d = -J^T F, in lengths, until they are
-    rounding or none of F is felt by J: a local minimum.
-    """
-    state, scales, rows = start, _scales(tree), constraint_rows(tree)
-    values, slopes, damping = rows.values(state), _Slopes(rows.rates(state) / scales), 0.1
-    mark, since = np.inf, 0
-    for _ in range(_ITERATIONS):
-        cost, felt = float(np.linalg.norm(values)), slopes.felt(values)
-        mark, since = (cost, 0) if cost < 0.9 * mark else (mark, since + 1)
-        done = cost <= _ROUNDING * tree.size or np.linalg.norm(felt) <= _FELT * cost
-        if done or since > _STALLED:
-            break
-        while damping < _MOST_DAMPING:
-            trial = tree.moved(state, slopes.step(felt, damping) / scales)
-            trial_values = rows.values(trial)
-            if np.linalg.norm(trial_values) < cost:
-                break
-            damping *= 5.0
-        else:
-            break
-        state, values = trial, trial_values
-        slopes, damping = _Slopes(rows.rates(state) / scales), max(0.2 * damping, 1e-10)
-    return state
-
-
-class _Slopes:
-    """A derivative by its singular values, so that directions that no row feels are left alone."""
-
-    def __init__(self, jacobian: np.ndarray) -> None:
-        u, s, vt = np.linalg.svd(jacobian, full_matrices=False)
-        kept = s > 1e-12 * max(s[:1], default=0.0)
-        self.u, self.s, self.vt = u[:, kept], s[kept], vt[kept]
-
-    def felt(self, values: np.ndarray) -> np.ndarray:
-        """What steps can change of values."""
-        return np.asarray(values @ self.u)
-
-    def step(self, felt: np.ndarray, damping: float) -> np.ndarray:
-        return np.asarray(-(felt * self.s / (self.s**2 + damping**2)) @ self.vt)
-
-
-def _nearest(tree: Tree, state: State) -> State:
+def _nearest(tree: Tree, state: np.ndarray) -> np.ndarray:
     """Go along the closed configurations towards the file's own, as long as that comes nearer."""
-    scales, share = _scales(tree), 1.0
-    far = float(np.linalg.norm(scales * tree.between(state, tree.own)))
+    share, far = 1.0, float(np.linalg.norm(way_between(tree, state, tree.own)))
     for _ in range(_NEAREST_STEPS):
-        back = scales * tree.between(state, tree.own)
-        free = back - _felt(constraint_rows(tree).rates(state) / scales, back)
+        back = way_between(tree, state, tree.own)
+        free = back - _felt(tree.system.linearise_one(state, NOTHING)[1], back)
         if share < 1e-3 or np.linalg.norm(free) <= 1e-9 * tree.size:
             break
-        trial = _searched(tree, tree.moved(state, share * free / scales))
-        distance = float(np.linalg.norm(scales * tree.between(trial, tree.own)))
+        (trial,) = _searched(tree, tree.system.move(state[None], share * free[None]), _STALLED_NEAR)
+        distance = float(np.linalg.norm(way_between(tree, trial, tree.own)))
         if distance < far and _largest(tree, trial) <= CLOSED * tree.size:
             state, far = trial, distance
         else:
             share *= 0.3
     return state
+
+
+def way_between(tree: Tree, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """The step of all freedoms, in lengths, from one configuration to another; of balls the angle
+    times the size.
+    """
+    step = tree.system.difference(start[None], end[None])[0]
+    begin = 0
+    for c in tree.coordinates:
+        if c.freedom == 3:
+            turn = step[begin : begin + 3]
+            tangent = float(np.linalg.norm(turn)) / (2.0 * tree.size)
+            turn *= np.arctan(tangent) / tangent if tangent else 1.0
+        begin += c.freedom
+    return np.asarray(step)
 
 
 def _felt(jacobian: np.ndarray, vector: np.ndarray) -> np.ndarray:
@@ -337,21 +309,17 @@ def _felt(jacobian: np.ndarray, vector: np.ndarray) -> np.ndarray:
     return np.asarray(kept.T @ (kept @ vector))
 
 
-def _without_turns(tree: Tree, state: State) -> State:
+def _without_turns(tree: Tree, state: np.ndarray) -> np.ndarray:
     """The same configuration with angles within half a turn of the file's, but those that a
     coupling or a screw counts.
     """
     counted = {name for c in tree.robot.couplings for name in (c.joint, *c.names)}
-    return tuple(
-        _wrapped(value, step.zero) if _turns(step, counted) else value
-        for value, step in zip(state, tree.steps, strict=True)
+    turns = np.array(
+        [
+            c.kind == "angle" and c.name not in counted
+            for c in tree.coordinates
+            for _ in range(c.width)
+        ]
     )
-
-
-def _turns(step: Step, counted: Collection[str]) -> bool:
-    return step.kind == "turn" and step.lead == 0.0 and step.name not in counted
-
-
-def _wrapped(value: np.ndarray, zero: float) -> np.ndarray:
-    turns = np.rint((value - zero) / (2.0 * np.pi))
-    return np.asarray(value - 2.0 * np.pi * turns)
+    away = state - tree.own
+    return np.asarray(np.where(turns, state - (away - wrapped(away)), state))

@@ -12,14 +12,17 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
-from symkin.formats.naming import allowed_names, renamed
+from symkin.formats.naming import allowed_names, fresh_name, renamed
 from symkin.formats.parts import Parts, turned
-from symkin.formats.robot import Closure, ClosureType, Mesh, Robot
+from symkin.formats.robot import Closure, Mesh, Robot, joint_at
+from symkin.formats.tree import rows_and_checks
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joined import Joined
 from symkin.model.joint import BASE, Joint
@@ -43,8 +46,8 @@ _SQUARE = 1e-6
 @dataclass(frozen=True)
 class GraphJoint:
     """A joint as a file tells it: its frame on each of its two `links` (in the links' own frames),
-    `axis` and `axis2` in the first of them. The frames coincide at the value 0. `closing`: the file
-    writes it as a closure; `where` is its place for messages.
+    `axis` and `axis2` in the first of them. The frames coincide at `value`, at which the file has
+    the joint. `closing`: the file writes it as a closure; `where` is its place for messages.
     """
 
     name: str
@@ -59,12 +62,15 @@ class GraphJoint:
     actuated: bool = False
     closing: bool = False
     where: str = ""
+    value: float = 0.0
 
 
 @dataclass(frozen=True)
 class JointGraph:
     """What a file says of a robot: its links in order, the `root` among them, joints of any graph,
-    couplings of joints by name.
+    couplings of joints by name. Links that are `floating` hang on no joint: they have poses in the
+    root's frame, as the frame has that is called the root's own (`root_frame`). A root without a
+    name is one that no link of the file is.
     """
 
     name: str
@@ -76,13 +82,21 @@ class JointGraph:
     source: str = ""
     meshes: Mapping[str, tuple[Mesh, ...]] = field(default_factory=dict)
     parts: Parts = field(default_factory=Parts)
+    floating: Mapping[str, Pose] = field(default_factory=dict)
+    root_frame: Pose = field(default_factory=Pose.identity)
+
+    @cached_property
+    def names(self) -> tuple[Mapping[str, str], Mapping[str, str]]:
+        """The names that mechanisms may have for those of links and joints in the file."""
+        links = allowed_names((link for link in self.links if link != self.root), taken=[BASE])
+        return {self.root: BASE, **links}, allowed_names(joint.name for joint in self.joints)
 
 
 def robot_of(graph: JointGraph) -> Robot:
-    """The robot with its root as "base", placed where all joints of the tree are 0, or at the
-    values that `parts` tells; what the root does not reach is left out.
+    """The robot with its root as "base", placed where the file has the joints of the tree, or at
+    the values that `parts` tells; what the root does not reach is left out.
     """
-    graph = _uniquely_named(graph)
+    graph = uniquely_named(graph)
     tree = spanning_tree(graph)
     placed, in_tree = place(graph, tree), {joint.name for joint in tree}
     rest = [
@@ -99,6 +113,8 @@ def spanning_tree(graph: JointGraph) -> list[GraphJoint]:
     coupled |= {name for c in graph.couplings for name in (c.joint, *c.names)}
     ranked = sorted(graph.joints, key=lambda joint: _preference(joint, joint.name in coupled))
     joined = Joined[str]()
+    for link in graph.floating:
+        joined.join(graph.root, link)
     return [joint for joint in ranked if joined.join(*joint.links)]
 
 
@@ -113,13 +129,15 @@ def place(
         for link in joint.links:
             at[link].append(joint)
     placed: dict[str, tuple[Pose, GraphJoint | None]] = {graph.root: (Pose.identity(), None)}
-    todo = [graph.root]
+    placed |= {link: (pose, None) for link, pose in graph.floating.items()}
+    todo = [*placed]
     for link in todo:
         for joint in at[link]:
             here = joint.links.index(link)
             other = joint.links[1 - here]
             if other not in placed:
-                moved = _moved(joint, graph.parts.reference.get(joint.name, 0.0))
+                away = graph.parts.reference.get(joint.name, joint.value) - joint.value
+                moved = moved_along(joint, away)
                 between = moved if here == 0 else moved.inverse()
                 pose = (
                     placed[link][0]
@@ -132,8 +150,8 @@ def place(
     return placed
 
 
-def _moved(joint: GraphJoint, value: float) -> Pose:
-    """How far a joint of one coordinate moves its second frame in its first, from 0 to a value."""
+def moved_along(joint: GraphJoint | Joint, value: float) -> Pose:
+    """How far a joint of one coordinate moves its second frame in its first, by a value."""
     if not value or joint.axis is None or JOINT_FORMS[joint.type].freedom != 1:
         return Pose.identity()
     along = value if joint.type == "P" else value * joint.pitch / (2.0 * math.pi)
@@ -177,23 +195,24 @@ class _Assembly:
                 self.part_of[link] = carrier
             if joint is not None and carrier is not None and joint.type != "weld":
                 self.carried.append((carrier, link, joint))
-        names = allowed_names((link for link in placed if link != graph.root), taken=[BASE])
-        self.link_names = {graph.root: BASE, **names}
-        self.joint_names = allowed_names(joint.name for joint in graph.joints)
+        self.link_names, self.joint_names = graph.names
 
     def robot(self, rest: Sequence[GraphJoint], notes: Sequence[str]) -> Robot:
         closures, dropped = self._closures(rest)
         kept = {joint.name for _, _, joint in self.carried}
+        named = {*kept, *(joint.name for joint in rest)}
+        joints = {old: new for old, new in self.joint_names.items() if old in named}
         parts = [link for link in self.placed if self.part_of[link] == link]
         root = (
             ()
-            if self.graph.root == BASE
+            if self.graph.root in ("", BASE)
             else (f"the root link {self.graph.root!r} is held, as the link {BASE!r}",)
         )
-        below = {old: new for old, new in self.link_names.items() if old != self.graph.root}
+        below = {link: self.link_names[link] for link in self.placed if link != self.graph.root}
         return Robot(
             name=self.graph.name,
-            links={self.link_names[link]: self.placed[link][0] for link in parts},
+            links={self.link_names[link]: self.placed[link][0] for link in parts}
+            | {BASE: self.graph.root_frame},
             joints=tuple(self._link_joint(*entry) for entry in self.carried),
             closures=tuple(closures),
             couplings=tuple(
@@ -202,7 +221,7 @@ class _Assembly:
             notes=(
                 *root,
                 *renamed("links", below),
-                *renamed("joints", self.joint_names),
+                *renamed("joints", joints),
                 *self.graph.notes,
                 *notes,
                 *dropped,
@@ -210,6 +229,7 @@ class _Assembly:
             ),
             source=self.graph.source,
             meshes=self._meshes(),
+            floating=tuple(self.link_names[link] for link in self.graph.floating),
             parts=self.graph.parts,
             turned=frozenset(self.joint_names[name] for name in self._turned),
             merged={
@@ -234,75 +254,54 @@ class _Assembly:
         """
         backward = joint.links[0] == link
         frame = self.placed[joint.links[0]][0] @ joint.frames[0]
-        axis = None if joint.axis is None else np.asarray(frame.turn(np.asarray(joint.axis)))
-        axis2 = None if joint.axis2 is None else np.asarray(frame.turn(np.asarray(joint.axis2)))
-        made = Joint(
-            self.joint_names[joint.name],
-            joint.type,
-            point=_numbers(frame.position),
-            axis=None if axis is None else _numbers(axis),
-            axis2=None if axis2 is None else _numbers(axis2),
-            pitch=joint.pitch,
-            actuated=joint.actuated or self.graph.parts.drives(joint.name, joint.type),
-            zero=self.graph.parts.reference.get(joint.name, 0.0)
-            if JOINT_FORMS[joint.type].freedom == 1
-            else 0.0,
-            limits=joint.limits if JOINT_FORMS[joint.type].freedom == 1 else None,
-            motor=joint.motor if JOINT_FORMS[joint.type].freedom == 1 else None,
+        axis, axis2 = (
+            None if a is None else _numbers(frame.turn(np.asarray(a)))
+            for a in (joint.axis, joint.axis2)
         )
+        value = self.graph.parts.reference.get(joint.name, joint.value)
+        zero = value if JOINT_FORMS[joint.type].freedom == 1 else 0.0
+        name, point = self.joint_names[joint.name], _numbers(frame.position)
+        made = Joint(name, joint.type, point, axis, axis2, zero=zero, **self._told(joint))
         return LinkJoint(
             turned(made) if backward else made, (self.link_names[carrier], self.link_names[link])
         )
 
+    def _told(self, joint: GraphJoint) -> dict[str, Any]:
+        """What is told of a joint beside its place."""
+        driven = joint.actuated or self.graph.parts.drives(joint.name, joint.type)
+        told: dict[str, Any] = {"pitch": joint.pitch, "actuated": driven}
+        if JOINT_FORMS[joint.type].freedom == 1:
+            told |= {"limits": joint.limits, "motor": joint.motor}
+        return told
+
     def _closures(self, rest: Sequence[GraphJoint]) -> tuple[list[Closure], list[str]]:
-        """The closures, and notes on what of them is left out."""
+        """The joints that close loops, their frames with z along the axis, and of a universal joint
+        x along the second axis; and notes on those that are left out.
+        """
         found, notes = [], []
         for joint in rest:
-            closure = self._closure(joint)
-            if closure.links[0] == closure.links[1]:
-                notes.append(_within_a_link(closure))
-                continue
-            found.append(closure)
-        return found, notes
-
-    def _closure(self, joint: GraphJoint) -> Closure:
-        """The joint's two frames in the base frame, z along its axis, and of a universal joint x
-        along the second axis.
-        """
-        turn = Pose.identity() if joint.axis is None else frame_along(joint.axis, joint.axis2)
-        if (
-            joint.axis is not None
-            and joint.axis2 is not None
-            and abs(float(np.dot(joint.axis, joint.axis2))) > _SQUARE
-        ):
-            raise MechanismError(
-                f"{joint.where}: the axes of the universal joint are not square to each other, and "
-                f"it closes a loop of such joints; "
-                "write it as two revolute joints with a link between them"
+            if (
+                joint.axis is not None
+                and joint.axis2 is not None
+                and abs(np.dot(joint.axis, joint.axis2)) > _SQUARE
+            ):
+                raise MechanismError(
+                    f"{joint.where}: the axes of the universal joint are not square to each other, "
+                    f"and it closes a loop of such joints; "
+                    "write it as two revolute joints with a link between them"
+                )
+            turn = Pose.identity() if joint.axis is None else frame_along(joint.axis, joint.axis2)
+            first, second = (
+                self.placed[link][0] @ frame @ turn
+                for link, frame in zip(joint.links, joint.frames, strict=True)
             )
-        first, second = (
-            self.placed[link][0] @ frame @ turn
-            for link, frame in zip(joint.links, joint.frames, strict=True)
-        )
-        parts = (
-            self.link_names[self.part_of[joint.links[0]]],
-            self.link_names[self.part_of[joint.links[1]]],
-        )
-        kind: ClosureType = joint.type
-        limits = joint.limits if JOINT_FORMS[joint.type].freedom == 1 else None
-        driven = joint.actuated or self.graph.parts.drives(joint.name, joint.type)
-        return Closure(
-            self.joint_names[joint.name],
-            kind,
-            parts,
-            first,
-            second,
-            joint.where,
-            joint.pitch,
-            limits,
-            driven,
-            joint.motor if JOINT_FORMS[joint.type].freedom == 1 else None,
-        )
+            made = joint_at(first, self.joint_names[joint.name], joint.type, **self._told(joint))
+            one, other = (self.link_names[self.part_of[link]] for link in joint.links)
+            if one == other:
+                notes.append(_within_a_link(made, one, second @ first.inverse(), joint.where))
+            else:
+                found.append(Closure(made, (one, other), first, second, joint.where))
+        return found, notes
 
     def _coupling(self, coupling: Coupling) -> Coupling:
         new = self._coordinate
@@ -355,21 +354,20 @@ def _preference(joint: GraphJoint, coupled: bool) -> int:
     return 2 if joint.limits is not None or joint.actuated else 3
 
 
-def _uniquely_named(graph: JointGraph) -> JointGraph:
+def uniquely_named(graph: JointGraph) -> JointGraph:
     """The graph with a number behind the name of a closing joint that another joint has. Raises
     MechanismError for others.
     """
     used = {joint.name for joint in graph.joints if not joint.closing}
     joints, seen = [], set()
     for joint in graph.joints:
-        name, number = joint.name, 2
+        name = joint.name
         if not joint.closing and name in seen:
             raise MechanismError(
                 f"{joint.where}: two joints are named {name!r}; names must be unique in the file"
             )
-        while joint.closing and name in used:
-            name, number = f"{joint.name}_{number}", number + 1
-        used.add(name)
+        if joint.closing:
+            name = fresh_name(name, used)
         seen.add(name)
         joints.append(joint if name == joint.name else replace(joint, name=name))
     return replace(graph, joints=joints)
@@ -380,40 +378,18 @@ def _unreached_note(graph: JointGraph, reached: Collection[str]) -> list[str]:
     return [f"nothing joins to the robot, and left out: {first_of(lost)}"] if lost else []
 
 
-def _within_a_link(closure: Closure) -> str:
+def _within_a_link(joint: Joint, link: str, gap: Pose, where: str) -> str:
     """A note on a closure between two parts of one link, which moves nothing. Raises MechanismError
     where it cannot close.
     """
-    gap = float(
-        np.linalg.norm(np.asarray(closure.second.position) - np.asarray(closure.first.position))
-    )
-    away = closure.first.inverse() @ closure.second
-    turn = np.asarray(away.rotation)
-    match closure.type:
-        case "S":
-            open_by = gap
-        case "R" | "U":
-            open_by = (
-                max(gap, float(np.linalg.norm(turn[:, 2] - np.eye(3)[2])))
-                if closure.type == "R"
-                else gap
-            )
-        case "C" | "H" | "P":
-            open_by = math.hypot(*np.asarray(away.position)[:2]) + float(
-                np.linalg.norm(turn[:, 2] - np.eye(3)[2])
-            )
-        case _:
-            open_by = max(gap, float(np.linalg.norm(turn - np.eye(3))))
+    _, checks = rows_and_checks(joint, gap, 1.0)
+    open_by = float(ca.norm_2(ca.evalf(ca.vertcat(*checks))))
     if open_by > _COINCIDE:
         raise MechanismError(
-            f"{closure.where}: it closes a loop within the one link {closure.links[0]!r}, whose "
-            f"two frames are {open_by:.3g} apart (m, "
-            "rad); no configuration closes it"
+            f"{where}: it closes a loop within the one link {link!r}, whose two frames are "
+            f"{open_by:.3g} apart (m, rad); no configuration closes it"
         )
-    return (
-        f"the closure {closure.name!r} is within the one link {closure.links[0]!r}, closed, and "
-        f"left out"
-    )
+    return f"the closure {joint.name!r} is within the one link {link!r}, closed, and left out"
 
 
 def _unit(quaternion: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ import numpy as np
 
 from symkin.errors import InputError, MechanismError
 from symkin.formats.child import ChildError, answer_of
+from symkin.formats.joint_graph import robot_of, uniquely_named
 from symkin.formats.mjcf_model import CompiledModel, compiled_model
 from symkin.formats.mjcf_reader import Reader
 from symkin.formats.packages import Packages
@@ -41,7 +43,11 @@ def read_mjcf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
     Raises InputError for a file that cannot be read or without the package `mujoco`, MechanismError
     for a file that is not right: file, line and element as MuJoCo's compiler tells them.
     """
-    return _reader(path, read).robot()
+    graph = uniquely_named(_reader(path, read).graph())
+    robot, order = robot_of(graph), list(graph.names[1].values())
+    # MuJoCo's order: that of bodies within each other
+    joints = sorted(robot.joints, key=lambda entry: order.index(entry.joint.name))
+    return replace(robot, joints=tuple(joints))
 
 
 def with_keyframe(

@@ -14,7 +14,7 @@ import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.parts import KEY, parts_text
-from symkin.formats.written_tree import Carried, Form, WrittenTree, written_tree
+from symkin.formats.written_tree import INERTIA, MASS, Carried, Form, WrittenTree, written_tree
 from symkin.formats.xml_written import Element, document, element, inside, is_zero, number
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.graph_checks import links_of
@@ -24,8 +24,6 @@ from symkin.model.mechanism import Mechanism
 FORM = Form("MJCF", carry=frozenset({"R", "P", "S"}), close=frozenset({"S", "weld"}))
 _TYPES = {"R": "hinge", "P": "slide", "S": "ball"}
 _WORLD = "world"
-_MASS, _INERTIA = 0.1, 1e-3
-"""Kilograms and kilogram square metres of every body: any that are not zero do."""
 
 _BAR = {"type": "capsule", "contype": "0", "conaffinity": "0", "mass": "0"}
 """Bars are seen and touch nothing."""
@@ -92,7 +90,7 @@ class _Text:
             pos=place - self.places[entry.carrier],
         )
         self.bodies[entry.link] = body
-        inside(body, "inertial", pos=[0, 0, 0], mass=_MASS, diaginertia=[_INERTIA] * 3)
+        inside(body, "inertial", pos=[0, 0, 0], mass=MASS, diaginertia=[INERTIA] * 3)
         for joint in entry.joints:
             away = np.array(joint.point) - place
             inside(

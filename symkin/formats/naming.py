@@ -26,8 +26,7 @@ def allowed_names(names: Iterable[str], taken: Collection[str] = ()) -> dict[str
     found = {name: name for name in free}
     for name in wanted:
         if name not in found:
-            found[name] = _unused(_near(name), used)
-            used.add(found[name])
+            found[name] = fresh_name(_near(name), used)
     return {name: found[name] for name in wanted}
 
 
@@ -54,8 +53,10 @@ def _near(name: str) -> str:
     return text if name_fault(text) is None else f"_{text}"
 
 
-def _unused(name: str, used: Collection[str]) -> str:
-    number, text = 2, name
-    while text in used:
-        text, number = f"{name}_{number}", number + 1
-    return text
+def fresh_name(name: str, taken: set[str]) -> str:
+    """A name near this one that nothing has, which is then taken."""
+    number, found = 2, name
+    while found in taken:
+        found, number = f"{name}_{number}", number + 1
+    taken.add(found)
+    return found

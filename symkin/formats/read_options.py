@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, TypeVar
 
 from symkin.errors import InputError
 from symkin.model.graph import LinkJoint
@@ -15,11 +15,15 @@ from symkin.model.joint import BASE
 from symkin.text import first_of, meant, shown
 
 if TYPE_CHECKING:
-    from symkin.formats.robot import Closure, ClosureType, Robot
+    from symkin.formats.robot import Closure, Robot
+    from symkin.model.joint_forms import JointType
 
+Entry = TypeVar("Entry", bound=LinkJoint)
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _DRIVEN = ("R", "P", "H", "C", "U")
 """Joints that may be actuated."""
+_CLOSURES: tuple[JointType, ...] = ("S", "U", "R", "C", "P", "weld")
+"""Kinds that may be told; a screw takes its pitch as well, which the file must tell."""
 
 
 @dataclass(frozen=True)
@@ -94,12 +98,9 @@ AS_IT_IS = ReadOptions()
 """Nothing is told beside the file."""
 
 
-def _closure_kind(name: str, told: str) -> tuple[ClosureType, str]:
+def _closure_kind(name: str, told: str) -> tuple[JointType, str]:
     """Kind and axis of a text such as R or R:x."""
-    from symkin.formats.robot import ClosureType
-
-    # a screw takes its pitch as well, which the file must tell
-    kinds = {kind.lower(): kind for kind in get_args(ClosureType) if kind != "H"}
+    kinds = {kind.lower(): kind for kind in _CLOSURES}
     word, colon, axis = told.strip().partition(":")
     kind = kinds.get(word.strip().lower())
     if kind is None or (colon and axis.strip().lower() not in _AXES):
@@ -116,7 +117,7 @@ def _closure_kind(name: str, told: str) -> tuple[ClosureType, str]:
 
 
 def _with_kinds(robot: Robot, told: Mapping[str, str]) -> Robot:
-    names = [closure.name for closure in robot.closures]
+    names = [closure.joint.name for closure in robot.closures]
     for name in told:
         if name in names:
             continue
@@ -130,28 +131,30 @@ def _with_kinds(robot: Robot, told: Mapping[str, str]) -> Robot:
             f"{first_of(names, 20) or 'none'}"
         )
     closures = [
-        _of_kind(c, *_closure_kind(c.name, told[c.name])) if c.name in told else c
+        _of_kind(c, *_closure_kind(c.joint.name, told[c.joint.name])) if c.joint.name in told else c
         for c in robot.closures
     ]
     notes = [
-        f"the closure {c.name!r} is of type {c.type}, as told" for c in closures if c.name in told
+        f"the closure {c.joint.name!r} is of type {c.joint.type}, as told"
+        for c in closures
+        if c.joint.name in told
     ]
     return replace(robot, closures=tuple(closures), notes=(*robot.notes, *notes))
 
 
-def _of_kind(closure: Closure, kind: ClosureType, axis: str) -> Closure:
+def _of_kind(closure: Closure, kind: JointType, axis: str) -> Closure:
     """The closure as one of another kind, about or along an axis of its frames; ranges and motors
     were those of the other kind.
     """
     from symkin.formats.joint_graph import frame_along
+    from symkin.formats.robot import joint_at
 
-    turn = frame_along(_AXES[axis])
-    turned = replace(closure, first=closure.first @ turn, second=closure.second @ turn)
-    return (
-        turned
-        if kind == closure.type
-        else replace(turned, type=kind, pitch=0.0, limits=None, actuated=False)
-    )
+    turn, joint = frame_along(_AXES[axis]), closure.joint
+    keys = ("pitch", "limits", "actuated", "motor") if kind == joint.type else ()
+    told = {key: getattr(joint, key) for key in keys}
+    first, second = closure.first @ turn, closure.second @ turn
+    made = joint_at(first, joint.name, kind, **told)
+    return replace(closure, joint=made, first=first, second=second)
 
 
 def _with_platform(robot: Robot, name: str) -> Robot:
@@ -174,9 +177,8 @@ def _with_platform(robot: Robot, name: str) -> Robot:
 
 
 def _with_motors(robot: Robot, names: Sequence[str]) -> Robot:
-    kinds = {entry.joint.name: entry.joint.type for entry in robot.joints} | {
-        c.name: c.type for c in robot.closures
-    }
+    entries = (*robot.joints, *robot.closures)
+    kinds = {entry.joint.name: entry.joint.type for entry in entries}
     able = [name for name, kind in kinds.items() if kind in _DRIVEN]
     for name in names:
         if name not in kinds:
@@ -191,13 +193,14 @@ def _with_motors(robot: Robot, names: Sequence[str]) -> Robot:
             )
         if names.count(name) > 1:
             raise InputError(f"actuated: {name!r} is given twice")
-    joints = [
-        LinkJoint(replace(e.joint, actuated=e.joint.name in names), e.links) for e in robot.joints
-    ]
-    closures = [replace(closure, actuated=closure.name in names) for closure in robot.closures]
     return replace(
         robot,
-        joints=tuple(joints),
-        closures=tuple(closures),
+        joints=tuple(_driven(entry, names) for entry in robot.joints),
+        closures=tuple(_driven(entry, names) for entry in robot.closures),
         parts=replace(robot.parts, actuated=None),
     )
+
+
+def _driven(entry: Entry, names: Sequence[str]) -> Entry:
+    """The joint, actuated where it is named."""
+    return replace(entry, joint=replace(entry.joint, actuated=entry.joint.name in names))

@@ -11,20 +11,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any
+
+import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.parts import Parts
 from symkin.model.graph import Coupling, LinkJoint
+from symkin.model.joint import Joint
+from symkin.model.joint_forms import JointType
 from symkin.model.mechanism import MOST_PARTS
-from symkin.model.motor import Motor
 from symkin.spatial.pose import Pose
-
-ClosureType = Literal["S", "U", "R", "C", "P", "H", "weld"]
-"""What a closure leaves free: S holds a point, weld all; R, C, P and H have the z axis of both
-frames in common; U turns about the z axis of the first frame and about the x axis of the second,
-which stay square to each other.
-"""
 
 MOST_JOINTS = 3 * MOST_PARTS
 """Joints or bodies of a file at most, fixed ones too, which become part of a link: each takes two
@@ -44,24 +41,27 @@ def refuse_too_many(where: str, joints: int, movable: int) -> None:
 
 
 @dataclass(frozen=True)
-class Closure:
-    """A constraint between two `links` that the tree joins in another way: `first` is its frame on
-    the first link, `second` on the other, both in the base frame at the file's configuration;
-    `pitch` is the length a turn of an H; `where` names element and line of the file. R, P and H
-    closures have a coordinate, which is 0 where the frames coincide: `limits` are its range,
-    `actuated` tells whether a motor drives it, and `motor` what is told of that one.
+class Closure(LinkJoint):
+    """A joint between two links that the tree joins in another way: `first` is its frame on the
+    first link, `second` on the other, both in the base frame at the file's configuration; `where`
+    names element and line of the file. The joint stands at the first frame. The coordinate of an R,
+    P or H joint is 0 where the frames coincide.
     """
 
-    name: str
-    type: ClosureType
-    links: tuple[str, str]
     first: Pose
     second: Pose
     where: str = ""
-    pitch: float = 0.0
-    limits: tuple[float, float] | None = None
-    actuated: bool = False
-    motor: Motor | None = None
+
+
+def joint_at(frame: Pose, name: str, kind: JointType, **told: Any) -> Joint:
+    """The joint of a closure at its first frame: R, C, P and H have the z axis of both frames in
+    common; U turns about the z axis of the first frame and about the x axis of the second, which
+    stay square to each other. `told` is what else it holds.
+    """
+    axes = np.asarray(frame.rotation)
+    axis = None if kind in ("S", "weld") else tuple(axes[:, 2])
+    axis2 = tuple(axes[:, 0]) if kind == "U" else None
+    return Joint(name, kind, tuple(frame.position), axis, axis2, **told)
 
 
 @dataclass(frozen=True)

@@ -8,15 +8,22 @@ Masses are plain: they have no meaning for the kinematics.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import count
 
 import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.couplings import mimic_of
+from symkin.formats.naming import fresh_name
 from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Whole, parts_text, turned
 from symkin.formats.sdf_frames import NEWEST, WORLD
-from symkin.formats.written_tree import Form, WrittenTree, written_tree
+from symkin.formats.written_tree import (
+    INERTIA,
+    MASS,
+    Form,
+    WrittenTree,
+    least_effort,
+    written_tree,
+)
 from symkin.formats.xml_written import Element, document, element, inside, numbers
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import BASE, Coordinate, Joint
@@ -37,8 +44,6 @@ FORM = Form(
     close=frozenset({"R", "P", "H", "U", "S", "weld"}),
     free_only=False,
 )
-_MASS, _INERTIA = 0.1, 1e-3
-"""Kilograms and kilogram square metres of every link: any that are not zero do."""
 _MOTOR = ("gz-sim-joint-position-controller-system", "gz::sim::systems::JointPositionController")
 
 
@@ -119,8 +124,7 @@ class _Text:
         for entry in self.joints:
             name = entry.joint.name
             if name in self.places:
-                name = next(n for n in _numbered(f"{name}.joint") if n not in taken)
-                taken.add(name)
+                name = fresh_name(f"{name}.joint", taken)
             found[entry.joint.name] = name
         return found
 
@@ -154,10 +158,10 @@ class _Text:
         link = inside(model, "link", name=name)
         inside(link, "pose", numbers([*place, 0, 0, 0]))
         inertial = inside(link, "inertial")
-        inside(inertial, "mass", _MASS)
+        inside(inertial, "mass", MASS)
         inertia = inside(inertial, "inertia")
         for word in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
-            inside(inertia, word, _INERTIA if word[1] == word[2] else 0)
+            inside(inertia, word, INERTIA if word[1] == word[2] else 0)
 
     def _joint(self, model: Element, entry: LinkJoint) -> None:
         joint, (parent, child) = entry.joint, entry.links
@@ -182,7 +186,7 @@ class _Text:
         if joint.limits is not None:
             told |= {"lower": joint.limits[0] - joint.zero, "upper": joint.limits[1] - joint.zero}
         if motor.effort is not None:
-            told["effort"] = min(-motor.effort[0], motor.effort[1])
+            told["effort"] = least_effort(motor)
         if motor.speed is not None:
             told["velocity"] = motor.speed
         limit = inside(axis, "limit") if told else axis
@@ -209,8 +213,3 @@ def _towards_links(entry: LinkJoint) -> LinkJoint:
     """A joint whose child is no base."""
     first, second = entry.links
     return LinkJoint(turned(entry.joint), (second, first)) if second == BASE else entry
-
-
-def _numbered(name: str) -> Iterator[str]:
-    yield name
-    yield from (f"{name}_{k}" for k in count(2))

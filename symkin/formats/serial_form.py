@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from symkin.errors import MechanismError
 from symkin.formats.graph_form import as_graph
-from symkin.formats.written_tree import fresh_name
+from symkin.formats.naming import fresh_name
 from symkin.model.graph import LinkJoint
 from symkin.model.graph_checks import links_of
 from symkin.model.joint import BASE, Joint

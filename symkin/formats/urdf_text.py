@@ -13,8 +13,17 @@ import json
 import numpy as np
 
 from symkin.formats.couplings import mimic_of
+from symkin.formats.naming import fresh_name
 from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Parts, Whole, parts_text
-from symkin.formats.written_tree import Carried, Form, WrittenTree, written_tree
+from symkin.formats.written_tree import (
+    INERTIA,
+    MASS,
+    Carried,
+    Form,
+    WrittenTree,
+    least_effort,
+    written_tree,
+)
 from symkin.formats.xml_written import Element, document, element, inside
 from symkin.formats.zero_frames import closing_frames, xyz_rpy, zero_displacements
 from symkin.model.graph import Coupling, LinkJoint
@@ -33,8 +42,6 @@ _CLOSURES = {"S": "ball", "R": "revolute", "P": "prismatic", "C": "cylindrical",
 _YAML_CLOSURES = {"S": "3d", "weld": "6d"}
 _UNBOUNDED = (-1e16, 1e16)
 """What a joint has without a range, efforts or speeds, for the format wants them."""
-_MASS, _INERTIA = 0.1, 1e-3
-"""Kilograms and kilogram square metres of every link: any that are not zero do."""
 
 
 def urdf_text(mechanism: Mechanism, told: str = "") -> str:
@@ -113,10 +120,8 @@ class _Text:
         link = inside(root, "link", name=name)
         if name != BASE:
             inertial = inside(link, "inertial")
-            inside(inertial, "mass", value=_MASS)
-            inside(
-                inertial, "inertia", ixx=_INERTIA, ixy=0, ixz=0, iyy=_INERTIA, iyz=0, izz=_INERTIA
-            )
+            inside(inertial, "mass", value=MASS)
+            inside(inertial, "inertia", ixx=INERTIA, ixy=0, ixz=0, iyy=INERTIA, iyz=0, izz=INERTIA)
 
     def _joint(
         self, root: Element, entry: Carried, joint: Joint, coupling: Coupling | None
@@ -142,7 +147,7 @@ class _Text:
                 "limit",
                 lower=None if kind == "continuous" else low,
                 upper=None if kind == "continuous" else high,
-                effort=min(-motor.effort[0], motor.effort[1]) if motor.effort else _UNBOUNDED[1],
+                effort=least_effort(motor) if motor.effort else _UNBOUNDED[1],
                 velocity=motor.speed or _UNBOUNDED[1],
             )
         if coupling is not None:
@@ -202,10 +207,7 @@ class _Text:
             inside(made, "origin", **xyz_rpy(frame))
             names.append(name)
         self.closing.append((_YAML_CLOSURES[joint.type], names[0], names[1]))
-        used = {j.name for j in self.tree.joints}
-        number, own = 2, f"loop{len(self.closing)}"
-        while own in used:
-            own, number = f"loop{len(self.closing)}_{number}", number + 1
+        own = fresh_name(f"loop{len(self.closing)}", {j.name for j in self.tree.joints})
         if any(joint.name in whole.parts for whole in parts.wholes):
             return parts.renamed(joint.name, own)
         return parts.with_whole(Whole(joint.name, joint.type, (own,)))

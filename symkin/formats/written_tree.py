@@ -17,6 +17,7 @@ import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.graph_form import as_graph, is_closed_at_reference
+from symkin.formats.naming import fresh_name
 from symkin.formats.parts import Parts, Whole, turned
 from symkin.model.graph import Coupling, LinkJoint, LinkRod
 from symkin.model.graph_checks import links_of
@@ -24,12 +25,15 @@ from symkin.model.joined import Joined
 from symkin.model.joint import BASE, Joint
 from symkin.model.joint_forms import JointType
 from symkin.model.mechanism import Mechanism
+from symkin.model.motor import Motor
 
 Loops = Literal["loop", "yaml"]
 """How loops are written that a format has two forms for: as <loop> of URDF+ in the file, or in the
 YAML file of the Gepetto team beside it.
 """
 LOOPS: tuple[Loops, ...] = ("loop", "yaml")
+MASS, INERTIA = 0.1, 1e-3
+"""Kilograms and kilogram square metres of every link: any that are not zero do."""
 _CLOSED = 1e-5
 """Of the size: rods and couplings that miss their lengths and values by less are closed at the
 reference, if only to the digits of a file; what they miss is told in the text.
@@ -331,6 +335,12 @@ class _Writer:
                 )
 
 
+def least_effort(motor: Motor) -> float:
+    """The effort that a motor gives either way, which formats of one number hold."""
+    low, high = motor.effort or (0.0, 0.0)
+    return min(-low, high)
+
+
 def _is_plain(joint: Joint) -> bool:
     """Whether formats that have its type have it so: axes of universal joints are square to each
     other there.
@@ -340,12 +350,3 @@ def _is_plain(joint: Joint) -> bool:
         or joint.axis2 is None
         or abs(float(np.dot(joint.axis, joint.axis2))) <= _SQUARE
     )
-
-
-def fresh_name(name: str, taken: set[str]) -> str:
-    """A name near this one that nothing has, which is then taken."""
-    number, found = 2, name
-    while found in taken:
-        found, number = f"{name}_{number}", number + 1
-    taken.add(found)
-    return found

@@ -9,8 +9,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from symkin.formats.joint_graph import frame_along
-from symkin.formats.tree_motion import steps_of
+from symkin.formats.joint_graph import frame_along, moved_along
 from symkin.formats.written_tree import Carried
 from symkin.model.joint import BASE, Joint
 from symkin.spatial.pose import Pose
@@ -18,8 +17,8 @@ from symkin.spatial.pose import Pose
 
 def displacement(joint: Joint, value: float) -> Pose:
     """How far a joint of one coordinate moves its second link from the reference to a value."""
-    (step,) = steps_of(joint)
-    return Pose.from_matrix(*step.displacement(np.array([value])))
+    frame = Pose(np.array(joint.point), Pose.identity().quaternion)
+    return frame @ moved_along(joint, value - joint.zero) @ frame.inverse()
 
 
 def zero_displacements(carried: Sequence[Carried]) -> dict[str, Pose]:

@@ -15,9 +15,10 @@ Kind = Literal["length", "angle", "turns", "quaternion"]
 """length; angle modulo a turn; turns: an angle that advances (helical joint), not periodic; unit
 quaternion.
 """
-Relation = Literal["point", "line", "axis", "axes' angle", "orientation"]
+Relation = Literal["point", "line", "axis", "axes' angle", "orientation", "advance", "frame"]
 """What a joint keeps between its two links: a point on both, a line on which a point stays, a
-common direction, the angle between its two axes, all directions.
+common direction, the angle between its two axes, all directions, how far a turn advances, all of a
+frame.
 """
 
 NUMBERS: dict[Kind, tuple[int, int]] = {
@@ -53,13 +54,18 @@ class Move(NamedTuple):
 class JointForm:
     """What joints of a type have: elementary `moves` in their order, how many `axes`, whether their
     `point` means something, and the relations that they keep (`kept`), which are the rows of a loop
-    that is cut there; None where no loop is.
+    that is closed there.
     """
 
     moves: tuple[Move, ...]
     axes: int
     has_point: bool
-    kept: tuple[Relation, ...] | None
+    kept: tuple[Relation, ...]
+
+    @property
+    def may_be_cut(self) -> bool:
+        """Whether a closure may leave out its coordinates: not the angle of a screw."""
+        return not {"advance", "frame"} & set(self.kept)
 
     @property
     def coordinates(self) -> tuple[tuple[str, Kind], ...]:
@@ -89,11 +95,11 @@ class JointForm:
 JOINT_FORMS: dict[JointType, JointForm] = {
     "R": JointForm((Move("turn"),), 1, True, ("point", "axis")),
     "P": JointForm((Move("slide"),), 1, False, ("line", "orientation")),
-    "H": JointForm((Move("screw"),), 1, True, None),
+    "H": JointForm((Move("screw"),), 1, True, ("line", "axis", "advance")),
     "C": JointForm((Move("turn", ".angle"), Move("slide", ".slide")), 1, True, ("line", "axis")),
     "U": JointForm((Move("turn", ".1"), Move("turn", ".2", 1)), 2, True, ("point", "axes' angle")),
     "S": JointForm((Move("ball"),), 0, True, ("point",)),
-    "weld": JointForm((), 0, False, None),
+    "weld": JointForm((), 0, False, ("frame",)),
 }
 JOINT_TYPES: tuple[JointType, ...] = ("R", "P", "H", "C", "U", "S")
 """Those that move."""

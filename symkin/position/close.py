@@ -70,7 +70,7 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
     found = nearest_closed(robot)
     tree = found.tree
     share = RANK_SHARE if found.closed else DIGITS
-    rank = rank_at(tree, found.state, share)
+    rank, rows = rank_at(tree, found.state, share), row_count(tree)
     generic = generic_rank(found, seed) if found.to_digits else None
     displaced = found.displacements
     poses = {link: displaced[link] @ frame for link, frame in robot.links.items()}
@@ -81,9 +81,9 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         links=len(robot.links),
         joint_count=len(robot.joints) + len(robot.closures),
         freedoms=tree.freedom,
-        rows=row_count(robot),
+        rows=rows,
         rank=rank,
-        redundant=row_count(robot) - rank,
+        redundant=rows - rank,
         generic_rank=None if generic is None else generic.value,
         actuated=tuple(
             c.name for e in robot.joints if e.joint.actuated for c in e.joint.coordinates
@@ -101,7 +101,7 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
 
 def _moves(robot: Robot) -> bool:
     """Whether a joint or a closure leaves any freedom."""
-    return bool(robot.joints) or any(closure.type != "weld" for closure in robot.closures)
+    return bool(robot.joints) or any(c.joint.type != "weld" for c in robot.closures)
 
 
 def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:

@@ -220,7 +220,7 @@ def _cut_freedom(cycle: Sequence[Branch]) -> int:
     passive = [
         part.freedom
         for part in parts
-        if isinstance(part, Joint) and not part.actuated and part.form.kept is not None
+        if isinstance(part, Joint) and not part.actuated and part.form.may_be_cut
     ]
     return max(passive, default=0)
 

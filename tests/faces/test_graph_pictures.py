@@ -320,7 +320,7 @@ def test_a_robot_is_legible(name):
     """
     figure = figure_of_sketch(robot(name))
     (ax,) = figure.axes
-    closures = {closure.name for closure in read_robot(ROBOTS / name).closures}
+    closures = {closure.joint.name for closure in read_robot(ROBOTS / name).closures}
     rings = {
         artist.get_gid()
         for artist in ax.patches
@@ -357,7 +357,7 @@ def test_a_planar_linkage_that_a_ball_closes_is_seen_along_its_axes():
 def test_names_of_loops_alone_or_none(tmp_path, capsys):
     mechanism, where = robot(CROWDED[1]), ROBOTS / CROWDED[1]
     closing = drawn_layout(mechanism).closing
-    assert set(closing) == {closure.name for closure in read_robot(where).closures}
+    assert set(closing) == {closure.joint.name for closure in read_robot(where).closures}
     texts = {
         names: {
             t.get_text()

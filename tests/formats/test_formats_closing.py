@@ -13,7 +13,6 @@ import pytest
 
 import symkin
 from helpers.inside import (
-    ROWS,
     Robot,
     Tree,
     assembled,
@@ -21,19 +20,23 @@ from helpers.inside import (
     close_robot,
     closed_neighbours,
     closing,
-    constraint_rows,
     generic_rank,
+    joint_at,
     mechanism_of,
     nearest_closed,
     rank_at,
     row_count,
+    way_between,
     whole_system,
 )
 from helpers.inside import RobotClosure as Closure
 from helpers.laws import axis_turn, chain
+from helpers.robot_files import closure_misfit
 from symkin import Coupling, Joint, LinkJoint, Pose
 
 Z = (0.0, 0.0, 1.0)
+ROWS = {"S": 3, "U": 4, "R": 5, "H": 5, "C": 4, "P": 5, "weld": 6}
+"""Constraints of a closure of each type: what its freedoms leave of six."""
 
 
 def random_pose(rng: np.random.Generator, spread: float = 1.0) -> Pose:
@@ -74,14 +77,12 @@ def spatial_loop(kind: str, open_by: float, seed: int = 0) -> Robot:
     frame = random_pose(rng)
     closures = (
         Closure(
-            "loop",
-            kind,
+            joint_at(frame, "loop", kind, pitch=0.2 if kind == "H" else 0.0),
             ("left3", "right3"),
             frame,
             near(frame, rng, open_by),
-            pitch=0.2 if kind == "H" else 0.0,
         ),
-        Closure("hang", "S", ("left3", "loose"), frame, near(frame, rng, open_by)),
+        Closure(joint_at(frame, "hang", "S"), ("left3", "loose"), frame, near(frame, rng, open_by)),
     )
     couplings = (
         Coupling("b2", {"a0": 0.5}, 0.1),
@@ -104,7 +105,7 @@ def four_bar(open_by: float = 0.0, reach: float = 4.0) -> Robot:
         "four_bar",
         links,
         tuple(joints),
-        (Closure("end", "R", ("coupler", "lever"), first, second, "line 9"),),
+        (Closure(joint_at(first, "end", "R"), ("coupler", "lever"), first, second, "line 9"),),
     )
 
 
@@ -117,12 +118,14 @@ def test_derivatives_are_finite_differences(kind: str) -> None:
     assert found.closed
     tree, state, rng = found.tree, found.state, np.random.default_rng(1)
     if kind != "H":
-        state = tree.moved(state, 0.3 * rng.normal(size=tree.freedom))
-    rows = constraint_rows(tree)
-    jacobian = rows.rates(state)
+        step = 0.3 * tree.size * rng.normal(size=(1, tree.freedom))
+        (state,) = tree.system.move(state[None], step)
+    _, jacobian = tree.system.linearise_one(state, np.zeros(0))
+    length = 1e-6 * tree.size
     for k, unit in enumerate(np.eye(tree.freedom)):
-        ahead, behind = (rows.values(tree.moved(state, sign * 1e-6 * unit)) for sign in (1, -1))
-        np.testing.assert_allclose((ahead - behind) / 2e-6, jacobian[:, k], atol=2e-8 * tree.size)
+        ends = tree.system.move(np.tile(state, (2, 1)), length * np.array([unit, -unit]))
+        ahead, behind = tree.system.linearise(ends, np.zeros(0))[0]
+        np.testing.assert_allclose((ahead - behind) / (2 * length), jacobian[:, k], atol=2e-8)
 
 
 @pytest.mark.parametrize("kind", ROWS)
@@ -132,7 +135,7 @@ def test_ranks_are_the_constraints_of_the_type(kind: str) -> None:
     """
     robot = spatial_loop(kind, 0.05)
     found = nearest_closed(robot)
-    assert found.rank() == ROWS[kind] + 3 + 2 == row_count(robot)
+    assert found.rank() == ROWS[kind] + 3 + 2 == row_count(found.tree)
     assert [rank_at(found.tree, state) for state in closed_neighbours(found, 2, 0)] == [
         found.rank()
     ] * 2
@@ -146,9 +149,8 @@ def test_the_nearest_closed_configuration(kind: str) -> None:
     found = nearest_closed(spatial_loop(kind, 0.1))
     assert found.closed
     assert found.open_by > 0.01
-    scales = np.where(found.tree.angular, found.tree.size, 1.0)
-    way = scales * found.tree.between(found.tree.own, found.state)
-    _, s, vt = np.linalg.svd(constraint_rows(found.tree).rates(found.state) / scales)
+    way = way_between(found.tree, found.tree.own, found.state)
+    _, s, vt = np.linalg.svd(found.tree.system.linearise_one(found.state, np.zeros(0))[1])
     free = vt[int(np.sum(s > 1e-8 * s[0])) :]
     assert np.linalg.norm(free @ way) <= 1e-3 * np.linalg.norm(way)
 
@@ -161,12 +163,15 @@ def test_a_closed_file_stays_as_it_is() -> None:
 
 @pytest.mark.parametrize("kind", ROWS)
 def test_the_assembled_mechanism_is_closed_and_has_the_mobility(kind: str) -> None:
-    """Its reference leaves no row of its own closure; its freedoms less its rank are those of the
+    """The frames of every closure meet as its type says; the mechanism's reference leaves no row of
+    its own closure; its freedoms less its rank are those of the
     tree less the closures' rank, but for idle spins; its joints tell the closed values at the
     reference.
     """
     robot = spatial_loop(kind, 0.05)
     found = nearest_closed(robot)
+    misfits = [closure_misfit(closure, found.displacements) for closure in robot.closures]
+    assert max(misfits) <= 1e-9 * found.tree.size
     mechanism = assembled(robot, found)
     closure = build_closure(mechanism)
     assert whole_system(closure).residual(closure.reference, np.zeros(0)) <= 1e-9 * found.tree.size
@@ -210,14 +215,14 @@ def test_link_poses_are_those_of_the_tree() -> None:
     mechanism = mechanism_of(robot)
     tree = found.tree
     for state in closed_neighbours(found, 3, 1):
-        placed = tree.placed(state)
-        values = {step.name: float(value[0]) for step, value in zip(tree.steps, state, strict=True)}
+        placed = tree.displacements(state)
+        values = {name: value for name, (value,) in tree.by_name(state).items()}
         modes = symkin.modes(mechanism, given={"crank": values["crank"]})
         assert len(modes) == 2
         mode = min(modes, key=lambda mode: abs(mode.joints["follower"] - values["follower"]))
         assert mode.joints["follower"] == pytest.approx(values["follower"], abs=1e-9)
         for link in ("arm", "coupler", "lever"):
-            moved = placed.displacement(link) @ found.placed.displacement(link).inverse()
+            moved = placed[link] @ found.displacements[link].inverse()
             np.testing.assert_allclose(mode.link_poses[link].matrix, moved.matrix, atol=1e-9)
 
 
@@ -231,7 +236,7 @@ def test_two_hinges_with_one_axis_forbid_nothing() -> None:
         "door",
         {"base": Pose.identity(), "door": Pose.identity()},
         (hinge,),
-        (Closure("other", "R", ("base", "door"), frame, frame),),
+        (Closure(joint_at(frame, "other", "R"), ("base", "door"), frame, frame),),
     )
     assert nearest_closed(robot).rank() == 0
     assert symkin.mobility(mechanism_of(robot)).mobility == 1
@@ -283,7 +288,7 @@ def test_joints_that_form_no_tree_are_refused() -> None:
     with pytest.raises(
         symkin.MechanismError, match="'lone': its link 'elsewhere' hangs on nothing"
     ):
-        Tree(Robot("r", {"base": Pose.identity()}, (lone,))).steps  # noqa: B018
+        Tree(Robot("r", {"base": Pose.identity()}, (lone,))).coordinates  # noqa: B018
 
 
 @pytest.mark.parametrize("turns", [-4, 2, 3])
@@ -302,10 +307,7 @@ def test_turns_of_coupled_joints_count_while_loops_close(turns: int) -> None:
     assert found.closed
     assert abs(values["pinion"]) > 1.1 * np.pi
     assert values["pinion"] == pytest.approx(1.5 * values["follower"] + 2 * np.pi * turns, abs=1e-9)
-    far = tuple(
-        v + 6 * np.pi * (step.name == "knee")
-        for v, step in zip(found.state, found.tree.steps, strict=True)
-    )
+    far = found.state + [6 * np.pi * (c.name == "knee") for c in found.tree.coordinates]
     np.testing.assert_allclose(closing._without_turns(found.tree, far), found.state, atol=1e-9)
 
 
@@ -318,7 +320,7 @@ def test_the_generic_rank_to_digits_is_that_of_most_neighbours(
     """
     rng = np.random.default_rng(0)
     exact, rounded = nearest_closed(four_bar(open_by=-2.0)), too_long()
-    monkeypatch.setattr(closing, "_starts_aside", lambda *_: [])
+    monkeypatch.setattr(closing, "_ends_aside", lambda *_: [])
     for _ in range(20):
         ranks = rng.permutation([7, 7, *rng.choice([5, 6, 8, 9], 2, replace=False)]).tolist()
         monkeypatch.setattr(closing, "_clear_ranks", lambda *_, found=ranks: list(found))

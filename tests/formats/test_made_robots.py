@@ -162,7 +162,7 @@ def test_rank_and_mobility(name: str, suffix: str, read_one: Any) -> None:
     assert (
         one.pinocchio.model.nv - rank(one.pinocchio.jacobian(one.pinocchio.place(values))) == theirs
     )
-    state = tuple(np.atleast_1d(solution.joints[step.name]) for step in one.tree.steps)
+    state = np.hstack([solution.joints[c.name] for c in one.tree.coordinates])
     ours = rank_at(one.tree, state)
     assert one.tree.freedom - ours == theirs
     if one.tree.freedom == one.mujoco.model.nv:
@@ -333,7 +333,8 @@ def test_a_loop_of_universal_joints_closes_by_one_in_a_graph(read_one: Any) -> N
     """
     kinds = {
         suffix: [
-            c.type for c in read_one("universal_loop", suffix, len("universal_loop")).robot.closures
+            c.joint.type
+            for c in read_one("universal_loop", suffix, len("universal_loop")).robot.closures
         ]
         for suffix in FORMATS
     }

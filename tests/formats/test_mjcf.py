@@ -16,7 +16,6 @@ import symkin
 from helpers.inside import (
     Closed,
     Robot,
-    State,
     assembled,
     closed_neighbours,
     nearest_closed,
@@ -37,13 +36,11 @@ def in_file(folder: Path, text: str, name: str = "made.xml") -> Path:
     return path
 
 
-def body_poses(robot: Robot, closed: Closed, state: State) -> dict[str, Pose]:
+def body_poses(robot: Robot, closed: Closed, state: np.ndarray) -> dict[str, Pose]:
     """Bodies by name, those of fixed joints included."""
-    placed = closed.tree.placed(state)
-    found = {link: placed.displacement(link) @ frame for link, frame in robot.links.items()}
-    return found | {
-        name: placed.displacement(link) @ frame for name, (link, frame) in robot.merged.items()
-    }
+    placed = closed.tree.displacements(state)
+    found = {link: placed[link] @ frame for link, frame in robot.links.items()}
+    return found | {name: placed[link] @ frame for name, (link, frame) in robot.merged.items()}
 
 
 def check_against_mujoco(path: Path, neighbours: int) -> tuple[Robot, Closed]:
@@ -218,7 +215,7 @@ BAD = {
             joint("a") + body("b", "0 0 0", '<site name="s" pos="1 0 0"/>') + '<site name="t"/>',
         ),
         '<equality><connect site1="s" site2="t"/></equality>',
-        "line 8: <connect>: both of its bodies are part of the link 'a', and 1 apart",
+        "line 8: <connect>: it closes a loop within the one link 'a', whose two frames are 1 apart",
     ),
 }
 

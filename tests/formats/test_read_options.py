@@ -302,7 +302,7 @@ def test_loops_beside_a_file_in_xacro_are_those_of_its_name(tmp_path: Path) -> N
     path = in_file(tmp_path, f"{HEAD}{inside}</robot>", "leg.urdf.xacro")
     (tmp_path / "leg.yaml").write_text("closed_loop: [[d1, d2]]\ntype: [3d]\n", encoding="utf-8")
     (closure,) = read_urdf(path).closures
-    assert (closure.type, closure.links) == ("S", ("rod", "rocker"))
+    assert (closure.joint.type, closure.links) == ("S", ("rod", "rocker"))
 
 
 def test_files_in_xacro_are_read_by_many_threads_at_once(tmp_path: Path) -> None:

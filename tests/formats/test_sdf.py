@@ -68,7 +68,7 @@ def test_counts_and_the_closed_configuration_are_those_of_an_independent_reader(
     assert len(found.links) + len(found.merged) + len(data["unreached"]) == data["bodies"]
     assert len(found.closures) == data["independent_loops"]
     kinds = Counter(KINDS[joint.joint.type] for joint in found.joints)
-    kinds.update(KINDS[closure.type] for closure in found.closures)
+    kinds.update(KINDS[closure.joint.type] for closure in found.closures)
     assert dict(kinds) == data["joints"]
     assert all(any(link in note for note in found.notes) for link in data["unreached"])
     told = told_poses(data, found)
@@ -105,10 +105,8 @@ def test_minitaur_leaves_its_singular_configuration() -> None:
     closed = nearest_closed(read_sdf(MODELS / "sdf/minitaur.sdf"))
     tree, rng = closed.tree, np.random.default_rng(0)
     for _ in range(4):
-        turned = tuple(
-            v + (0.0 if s.name.endswith(".2") else 0.3 * rng.normal(size=1))
-            for v, s in zip(tree.own, tree.steps, strict=True)
-        )
+        steps = [0.0 if c.name.endswith(".2") else 0.3 * rng.normal() for c in tree.coordinates]
+        turned = tree.own + np.array(steps)
         near = closed_neighbours(replace(closed, state=turned), 1, seed=0, step=0.0)
         if near:
             break
@@ -291,7 +289,7 @@ def test_a_loop_of_joints_needs_no_marker(tmp_path: Path) -> None:
     )
     robot = read(tmp_path, links + joints)
     (closure,) = robot.closures
-    assert closure.type == "R"
+    assert closure.joint.type == "R"
     still = dict.fromkeys(joints_of(robot), 0.0)
     assert closure_misfit(closure, displaced(robot, still)) < 1e-15
     # bc turns b against c: where it stands in the tree from b to c, its axis is turned round
@@ -317,15 +315,13 @@ def test_a_joint_that_closes_a_loop_keeps_its_range_and_counts_from_the_file(
     )
     robot = read(tmp_path, links + joints)
     (closure,) = robot.closures
-    assert closure.limits == (-0.5, 0.25)
+    assert closure.joint.limits == (-0.5, 0.25)
     closed = nearest_closed(robot)
-    turned = tuple(np.array([value]) for value in (0.2, 0.2, -0.2))
-    state = dict(zip(("ab", "ad", "bc"), turned, strict=True))
-    near = replace(closed, state=tuple(state[s.name] for s in closed.tree.steps))
-    near = replace(near, placed=near.tree.placed(near.state))
+    state = {"ab": 0.2, "ad": 0.2, "bc": -0.2}
+    near = replace(closed, state=np.array([state[c.name] for c in closed.tree.coordinates]))
     made = {joint.joint.name: joint.joint for joint in assembled(robot, near).link_joints}
-    assert np.isclose(made[closure.name].zero, -0.2)
-    assert made[closure.name].limits == (-0.5, 0.25)
+    assert np.isclose(made[closure.joint.name].zero, -0.2)
+    assert made[closure.joint.name].limits == (-0.5, 0.25)
 
 
 # --- nested models --------------------------------------------------------------------------------

@@ -151,9 +151,9 @@ def test_a_random_graph_moves_as_its_joints_do(seed: int, tmp_path: Path) -> Non
     assert closed.tree.freedom - closed.rank() == freedoms(machine)
     root = machine.links[0]
     for state in closed_neighbours(closed, 2, seed=seed, step=0.05):
-        placed = closed.tree.placed(state)
+        placed = closed.tree.displacements(state)
         moved = {
-            f"l{k}": root @ placed.displacement(_carrier(robot, f"l{k}")) @ root.inverse()
+            f"l{k}": root @ placed[_carrier(robot, f"l{k}")] @ root.inverse()
             for k in range(len(machine.links))
         }
         for joint, parent, child in machine.joints:

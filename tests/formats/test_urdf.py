@@ -84,7 +84,7 @@ def test_one_loop_is_read_alike_in_every_form(form: str, tmp_path: Path) -> None
     """It is as far open at zero as the points are, and closed where the law of cosines says."""
     robot = read(tmp_path, TREE + FORMS[form])
     (closure,) = robot.closures
-    assert closure.type == ("S" if form in POINTS else "R")
+    assert closure.joint.type == ("S" if form in POINTS else "R")
     assert closure.links == ("rod", "rocker")
     assert np.allclose(np.asarray(closure.first.position), [3, 0, 0])
     assert np.allclose(np.asarray(closure.second.position), [0, 5, 0])
@@ -101,7 +101,7 @@ def test_a_joint_of_sdf_within_gazebo_closes_a_loop(tmp_path: Path) -> None:
       <axis><xyz>0 0 1</xyz></axis></joint></gazebo><gazebo reference="rod"><mu1>1</mu1></gazebo>"""
     robot = read(tmp_path, TREE + inside)
     (closure,) = robot.closures
-    assert closure.type == "R"
+    assert closure.joint.type == "R"
     assert np.allclose(np.asarray(closure.first.position), [0, 5, 0])
     assert closure_misfit(closure, displaced(robot, {"a": 0.0, "b": 0.0, "c": 0.0})) < 1e-15
 
@@ -132,7 +132,7 @@ def test_a_slide_told_by_an_axis_on_either_link_is_closed_where_the_file_is(
           <successor link="block"><axis xyz="{x} {y} {z}"/></successor></loop>"""
     robot = read(tmp_path, inside)
     (closure,) = robot.closures
-    assert closure.type == "P"
+    assert closure.joint.type == "P"
     assert closure_misfit(closure, displaced(robot, {"s": 0.3, "t": 0.0})) < 1e-12
     assert closure_misfit(closure, displaced(robot, {"s": 0.0, "t": 0.3})) > 0.01
 
@@ -391,7 +391,7 @@ def test_loops_motors_and_types_beside_the_file(tmp_path: Path) -> None:
     )
     robot = read(tmp_path, TREE + PAIR)
     (closure,) = robot.closures
-    assert (closure.type, closure.links) == ("S", ("rod", "rocker"))
+    assert (closure.joint.type, closure.links) == ("S", ("rod", "rocker"))
     joints = {entry.joint.name: entry.joint for entry in robot.joints}
     assert (joints["b"].type, joints["b"].axis, joints["b"].axis2) == (
         "U",

@@ -45,7 +45,7 @@ def test_counts_are_those_of_an_independent_reader(name: str) -> None:
     assert len(found.closures) == data["independent_loops"]
     assert len(found.joints) == len(found.links) - 1
     kinds = Counter(KINDS[joint.joint.type] for joint in found.joints)
-    kinds.update(KINDS[closure.type] for closure in found.closures)
+    kinds.update(KINDS[closure.joint.type] for closure in found.closures)
     kinds.update({"fixed": len(found.merged)} if found.merged else {})
     assert dict(kinds) == {key: count for key, count in data["joints"].items() if count}
     if "actuated" in data:
@@ -78,7 +78,7 @@ def test_a_configuration_that_closes_elsewhere_closes_here(name: str) -> None:
             )
         assert misfit < TOLD_TO, entry.joint.name
     for closure in found.closures:
-        assert closure_misfit(closure, moved) < TOLD_TO, closure.name
+        assert closure_misfit(closure, moved) < TOLD_TO, closure.joint.name
 
 
 def flipped(joint: Joint) -> Pose:
@@ -194,19 +194,17 @@ def test_closed_configurations_are_those_of_pinocchio(
     states = [closed.state, *closed_neighbours(closed, 3, seed=2)]
     assert len(states) > 1
     for state in states:
-        values = {
-            step.name: float(value[0]) for step, value in zip(closed.tree.steps, state, strict=True)
-        }
+        values = {name: value for name, (value,) in closed.tree.by_name(state).items()}
         q = np.array([values[model.names[k]] for k in range(1, model.njoints)])
         pin.computeJointJacobians(model, data, q)
         pin.updateFramePlacements(model, data)
-        own = closed.tree.placed(state)
+        own = closed.tree.displacements(state)
         for body, (carrier, pose) in all_frames(found).items():
             if body != "base":
                 other = data.oMf[model.getFrameId(body, pin.FrameType.BODY)].homogeneous
-                assert np.allclose(
-                    np.asarray((own.displacement(carrier) @ pose).matrix), other, atol=1e-10
-                ), body
+                assert np.allclose(np.asarray((own[carrier] @ pose).matrix), other, atol=1e-10), (
+                    body
+                )
         rows = []
         for pair in pairs:
             frames = [model.getFrameId(link, pin.FrameType.BODY) for link in pair]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from helpers.equality_rows import equality_rows
-from helpers.inside import Closed, Robot, State
+from helpers.inside import Closed, Robot
 
 MODELS = Path(__file__).resolve().parent.parent / "data" / "models" / "mjcf"
 REAL = ("cassie", "g1_parallel_ankle", "kangaroo_lower_body", "robotiq_2f85", "talos")
@@ -180,12 +180,12 @@ class Account:
         self.start = mujoco.MjData(self.model)
         mujoco.mj_kinematics(self.model, self.start)
 
-    def at(self, closed: Closed, state: State) -> Any:
+    def at(self, closed: Closed, state: np.ndarray) -> Any:
         """MuJoCo's data there; joints that the robot does not have stand as at qpos0."""
         mujoco, model = self.mujoco, self.model
         data = mujoco.MjData(model)
-        values = {step.name: value for step, value in zip(closed.tree.steps, state, strict=True)}
-        poses = closed.tree.placed(state)
+        values = closed.tree.by_name(state)
+        poses = closed.tree.displacements(state)
         for j in range(model.njnt):
             name, place, number = (
                 model.joint(j).name,
@@ -198,7 +198,7 @@ class Account:
                 and model.body(number).name in self.robot.floating
             ):
                 link = model.body(number).name
-                pose = poses.displacement(link) @ self.robot.links[link]
+                pose = poses[link] @ self.robot.links[link]
                 data.qpos[place : place + 7] = [*pose.position, *pose.quaternion]
             elif kind == int(mujoco.mjtJoint.mjJNT_BALL):
                 data.qpos[place : place + 4] = self._ball(values[name], number)

@@ -97,7 +97,7 @@ def closure_misfit(closure: Closure, moved: Mapping[str, Pose]) -> float:
     between = np.asarray(second.position) - np.asarray(first.position)
     tilt = float(np.linalg.norm(b[:, 2] - a[:, 2]))
     off = float(np.linalg.norm(np.cross(between, a[:, 2])))
-    match closure.type:
+    match closure.joint.type:
         case "S":
             return gap
         case "R":
@@ -112,9 +112,9 @@ def closure_misfit(closure: Closure, moved: Mapping[str, Pose]) -> float:
             return gap + float(np.linalg.norm(b - a))
         case "H":
             angle = np.arctan2(a[:, 1] @ b[:, 0], a[:, 0] @ b[:, 0])
-            turns = between @ a[:, 2] / closure.pitch - angle / (2 * np.pi)
+            turns = between @ a[:, 2] / closure.joint.pitch - angle / (2 * np.pi)
             return off + tilt + abs(turns - round(turns))
-    raise AssertionError(closure.type)
+    raise AssertionError(closure.joint.type)
 
 
 def displaced(robot: Robot, values: Mapping[str, Any]) -> dict[str, Pose]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from helpers.inside import BASE, DIGITS, RANK_SHARE, Robot, State, Tree, nearest_closed, rank_at
+from helpers.inside import BASE, DIGITS, RANK_SHARE, Robot, Tree, nearest_closed, rank_at
 from symkin import Pose
 
 _POSE = 1e-9
@@ -21,19 +21,17 @@ class DisagreementError(Exception):
     """A file that another tool reads otherwise."""
 
 
-def poses_at(tree: Tree, state: State) -> dict[str, Pose]:
+def poses_at(tree: Tree, state: np.ndarray) -> dict[str, Pose]:
     """Links by name, and bodies on fixed joints."""
-    placed, robot = tree.placed(state), tree.robot
-    found = {link: placed.displacement(link) @ frame for link, frame in robot.links.items()}
-    return found | {
-        name: placed.displacement(link) @ frame for name, (link, frame) in robot.merged.items()
-    }
+    placed, robot = tree.displacements(state), tree.robot
+    found = {link: placed[link] @ frame for link, frame in robot.links.items()}
+    return found | {name: placed[link] @ frame for name, (link, frame) in robot.merged.items()}
 
 
-def random_state(tree: Tree) -> State:
+def random_state(tree: Tree) -> np.ndarray:
     """The tree's own state after a random step of every freedom."""
-    step = _STEP * np.random.default_rng(0).normal(size=tree.freedom)
-    return tree.moved(tree.own, np.where(tree.angular, step, tree.size * step))
+    step = _STEP * tree.size * np.random.default_rng(0).normal(size=(1, tree.freedom))
+    return np.asarray(tree.system.move(tree.own[None], step)[0])
 
 
 def _compare(where: str, size: float, ours: Mapping[str, Pose], theirs: Mapping[str, Pose]) -> int:
@@ -178,13 +176,13 @@ def _tree_joints(mujoco: Any, model: Any, robot: Robot) -> list[int]:
 
 
 def _data_at(
-    mujoco: Any, model: Any, qpos0: np.ndarray, numbers: list[int], tree: Tree, state: State
+    mujoco: Any, model: Any, qpos0: np.ndarray, numbers: list[int], tree: Tree, state: np.ndarray
 ) -> Any:
     start, data = mujoco.MjData(model), mujoco.MjData(model)
     start.qpos[:] = qpos0
     mujoco.mj_kinematics(model, start)
     data.qpos[:] = qpos0
-    values = {step.name: value for step, value in zip(tree.steps, state, strict=True)}
+    values = tree.by_name(state)
     for number, entry in zip(numbers, tree.robot.joints, strict=True):
         value, place = values[entry.joint.coordinates[0].name], int(model.jnt_qposadr[number])
         if len(value) == 1:
@@ -196,7 +194,7 @@ def _data_at(
         moved = turn.inverse() @ Pose.from_quaternion((0.0, 0.0, 0.0), tuple(value)) @ turn
         own = Pose.from_quaternion((0.0, 0.0, 0.0), tuple(qpos0[place : place + 4]))
         data.qpos[place : place + 4] = (own @ moved).quaternion
-    placed = tree.placed(state)
+    placed = tree.displacements(state)
     for j in range(model.njnt):
         name = model.body(int(model.jnt_bodyid[j])).name
         if (
@@ -204,7 +202,7 @@ def _data_at(
             and name in tree.robot.floating
         ):
             pose, place = (
-                placed.displacement(name) @ tree.robot.links[name],
+                placed[name] @ tree.robot.links[name],
                 int(model.jnt_qposadr[j]),
             )
             data.qpos[place : place + 7] = [*pose.position, *pose.quaternion]
@@ -292,9 +290,9 @@ def pinocchio_agreement(path: Path, robot: Robot) -> str:
     return f"as Pinocchio: {compared} poses{'' if len(states) == 2 else ', at 0 only'}"
 
 
-def _frames(pinocchio: Any, model: Any, tree: Tree, state: State) -> dict[str, Pose]:
+def _frames(pinocchio: Any, model: Any, tree: Tree, state: np.ndarray) -> dict[str, Pose]:
     """Poses of links by their names."""
-    values = {step.name: value for step, value in zip(tree.steps, state, strict=True)}
+    values = tree.by_name(state)
     q = pinocchio.neutral(model)
     for number in range(1, model.njoints):
         name, joint = model.names[number], model.joints[number]
