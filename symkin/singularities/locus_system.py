@@ -34,10 +34,10 @@ from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.transfer import variables_elsewhere
 from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at, varied_pose
-from symkin.singularities.limb_equations import limb_blocks
 from symkin.singularities.rank_loss import RankLoss, generic_matrix
-from symkin.singularities.roles import checked_names
 from symkin.text import meant
+from symkin.velocity.limb_equations import limb_blocks
+from symkin.velocity.roles import checked_names
 
 LocusKind = Literal["type 1", "type 2"]
 
