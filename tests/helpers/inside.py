@@ -331,8 +331,6 @@ NAMES = {
     "great_circle": "symkin.following.trajectory",
     "make_trajectory": "symkin.following.trajectory",
     # sweeps
-    "COMPRESSION_LEVEL": "symkin.sweeps.chunk_files",
-    "write_chunk": "symkin.sweeps.chunk_files",
     "Crew": "symkin.sweeps.executors",
     "Here": "symkin.sweeps.executors",
     "local_crew": "symkin.sweeps.executors",
