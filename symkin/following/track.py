@@ -171,11 +171,7 @@ def _start_mode(trajectory: Trajectory, start: Start) -> tuple[Solution | None, 
     if isinstance(start, Solution):
         _check_start(trajectory, start)
         return start, ()
-    first = trajectory.given[0]
-    form = (
-        "given" if isinstance(first, dict) else "joints" if trajectory.kind == "direct" else "pose"
-    )
-    result = solve(trajectory.mechanism, start=start, check=False, **{form: first})
+    result = solve(trajectory.mechanism, start=start, check=False, **trajectory.given[0])
     if result.solution is None:
         return None, (result.message, *(result.notes if trajectory.problem.kind == "given" else ()))
     if trajectory.problem.kind == "given":
