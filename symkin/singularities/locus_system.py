@@ -187,11 +187,13 @@ def _guess(names: Sequence[str], known: Sequence[str]) -> str:
 
 
 def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
-    """A plane of two pose coordinates, or of two actuated joints."""
+    """A plane of two actuated joints, or of two pose coordinates."""
     mechanism = solution.mechanism
     pose_names, joint_names = POSE_AXES[mechanism.motion], [c.name for c in mechanism.actuated]
-    of_pose = all(name in pose_names for name in names)
-    if not of_pose and not all(name in joint_names for name in names):
+    # a joint that is named as a coordinate of the pose is the joint, as among values by name
+    of_joints = all(name in joint_names for name in names)
+    of_pose = not of_joints and all(name in pose_names for name in names)
+    if not of_joints and not of_pose:
         raise InputError(
             f"plane = {', '.join(names)!r}{_guess(names, [*pose_names, *joint_names])}; allowed: "
             f"two of {', '.join(pose_names)} (pose), or two of "
