@@ -95,7 +95,8 @@ class RateJacobian(SymbolicMatrix, Result):
         found = self.function.call([values[v.index] for v in self.inputs])[0].full()
         if not np.isfinite(found).all():
             raise SolveError(
-                f"{self.mechanism.name}: {self._what}: not defined at this configuration, which is singular"
+                f"{self.mechanism.name}: {self._what}: not defined at this configuration: it is "
+                f"singular"
             )
         return np.asarray(found)
 
@@ -108,15 +109,8 @@ class RateJacobian(SymbolicMatrix, Result):
         point = self.problem.select_values(values, system.unknowns)
         free = null_space(system.linearise_one(point, known)[1], RANK_TOLERANCE, relative=True)
         owners = [c.name for c in system.unknowns for _ in range(c.freedom)]
-        loose = (
-            {
-                n
-                for n, column in zip(owners, free.T, strict=True)
-                if np.abs(column).max() > RANK_TOLERANCE
-            }
-            if len(free)
-            else set()
-        )
+        moves = (np.abs(free) > RANK_TOLERANCE).any(axis=0)
+        loose = {name for name, moving in zip(owners, moves, strict=True) if moving}
         asked = self.rows if self.kind == "rates" else owners
         return [n for n in dict.fromkeys(asked) if n in loose]
 
