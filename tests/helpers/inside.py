@@ -320,7 +320,7 @@ NAMES = {
     "ALONE": "symkin.following.station",
     "Cubic": "symkin.following.cubic",
     "_extremes": "symkin.following.joint_limits",
-    "on_plane": "symkin.following.fold",
+    "between": "symkin.following.steps",
     "Meeting": "symkin.following.meeting_modes",
     "Axis": "symkin.following.mode_graph",
     "coefficients": "symkin.following.path_system",
