@@ -30,7 +30,7 @@ def machine_of(mechanism: Mechanism, given: Given) -> Lowered | None:
     """The machine for known values of joints, or of the platform's pose as a whole; None where it
     is the mechanism itself, and where parts of the pose are given.
     """
-    names = set(given.names) if given.kind == "given" else set()
+    names = set(given.names) if given.by_name else set()
     if names == set(pose_names(mechanism)):
         return lowered(mechanism)
     if not names <= {c.name for c in mechanism.coordinates}:
@@ -58,7 +58,7 @@ def given_of_machine(low: Lowered, given: Given) -> Given:
         taken = pose if low.frames is None else low.frames.taken(pose)
         given = replace(given_from(low.machine, None, taken), echo=given.echo)
         return told_by_name(low.machine, given) if low.machine.is_graph else given
-    kind = plain_kind(low.machine, given.names) if given.kind == "given" else None
+    kind = plain_kind(low.machine, given.names) if given.by_name else None
     if kind is None:
         return given
     if kind == "inverse":
@@ -110,7 +110,7 @@ def as_checked(
 
 def _is_pose(mechanism: Mechanism, given: Given) -> bool:
     """Whether the platform's pose as a whole is what is given."""
-    return given.kind == "inverse" or given.names == pose_names(mechanism)
+    return given.of_pose or given.names == pose_names(mechanism)
 
 
 def _with_proofs(listed: SolutionList, found: Modes) -> SolutionList:

@@ -91,7 +91,7 @@ class GroupedModes:
             ),
             engine=account.engine,
             groups=tuple(account.group_of(number, k, groups[k]) for k in reached)
-            if self.problem.kind == "given"
+            if self.problem.by_name
             else (),
             count=self.total[number],
         )

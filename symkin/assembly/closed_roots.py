@@ -163,16 +163,16 @@ def closed_block(problem: Problem, number: int) -> ClosedBlock | None:
     block, arm = problem.blocks[number], arm_formulas(problem)
     if arm is not None:
         return ClosedBlock(problem, block, arm, arm.random_known())
-    if problem.is_explicit or (problem.kind == "given" and is_linear(problem)):
+    if problem.is_explicit or (problem.by_name and is_linear(problem)):
         return None
     if problem.implied and len(problem.system.unknowns) > _MOST_IMPLIED:
         return None
     near = problem.reference_known
     samples = samples_about(block, near, problem.known_coordinates)
-    found = closed_form(block, samples, all_rows=problem.kind == "given")
+    found = closed_form(block, samples, all_rows=problem.by_name)
     if found is None:
         return None
-    if problem.kind == "given" and found.has_conditions:
+    if problem.by_name and found.has_conditions:
         # rows that divisors of the formulas take out may be nothing at the reference
         generic = closed_configurations(problem.closure, 0)[0]
         near = problem.select_values(generic, problem.known_coordinates)

@@ -15,6 +15,7 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.position.determination import determination, is_least, misfit_note
 from symkin.position.given import Given
 from symkin.position.problem import Problem
+from symkin.position.roots import features_of, merge
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.starts import random_starts
 
@@ -73,18 +74,7 @@ def _minima(problem: Problem, given: Given, search: Search) -> SolutionList:
 
 def _distinct(problem: Problem, values: np.ndarray) -> list[int]:
     """The first of each set of configurations (m, variables) that are the same."""
-    features = []
-    for c in problem.closure.coordinates:
-        part = values[:, problem.closure.slices[c.name]]
-        if c.kind == "angle":
-            features += [np.cos(part), np.sin(part)]
-        else:
-            features.append(
-                part / problem.closure.characteristic_length if c.kind == "length" else part
-            )
-    rows = np.concatenate(features, axis=1)
-    kept: list[int] = []
-    for k, row in enumerate(rows):
-        if not kept or np.min(np.max(np.abs(rows[kept] - row), axis=1)) > _SAME:
-            kept.append(k)
-    return kept
+    closure = problem.closure
+    pairs = ((c, closure.slices[c.name]) for c in closure.coordinates)
+    size = closure.characteristic_length
+    return [int(k) for k in merge(features_of(pairs, values, size), _SAME * size)[0]]

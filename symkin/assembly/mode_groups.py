@@ -44,7 +44,7 @@ def groups_of(problem: Problem, modes: Sequence[Solution], *, joints: bool) -> n
         values = np.array([[mode.values[c.name]] for mode in modes])
         columns += (
             [size * np.cos(values), size * np.sin(values)]
-            if c.kind == "angle"
+            if c.is_periodic
             else [size * values if c.is_angular else values]
         )
     features = np.concatenate([part.reshape(len(modes), -1) for part in columns], axis=1)
@@ -79,12 +79,12 @@ def differing_universal_joints(
     }
     found: dict[str, None] = {}
     for c in problem.system.unknowns:
-        if c.role in ("pose", "body") or c.kind == "quaternion":
+        if c.role in ("pose", "body") or c.is_rotation:
             continue
         values = np.array([mode.values[c.name] for mode in modes]).ravel()
         gaps = values - values[first]
-        far = np.abs(np.exp(1j * gaps) - 1.0) if c.kind == "angle" else np.abs(gaps)
-        if (far > _SAME * (1.0 if c.is_angular else problem.closure.characteristic_length)).any():
+        far = np.abs(np.exp(1j * gaps) - 1.0) if c.is_periodic else np.abs(gaps)
+        if (far > _SAME * c.unit(problem.closure.characteristic_length)).any():
             if c.name not in angles:
                 return ()
             found[angles[c.name]] = None

@@ -69,7 +69,7 @@ def _first_pose(problem: Problem) -> Pose:
     """The pose from which distances are taken."""
     example = problem.mechanism.example
     if (
-        problem.kind == "direct"
+        problem.of_joints
         and example is not None
         and example.start is not None
         and example.joints is not None

@@ -76,7 +76,7 @@ def listed_joints(problem: Problem) -> tuple[Coordinate, ...]:
     """The joint coordinates that a table lists: all of the mechanism where the known ones are told
     by name, else those that the closure has.
     """
-    if problem.kind == "given":
+    if problem.by_name:
         return problem.mechanism.coordinates
     return tuple(c for c in problem.closure.coordinates if c.role != "pose")
 
@@ -86,10 +86,8 @@ def joint_labels(problem: Problem) -> list[tuple[str, str]]:
     mechanism = problem.mechanism
     labels: list[tuple[str, str]] = []
     for c in listed_joints(problem):
-        unit = mechanism.angle_unit if c.is_angular else mechanism.length_unit
-        labels += (
-            [(f"{c.name}.{k}", "1") for k in "wxyz"] if c.kind == "quaternion" else [(c.name, unit)]
-        )
+        unit = mechanism.unit_of(c)
+        labels += [(f"{c.name}.{k}", "1") for k in "wxyz"] if c.is_rotation else [(c.name, unit)]
     return labels
 
 

@@ -137,11 +137,7 @@ def modes(
         else any_given(mechanism, joints, pose, given)
     )
     found = _found(ask, [one])[0]
-    note = (
-        motion_note(mechanism, [mode.pose for mode in found.modes])
-        if mechanism.is_graph and mechanism.platform_link
-        else None
-    )
+    note = motion_note(mechanism, [mode.pose for mode in found.modes])
     found = found if note is None else replace(found, notes=(*found.notes, note))
     if found.modes or found.positive_dimensional or found.smallest_residual is None:
         return found
@@ -182,7 +178,7 @@ def _of_machine(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     if low is None:
         return _of_description(ask, givens)
     begin, problem = time.perf_counter(), problem_of(ask.mechanism, givens[0])
-    if problem.kind == "given":
+    if problem.by_name:
         refuse_unless_determined(problem)
     there = [given_of_machine(low, given) for given in givens]
     of_machine = _of_description(replace(ask, mechanism=low.machine), there)
@@ -208,7 +204,7 @@ def _of_description(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
         return ()
     begin, search = time.perf_counter(), ask.search
     problem = problem_of(ask.mechanism, givens[0])
-    if problem.kind == "given":
+    if problem.by_name:
         refuse_unless_determined(problem)
     found = {
         i: known

@@ -51,7 +51,7 @@ def known_without_search(problem: Problem, given: Given, search: Search) -> Mode
     """What needs no search: unknowns that nothing determines, a pose off the motion, the direct
     problem of a serial arm, given values that contradict rows without unknowns.
     """
-    if problem.kind == "given":
+    if problem.by_name:
         return None
     free = free_unknowns(problem)
     if free is not None and problem.mechanism.serial:

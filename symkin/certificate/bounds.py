@@ -80,7 +80,7 @@ def bound_of(
     """
     if structure is not None and structure.system.projective:
         return Bound(SIX_DISTANCES, structure.system, partial(_of_structure, structure))
-    if problem.kind == "direct" and system is universal_system():
+    if problem.of_joints and system is universal_system():
         return Bound(SIX_DISTANCES, system)
     if is_six_revolute(problem):
         arm, geometry = exact_arm(problem, system)
@@ -167,7 +167,7 @@ def univariate_degree(system: AlgebraicSystem) -> int | None:
     if (
         result is None
         or result.degree == 0
-        or (result.turning and system.unknowns[0].kind != "angle")
+        or (result.turning and not system.unknowns[0].is_periodic)
     ):
         return None
     return 2 * result.degree if result.turning else result.degree

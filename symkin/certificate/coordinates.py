@@ -107,7 +107,7 @@ def aligned(system: AlgebraicSystem, points: np.ndarray, centres: np.ndarray) ->
     """
     points = np.array(points, dtype=complex)
     for i, c in enumerate(system.unknowns):
-        if c.kind == "angle":
+        if c.is_periodic:
             points[i] += 2 * np.pi * np.round((centres[i] - points[i]).real / (2 * np.pi))
         elif c.least is not None:
             other = 2 * c.least / system.characteristic_length - points[i]

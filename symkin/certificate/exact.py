@@ -96,7 +96,7 @@ def exact_arm(
     z = ca.vertcat(*(builder.coordinates[c.name][1] for c in system.unknowns))
     pose = builder.pose_symbols
     scaled = ca.vertcat(
-        z * ca.DM([1.0 if c.is_angular else size for c in system.unknowns]),
+        z * ca.DM([c.unit(size) for c in system.unknowns]),
         pose * ca.DM([size] * 3 + [1.0] * 4),
     )
     rows = ca.substitute(ca.vertcat(*builder.rows) / size, ca.vertcat(z, pose), scaled)

@@ -22,10 +22,9 @@ from symkin.certificate.quick_test import disc_function
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import REAL, precision, upper
+from symkin.numeric.rank import most_independent
 from symkin.position.solution import PartialProof
 
-_RANK = 1e-8
-"""Share of the longest row's length below which what is left of a row is none of its own."""
 _BITS = 128
 
 
@@ -93,27 +92,6 @@ def _largest_other(
                 )
             )
     return np.array(found)
-
-
-def most_independent(matrices: np.ndarray, most: int) -> np.ndarray:
-    """Which rows (m, rows) of matrices (m, rows, columns) to take, at most so many of each: one
-    after another the row that is farthest from the span of those taken.
-    """
-    left = matrices.copy()
-    taken, every = np.zeros(left.shape[:2], dtype=bool), np.arange(len(left))
-    going, first = np.isfinite(left).all(axis=(1, 2)), np.zeros(len(left))
-    for step in range(most):
-        lengths = np.linalg.norm(left, axis=2)
-        best = np.argmax(lengths, axis=1)
-        longest = lengths[every, best]
-        first = longest if step == 0 else first
-        going &= longest > _RANK * np.maximum(first, 1e-300)
-        if not going.any():
-            break
-        taken[every[going], best[going]] = True
-        along = left[every, best] / np.where(going, longest, 1.0)[:, None]
-        left -= np.einsum("mrc,mc,md->mrd", left, along.conj(), along)
-    return taken
 
 
 @lru_cache(maxsize=256)

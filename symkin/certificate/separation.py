@@ -54,7 +54,7 @@ def _mixed(system: AlgebraicSystem, box: Box, which: int) -> acb:
         z = box.balls
         total = acb(0)
         for weight, x, c in zip(affine, z, system.unknowns, strict=False):
-            if c.kind == "angle":
+            if c.is_periodic:
                 total += weight * (acb(0, 1) * x).exp()
             elif c.least is None:
                 total += weight * x
@@ -212,7 +212,7 @@ def _mixing(system: AlgebraicSystem) -> tuple[DiscFunction, Discs]:
         for i, (w, c) in enumerate(zip(affine, system.unknowns, strict=True)):
             weight = symbols[len(weights)]
             weights.append(w)
-            if c.kind == "angle":
+            if c.is_periodic:
                 total += weight * (ca.cos(z[i]) + symbols[0] * ca.sin(z[i]))
             elif c.least is None:
                 total += weight * z[i]

@@ -31,7 +31,7 @@ def cut_index(elements: Sequence[Element], kept: frozenset[str]) -> int | None:
     most = 0
     for i, element in enumerate(elements):
         joint = element.part
-        if not isinstance(joint, Joint) or joint.actuated or joint.type in ("H", "weld"):
+        if not isinstance(joint, Joint) or joint.actuated or joint.form.kept is None:
             continue
         if any(c.name in kept for c in joint.coordinates):
             continue

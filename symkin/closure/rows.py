@@ -31,6 +31,7 @@ from symkin.errors import MechanismError
 from symkin.model.bar import Bar
 from symkin.model.graph import Coupling
 from symkin.model.joint import BASE, POSE_CONDITIONS, Coordinate, Joint
+from symkin.model.joint_forms import Relation
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
@@ -132,7 +133,7 @@ class RowBuilder(BodyBuilder):
         """
         size, angles = (
             self.mechanism.characteristic_length,
-            {c.name for c in self.kinds.values() if c.kind == "angle"},
+            {c.name for c in self.kinds.values() if c.is_periodic},
         )
         for coupling in self.mechanism.couplings:
             coordinate, value = self.coordinates[coupling.joint]
@@ -152,7 +153,7 @@ class RowBuilder(BodyBuilder):
                 if {coupling.joint, *coupling.names} <= angles
                 else value - wanted
             )
-            gap = gap * (size if coordinate.is_angular else 1.0)
+            gap = gap * coordinate.lever(size)
             self._add(f"coupling of {coupling.joint}", "coupling", [gap], [gap])
 
     def _periodic_gap(self, coupling: Coupling) -> ca.SX:
@@ -317,7 +318,7 @@ class RowBuilder(BodyBuilder):
     def _cut(self, name: str, element: Element, base: Side, platform: Side) -> None:
         symbols, size = self.joints[element.name], self.mechanism.characteristic_length
         cut = _Cut(
-            symbols.joint.type,
+            symbols.joint.form.kept or (),
             element.along,
             symbols.point,
             symbols.axis,
@@ -330,11 +331,11 @@ class RowBuilder(BodyBuilder):
 
 @dataclass(frozen=True)
 class _Cut:
-    """The joint at which a loop is cut, and the axis of the base frame that its axis is furthest
-    from (`helper`).
+    """The joint at which a loop is cut, what it keeps, and the axis of the base frame that its axis
+    is furthest from (`helper`).
     """
 
-    type: str
+    kept: tuple[Relation, ...]
     along: bool
     point: ca.SX
     axis: ca.SX | None
@@ -345,35 +346,37 @@ class _Cut:
 def _rows_of_cut(cut: _Cut, base: Side, platform: Side, size: ca.SX) -> Rows:
     """What a joint between two sides constrains."""
     gap = base.weight * platform.move(cut.point) - platform.weight * base.move(cut.point)
+    normals = () if cut.axis is None else _normals(cut.axis, cut.helper)
     found: Rows = []
-    if cut.type in "SRU":
-        found.append(("point", ca.vertsplit(gap), ca.vertsplit(gap)))
-    if cut.type == "S":
-        return found
-    assert cut.axis is not None  # noqa: S101 - every cut joint but S has an axis
-    if cut.type == "U":
-        # a universal joint keeps the angle between its two axes; the first is fixed to the link
-        # before it
-        before, after = (base, platform) if cut.along else (platform, base)
-        weights = base.weight * platform.weight
-        angle = dot(before.direction(cut.axis), after.direction(cut.axis2)) - weights * dot(
-            cut.axis, cut.axis2
-        )
-        return [*found, ("axes' angle", [size * angle], [size * angle])]
-    # e is parallel to the joint's axis: both components normal to it vanish
-    u, v = _normals(cut.axis, cut.helper)
-    if cut.type in "CP":
-        # the joint slides along its axis: only the gap across it is held
-        offsets = [dot(base.direction(n), gap) for n in (u, v)]
-        found.append(("line", offsets, offsets))
-    e = multiply(conjugate(base.quaternion), platform.quaternion)
-    if cut.type == "P":
-        full = ca.vertcat(*(platform.direction(n) - base.direction(n) for n in _unit_vectors()))
-        rows = [2 * size * e[i] for i in (1, 2, 3)]
-        return [*found, ("orientation", rows, ca.vertsplit(size * full))]
-    parallel = platform.direction(cut.axis) - base.direction(cut.axis)
-    rows = [2 * size * dot(e[1:], n) for n in (u, v)]
-    return [*found, ("axis", rows, ca.vertsplit(size * parallel))]
+    for relation in cut.kept:
+        match relation:
+            case "point":
+                rows = errors = ca.vertsplit(gap)
+            case "line":
+                # the joint slides along its axis: only the gap across it is held
+                rows = errors = [dot(base.direction(n), gap) for n in normals]
+            case "axes' angle":
+                # the first axis is fixed to the link before the joint
+                before, after = (base, platform) if cut.along else (platform, base)
+                weights = base.weight * platform.weight
+                angle = dot(before.direction(cut.axis), after.direction(cut.axis2)) - weights * dot(
+                    cut.axis, cut.axis2
+                )
+                rows = errors = [size * angle]
+            case "axis":
+                # e is parallel to the joint's axis: both components normal to it vanish
+                e = multiply(conjugate(base.quaternion), platform.quaternion)
+                rows = [2 * size * dot(e[1:], n) for n in normals]
+                errors = ca.vertsplit(
+                    size * (platform.direction(cut.axis) - base.direction(cut.axis))
+                )
+            case "orientation":
+                e = multiply(conjugate(base.quaternion), platform.quaternion)
+                rows = [2 * size * e[i] for i in (1, 2, 3)]
+                full = (platform.direction(n) - base.direction(n) for n in _unit_vectors())
+                errors = ca.vertsplit(size * ca.vertcat(*full))
+        found.append((relation, rows, errors))
+    return found
 
 
 @dataclass(frozen=True)

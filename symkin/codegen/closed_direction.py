@@ -13,28 +13,21 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.closure.angle_sums import AngleSum, turned
 from symkin.closure.snapping import snapped_expression
+from symkin.codegen.composed import Composed, Condition, Part
 from symkin.codegen.condition_bends import (
     ConditionBend,
     condition_bend,
     even_units,
     share_of,
 )
-from symkin.codegen.formula_guards import free_divisors
-from symkin.codegen.joint_map import Direction, JointMap, Part
+from symkin.codegen.joint_map import Direction, JointMap
+from symkin.codegen.line_bounds import Span
 from symkin.codegen.newton_kernel import rounded
-from symkin.codegen.text.angles import (
-    Numbers,
-    by_numbers,
-    number_counts,
-    numbers_of,
-    of_circle,
-)
+from symkin.codegen.text.angles import Numbers, number_counts, numbers_by_name
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
-from symkin.elimination.closed_form import ClosedForm
 from symkin.model.joint import units_of
 from symkin.text import c_comment
 
@@ -45,18 +38,10 @@ _ROOT = 1e-12
 _POINTS = 400
 _FAR = 1.0
 """How far from the reference bends are sampled: in half turns, and in sizes."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Condition:
-    """What must stay above 0: a discriminant with its root, or a divisor; `name` says of which
-    coordinate, `part` of which of the direction's parts.
-    """
-
-    name: str
-    value: ca.SX
-    root: ca.SX | None
-    part: Part
+SLIDE_PARTS = (1.0 / 16, 1.0 / 4, 1.0)
+"""Parts of a slide's range for which bends are bounded."""
+_SMALLER = 0.25
+"""Share of a bend in the whole range below which that in the least part is worth a table."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,94 +65,24 @@ class ClosedDirection:
         return ca.SX.sym("x", sum(number_counts(self.direction.unknown)))
 
     @cached_property
-    def _forms(self) -> list[ClosedForm]:
-        return [part.form for part in self.direction.parts if part.form is not None]
+    def _composed(self) -> Composed:
+        return Composed.of(self.direction.known, self.known, self.direction.parts)
 
     @cached_property
     def signs(self) -> ca.SX:
         """Symbols of all choices."""
-        return ca.vertcat(ca.SX(0, 1), *(form.signs for form in self._forms))
+        return self._composed.signs
 
     @cached_property
     def roots(self) -> ca.SX:
-        return ca.vertcat(ca.SX(0, 1), *(form.roots for form in self._forms))
-
-    @cached_property
-    def _solved(self) -> tuple[dict[str, list[Numbers]], list[_Condition]]:
-        """Numbers of every coordinate, and all conditions in their order."""
-        numbers = self._by_name(self.direction.known, self.known)
-        conditions: list[_Condition] = []
-        for part in self.direction.parts:
-            self._solve(part, numbers, conditions)
-        return numbers, conditions
-
-    def _by_name(self, coordinates: tuple, symbols: ca.SX) -> dict[str, list[Numbers]]:  # type: ignore[type-arg]
-        found, entries, place = {}, numbers_of(coordinates, symbols), 0
-        for c in coordinates:
-            found[c.name] = entries[place : place + c.width]
-            place += c.width
-        return found
-
-    def _solve(
-        self, part: Part, numbers: dict[str, list[Numbers]], conditions: list[_Condition]
-    ) -> None:
-        """Add the numbers of a group's unknowns and its conditions."""
-        system, read = (
-            part.problem.system,
-            [n for c in part.problem.known_coordinates for n in numbers[c.name]],
-        )
-        if part.form is not None:
-            form, symbols = part.form, [(system.known, read)]
-            first, second, discriminants, divisors = (
-                self._written(e, form, symbols)
-                for e in (form.first, form.second, form.discriminants, form.divisors)
-            )
-            for k in range(int(discriminants.shape[0])):
-                conditions.append(_Condition(form.names[k], discriminants[k], form.roots[k], part))
-            for k in free_divisors(form):
-                conditions.append(
-                    _Condition(", ".join(c.name for c in system.unknowns), divisors[k], None, part)
-                )
-            for k, c in enumerate(system.unknowns):
-                numbers[c.name] = [
-                    of_circle(first[k], second[k]) if c.kind == "angle" else Numbers(first[k])
-                ]
-        elif part.total is not None:
-            numbers[system.unknowns[0].name] = [_coupled(part.total, read)]
-        else:
-            slope = ca.jacobian(system.rows, system.unknown)
-            value = by_numbers(
-                ca.solve(slope, -ca.substitute(system.rows, system.unknown, 0)),
-                [(system.known, read)],
-            )
-            # at its zeros the unknowns are infinite
-            determinant = snapped_expression(
-                by_numbers(ca.det(slope), [(system.known, read)]),
-                [self.known, self.signs, self.roots],
-            )
-            if not determinant.is_constant():
-                conditions.append(
-                    _Condition(", ".join(c.name for c in system.unknowns), determinant, None, part)
-                )
-            for k, c in enumerate(system.unknowns):
-                circle = (ca.cos(value[k]), ca.sin(value[k])) if c.kind == "angle" else ()
-                numbers[c.name] = [Numbers(value[k], *circle)]
-
-    @staticmethod
-    def _written(expression: ca.SX, form: ClosedForm, symbols: list) -> ca.SX:  # type: ignore[type-arg]
-        """An expression of a form over numbers; its signs and roots stay."""
-        rest = [
-            (s, [Numbers(s[i]) for i in range(int(s.shape[0]))]) for s in (form.signs, form.roots)
-        ]
-        return by_numbers(expression, [*symbols, *rest])
+        return self._composed.roots
 
     @cached_property
     def _outputs(self) -> ca.SX:
         """The state's numbers."""
-        numbers, _ = self._solved
         found: list[ca.SX] = []
         for c in self.direction.unknown:
-            for n in numbers[c.name]:
+            for n in self.numbers[c.name]:
                 found += (
                     _unit(n.cosine, n.sine)
                     if c.kind == "angle" and n.cosine is not None
@@ -176,9 +91,9 @@ class ClosedDirection:
         return snapped_expression(ca.vertcat(*found), [self.known, self.signs, self.roots])
 
     @property
-    def conditions(self) -> list[_Condition]:
+    def conditions(self) -> list[Condition]:
         """Discriminants, and the divisors that none of them implies."""
-        return self._solved[1]
+        return self._composed.conditions
 
     @cached_property
     def divisors(self) -> list[int]:
@@ -206,17 +121,27 @@ class ClosedDirection:
             )
         ]
 
-    @cached_property
-    def _points(self) -> np.ndarray:
-        """Random known values (n, known) about the reference, within limits."""
-        rng = np.random.default_rng(7)
-        reference = self.made.reference_of(self.direction.known)
-        low, high = [], []
-        for c, v in zip(self.direction.known, reference, strict=True):
-            reach = _FAR * (np.pi if c.is_angular else self.made.size)
-            low.append(max(v - reach, c.limits[0]) if c.limits else v - reach)
-            high.append(min(v + reach, c.limits[1]) if c.limits else v + reach)
-        return rng.uniform(low, high, (_POINTS, len(low)))
+    def _spans(self, part: float) -> list[Span]:
+        """What the known values run over about the reference: within limits, slides in a part of
+        their range.
+        """
+        found, reference = list[Span](), self.made.reference_of(self.direction.known)
+        for c, v, unit in zip(self.direction.known, reference, self.units.tolist(), strict=True):
+            reach = _FAR * np.pi if c.is_angular else part * _FAR * self.made.size
+            low, high = (v - reach, v + reach)
+            if c.limits is not None:
+                low, high = max(low, c.limits[0]), min(high, c.limits[1])
+            found.append(Span(c.is_angular, 0.5 * (low + high), 0.5 * (high - low), unit))
+        return found
+
+    @property
+    def _is_bounded(self) -> bool:
+        """Whether all slides have limits near the reference."""
+        far, reference = _FAR * self.made.size, self.made.reference_of(self.direction.known)
+        return all(
+            c.is_angular or (c.limits is not None and np.max(np.abs(c.limits - v)) <= far)
+            for c, v in zip(self.direction.known, reference, strict=True)
+        )
 
     def _bound(self, expression: ca.SX) -> ca.Function:
         """A function of the known values, at the reference's signs, roots put in."""
@@ -234,7 +159,7 @@ class ClosedDirection:
         self, expression: ca.SX, values: ca.SX, root: Callable[[ca.SX], ca.SX] = ca.sqrt
     ) -> ca.SX:
         """An expression of the known numbers, signs and roots over the known `values` and signs."""
-        for one in reversed([c for c in self._solved[1] if c.root is not None]):
+        for one in reversed([c for c in self.conditions if c.root is not None]):
             expression = ca.substitute(expression, one.root, root(one.value))
         numbers = []
         for k, c in enumerate(self.direction.known):
@@ -244,7 +169,7 @@ class ClosedDirection:
     @property
     def numbers(self) -> dict[str, list[Numbers]]:
         """The numbers of every coordinate over the known numbers, signs and roots."""
-        return self._solved[0]
+        return self._composed.numbers
 
     @cached_property
     def reference_signs(self) -> np.ndarray:
@@ -274,7 +199,7 @@ class ClosedDirection:
         """An eighth of the largest second derivative of each condition over its usual size, known
         values in their `units`.
         """
-        return np.array([bend.eighth for bend in self._bends])
+        return np.array([bend.eighth for bend in self.part_bends[-1]])
 
     @cached_property
     def _known_values(self) -> ca.SX:
@@ -298,21 +223,37 @@ class ClosedDirection:
         return even_units(self._over_usual, self._known_values, scales, near)
 
     @cached_property
-    def _bends(self) -> list[ConditionBend]:
-        """The bend of each condition, and how it is known."""
-        values, plain, size = self._known_values, self._over_usual, self.made.size
+    def part_bends(self) -> list[list[ConditionBend]]:
+        """The bend of each condition, and how it is known, in each of the parts; in the whole alone
+        where bends in the least part are not far smaller.
+        """
+        whole = self._bends_in(SLIDE_PARTS[-1])
+        if all(c.is_angular for c in self.direction.known):
+            return [whole]
+        least = self._bends_in(SLIDE_PARTS[0])
+        smaller = any(a.eighth < _SMALLER * b.eighth for a, b in zip(least, whole, strict=True))
+        between = [self._bends_in(part) for part in SLIDE_PARTS[1:-1]] if smaller else []
+        return [least, *between, whole] if smaller else [whole]
+
+    def _bends_in(self, part: float) -> list[ConditionBend]:
+        values, plain = self._known_values, self._over_usual
+        scales = np.array(units_of(self.direction.known, self.made.size))
         shares = [
             share_of(v, divides=one.root is None)
             for v, one in zip(plain, self.conditions, strict=True)
         ]
+        spans, rng = self._spans(part), np.random.default_rng(7)
+        low, high = np.array([(s.middle - s.half, s.middle + s.half) for s in spans]).T
+        points = rng.uniform(low, high, (_POINTS, len(spans)))
+        # lines may leave the whole of a range that no limits bound
+        held = spans if part < SLIDE_PARTS[-1] or self._is_bounded else None
         found = []
         for j, one in enumerate(plain):
             read = self._read_by(j)
             share = ca.SX(1)
             for i in read:
                 share = share * shares[i]
-            known, units = self.direction.known, self.units
-            found.append(condition_bend(one, share, values, known, size, units, self._points, read))
+            found.append(condition_bend(one, share, values, scales, self.units, held, points, read))
         return found
 
     def _read_by(self, j: int) -> tuple[int, ...]:
@@ -353,8 +294,6 @@ class ClosedDirection:
             "nto": len(self.direction.known),
             "signs": max(1, int(self.signs.shape[0])),
             "conditions": count,
-            "bends": ", ".join(literal(float(b)) for b in self.bends) or literal(0.0),
-            "bend_grounds": ", ".join(bend.ground for bend in self._bends) or "no condition",
             "hold": indent(self._hold_lines, 2),
             "resolved": literal(_RESOLVED * self.real.epsilon),
             "near_one": literal(0.999),
@@ -366,11 +305,52 @@ class ClosedDirection:
         }
 
     @property
+    def _bend_lines(self) -> list[str]:
+        """Statements of the bends: where they are of parts of the slides' ranges, of the first that
+        holds the line.
+        """
+        real, literal, count = self.real, self.real.literal, max(1, len(self.conditions))
+        rows = [
+            ", ".join(literal(b.eighth) for b in row) or literal(0.0) for row in self.part_bends
+        ]
+        grounds = ", ".join(bend.ground for bend in self.part_bends[-1]) or "no condition"
+        if len(rows) == 1:
+            return [
+                f"static const {real.type} bend[{count}] = {{ {rows[0]} }}; /* M / 8: {grounds} */"
+            ]
+        reference = self.made.reference_of(self.direction.known)
+        away = [
+            value if v == 0.0 else f"{value} - {literal(float(v))}"
+            for i, (c, v) in enumerate(zip(self.direction.known, reference, strict=True))
+            if not c.is_angular
+            for value in (f"w->at[{i}]", f"to[{i}]")
+        ]
+        table = ", ".join(f"{{ {row} }}" for row in rows)
+        fabs, ends = (
+            self.real.call("fabs"),
+            [part * _FAR * self.made.size for part in SLIDE_PARTS[:-1]],
+        )
+        return [
+            f"static const {real.type} bends[{len(rows)}][{count}] = {{ {table} }}; /* M / 8: "
+            f"{grounds} */",
+            f"const {real.type} away[{len(away)}] = {{ {', '.join(away)} }};",
+            "unsigned int reach = 0U; /* the part of the slides' ranges that holds the line */",
+            f"for (int i = 0; i < {len(away)}; ++i) {{",
+            *(
+                f"    reach = ((reach < {k}U) && ({fabs}(away[i]) > {literal(end)})) ? {k}U : "
+                f"reach;"
+                for k, end in enumerate(ends, start=1)
+            ),
+            "}",
+            f"const {real.type} *const bend = bends[reach];",
+        ]
+
+    @property
     def _hold_lines(self) -> list[str]:
         """Statements that hold a part of a line against the conditions' bends."""
         literal, count = self.real.literal, max(1, len(self.conditions))
         bent = "bend[{}] * way2 * (aim - done) * (aim - done)"
-        read = {i for bend in self._bends for i in bend.read}
+        read = {i for bend in self.part_bends[-1] for i in bend.read}
         if not read:
             return [
                 f"for (int i = 0; i < {count}; ++i) {{",
@@ -384,7 +364,7 @@ class ClosedDirection:
             "/* bends of conditions that read others are over the shares that these keep in the "
             "part (README.md) */"
         ]
-        for j, bend in enumerate(self._bends):
+        for j, bend in enumerate(self.part_bends[-1]):
             share = " * ".join(f"share{i}" for i in bend.read)
             lines += [
                 f"const {self.real.type} smaller{j} = (begin[{j}] < end[{j}]) ? begin[{j}] : "
@@ -429,6 +409,7 @@ class ClosedDirection:
             "map_closed.c",
             self.values
             | {
+                "bends": indent(self._bend_lines),
                 "formulas": indent(self._formula_lines),
                 "told": told,
                 "way": indent(way),
@@ -483,23 +464,16 @@ class ClosedDirection:
     @property
     def _told_lines(self) -> list[str]:
         """Statements of the signs of a configuration, and of its conditions."""
-        numbers = self._by_name(self.direction.known, self.known) | self._by_name(
-            self.direction.unknown, self.state
+        there = Composed(
+            numbers_by_name(self.direction.known, self.known)
+            | numbers_by_name(self.direction.unknown, self.state)
         )
         told: list[ca.SX] = []
         for part in self.direction.parts:
-            if part.form is None:
-                continue
-            system = part.problem.system
-            symbols = [
-                (s, [n for c in group for n in numbers[c.name]])
-                for s, group in (
-                    (system.known, part.problem.known_coordinates),
-                    (system.unknown, system.unknowns),
-                )
-            ]
-            written = self._written(part.form.told, part.form, symbols)
-            told += [written[k] for k in range(int(written.shape[0]))]
+            if part.form is not None:
+                system, own = part.form.system, part.problem
+                inputs = [(system.known, own.known_coordinates), (system.unknown, system.unknowns)]
+                told += there.written(part.form.told, inputs, part.form).elements()
         inputs = [self.known, self.state, self.signs, self.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
         expressions = [
@@ -561,17 +535,3 @@ def _unit(cosine: ca.SX, sine: ca.SX | None) -> list[ca.SX]:
     assert sine is not None  # noqa: S101 - an angle has both
     inverse = 1 / ca.sqrt(cosine * cosine + sine * sine)
     return [cosine * inverse, sine * inverse]
-
-
-def _coupled(total: AngleSum, read: list[Numbers]) -> Numbers:
-    """The angle that a sum of angles gives, which vanishes."""
-    own = total.factors[0, 0]
-    factors = {place: -factor / own for place, factor in total.factors.items() if place != (0, 0)}
-    shift = -total.offset / own
-    value = sum((factor * read[k].value for (_, k), factor in factors.items()), shift)
-    circle = ca.cos(shift), ca.sin(shift)
-    for (_, k), factor in factors.items():
-        if read[k].cosine is None or factor != round(factor):
-            return Numbers(value, ca.cos(value), ca.sin(value))
-        circle = turned(circle, read[k].circle(), factor)
-    return Numbers(value, *circle)

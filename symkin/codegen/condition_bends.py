@@ -18,7 +18,6 @@ import numpy as np
 
 from symkin.codegen.line_bounds import Span, bend_of
 from symkin.codegen.newton_kernel import rounded, rounded_up
-from symkin.model.joint import Coordinate, units_of
 
 _RAISED = 1.5
 """What the largest bend over samples is multiplied by."""
@@ -58,22 +57,24 @@ def condition_bend(
     condition: ca.SX,
     share: ca.SX,
     values: ca.SX,
-    known: Sequence[Coordinate],
-    size: float,
+    scales: np.ndarray,
     units: np.ndarray,
+    spans: Sequence[Span] | None,
     points: np.ndarray,
     read: tuple[int, ...],
 ) -> ConditionBend:
-    """Bound the bend of a condition over its usual size, a function of `values`, the known
-    coordinates' of a machine of a size, whose changes are told in `units`; `share` is that of the
-    conditions that it reads, `points` (n, known) are samples.
+    """Bound the bend of a condition over its usual size, a function of `values` whose changes are
+    told in `units`; `share` is that of the conditions that it reads, `spans` are what the values
+    run over (None: nobody knows), `points` (n, known) samples in them, and `scales` how far apart
+    others are tried.
     """
-    if not read:
-        proved = _proved(ca.Function("g", [values], [condition]), known, units)
-        if proved is not None:
-            return ConditionBend(rounded_up(proved / 8.0), "proved", read)
+    if not read and spans is not None and len(spans) <= _MOST_GIVEN:
+        function = ca.Function("g", [values], [condition])
+        bend = bend_of(lambda given: np.asarray(function(given.T)).ravel(), spans)
+        if bend is not None:
+            return ConditionBend(rounded_up(float(np.max(bend.weights)) / 8.0), "proved", read)
     hessian = ca.Function("h", [values], [ca.hessian(condition, values)[0], share])
-    largest = _largest(hessian, points, np.array(units_of(known, size)), units)
+    largest = _largest(hessian, points, scales, units)
     return ConditionBend(rounded_up(_RAISED * largest / 8.0), "sampled", read)
 
 
@@ -94,26 +95,6 @@ def even_units(
     return scales * [rounded(float(1.0 / v)) if v < _ALIKE else 1.0 for v in share]
 
 
-def _proved(condition: ca.Function, known: Sequence[Coordinate], units: np.ndarray) -> float | None:
-    """The bound of a condition that is a sum of waves in bounded known values; None of another
-    one.
-    """
-    spans = []
-    for c, unit in zip(known, units.tolist(), strict=True):
-        if not c.is_angular and c.limits is None:
-            return None
-        low, high = c.limits or (0.0, 0.0)
-        spans.append(
-            Span(True, unit=unit)
-            if c.is_angular
-            else Span(False, 0.5 * (low + high), 0.5 * (high - low), unit)
-        )
-    if len(spans) > _MOST_GIVEN:
-        return None
-    bend = bend_of(lambda given: np.asarray(condition(given.T)).ravel(), spans)
-    return None if bend is None else float(np.max(bend.weights))
-
-
 def _largest(
     hessian: ca.Function, points: np.ndarray, scales: np.ndarray, units: np.ndarray
 ) -> float:
@@ -123,17 +104,14 @@ def _largest(
     """
 
     def norms(at: np.ndarray) -> np.ndarray:
-        found = []
-        for point in at:
-            matrix, share = (np.asarray(part) for part in hessian(point))
-            kept = float(share[0, 0])
-            size = (
-                np.linalg.norm(matrix * np.outer(units, units), 2)
-                if kept > _LEAST_SHARE and np.isfinite(matrix).all()
-                else 0.0
-            )
-            found.append(float(size) * kept)
-        return np.array(found)
+        matrices, shares = (np.asarray(part) for part in hessian.map(len(at))(at.T))
+        bent = matrices.reshape(len(units), len(at), len(units)).transpose(1, 0, 2)
+        kept = shares.ravel()
+        told = (kept > _LEAST_SHARE) & np.isfinite(bent).all(axis=(1, 2))
+        found = np.zeros(len(at))
+        scaled = bent[told] * np.outer(units, units)
+        found[told] = np.linalg.norm(scaled, 2, axis=(1, 2)) * kept[told]
+        return found
 
     rng, sizes = np.random.default_rng(8), norms(points)
     chosen = np.argsort(sizes)[-8:]

@@ -12,7 +12,7 @@ import numpy as np
 from symkin.codegen.closed_limb import BESIDE, READ_AGAIN, LimbFormulas, side_lines
 from symkin.codegen.direct_values import DirectValues
 from symkin.codegen.newton_source import tuning_of
-from symkin.codegen.text.angles import Generators, NotLiftedError, lifted
+from symkin.codegen.text.angles import NotLiftedError, Numbers, lifted
 from symkin.codegen.text.c import Emitter, indent, indexed
 from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
@@ -42,7 +42,7 @@ class AnswerText:
         generators = dict(self.values.generators)
         for c in made.closure.role("pose"):
             if c.is_angular:
-                generators[c.name] = Generators(
+                generators[c.name] = Numbers.of(
                     (self.values.half[0], self.values.half[1]), is_half=True
                 )
         none = ca.SX(0, 1)

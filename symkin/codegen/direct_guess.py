@@ -14,7 +14,7 @@ from symkin.codegen.direct_values import DirectValues
 from symkin.codegen.formula_guards import RESOLVED
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.pose_coordinates import off_motion, restricted
-from symkin.codegen.text.angles import Generators, lifted
+from symkin.codegen.text.angles import Numbers, lifted
 from symkin.codegen.text.c import Emitter, indexed
 from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
@@ -45,7 +45,7 @@ class GuessText:
                 rod = lifted(
                     block.rod, places, self._all(generators, block.system.unknowns), ca.SX(0, 1)
                 )
-                generators[block.system.unknowns[0].name] = Generators((rod[0],))
+                generators[block.system.unknowns[0].name] = Numbers.of((rod[0],))
                 continue
             assert block.formulas is not None  # noqa: S101 - the caller has looked
             limb, own = LimbFormulas(made, block, block.formulas), block.formulas
@@ -63,7 +63,7 @@ class GuessText:
                 discriminants.append(found[0][k])
                 limits.append(float((RESOLVED * real.epsilon * limb.usual_roots[k]) ** 2))
             for k, c in enumerate(block.system.unknowns):
-                generators[c.name] = Generators(
+                generators[c.name] = Numbers.of(
                     (found[1][k], found[2][k]) if c.is_angular else (found[1][k],)
                 )
         places = self.values.places(formulas.system)
@@ -129,23 +129,23 @@ class GuessText:
 
     def _pose_generators(
         self, lengths: Sequence[ca.SX], half: tuple[ca.SX, ca.SX] | None
-    ) -> dict[str, Generators]:
+    ) -> dict[str, Numbers]:
         pose, found, left = self.values.made.closure.role("pose"), {}, list(lengths)
         for c in pose:
             if c.is_angular:
                 assert half is not None  # noqa: S101 - a pose with a turn has half of it
-                found[c.name] = Generators(half, is_half=True)
+                found[c.name] = Numbers.of(half, is_half=True)
             else:
-                found[c.name] = Generators((left.pop(0),))
+                found[c.name] = Numbers.of((left.pop(0),))
         return found
 
     @staticmethod
     def _all(
-        generators: Mapping[str, Generators], unknowns: Sequence[Coordinate]
-    ) -> dict[str, Generators]:
+        generators: Mapping[str, Numbers], unknowns: Sequence[Coordinate]
+    ) -> dict[str, Numbers]:
         """Generators, with symbols for unknowns that no formula reads."""
         own = {
-            c.name: Generators(
+            c.name: Numbers.of(
                 (ca.SX.sym("c"), ca.SX.sym("s")) if c.is_angular else (ca.SX.sym("v"),)
             )
             for c in unknowns

@@ -10,7 +10,7 @@ import casadi as ca
 from symkin.codegen.direct_formulas import DirectFormulas, Guard
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.newton_kernel import rounded
-from symkin.codegen.text.angles import Generators
+from symkin.codegen.text.angles import Numbers
 from symkin.codegen.text.c import Emitter, Real
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
@@ -81,12 +81,12 @@ class DirectValues:
         )
 
     @cached_property
-    def generators(self) -> dict[str, Generators]:
+    def generators(self) -> dict[str, Numbers]:
         """Symbols of the joints and of the unknowns; of the pose's turn those of half of it."""
         found = {}
         for places, array in ((self.joint_places, self.u), (self.unknown_places, self.y)):
             for name, own in places.items():
-                found[name] = Generators(tuple(array[i] for i in own))
+                found[name] = Numbers.of(tuple(array[i] for i in own))
         return found
 
     @property

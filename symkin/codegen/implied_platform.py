@@ -28,7 +28,7 @@ from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.text.c import Real
 from symkin.machine.motion import Frames
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.limb_screws import limb_screws
 from symkin.position.platform_motion import implied_motion
@@ -177,6 +177,5 @@ def _holding(made: LimbPlatform, values: np.ndarray, held: Sequence[int]) -> lis
         scaled = limb.locked * scale
         scaled /= np.linalg.norm(scaled, axis=1, keepdims=True)
         kept = null_space(scaled[:, free].T, RANK_TOLERANCE, relative=True) @ scaled
-        _, sizes, rows = np.linalg.svd(kept[:, held], full_matrices=False)
-        found.append(rows[sizes > RANK_TOLERANCE])
+        found.append(row_space(kept[:, held], RANK_TOLERANCE))
     return found

@@ -14,17 +14,17 @@ from typing import ClassVar, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.closure.angle_sums import AngleSum
 from symkin.codegen.circle_kernel import CircleKernel, circle_kernel, shortened
+from symkin.codegen.composed import Part
 from symkin.codegen.formula_guards import is_firm
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.options import Options
 from symkin.codegen.passive_limits import PassiveLimit, passive_limits
-from symkin.codegen.samples import Configuration, followed
+from symkin.codegen.samples import MORE, Configuration, all_followed
 from symkin.codegen.text.angles import numbers_at, sum_of_angles
 from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
-from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
+from symkin.elimination.closed_form import closed_form, samples_about
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate, units_of
 from symkin.model.mechanism import Mechanism
@@ -46,23 +46,6 @@ _BACK = 1e-6
 """How far from where it began a way there and back may end: in sizes, and in radians."""
 _CLOSED = 1e-6
 """Closure error at the reference, in sizes, above which the loops are open there."""
-
-
-@dataclass(frozen=True, eq=False)
-class Part:
-    """A structure group: `form` where it has a closed form, `total` where it couples an angle to
-    others, `is_linear` where its rows are linear; none of them where only Newton's method solves
-    it.
-    """
-
-    problem: Problem
-    form: ClosedForm | None
-    total: AngleSum | None
-    is_linear: bool
-
-    @property
-    def is_closed(self) -> bool:
-        return self.form is not None or self.total is not None or self.is_linear
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,24 +143,22 @@ def _part(group: Problem) -> Part:
         ]
         total = sum_of_angles(system.rows, [system.unknown, system.known], angular)
         if total is not None and (0, 0) in total.factors:
-            return Part(group, None, total, is_linear=False)
+            return Part(group, total=total)
     if is_linear(group) and int(system.rows.shape[0]) == system.freedom:
-        return Part(group, None, None, is_linear=True)
+        return Part(group, is_linear=True)
     sources = [group.closure.row_sources[place].relation for place in group.places_of_rows]
     if periodic and "coupling" in sources:
         # its row is of half an angle and changes its sign with every turn, and the choice of a
         # formula with it
-        return Part(group, None, None, is_linear=False)
+        return Part(group)
     reference = group.select_values(group.closure.reference, known)
     short = shortened(system, known)
     found = closed_form(short, samples_about(short, reference, known))
     if found is None or found.has_conditions:
-        return Part(group, None, None, is_linear=False)
+        return Part(group)
     signs = found.signs_at(group.select_values(group.closure.reference, unknown), reference)
     near = np.vstack([samples_about(short, reference, known, seed) for seed in range(_DRAWS)])
-    return Part(
-        group, found if is_firm(found, reference, near, signs) else None, None, is_linear=False
-    )
+    return Part(group, found if is_firm(found, reference, near, signs) else None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -459,33 +440,27 @@ def map_configurations(
     begin_known, begin = (made.reference_of(c) for c in (made.given, made.direct.unknown))
     reach = np.array([turn if c.is_angular else spread * made.size for c in made.given])
     scales = np.array(units_of(made.inverse.unknown, made.size))
-    found: list[Configuration] = []
-    for _ in range(_MOST_TRIES * count):
-        if len(found) == count:
-            break
-        goal = begin_known + reach * np.round(rng.uniform(-1, 1, len(reach)), 6)
-        if not _within(made.given, goal):
-            continue
-        z = followed(direct, begin, begin_known, goal)
-        if z is None:
-            continue
-        values = made.reference.copy()
-        values[direct.unknown_places], values[direct.known_places] = z, goal
-        places = inverse.unknown_places, inverse.known_places
-        back = followed(
-            inverse, made.reference[places[0]], made.reference[places[1]], values[places[1]]
-        )
-        if (
-            back is not None
-            and np.all(np.abs(back - values[places[0]]) <= _BACK * scales)
-            and _within(made.found, values[places[1]])
-        ):
-            found.append(Configuration(values, z, goal))
-    return found
+    found, left = list[Configuration](), _MOST_TRIES * count
+    while len(found) < count and left > 0:
+        tried = min(left, count - len(found) + MORE)
+        left -= tried
+        goals = begin_known + reach * np.round(rng.uniform(-1, 1, (tried, len(reach))), 6)
+        goals = goals[_within(made.given, goals)]
+        ends, whole = all_followed(direct, begin, begin_known, goals)
+        values = np.tile(made.reference, (len(goals), 1))
+        values[:, direct.unknown_places], values[:, direct.known_places] = ends, goals
+        values, places = values[whole], (inverse.unknown_places, inverse.known_places)
+        home = made.reference
+        back, kept = all_followed(inverse, home[places[0]], home[places[1]], values[:, places[1]])
+        kept &= np.all(np.abs(back - values[:, places[0]]) <= _BACK * scales, axis=1)
+        kept &= _within(made.found, values[:, places[1]])
+        found += [
+            Configuration(v, v[direct.unknown_places], v[direct.known_places]) for v in values[kept]
+        ]
+    return found[:count]
 
 
-def _within(coordinates: Sequence[Coordinate], values: np.ndarray) -> bool:
-    return all(
-        c.limits is None or c.limits[0] < v < c.limits[1]
-        for c, v in zip(coordinates, values, strict=True)
-    )
+def _within(coordinates: Sequence[Coordinate], values: np.ndarray) -> np.ndarray:
+    """Which rows (n,) of values (n, coordinates) lie within all limits."""
+    low, high = np.array([c.limits or (-np.inf, np.inf) for c in coordinates]).T
+    return np.asarray(np.all((low < values) & (values < high), axis=1))

@@ -4,7 +4,8 @@ is OK.
 
 from __future__ import annotations
 
-from symkin.codegen.joint_map import Direction, JointMap, Part
+from symkin.codegen.composed import Part
+from symkin.codegen.joint_map import Direction, JointMap
 
 _MAP = r"""The loops hold the given coordinates $q$, the found ones $X$ and passive ones $x$; their
 rows are $F(q, X, x) = 0$ (below; angular rows are multiplied by the machine's size). Either
@@ -40,6 +41,10 @@ given values, the larger ones followed uphill, times 1.5. A condition that reads
 quotient of others bends the more the nearer these are to 0: its $M$ is of the second derivative
 times $h^{3/2}$ for each $h$ under such a root and $h^4$ for each divisor, $h$ over its usual size
 and at most 1, and is divided by what these keep at least in the part."""
+
+_SLIDES = r"""**Slides.** A bend may grow with the way of a slide from the reference. Where that of
+the whole, a size to either side, is more than four times that of a sixteenth of it, there is an $M$
+for a sixteenth, a quarter and the whole, and a line takes that of the first which holds it."""
 
 _GUESS = r"""**The guess** holds only one side's values. The other side's, and passive ones, are
 those of the reference configuration's branch of the formulas, or, where a direction has none, those
@@ -104,7 +109,10 @@ def _part(part: Part) -> str:
 def map_branch(made: JointMap, newton: str) -> str:
     """Which answer is OK; `newton` is what is said of Newton's method."""
     closed = [d.is_closed for d in (made.direct, made.inverse)]
-    parts = [_GUESS, _HELD, *([_LINE] if any(closed) else [])]
+    slides = any(
+        d.is_closed and not all(c.is_angular for c in d.known) for d in (made.direct, made.inverse)
+    )
+    parts = [_GUESS, _HELD, *([_LINE] if any(closed) else []), *([_SLIDES] if slides else [])]
     if all(closed):
         head = (
             "## Which answer is OK\n\n"

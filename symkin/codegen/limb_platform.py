@@ -36,9 +36,9 @@ from symkin.elimination.closed_form import ClosedForm, closed_form, samples_abou
 from symkin.elimination.implied_rows import unit_of
 from symkin.errors import InputError
 from symkin.machine.motion import Frames
+from symkin.model.changed import scaled
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.model.scaling import scaled
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE

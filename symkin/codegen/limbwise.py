@@ -18,12 +18,12 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
+from symkin.codegen.composed import Composed, Part, parts_of
 from symkin.codegen.samples import Configuration
-from symkin.codegen.text.angles import Generators, lifted
+from symkin.codegen.text.angles import Numbers
 from symkin.elimination.closed_form import ClosedForm, closed_form
-from symkin.elimination.implied_rows import plain, pose_rows
+from symkin.elimination.implied_rows import plain
 from symkin.model.joint import Coordinate, units_of
-from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
 
@@ -82,8 +82,8 @@ def limbwise_form(
     samples: Sequence[Configuration],
     held: Held | None = None,
 ) -> LimbwiseForm | None:
-    """The closed form of a direct problem by `limbs`, systems of a given pose; None where it is not
-    found in this way.
+    """The closed form of a direct problem by its parts, the pose first; None where it is not found
+    in this way. `limbs` are systems of a given pose, in the order of what is `held`.
     """
     return _Limbwise(problem, limbs, samples, held).found()
 
@@ -107,32 +107,27 @@ def given_coordinates(problem: Problem) -> tuple[Coordinate, ...]:
 def passive_system(problem: Problem, limb: System) -> System:
     """A limb's rows in its passive joints, by the given coordinates."""
     unknowns = tuple(c for c in limb.unknowns if c.role != "actuated")
-    made = _system(problem, limb, unknowns, given_coordinates(problem))
-    every = (*limb.unknowns, *problem.closure.role("pose"))
-    if any(c.width != 1 for c in every):
-        return made
-    # no half angles of the pose, of which formulas give cosine and sine of the whole
+    given = given_coordinates(problem)
+    made = replace(
+        limb,
+        unknowns=unknowns,
+        unknown=_symbols(problem, unknowns),
+        known=_symbols(problem, given),
+    )
+    return _of_whole_angles(made, problem, (*limb.unknowns, *problem.closure.role("pose")))
+
+
+def _of_whole_angles(system: System, problem: Problem, coordinates: Sequence[Coordinate]) -> System:
+    """The system without half angles of the pose, of which formulas give cosine and sine of the
+    whole.
+    """
+    if any(c.width != 1 for c in coordinates):
+        return system
     rows, errors = (
-        plain(part, _symbols(problem, every), every, limb.characteristic_length)
-        for part in (limb.rows, limb.errors)
+        plain(part, _symbols(problem, coordinates), coordinates, system.characteristic_length)
+        for part in (system.rows, system.errors)
     )
-    return replace(made, rows=rows, errors=errors)
-
-
-def _system(
-    problem: Problem,
-    limb: System,
-    unknowns: tuple[Coordinate, ...],
-    known: Sequence[Coordinate],
-) -> System:
-    return System(
-        unknowns,
-        _symbols(problem, unknowns),
-        _symbols(problem, known),
-        limb.rows,
-        limb.errors,
-        limb.characteristic_length,
-    )
+    return replace(system, rows=rows, errors=errors)
 
 
 def _symbols(problem: Problem, coordinates: Sequence[Coordinate]) -> ca.SX:
@@ -157,91 +152,105 @@ class _Limbwise:
         return np.array([self.problem.select_values(s.values, coordinates) for s in self.samples])
 
     def found(self) -> LimbwiseForm | None:
-        if any(c.width != 1 for c in (*self._pose, *self.problem.known_coordinates)):
+        known = self.problem.known_coordinates
+        if any(c.width != 1 for c in (*self._pose, *known)):
             return None
-        pose = self._pose_form()
-        if pose is None:
+        pose, *others = parts_of(self.problem)
+        if not others or pose.system.unknowns != self._pose:
             return None
-        reaches, whole = list[Reach](), _Composed(self, pose)
-        for number, limb in enumerate(self.limbs):
-            system = passive_system(self.problem, limb)
-            if not system.unknowns:
+        whole = Composed(self._known_numbers)
+        reaches, divisors = list[Reach](), list[ca.SX]()
+        for part in (pose, *others):
+            form = self._form(part)
+            if form is None:
+                return None
+            whole.add(Part(part, form))
+            if part is pose:
+                divisors += form.divisors.elements()
                 continue
-            form = closed_form(system, self._values(given_coordinates(self.problem))[:_COMPARED])
-            found = None if form is None else self._reaches_of(form, whole, number)
-            if form is None or found is None:
+            found = self._reaches_of(Part(part, form), whole, divisors)
+            if found is None:
                 return None
             reaches += found
-            whole.add(form)
-        if len(whole.forms) == 1:
-            return None
         if self.held is not None:
-            reaches.append(
-                Reach("the motion's wrenches", self.held.volume, whole.of_known(self.held.volume))
-            )
-        made = whole.form()
-        known = self._values(self.problem.known_coordinates)
+            volume = self.held.volume
+            reaches.append(Reach("the motion's wrenches", volume, self._of_known(whole, volume)))
+        made = self._whole_form(whole, divisors)
         return (
-            LimbwiseForm(made, int(pose.signs.shape[0]), tuple(reaches))
-            if made.closes(known)
+            LimbwiseForm(made, int(whole.forms[0].signs.shape[0]), tuple(reaches))
+            if made.closes(self._values(known))
             else None
         )
 
-    def _pose_form(self) -> ClosedForm | None:
-        """The closed form of the pose by the rows that hold no passive joint."""
-        closure, joints = self.problem.closure, self.problem.known_coordinates
-        rows, poses = [], self._values(self._pose)
-        for limb in self.limbs:
-            own = [c for c in limb.unknowns if c.role == "actuated"]
-            if len(own) == len(limb.unknowns):
-                rows.append(limb.rows)
-                continue
-            points = pose_rows(limb, poses[:_COMPARED], self._lost(limb))
-            if points is None:
-                return None
-            rows += [p.row for p in points]
-        known = _symbols(self.problem, joints)
-        whole = ca.vertcat(*rows)
-        system = System(
-            self._pose,
-            _symbols(self.problem, self._pose),
-            known,
-            whole,
-            whole,
-            closure.characteristic_length,
+    def _form(self, part: Problem) -> ClosedForm | None:
+        coordinates = (*part.system.unknowns, *part.known_coordinates)
+        system = _of_whole_angles(part.system, self.problem, coordinates)
+        return closed_form(system, self._values(part.known_coordinates)[:_COMPARED])
+
+    @property
+    def _known_numbers(self) -> dict[str, list[Numbers]]:
+        """The numbers of the known coordinates, over their values."""
+        known = self.problem.known_coordinates
+        found = dict[str, list[Numbers]]()
+        for c, value in zip(known, _symbols(self.problem, known).elements(), strict=True):
+            circle = (ca.cos(value), ca.sin(value)) if c.is_angular else ()
+            found[c.name] = [Numbers(value, *circle)]
+        return found
+
+    def _of_known(self, whole: Composed, expression: ca.SX) -> ca.SX:
+        """An expression of coordinates over the known values."""
+        every = tuple(c for c in self.problem.closure.coordinates if c.name in whole.numbers)
+        return whole.written(expression, [(_symbols(self.problem, every), every)])
+
+    def _whole_form(self, whole: Composed, divisors: Sequence[ca.SX]) -> ClosedForm:
+        """The composed formulas as one closed form with these divisors."""
+        none, forms = ca.SX(0, 1), whole.forms
+        numbers = [whole.numbers[c.name][0] for c in self.problem.system.unknowns]
+        return ClosedForm(
+            system=self.problem.system,
+            signs=whole.signs,
+            roots=whole.roots,
+            first=ca.vertcat(*(n.value if n.cosine is None else n.cosine for n in numbers)),
+            second=ca.vertcat(*(ca.SX(0) if n.sine is None else n.sine for n in numbers)),
+            discriminants=ca.vertcat(
+                none, *(c.value for c in whole.conditions if c.root is not None)
+            ),
+            divisors=ca.vertcat(none, *divisors),
+            implied=frozenset(),
+            squares=frozenset(),
+            told=ca.vertcat(none, *(f.told for f in forms)),
+            steps=tuple(step for f in forms for step in f.steps),
+            names=tuple(name for f in forms for name in f.names),
+            samples=forms[0].samples,
         )
-        return closed_form(system, self._values(joints)[:_COMPARED])
 
-    def _lost(self, limb: System) -> int:
-        """How many freedoms the platform loses by a limb whose actuated joints are held."""
-        passive = tuple(c for c in limb.unknowns if c.role != "actuated")
-        ranks = []
-        for unknowns in (passive, (*passive, *self._pose)):
-            held = tuple(c for c in (*limb.unknowns, *self._pose) if c not in unknowns)
-            system = _system(self.problem, limb, unknowns, held)
-            sample = self.samples[0].values
-            _, matrix = system.linearise_one(
-                self.problem.select_values(sample, unknowns),
-                self.problem.select_values(sample, held),
-            )
-            ranks.append(Rank.of(matrix).value)
-        return ranks[1] - ranks[0]
-
-    def _reaches_of(self, form: ClosedForm, whole: _Composed, number: int) -> list[Reach] | None:
-        """What has to stay above zero for a limb's choices; None where that is not known."""
-        square = None if self.held is None else self.held.squares[number]
+    def _reaches_of(self, part: Part, whole: Composed, divisors: list[ca.SX]) -> list[Reach] | None:
+        """What has to stay above zero for a limb's choices, and more divisors; None where that is
+        not known.
+        """
+        square = None if self.held is None else self._square(part, self.held)
         return (
-            self._by_cosines(form, whole)
+            self._by_cosines(part, whole)
             if square is None
-            else self._by_wrench(form, whole, square)
+            else self._by_wrench(part, divisors, square)
         )
 
-    def _by_wrench(self, form: ClosedForm, whole: _Composed, square: ca.SX) -> list[Reach] | None:
+    def _square(self, part: Part, held: Held) -> ca.SX | None:
+        """The square of the wrench of the limb that a part belongs to."""
+        own = {c.name for c in part.problem.system.unknowns}
+        limb = next(k for k, s in enumerate(self.limbs) if own <= {c.name for c in s.unknowns})
+        return held.squares[limb]
+
+    def _by_wrench(
+        self, part: Part, whole_divisors: list[ca.SX], square: ca.SX
+    ) -> list[Reach] | None:
         """Nothing where all discriminants and divisors are multiples of a wrench's squared length,
         which the volume holds, or divisors of the joints alone, which become those of the whole;
         else None.
         """
-        known, poses = self._values(given_coordinates(self.problem)), self._values(self._pose)
+        form, poses = part.form, self._values(self._pose)
+        assert form is not None  # noqa: S101 - the caller has found it
+        known = self._values(part.problem.known_coordinates)
         signs = form.signs_at(self._values(form.system.unknowns)[0], known[0])
         length = ca.Function("length", [_symbols(self.problem, self._pose)], [square])
         lengths = np.array([float(length(v)) for v in poses])
@@ -256,16 +265,18 @@ class _Limbwise:
         for k in alone:
             if k < count or ca.depends_on(form.divisors[k - count], others):
                 return None
-            whole.divisors.append(form.divisors[k - count])
+            whole_divisors.append(form.divisors[k - count])
         return []
 
-    def _by_cosines(self, form: ClosedForm, whole: _Composed) -> list[Reach] | None:
+    def _by_cosines(self, part: Part, whole: Composed) -> list[Reach] | None:
         """The bounds of N of each choice; None where a discriminant does not follow the law of
         cosines or a divisor may vanish alone.
         """
+        form = part.form
+        assert form is not None  # noqa: S101 - the caller has found it
         if ca.depends_on(ca.vertcat(form.discriminants, form.divisors), form.roots):
             return None
-        known = self._values(given_coordinates(self.problem))
+        known = self._values(part.problem.known_coordinates)
         function = ca.Function("d", [form.system.known], [form.discriminants, form.divisors])
         numbers = [function(v) for v in known]
         discriminants, divisors = (
@@ -282,75 +293,13 @@ class _Limbwise:
             bounds = [high - form.divisors[j]]
             # N is a sum of squares, which is zero where both are: no bound that a line crosses
             bounds += [form.divisors[j] - low] if low > _SAME * high else []
-            reaches += [Reach(name, bound, whole.of_known(bound)) for bound in bounds]
+            reaches += [Reach(name, bound, self._of_known(whole, bound)) for bound in bounds]
         alone = [
             divisors[:, j]
             for j in range(divisors.shape[1])
             if not _is_multiple_of_any(divisors[:, j], divisors[:, sorted(squares)])
         ]
         return reaches if all(np.ptp(v) <= _SAME * np.max(np.abs(v)) for v in alone) else None
-
-
-@dataclass
-class _Composed:
-    """A form of the pose and those of limbs, put together over the known values alone."""
-
-    parts: _Limbwise
-    pose: ClosedForm
-
-    def __post_init__(self) -> None:
-        own = self.pose.system.unknowns
-        self.forms = [self.pose]
-        self.values = {c.name: (self.pose.first[k], self.pose.second[k]) for k, c in enumerate(own)}
-        self.discriminants = [self.pose.discriminants]
-        self.divisors = [self.pose.divisors]
-        known = self.parts.problem.known_coordinates
-        symbols = _symbols(self.parts.problem, known)
-        generators = [
-            Generators((ca.cos(symbols[k]), ca.sin(symbols[k])) if c.is_angular else (symbols[k],))
-            for k, c in enumerate(known)
-        ]
-        self.generators = {c.name: g for c, g in zip(known, generators, strict=True)}
-        for k, c in enumerate(own):
-            self.generators[c.name] = Generators(
-                self.values[c.name] if c.is_angular else (self.pose.first[k],)
-            )
-
-    def of_known(self, expression: ca.SX, others: ca.SX | None = None) -> ca.SX:
-        """An expression of joints and pose with the pose's formulas in place of the pose."""
-        coordinates = (*self.parts.problem.known_coordinates, *self.pose.system.unknowns)
-        symbols = _symbols(self.parts.problem, coordinates)
-        places = [(symbols[k], c.name) for k, c in enumerate(coordinates)]
-        return lifted(
-            expression, places, self.generators, ca.SX(0, 1) if others is None else others
-        )
-
-    def add(self, form: ClosedForm) -> None:
-        """Add a limb's passive joints."""
-        others = ca.vertcat(form.signs, form.roots)
-        first, second = (self.of_known(e, others) for e in (form.first, form.second))
-        self.discriminants.append(self.of_known(form.discriminants, others))
-        self.values |= {c.name: (first[k], second[k]) for k, c in enumerate(form.system.unknowns)}
-        self.forms.append(form)
-
-    def form(self) -> ClosedForm:
-        problem, none = self.parts.problem, ca.SX(0, 1)
-        pairs = [self.values[c.name] for c in problem.system.unknowns]
-        return ClosedForm(
-            system=problem.system,
-            signs=ca.vertcat(none, *(f.signs for f in self.forms)),
-            roots=ca.vertcat(none, *(f.roots for f in self.forms)),
-            first=ca.vertcat(*(p[0] for p in pairs)),
-            second=ca.vertcat(*(p[1] for p in pairs)),
-            discriminants=ca.vertcat(none, *self.discriminants),
-            divisors=ca.vertcat(none, *self.divisors),
-            implied=frozenset(),
-            squares=frozenset(),
-            told=ca.vertcat(none, *(f.told for f in self.forms)),
-            steps=tuple(step for f in self.forms for step in f.steps),
-            names=tuple(name for f in self.forms for name in f.names),
-            samples=self.pose.samples,
-        )
 
 
 def _law_of_cosines(

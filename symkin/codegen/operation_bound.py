@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 USUAL_ITERATIONS = 100
@@ -32,6 +32,9 @@ _TOKEN = re.compile(
     r"->|\+\+|--|<<|>>|&&|\|\||[-+*/%<>=!&|^]=|\S"
 )
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
+
+_TYPED = 4
+"""Words of a declaration among which its type is."""
 
 Tokens = tuple[str, ...]
 Count = Counter[str]
@@ -56,13 +59,15 @@ class Bound:
     operations: dict[str, int]
 
 
-def bounds(source: str, iterations: int) -> dict[str, Bound | None]:
-    """The bound of each function that others can call, for a config with these iterations; None
-    where the text does not tell it.
+def bounds(source: str, iterations: Sequence[int]) -> list[dict[str, Bound | None]]:
+    """The bound of each function that others can call, for a config with each of these iterations;
+    None where the text does not tell it.
     """
     functions = {f.name: f for f in _functions(source)}
-    counter = _Counter(functions, iterations)
-    return {name: counter.bound(name) for name, f in functions.items() if f.is_public}
+    read, plain = dict[Tokens, list[_Statement]](), dict[Tokens, Count]()
+    public = [name for name, f in functions.items() if f.is_public]
+    counters = [_Counter(functions, count, read, plain) for count in iterations]
+    return [{name: counter.bound(name) for name in public} for counter in counters]
 
 
 # --- text -----------------------------------------------------------------------------------------
@@ -206,15 +211,15 @@ def _statement(tokens: Tokens, at: int) -> tuple[_Statement, int]:
 @dataclass
 class _Counter:
     """Counts the operations of functions, each once for each set of whole numbers that it is called
-    with.
+    with. What is `read` of a text, and its `plain` expressions, are the same for all iterations.
     """
 
     functions: dict[str, _Function]
     iterations: int
+    read: dict[Tokens, list[_Statement]]
+    plain: dict[Tokens, Count]
     _counts: dict[tuple[str, tuple[tuple[str, int], ...]], Count] = field(default_factory=dict)
     _active: list[str] = field(default_factory=list)
-    _read: dict[Tokens, list[_Statement]] = field(default_factory=dict)
-    _plain: dict[Tokens, Count] = field(default_factory=dict)
 
     def bound(self, name: str) -> Bound | None:
         """The bound of a call; None where the text does not tell it."""
@@ -242,9 +247,9 @@ class _Counter:
         return self._counts[key]
 
     def _statements(self, tokens: Tokens) -> list[_Statement]:
-        if tokens not in self._read:
-            self._read[tokens] = _statements(tokens)
-        return self._read[tokens]
+        if tokens not in self.read:
+            self.read[tokens] = _statements(tokens)
+        return self.read[tokens]
 
     def _block(self, tokens: Tokens, known: Known) -> Count:
         """The sum of statements; what they tell of whole numbers stays within them."""
@@ -254,14 +259,14 @@ class _Counter:
             match statement.word:
                 case "":
                     self._learn(head, own)
-                    total += self._expression(head, own)
+                    total.update(self._expression(head, own))
                 case "{":
-                    total += self._block(statement.body, own)
+                    total.update(self._block(statement.body, own))
                 case "if":
                     sides = self._block(statement.body, own) | self._block(statement.other, own)
-                    total += self._expression(head, own) + sides
+                    total.update(self._expression(head, own) + sides)
                 case _:
-                    total += self._loop(statement, own)
+                    total.update(self._loop(statement, own))
         return total
 
     # --- loops ------------------------------------------------------------------------------------
@@ -322,6 +327,10 @@ class _Counter:
 
     def _learn(self, tokens: Tokens, known: dict[str, int]) -> None:
         """Keeps what a declaration says of a whole number or of a config."""
+        if "const" not in tokens or not any(
+            t in ("int", "uint8_t") or t.endswith("_config") for t in tokens[:_TYPED]
+        ):
+            return
         declared, value = _cut(tokens, "=")
         if not value or "const" not in declared or not _NAME.match(declared[-1]):
             return
@@ -371,9 +380,9 @@ class _Counter:
 
     def _expression(self, tokens: Tokens, known: Known) -> Count:
         """Operations of an expression and of the calls in it."""
-        if tokens not in self._plain:
-            self._plain[tokens] = _operations(tokens, self.functions)
-        total = self._plain[tokens]
+        if tokens not in self.plain:
+            self.plain[tokens] = _operations(tokens, self.functions)
+        total = self.plain[tokens]
         for k, token in enumerate(tokens):
             if token in self.functions and tokens[k + 1 : k + 2] == ("(",):
                 called = self.call(token, self._arguments(tokens, k, known))

@@ -13,6 +13,8 @@ from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.problem import Problem, build_problem
 
 _STEPS = 12
+MORE = 4
+"""Lines that are followed at once beside those that are lacking: some are left out."""
 _DISTINCT = 1e-4
 """Goals that differ by less than this part of the reach in every joint are one case."""
 
@@ -53,64 +55,86 @@ def configurations(
             for c in joints
         ]
     )
-    signs, found = _limb_signs(direct, home), list[Configuration]()
-    for _ in range(4 * count):
-        if len(found) == count:
-            break
-        goal = _within(joints, begin_known, reach * np.round(rng.uniform(-1, 1, len(joints)), 6))
-        # joints between narrow limits give the same goal again and again
-        if any(np.all(np.abs(goal - other.known) <= _DISTINCT * reach) for other in found):
-            continue
-        z = followed(direct, begin, begin_known, goal)
-        if z is None:
-            continue
-        values = direct.join_values(z, goal)
-        if np.array_equal(_limb_signs(direct, values), signs):
-            found.append(Configuration(values, z, goal))
-    return found
+    signs, found = _limb_signs(direct, home[None])[0], list[Configuration]()
+    left = 4 * count
+    while len(found) < count and left > 0:
+        tried = min(left, count - len(found) + MORE)
+        left -= tried
+        moves = reach * np.round(rng.uniform(-1, 1, (tried, len(joints))), 6)
+        goals = np.array([_within(joints, begin_known, way) for way in moves])
+        ends, whole = all_followed(direct, begin, begin_known, goals)
+        values = direct.join_values(ends, goals)
+        whole[whole] = np.all(_limb_signs(direct, values[whole]) == signs, axis=1)
+        for k in range(tried):
+            # joints between narrow limits give the same goal again and again
+            if whole[k] and not any(
+                np.all(np.abs(goals[k] - other.known) <= _DISTINCT * reach) for other in found
+            ):
+                found.append(Configuration(values[k], ends[k], goals[k]))
+    return found[:count]
 
 
 def _limb_signs(direct: Problem, values: np.ndarray) -> np.ndarray:
-    """Signs of the determinants of the limbs for a given pose: one changes where a limb has passed
-    a dead centre.
+    """Signs (n, limbs) of the determinants of the limbs for a given pose: one changes where a limb
+    has passed a dead centre.
     """
     inverse = build_problem(direct.mechanism, "inverse")
-    known = inverse.select_values(values, inverse.known_coordinates)
-    matrices = [
-        b.linearise_one(inverse.select_values(values, b.unknowns), known)[1] for b in inverse.blocks
-    ]
-    return np.array([np.sign(np.linalg.det(m)) for m in matrices if m.shape[0] == m.shape[1]])
+    known, signs = values[:, inverse.known_places], [np.zeros((len(values), 0))]
+    for b in inverse.blocks:
+        matrices = b.linearise(inverse.select_values(values, b.unknowns), known)[1]
+        if matrices.shape[1] == matrices.shape[2]:
+            signs.append(np.sign(np.linalg.det(matrices))[:, None])
+    return np.hstack(signs)
 
 
 def followed(
     direct: Problem, z: np.ndarray, start: np.ndarray, goal: np.ndarray
 ) -> np.ndarray | None:
-    """The unknowns after the joints' straight line from start to goal, in small steps; None where a
-    step fails, or where the matrix has turned over, det(A^T B) < 0: a fold was leapt.
+    """The unknowns after the joints' straight line from start to goal; None where it is not
+    followed (see `all_followed`).
+    """
+    ends, whole = all_followed(direct, z, start, goal[None])
+    return ends[0] if whole[0] else None
+
+
+def all_followed(
+    direct: Problem, z: np.ndarray, start: np.ndarray, goals: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The unknowns (n, width) after the joints' straight lines from start to each of the goals
+    (n, known), in small steps, and which lines (n,) are followed: none of whose steps fails, or
+    turns the matrix over, det(A^T B) < 0, where a fold was leapt.
     """
     system = direct.system
-    _, matrix = system.linearise_one(z, start)
+    closed = CLOSURE_TOLERANCE * system.characteristic_length
+    ends, going = np.tile(z, (len(goals), 1)), np.arange(len(goals))
+    matrices = system.linearise(ends, np.tile(start, (len(goals), 1)))[1]
     for k in range(1, _STEPS + 1):
-        known = start + k / _STEPS * (goal - start)
-        moved = system.polish(z, known, 6)
-        if system.residual(
-            moved, known
-        ) > CLOSURE_TOLERANCE * system.characteristic_length or _jumped(direct, z, moved):
-            return None
-        before, (_, matrix) = matrix, system.linearise_one(moved, known)
-        if np.linalg.slogdet(before.T @ matrix)[0] < 0.0:
-            return None
-        z = moved
-    return system.polish(z, goal, 6)
+        known = start + k / _STEPS * (goals[going] - start)
+        found = system.polish_many(ends[going], known, 6)
+        turned = np.linalg.slogdet(matrices[going].transpose(0, 2, 1) @ found.jacobians)[0]
+        fine = (
+            (system.residuals(found.points, known) <= closed)
+            & ~_jumped(direct, ends[going], found.points)
+            & ~(turned < 0.0)
+        )
+        going = going[fine]
+        ends[going], matrices[going] = found.points[fine], found.jacobians[fine]
+        if not going.size:
+            break
+    whole = np.zeros(len(goals), dtype=bool)
+    whole[going] = True
+    return ends, whole
 
 
-def _jumped(direct: Problem, before: np.ndarray, after: np.ndarray) -> bool:
-    parts = [
-        float(np.max(np.abs(after[place] - before[place])))
-        / (1.0 if c.kind != "length" else direct.closure.characteristic_length)
+def _jumped(direct: Problem, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Which points (n, width) have moved too far in a step."""
+    size = direct.closure.characteristic_length
+    units = [
+        size if c.kind == "length" else 1.0
         for c, place in zip(direct.system.unknowns, direct.system.slices, strict=True)
+        for _ in range(place.stop - place.start)
     ]
-    return max(parts) > 0.25
+    return np.asarray(np.max(np.abs(after - before) / units, axis=1, initial=0.0) > 0.25)
 
 
 def _limited(joint: Coordinate) -> tuple[float, float]:

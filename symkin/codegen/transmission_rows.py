@@ -23,7 +23,7 @@ from symkin.elimination.implied_rows import PointRow, implied_rows
 from symkin.elimination.product_rows import ProductRow
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
-from symkin.numeric.linear_algebra import independent_rows
+from symkin.numeric.rank import independent_rows
 from symkin.numeric.system import System
 from symkin.position.groups import dependence_of
 from symkin.position.problem import Problem
@@ -166,7 +166,7 @@ class TransmissionRows:
         )
         slopes = ca.Function("s", [closure.variables], [ca.jacobian(self._scaled(rows), symbols)])
         matrix = np.asarray(slopes(self.linkage.reference)).reshape(len(rows), -1)
-        return sorted(independent_rows(matrix, range(len(rows)), 1e-6))
+        return sorted(independent_rows(matrix, 1e-6, groups=range(len(rows))))
 
     def _scaled(self, rows: Sequence[PointRow | ProductRow]) -> ca.SX:
         size = self.linkage.size

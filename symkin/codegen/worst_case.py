@@ -45,7 +45,7 @@ class WorstCase:
         fresh = (
             measured if measured and measured["code"] == digest(narrowed(source).encode()) else None
         )
-        found = [bounds(source, count) for count in (USUAL_ITERATIONS, LARGEST_ITERATIONS)]
+        found = bounds(source, (USUAL_ITERATIONS, LARGEST_ITERATIONS))
         usual, largest = (
             {key.removeprefix(f"{name}_"): bound for key, bound in part.items()} for part in found
         )

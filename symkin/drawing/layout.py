@@ -20,7 +20,8 @@ from symkin.drawing.slides import joint_places, slide_routes
 from symkin.model.bar import Bar
 from symkin.model.graph_checks import links_of
 from symkin.model.joined import Joined
-from symkin.model.joint import BASE, Joint, JointType
+from symkin.model.joint import BASE, Joint
+from symkin.model.joint_forms import JointType
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
@@ -315,7 +316,7 @@ class _Gathered:
         part = edge.elements[0].part
         return (
             isinstance(part, Joint)
-            and part.type in ("P", "weld")
+            and not part.form.has_point
             and not any(part.point)
             and part.name not in self.routes
         )

@@ -26,7 +26,7 @@ from symkin.elimination.rows import NotPolynomialError, polynomial_rows
 from symkin.elimination.solving import solve_deferred, solve_single
 from symkin.elimination.term_sizes import term_sizes
 from symkin.elimination.workspace import Workspace
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.system import System
 
@@ -260,8 +260,7 @@ def samples_about(
     """Random values (samples, known) of the known coordinates about those of a configuration, for
     formulas that hold whatever is given.
     """
-    lengths = [c.kind == "length" for c in coordinates for _ in range(c.width)]
-    scale = np.where(np.array(lengths, dtype=bool), system.characteristic_length, 1.0)
+    scale = np.array(units_of(coordinates, system.characteristic_length))
     return np.asarray(
         near
         + _NEAR * np.random.default_rng(seed).uniform(-1.0, 1.0, size=(_SAMPLES, len(near))) * scale

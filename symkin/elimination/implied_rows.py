@@ -33,6 +33,7 @@ from symkin.elimination.rows import NotPolynomialError, polynomial_rows
 from symkin.elimination.sums import product
 from symkin.elimination.workspace import Workspace
 from symkin.model.joint import Coordinate
+from symkin.numeric.rank import null_space
 from symkin.numeric.system import System
 
 _VANISHED = 1e-10
@@ -85,15 +86,14 @@ class PointRow:
         return pose.weight * rest + 2 * ca.dot(gap, pose.direction(arm))
 
 
-def pose_rows(system: System, poses: np.ndarray, lost: int | None = None) -> list[PointRow] | None:
-    """The rows of a limb without its passive joints, as many as the platform loses freedoms by it,
-    `lost` if its rows depend on one another; None where none are found. Coefficients are compared
-    at the sampled `poses` (n, known).
+def pose_rows(system: System, poses: np.ndarray) -> list[PointRow] | None:
+    """The rows of a limb without its passive joints, as many as the platform loses freedoms by it;
+    None where none are found. Coefficients are compared at the sampled `poses` (n, known).
     """
-    limb = _limb(system, poses) if lost is None else _limb(_of_points(system), poses)
+    limb = _limb(system, poses)
     if limb is None:
         return None
-    lacking = len(limb.rows) - len(limb.gone) if lost is None else lost
+    lacking = len(limb.rows) - len(limb.gone)
     points = limb.planes(lacking)
     sphere = limb.sphere() if len(points) < lacking else None
     if sphere is not None:
@@ -227,24 +227,6 @@ def _part(closure: Closure, rows: ca.SX, unknown: Sequence[int]) -> tuple[System
     return system, values[:, others]
 
 
-def _of_points(system: System) -> System:
-    """The rows that are polynomials and hold the pose: those of positions, not of orientations
-    alone.
-    """
-    ring, kept = Ring(system.unknowns), list[int]()
-    for i in range(int(system.rows.shape[0])):
-        try:
-            (row,) = polynomial_rows(ring, system, system.rows[i], {})
-        except NotPolynomialError:
-            continue
-        if any(ca.which_depends(row.terms.get(ring.one, ca.SX(0)), system.known, 1, False)):
-            kept.append(i)
-    rows = system.rows[kept]
-    return System(
-        system.unknowns, system.unknown, system.known, rows, rows, system.characteristic_length
-    )
-
-
 def plain(
     expressions: ca.SX, joints: ca.SX, coordinates: Sequence[Coordinate], size: float
 ) -> ca.SX:
@@ -354,7 +336,7 @@ class _Limb:
             return np.zeros((0, len(polynomials)))
         matrix = np.array(
             [[float(p.terms.get(m, ca.SX(0))) for p in polynomials] for m in terms]
-        ).reshape(len(terms), -1)
+        ).reshape(len(terms), len(polynomials))
         sizes = np.max(np.abs(matrix), axis=1, initial=0.0)
         kept = sizes > _CANCELLED * np.max(sizes, initial=0.0)
         return np.asarray(matrix[kept] / sizes[kept, None])
@@ -364,7 +346,7 @@ class _Limb:
         for monomials in self.factors:
             polynomials = self._products(monomials)
             matrix = self._bound(polynomials)
-            null = _null_space(matrix, len(polynomials))
+            null = _reduced_null_space(matrix)
             if len(null) and (len(monomials) == 1 or len(null) == 1):
                 return [self._plane(factors, monomials, polynomials) for factors in null[:most]]
         return []
@@ -374,7 +356,7 @@ class _Limb:
         found = []
         for monomials in self.factors:
             polynomials = self._products(monomials)
-            null = _null_space(self._bound(polynomials), len(polynomials))
+            null = _reduced_null_space(self._bound(polynomials))
             found += [self._plane(factors, monomials, polynomials) for factors in null]
         return found
 
@@ -480,15 +462,11 @@ def _tidy(value: float, beside: np.ndarray) -> float:
     return float(value) if abs(value) > _VANISHED * np.max(np.abs(beside)) else 0.0
 
 
-def _null_space(matrix: np.ndarray, count: int) -> np.ndarray:
-    """Unit vectors (k, count) that a matrix makes zero, in a form of its own: reduced, so that
+def _reduced_null_space(matrix: np.ndarray) -> np.ndarray:
+    """Unit vectors (k, columns) that a matrix makes zero, in a form of its own: reduced, so that
     plain factors stay plain.
     """
-    if not len(matrix):
-        return np.eye(count)
-    _, sizes, v = np.linalg.svd(matrix)
-    rank = int(np.sum(sizes > _VANISHED * sizes[0]))
-    null = v[rank:].copy()
+    null = null_space(matrix, _VANISHED, relative=True)
     # reduced row by row: ones and zeros where the vectors allow them; of entries that are equal but
     # for rounding, the first
     for i in range(len(null)):

@@ -22,6 +22,7 @@ import numpy as np
 from symkin.closure.pose_forms import PlatformPose, weighted_point
 from symkin.elimination.polynomial import Monomial, Polynomial, Ring
 from symkin.elimination.rows import NotPolynomialError, polynomial_rows
+from symkin.numeric.rank import count_above, null_space
 from symkin.numeric.system import System
 from symkin.spatial.rotation import matrix_from_quaternion
 
@@ -155,14 +156,13 @@ def multipliers(
     equations = _equations(columns)
     sizes = np.max(np.abs(equations), axis=1, initial=0.0)
     equations = equations[sizes > 0] / sizes[sizes > 0, None]
-    _, singular, right = np.linalg.svd(equations)
-    null = right[int(np.sum(singular > _VANISHED * singular[0])) :]
+    null = null_space(equations, _VANISHED, relative=True)
     if not len(null):
         return []
     # those with a factor l, each as short as it can be
     left, strength, _ = np.linalg.svd(null[:, : len(factors)])
     found = []
-    for own in (left.T @ null)[: int(np.sum(strength > 1e-6))]:
+    for own in (left.T @ null)[: count_above(strength, 1e-6)]:
         own = _tidied(own / np.max(np.abs(own)))
         rest = own[len(factors) :].reshape(count, -1)
         level = [

@@ -78,7 +78,7 @@ class Branch:
         """The configurations that lead to a place of an interval, where all unknowns are one
         block of coordinates told by name; of others, none."""
         block = self.blocks[0] if len(self.blocks) == 1 else None
-        if block is None or block.system.problem.kind != "given":
+        if block is None or not block.system.problem.by_name:
             return Way((), 0, ())
         closed = block.closed_branches.get(row)
         place, times = (u, 0) if closed is None else closed.folded(u)

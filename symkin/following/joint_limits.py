@@ -43,8 +43,8 @@ class Limit:
     def text(self, mechanism: Mechanism) -> str:
         """Which limit is met, in the mechanism's units."""
         c = next(c for c in mechanism.coordinates if c.name == self.name)
-        value = mechanism.angle_out(self.value) if c.is_angular else self.value
-        unit = mechanism.angle_unit if c.is_angular else mechanism.length_unit
+        value = mechanism.value_out(c, self.value)
+        unit = mechanism.unit_of(c)
         how, where = (
             ("lies beyond its limit", " at the start")
             if self.is_passed
@@ -162,7 +162,7 @@ class LimitWatch:
         )
 
     def _unit(self, c: Coordinate) -> float:
-        return 1.0 if c.is_angular else self.problem.closure.characteristic_length
+        return c.unit(self.problem.closure.characteristic_length)
 
 
 def _turns(c: Coordinate, value: float) -> float:

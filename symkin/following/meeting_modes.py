@@ -108,7 +108,7 @@ def meeting_modes(
     try:
         found = (
             modes(trajectory.mechanism, **given)
-            if problem.kind == "given"
+            if problem.by_name
             else modes_at_need(problem.mechanism, seed=seed, **given)
         )
     except SymkinError:
@@ -176,7 +176,7 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, Any]:
     for c in trajectory.coordinates:
         if c.role != "pose":
             number = float(known[place])
-            values[c.name] = mechanism.angle_out(number) if c.is_angular else number
+            values[c.name] = mechanism.value_out(c, number)
         place += c.width
     if trajectory.kind == "direct":
         return {"joints": [values[c.name] for c in mechanism.actuated]}

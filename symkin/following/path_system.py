@@ -96,7 +96,7 @@ class PathSystem:
         """
         size = self.problem.closure.characteristic_length
         parts = [
-            [1.0] * 9 if c.kind == "quaternion" else [size if c.kind == "length" else 1.0] * 2
+            [1.0] * 9 if c.is_rotation else [c.unit(size)] * 2
             for c in self.problem.known_coordinates
         ]
         return np.array([v for part in parts for v in part])
@@ -105,7 +105,7 @@ class PathSystem:
         """The largest change of a known coordinate (over the size, or rad) on intervals (k,)."""
         found, place = [np.zeros(len(c))], 0
         for coordinate in self.problem.known_coordinates:
-            place += 9 if coordinate.kind == "quaternion" else 2
+            place += 9 if coordinate.is_rotation else 2
             found.append(np.abs(c[:, place - 1]) / self.coefficient_scales[place - 1])
         return np.asarray(np.max(found, axis=0))
 
@@ -201,7 +201,7 @@ def _independent(problem: Problem) -> tuple[System, ...]:
     """The independent parts of a problem; those of coordinates told by name are what rows and
     checks join.
     """
-    if problem.kind != "given":
+    if not problem.by_name:
         return problem.blocks
     return split_blocks(problem.system, incidence_of(problem.system.errors, problem.system))
 
@@ -216,19 +216,15 @@ def _path_system(problem: Problem, system: System) -> PathSystem:
         ca.vertcat(system.unknown, system.known),
         ca.vertcat(ca.DM(scale) * y[: system.width], known),
     )
-    norms = [
-        0.5 * (ca.sumsqr(y[place]) - 1)
-        for c, place in zip(system.unknowns, system.slices, strict=True)
-        if c.kind == "quaternion"
-    ]
-    return PathSystem(problem, system, y, coefficients, ca.vertcat(rows, *norms), scale)
+    rows = ca.vertcat(rows, 0.5 * system.norms(y))
+    return PathSystem(problem, system, y, coefficients, rows, scale)
 
 
 def _known(coordinates: tuple[Coordinate, ...], u: ca.SX) -> tuple[ca.SX, ca.SX]:
     """k(u) and its coefficients: a, b - a for each number; a, n, half angle for each quaternion."""
     values, symbols = [], []
     for c in coordinates:
-        if c.kind == "quaternion":
+        if c.is_rotation:
             a, n, half = ca.SX.sym("a", 4), ca.SX.sym("n", 4), ca.SX.sym("h")
             values.append(ca.cos(u * half) * a + ca.sin(u * half) * n)
             symbols += [a, n, half]
@@ -245,7 +241,7 @@ def coefficients(problem: Problem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     start = 0
     for c in problem.known_coordinates:
         place = slice(start, start + c.width)
-        if c.kind == "quaternion":
+        if c.is_rotation:
             half, normal = great_circle(a[place], b[place])
             out += [*a[place].tolist(), *normal.tolist(), half]
         else:

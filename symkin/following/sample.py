@@ -55,7 +55,7 @@ class Sample:
                 if c.name in self.readings
                 else self.values[closure.slices[c.name]]
             )
-            scalar = mechanism.angle_out(float(part[0])) if c.is_angular else float(part[0])
+            scalar = mechanism.value_out(c, float(part[0]))
             out[c.name] = scalar if c.width == 1 else [float(v) for v in part]
         return out
 
@@ -112,7 +112,7 @@ def listed_joints(problem: Problem) -> tuple[Coordinate, ...]:
     """
     return (
         problem.mechanism.coordinates
-        if problem.kind == "given"
+        if problem.by_name
         else problem.closure.role("actuated", "passive")
     )
 
@@ -148,7 +148,7 @@ def make_sample(
         smallest_singular_value=float(singular[-1]) if singular.size else 1.0,
         radius=place.radius,
         readings=_continued(problem, read, before, _turned(trajectory, problem, row, way))
-        if problem.kind == "given"
+        if problem.by_name
         else {},
     )
 
@@ -158,7 +158,7 @@ def places_read(
 ) -> list[dict[str, np.ndarray]]:
     """The coordinates of joints at several places, read together; nothing where the closure has
     all that are told."""
-    if problem.kind != "given":
+    if not problem.by_name:
         return [{} for _ in places]
     values = [problem.join_values(p.unknown, trajectory.at(p.row, p.u)) for p in places]
     read = readings_at(problem.closure, np.array(values))
@@ -176,9 +176,9 @@ def _continued(
     read = dict(read)
     for c in left_out(problem.closure) if before is not None else ():
         last = before.readings[c.name]  # type: ignore[union-attr]
-        if c.kind == "quaternion":
+        if c.is_rotation:
             read[c.name] = read[c.name] if read[c.name] @ last >= 0.0 else -read[c.name]
-        elif c.kind == "angle":
+        elif c.is_periodic:
             near = last + turned.get(c.name, 0.0)
             read[c.name] = near + np.array(
                 [math.remainder(v, 2 * math.pi) for v in read[c.name] - near]
@@ -190,7 +190,7 @@ def _turned(
     trajectory: Trajectory, problem: Problem, row: int, way: Way | None
 ) -> dict[str, float]:
     """What angles of joints that the closure leaves out turn by along a way."""
-    angles = [c.name for c in left_out(problem.closure) if c.kind == "angle"]
+    angles = [c.name for c in left_out(problem.closure) if c.is_periodic]
     if way is None or not angles:
         return {}
     found = dict.fromkeys(angles, 0.0)

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.certificate.disc_arithmetic import UP
-from symkin.certificate.independent_rows import most_independent
 from symkin.computed_once import lru_cache
 from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, along, coefficients
 from symkin.following.trajectory import Trajectory
 from symkin.following.tube import Interval
+from symkin.numeric.rank import most_independent
 
 ALONE = np.zeros(1, dtype=np.intc)
 """The number of the only interval."""

@@ -166,7 +166,7 @@ def _groups(problem: Problem, place: Sample) -> tuple[SingularGroup, ...]:
     """The structure groups of coordinates told by name that are singular at a stop, as `modes`
     numbers them.
     """
-    if problem.kind != "given":
+    if not problem.by_name:
         return ()
     listed = build_problem(
         problem.mechanism, "given", tuple(c.name for c in problem.known_coordinates)
@@ -185,15 +185,15 @@ def _type(branch: Branch) -> str:
     actuated joints move. Of values by name all others are the output.
     """
     followed = branch.blocks[0].system.problem
-    if followed.kind == "given":
+    if followed.by_name:
         return "type 1" if followed.name == "inverse" else "type 2"
     largest = 0.0
     for block in branch.stopped:
         problem, system = block.system.problem, block.system.system
-        moving = "pose" if problem.kind == "direct" else "actuated"
+        moving = "pose" if problem.of_joints else "actuated"
         for c, place in zip(system.unknowns, system.slices, strict=True):
             if c.role == moving and block.stop is not None and block.stop.singular is not None:
                 largest = max(largest, float(np.max(np.abs(block.stop.singular.null[place]))))
     if largest < SINGULAR_VALUE:
         return "passive"
-    return "type 2" if problem.kind == "direct" else "type 1"
+    return "type 2" if problem.of_joints else "type 1"

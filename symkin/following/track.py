@@ -152,7 +152,7 @@ def branch_from(
 
 
 def _check_isolated(problem: Problem) -> None:
-    if problem.kind == "given":
+    if problem.by_name:
         refuse_unless_determined(problem)
         return
     free = problem.system.freedom - problem.generic_rank
@@ -173,13 +173,13 @@ def _start_mode(trajectory: Trajectory, start: Start) -> tuple[Solution | None, 
         return start, ()
     result = solve(trajectory.mechanism, start=start, check=False, **trajectory.given[0])
     if result.solution is None:
-        return None, (result.message, *(result.notes if trajectory.problem.kind == "given" else ()))
-    if trajectory.problem.kind == "given":
+        return None, (result.message, *(result.notes if trajectory.problem.by_name else ()))
+    if trajectory.problem.by_name:
         return result.solution, tuple(n for n in result.notes if n not in result.solution.notes)
     return result.solution, () if start is None else start_notes(
         result.solution,
         trajectory.problem.kind,
-        start,  # type: ignore[arg-type]
+        start,
     )
 
 
@@ -197,19 +197,14 @@ def _check_start(trajectory: Trajectory, mode: Solution) -> None:
     for c in trajectory.coordinates:
         here = slice(place, place + c.width)
         wanted, own, place = trajectory.samples[0][here], values[here], place + c.width
-        if c.kind == "quaternion":
+        if c.is_rotation:
             off = min(float(np.max(np.abs(own - wanted))), float(np.max(np.abs(own + wanted))))
-        elif c.kind == "angle":
+        elif c.is_periodic:
             off = abs(math.remainder(own[0] - wanted[0], 2 * math.pi))
         else:
-            off = abs(float(own[0] - wanted[0])) / (
-                1.0 if c.is_angular else mechanism.characteristic_length
-            )
+            off = abs(float(own[0] - wanted[0])) / c.unit(mechanism.characteristic_length)
         if not off <= _OFF_START:
-            shown = [
-                mechanism.angle_out(float(v)) if c.is_angular else float(v)
-                for v in (own[0], wanted[0])
-            ]
+            shown = [mechanism.value_out(c, float(v)) for v in (own[0], wanted[0])]
             raise InputError(
                 f"start: the solution has {c.name} = {shown[0]:.9g}, the path begins at "
                 f"{shown[1]:.9g}; the start must be a "

@@ -134,7 +134,7 @@ def _joint(table: Table, mechanism: Mechanism, c: Coordinate) -> list[float]:
 
 def _names(c: Coordinate) -> list[str]:
     """Column names of a coordinate: of a quaternion its four numbers."""
-    return [f"{c.name}.{part}" for part in _QUATERNION] if c.kind == "quaternion" else [c.name]
+    return [f"{c.name}.{part}" for part in _QUATERNION] if c.is_rotation else [c.name]
 
 
 def _point_names(mechanism: Mechanism) -> list[str]:
@@ -150,7 +150,7 @@ def write_track(track: Track, path: str | Path) -> None:
     timed = track.trajectory.times is not None
     headers = ["t[s]"] if timed else []
     for c in listed_joints(track.problem):
-        unit = "" if c.kind == "quaternion" else f"[{angle}]" if c.is_angular else f"[{length}]"
+        unit = "" if c.is_rotation else f"[{angle}]" if c.is_angular else f"[{length}]"
         headers += [name + unit for name in _names(c)]
     if mechanism.platform_link is not None:
         headers += [*(f"{name}[{length}]" for name in _POSITION), *_QUATERNION]

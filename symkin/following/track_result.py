@@ -182,16 +182,16 @@ class Track(Result):
                 found[c.name] = (
                     f"{c.name} [{angle if c.is_angular else unit}]",
                     shown,
-                    1.0 if c.is_angular else size,
+                    c.unit(size),
                 )
         known = {c.name for c in problem.known_coordinates}
         for c in sorted(listed_joints(problem), key=lambda c: c.name not in known):
-            if c.kind != "quaternion":
+            if not c.is_rotation:
                 column = np.array([sample.joints[c.name] for sample in self.samples])
                 found[c.name] = (
                     f"{c.name} [{angle if c.is_angular else unit}]",
                     column,
-                    1.0 if c.is_angular else size,
+                    c.unit(size),
                 )
         if self.samples[0].has_platform:
             places = np.array([np.asarray(sample.pose.position) for sample in self.samples])

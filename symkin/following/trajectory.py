@@ -215,7 +215,7 @@ def interpolated(
     out, start = np.empty(len(a)), 0
     for c in coordinates:
         place = slice(start, start + c.width)
-        if c.kind == "quaternion":
+        if c.is_rotation:
             half, normal = great_circle(a[place], b[place])
             out[place] = math.cos(u * half) * a[place] + math.sin(u * half) * normal
         else:
@@ -239,10 +239,7 @@ def _joints(mechanism: Mechanism, row: Sequence[float], number: int) -> Given:
     what = f"joints of sample {number}"
     once = joint_values(mechanism, row, what)
     whole = np.array(
-        [
-            mechanism.angle_in(float(v)) if c.is_angular else float(v)
-            for c, v in zip(mechanism.actuated, row, strict=True)
-        ]
+        [mechanism.value_in(c, float(v)) for c, v in zip(mechanism.actuated, row, strict=True)]
     )
     values = np.where(np.abs(whole - once) > 1.0, whole, once) if len(once) else once
     names = tuple(c.name for c in mechanism.actuated)
@@ -290,9 +287,9 @@ def _continued(
     out, start = values.copy(), 0
     for c in coordinates:
         place = slice(start, start + c.width)
-        if c.kind == "quaternion":
+        if c.is_rotation:
             out[place] = values[place] if values[place] @ before[place] >= 0.0 else -values[place]
-        elif c.kind == "angle" and c.role == "pose":
+        elif c.is_periodic and c.role == "pose":
             out[place] = before[place] + np.array(
                 [math.remainder(values[start] - before[start], 2 * math.pi)]
             )

@@ -78,8 +78,8 @@ def closed_branch(
     of quaternions."""
     shift, signs = np.zeros(len(start)), np.ones(len(start))
     for c, place in zip(system.system.unknowns, system.system.slices, strict=True):
-        if c.kind == "angle":
+        if c.is_periodic:
             shift[place] = _TURN * np.round((end[place] - start[place]) / _TURN)
-        elif c.kind == "quaternion" and end[place] @ start[place] < 0.0:
+        elif c.is_rotation and end[place] @ start[place] < 0.0:
             signs[place] = -1.0
     return ClosedBranch(period, shift, signs)

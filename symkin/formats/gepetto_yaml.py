@@ -14,7 +14,7 @@ from typing import Any
 
 from symkin.errors import InputError, MechanismError
 from symkin.formats.joint_graph import Direction
-from symkin.model.joint import JointType
+from symkin.model.joint_forms import JointType
 from symkin.regular_file import content_of
 from symkin.text import first_of, not_among, shown
 

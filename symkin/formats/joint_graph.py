@@ -22,7 +22,8 @@ from symkin.formats.parts import Parts, turned
 from symkin.formats.robot import Closure, ClosureType, Mesh, Robot
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joined import Joined
-from symkin.model.joint import BASE, FREEDOMS, Joint, JointType
+from symkin.model.joint import BASE, Joint
+from symkin.model.joint_forms import JOINT_FORMS, JointType
 from symkin.model.motor import Motor
 from symkin.spatial.pose import Pose
 from symkin.text import first_of
@@ -133,7 +134,7 @@ def place(
 
 def _moved(joint: GraphJoint, value: float) -> Pose:
     """How far a joint of one coordinate moves its second frame in its first, from 0 to a value."""
-    if not value or joint.axis is None or FREEDOMS[joint.type] != 1:
+    if not value or joint.axis is None or JOINT_FORMS[joint.type].freedom != 1:
         return Pose.identity()
     along = value if joint.type == "P" else value * joint.pitch / (2.0 * math.pi)
     turn = np.zeros(3) if joint.type == "P" else value * np.array(joint.axis)
@@ -244,10 +245,10 @@ class _Assembly:
             pitch=joint.pitch,
             actuated=joint.actuated or self.graph.parts.drives(joint.name, joint.type),
             zero=self.graph.parts.reference.get(joint.name, 0.0)
-            if FREEDOMS[joint.type] == 1
+            if JOINT_FORMS[joint.type].freedom == 1
             else 0.0,
-            limits=joint.limits if FREEDOMS[joint.type] == 1 else None,
-            motor=joint.motor if FREEDOMS[joint.type] == 1 else None,
+            limits=joint.limits if JOINT_FORMS[joint.type].freedom == 1 else None,
+            motor=joint.motor if JOINT_FORMS[joint.type].freedom == 1 else None,
         )
         return LinkJoint(
             turned(made) if backward else made, (self.link_names[carrier], self.link_names[link])
@@ -288,7 +289,7 @@ class _Assembly:
             self.link_names[self.part_of[joint.links[1]]],
         )
         kind: ClosureType = joint.type
-        limits = joint.limits if FREEDOMS[joint.type] == 1 else None
+        limits = joint.limits if JOINT_FORMS[joint.type].freedom == 1 else None
         driven = joint.actuated or self.graph.parts.drives(joint.name, joint.type)
         return Closure(
             self.joint_names[joint.name],
@@ -300,7 +301,7 @@ class _Assembly:
             joint.pitch,
             limits,
             driven,
-            joint.motor if FREEDOMS[joint.type] == 1 else None,
+            joint.motor if JOINT_FORMS[joint.type].freedom == 1 else None,
         )
 
     def _coupling(self, coupling: Coupling) -> Coupling:

@@ -32,7 +32,8 @@ from symkin.formats.parts import KEY, Parts, parts_from
 from symkin.formats.robot import Closure, Mesh, Robot
 from symkin.model.graph import LinkJoint
 from symkin.model.joined import Joined
-from symkin.model.joint import BASE, Joint, JointType
+from symkin.model.joint import BASE, Joint
+from symkin.model.joint_forms import JointType
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply
 from symkin.text import first_of

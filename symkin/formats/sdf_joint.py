@@ -12,7 +12,7 @@ import numpy as np
 from symkin.formats.joint_graph import Direction
 from symkin.formats.urdf_parts import unit
 from symkin.formats.xml_text import Element
-from symkin.model.joint import JointType
+from symkin.model.joint_forms import JointType
 from symkin.model.motor import Motor, motor_of
 from symkin.spatial.pose import Pose
 from symkin.text import not_among

@@ -19,7 +19,7 @@ from symkin.formats.sdf_frames import NEWEST, WORLD
 from symkin.formats.written_tree import Form, WrittenTree, written_tree
 from symkin.formats.xml_written import Element, document, element, inside, numbers
 from symkin.model.graph import Coupling, LinkJoint
-from symkin.model.joint import BASE, FREEDOMS, Coordinate, Joint
+from symkin.model.joint import BASE, Coordinate, Joint
 from symkin.model.mechanism import Mechanism
 from symkin.model.motor import Motor
 
@@ -72,9 +72,7 @@ class _Text:
         self._refuse_names()
         self.names = self._joint_names()
         self.zeros = {
-            e.joint.name: e.joint.zero
-            for e in self.joints
-            if FREEDOMS[e.joint.type] == 1 and e.joint.zero
+            e.joint.name: e.joint.zero for e in self.joints if e.joint.freedom == 1 and e.joint.zero
         }
         self.couplings = {coupling.joint: coupling for coupling in tree.couplings}
         self.axes = {

@@ -31,7 +31,7 @@ from symkin.formats.urdf_motors import mimics, told_motors, with_motors
 from symkin.formats.urdf_parts import direction, origin, parts_within, plain_tag
 from symkin.formats.xacro_text import expanded, is_xacro, macros
 from symkin.formats.xml_text import Element, read_xml
-from symkin.model.joint import JointType
+from symkin.model.joint_forms import JointType
 from symkin.spatial.pose import Pose
 from symkin.text import meant, not_among
 

@@ -16,7 +16,7 @@ from symkin.formats.sdf_joint import sdf_axis, sdf_type
 from symkin.formats.urdf_parts import direction, origin, pose_of
 from symkin.formats.xml_text import Element
 from symkin.model.graph import Coupling
-from symkin.model.joint import JointType
+from symkin.model.joint_forms import JointType
 from symkin.spatial.pose import Pose
 from symkin.text import meant, not_among
 

@@ -18,7 +18,8 @@ from symkin.formats.written_tree import Carried, Form, WrittenTree, written_tree
 from symkin.formats.xml_written import Element, document, element, inside
 from symkin.formats.zero_frames import closing_frames, xyz_rpy, zero_displacements
 from symkin.model.graph import Coupling, LinkJoint
-from symkin.model.joint import BASE, Joint, JointType
+from symkin.model.joint import BASE, Joint
+from symkin.model.joint_forms import JointType
 from symkin.model.mechanism import Mechanism
 from symkin.model.motor import Motor
 from symkin.spatial.pose import Pose

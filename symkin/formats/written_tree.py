@@ -21,7 +21,8 @@ from symkin.formats.parts import Parts, Whole, turned
 from symkin.model.graph import Coupling, LinkJoint, LinkRod
 from symkin.model.graph_checks import links_of
 from symkin.model.joined import Joined
-from symkin.model.joint import BASE, Joint, JointType
+from symkin.model.joint import BASE, Joint
+from symkin.model.joint_forms import JointType
 from symkin.model.mechanism import Mechanism
 
 Loops = Literal["loop", "yaml"]

@@ -107,7 +107,7 @@ class AlgebraicSystem:
         """
         parts: list[np.ndarray] = []
         for i, c in enumerate(self.unknowns):
-            if c.kind == "angle":
+            if c.is_periodic:
                 parts += [np.cos(z[i]), np.sin(z[i])]
             else:
                 parts.append(
@@ -132,7 +132,7 @@ class AlgebraicSystem:
         """Rays to unit length, angles into (-pi, pi]."""
         z = self.unit_rays(z)
         for i, c in enumerate(self.unknowns):
-            if c.kind == "angle":
+            if c.is_periodic:
                 z[i] -= 2 * np.pi * np.round(z[i].real / (2 * np.pi))
         return z
 

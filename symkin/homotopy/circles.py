@@ -56,7 +56,7 @@ def gaps(system: AlgebraicSystem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     found = np.zeros(np.broadcast_shapes(a.shape[1:], b.shape[1:]))
     for i, unknown in enumerate(system.unknowns):
         gap = a[i] - b[i]
-        if unknown.kind == "angle":
+        if unknown.is_periodic:
             gap = gap - 2 * np.pi * np.round(gap.real / (2 * np.pi))
         else:
             gap = gap / np.maximum(1.0, np.abs(b[i]))
@@ -177,7 +177,7 @@ def _germ(system: AlgebraicSystem, samples: np.ndarray, members: list[int]) -> G
     """What the samples (VERTICES + 1, width, n) of one cycle say of its end."""
     z = np.concatenate([samples[:-1, :, i] for i in members])
     affine, ray = len(system.unknowns), list(system.projective)
-    angles = np.array([c.kind == "angle" for c in system.unknowns], dtype=bool)
+    angles = np.array([c.is_periodic for c in system.unknowns], dtype=bool)
     steps = np.diff(np.vstack([z[:, :affine], z[:1, :affine]]), axis=0)
     steps -= np.where(angles, 2 * np.pi * np.round(steps.real / (2 * np.pi)), 0.0)
     winding = np.where(angles, np.round(steps.sum(axis=0).real / (2 * np.pi)), 0.0)

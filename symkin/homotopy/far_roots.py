@@ -31,7 +31,7 @@ _FIRST, _SMALLEST, _MOST_STEPS = 0.01, 1e-9, 1000
 
 def are_far(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
     """Which points (width, n) have an angle with a large imaginary part."""
-    angles = [i for i, c in enumerate(system.unknowns) if c.kind == "angle"]
+    angles = [i for i, c in enumerate(system.unknowns) if c.is_periodic]
     return np.asarray(
         np.isfinite(z).all(axis=0) & (np.max(np.abs(z[angles].imag), axis=0, initial=0.0) > _FAR)
     )

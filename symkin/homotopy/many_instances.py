@@ -136,7 +136,7 @@ def _differences(system: AlgebraicSystem, values: np.ndarray, i: int) -> np.ndar
     """Distances (n, roots, roots) of one unknown's values (n, roots)."""
     c = system.unknowns[i]
     gap = values[:, :, None] - values[:, None, :]
-    if c.kind == "angle":
+    if c.is_periodic:
         gap -= 2.0 * np.pi * np.rint(gap.real / (2.0 * np.pi))
         return np.asarray(np.abs(gap))
     if c.least is not None:

@@ -17,6 +17,7 @@ from symkin.closure.numpy_code import vectorise
 from symkin.closure.pose_forms import StudyPose
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.numeric.rank import independent_rows
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem
 from symkin.position.solution import pose_of
@@ -47,7 +48,7 @@ def all_distances(problem: Problem) -> ca.Function | None:
     """Length, base point and platform point of each distance (7 numbers, length unit) as a function
     of the known joints; None where the direct problem is another one.
     """
-    if problem.kind != "direct" or problem.mechanism.motion != "spatial":
+    if not problem.of_joints or problem.mechanism.motion != "spatial":
         return None
     algebraic = build_algebraic_closure(problem.mechanism, "study")
     if algebraic.distances is None or algebraic.rows.shape[0] < DISTANCES:
@@ -73,14 +74,9 @@ def chosen_distances(problem: Problem) -> tuple[int, ...]:
     arms = numbers[:, 4:] @ np.asarray(matrix_from_quaternion(pose.quaternion)).T
     lines = arms + np.asarray(pose.position) - numbers[:, 1:4]
     lines = lines / np.linalg.norm(lines, axis=1, keepdims=True)
-    left = np.hstack([lines, np.cross(arms, lines) / problem.closure.characteristic_length])
-    chosen: list[int] = []
-    for _ in range(DISTANCES):
-        best = int(np.argmax(np.linalg.norm(left, axis=1)))
-        chosen.append(best)
-        unit = left[best] / max(float(np.linalg.norm(left[best])), 1e-300)
-        left = left - np.outer(left @ unit, unit)
-    return tuple(sorted(chosen))
+    wrenches = np.hstack([lines, np.cross(arms, lines) / problem.closure.characteristic_length])
+    # six of them, however near to others' span
+    return tuple(sorted(independent_rows(wrenches, -np.inf, most=DISTANCES)))
 
 
 @lru_cache(maxsize=128)

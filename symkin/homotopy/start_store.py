@@ -233,17 +233,17 @@ def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarra
 def _by_monodromy(
     problem: Problem, system: AlgebraicSystem, block: System, progress: Progress | None
 ) -> tuple[Fibre | None, str]:
-    if problem.kind == "direct":
+    if problem.of_joints:
         found = mobility(problem.mechanism)
         if found.closed and found.direct_rank.value < found.rank.value:
             return None, f"{AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
     # fewer combinations of the rows than these are no more redundant than they
     whole = int(block.rows.shape[0]) - (
-        redundant_rows(problem, block) if problem.kind != "inverse" else 0
+        redundant_rows(problem, block) if not problem.of_pose else 0
     )
     rank = (
         min(system.count, whole)
-        if problem.kind == "given"
+        if problem.by_name
         else system.count - int(block.rows.shape[0]) + whole
     )
 
@@ -251,7 +251,7 @@ def _by_monodromy(
         return random_point(problem, system, rng, near=near)
 
     if not _is_determined(
-        system, _closed_points(problem, system, block) if problem.kind == "given" else points
+        system, _closed_points(problem, system, block) if problem.by_name else points
     ):
         return None, TIED
     combined = system.count < system_of(problem, block).count

@@ -163,9 +163,7 @@ def _flips(system: AlgebraicSystem) -> list[_Flip]:
     """One sign a unknown (a ray's first coordinate keeps its own), and a half turn an angle."""
     fixed = system.projective[:1]
     signs = [_Flip(i, -1.0, 0.0) for i in range(system.width) if i not in fixed]
-    return signs + [
-        _Flip(i, 1.0, np.pi) for i, c in enumerate(system.unknowns) if c.kind == "angle"
-    ]
+    return signs + [_Flip(i, 1.0, np.pi) for i, c in enumerate(system.unknowns) if c.is_periodic]
 
 
 def _admitted(system: AlgebraicSystem, rows: _Rows, flips: list[_Flip]) -> np.ndarray:

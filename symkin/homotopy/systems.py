@@ -19,7 +19,7 @@ from symkin.homotopy.six_distances import (
     is_universal,
     universal_system,
 )
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.system import System
 from symkin.position.groups import without_later
 from symkin.position.problem import KNOWN, Problem
@@ -35,7 +35,7 @@ def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
     """The blocks of a problem over the complex numbers. Platforms held by six rods share one
     system, whose known values are lengths and points.
     """
-    if problem.kind == "given":
+    if problem.by_name:
         return (_of_given(problem),)
     if is_universal(problem):
         return (universal_system(),)
@@ -43,11 +43,11 @@ def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
 
 
 def _build(problem: Problem) -> tuple[AlgebraicSystem, ...]:
-    pose_unknown = problem.kind == "direct"
+    pose_unknown = problem.of_joints
     algebraic = build_algebraic_closure(
         problem.mechanism,
         "study" if pose_unknown else "homogeneous",
-        eliminate=problem.kind == "inverse",
+        eliminate=problem.of_pose,
     )
     size = problem.closure.characteristic_length
     known_role = KNOWN[problem.kind]
@@ -164,10 +164,10 @@ def _known_parts(
             )
         else:
             symbol = closure.variables[closure.slices[c.name]]
-        if c.kind == "quaternion" and not ray:
+        if c.is_rotation and not ray:
             ray = tuple(range(len(scale), len(scale) + 4))
         parts.append(symbol)
-        scale += [1.0 if c.is_angular or c.kind == "quaternion" else size] * c.width
+        scale += units_of([c], size)
     return parts, scale, ray
 
 
@@ -176,9 +176,7 @@ def floating_bodies(coordinates: Sequence[Coordinate]) -> tuple[str, ...]:
     last point; a platform that keeps its orientation, or turns about one axis, has numbers for
     coordinates as joints do.
     """
-    return tuple(
-        dict.fromkeys(c.body for c in coordinates if c.body is not None and c.kind == "quaternion")
-    )
+    return tuple(dict.fromkeys(c.body for c in coordinates if c.body is not None and c.is_rotation))
 
 
 def system_of(problem: Problem, block: System) -> AlgebraicSystem:
@@ -217,7 +215,7 @@ def meets_all_rows(
 
 
 def _scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:
-    return [1.0 if c.is_angular else size for c in coordinates]
+    return [c.unit(size) for c in coordinates]
 
 
 def _part(
@@ -245,7 +243,7 @@ def _pose_scale(
     algebraic: AlgebraicClosure, pose: Sequence[Coordinate], size: float
 ) -> list[float]:
     if algebraic.form is None:
-        return [1.0 if c.is_angular else size for c in pose]
+        return [c.unit(size) for c in pose]
     width = int(algebraic.pose.shape[0])
     if width == 4:
         return [1.0] * 4
@@ -255,15 +253,15 @@ def _pose_scale(
 def unsuitable(problem: Problem) -> str | None:
     """Why a problem has no complex start system, if it has none."""
     for c in problem.system.unknowns:
-        if c.kind == "turns":
+        if c.is_advancing:
             reason = problem.mechanism.advancing.get(c.name)
             return (
                 f"the closure is not algebraic in {c.name} "
                 f"({'helical joint' if reason is None else reason})"
             )
-        if c.kind == "quaternion" and c.role not in ("pose", "body"):
+        if c.is_rotation and c.role not in ("pose", "body"):
             return f"{c.name} is a spherical joint that the closure keeps"
-    bodies = floating_bodies(problem.system.unknowns) if problem.kind == "given" else ()
+    bodies = floating_bodies(problem.system.unknowns) if problem.by_name else ()
     if len(bodies) > 1:
         return f"the poses of {' and '.join(bodies)} are found together"
     return None

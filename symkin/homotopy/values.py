@@ -6,25 +6,20 @@ import numpy as np
 
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import distance_data, is_universal
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.position.problem import Problem
 from symkin.spatial.rotation import conjugate, multiply
 
 
 def coordinate_scale(problem: Problem, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
     """What a number of each coordinate is divided by: the size for lengths."""
-    size = problem.closure.characteristic_length
-    parts = [
-        np.full(c.width, 1.0 if c.is_angular or c.kind == "quaternion" else size)
-        for c in coordinates
-    ]
-    return np.concatenate([*parts, np.zeros(0)])
+    return np.array(units_of(coordinates, problem.closure.characteristic_length))
 
 
 def known_angles(problem: Problem) -> np.ndarray:
     """Which numbers of the known coordinates are angles."""
     return np.array(
-        [c.kind == "angle" for c in problem.known_coordinates for _ in range(c.width)], dtype=bool
+        [c.is_periodic for c in problem.known_coordinates for _ in range(c.width)], dtype=bool
     )
 
 
@@ -58,10 +53,7 @@ def many_real_values(
     up to rounding.
     """
     size = problem.closure.characteristic_length
-    values = {
-        c.name: z[i].real[:, None] * (1.0 if c.is_angular else size)
-        for i, c in enumerate(system.unknowns)
-    }
+    values = {c.name: z[i].real[:, None] * c.unit(size) for i, c in enumerate(system.unknowns)}
     if system.eliminated:
         angles = system.angles_eliminated(z.real.T, k.real.T)
         values |= {
@@ -100,10 +92,7 @@ def complex_values(
     position 2 g e* / (e . e).
     """
     size = problem.closure.characteristic_length
-    values = {
-        c.name: z[i][:, None] * (1.0 if c.is_angular else size)
-        for i, c in enumerate(system.unknowns)
-    }
+    values = {c.name: z[i][:, None] * c.unit(size) for i, c in enumerate(system.unknowns)}
     if system.projective:
         rays = z[list(system.projective)]
         rays = rays / np.sqrt(np.einsum("in,in->n", rays[:4], rays[:4]))
@@ -127,7 +116,7 @@ def algebraic_points(
     `many_real_values`.
     """
     size = problem.closure.characteristic_length
-    z = [values[c.name].T / (1.0 if c.is_angular else size) for c in system.unknowns]
+    z = [values[c.name].T / c.unit(size) for c in system.unknowns]
     if system.projective:
         start = f"{system.body}."
         own = {

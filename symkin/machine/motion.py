@@ -12,7 +12,7 @@ import numpy as np
 
 from symkin.closure.branches import chains_of, edges_of
 from symkin.closure.link_poses import joint_coordinates
-from symkin.model.displaced import displaced
+from symkin.model.changed import displaced
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Joint
 from symkin.model.limb import AnyLimb, RodLimb

@@ -24,6 +24,7 @@ from symkin.model.graph import (
     coupling_scale,
 )
 from symkin.model.joint import BASE, PLATFORM, Joint
+from symkin.model.joint_forms import JOINT_FORMS
 from symkin.model.keys import MECHANISM, Place, read_table
 from symkin.model.limb import LIMB_LINKS, Limb, Rod, RodLimb
 from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
@@ -160,7 +161,7 @@ def _rod(limb: str, k: int, table: Any) -> Rod:
 
 
 def _joint(table: Any, *, serial: bool = False) -> Joint:
-    if table.point is None and table.type not in ("P", "weld"):
+    if table.point is None and JOINT_FORMS[table.type].has_point:
         raise MechanismError(
             f"joint {table.name!r}: point is missing; a joint of type {table.type} needs it"
         )

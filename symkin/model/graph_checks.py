@@ -87,7 +87,7 @@ def _check_known(name: str, known: Sequence[str], where: str, what: str) -> None
 
 def _check_couplings(graph: Graph) -> None:
     coordinates = {c.name: c for c in graph.coordinates}
-    known = [name for name, c in coordinates.items() if c.kind != "quaternion"]
+    known = [name for name, c in coordinates.items() if not c.is_rotation]
     depends: dict[str, tuple[str, ...]] = {}
     for coupling in graph.couplings:
         where = f"coupling of {coupling.joint!r}"

@@ -8,16 +8,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from symkin.errors import MechanismError
+from symkin.model.joint_forms import JOINT_FORMS, NUMBERS, JointForm, JointType, Kind
 from symkin.model.motor import Motor
 from symkin.text import not_among
 
-JointType = Literal["R", "P", "H", "C", "U", "S", "weld"]
-Kind = Literal["length", "angle", "turns", "quaternion"]
-"""length; angle modulo a turn; turns: an angle that advances (helical joint), not periodic; unit
-quaternion.
-"""
-
-JOINT_TYPES: tuple[JointType, ...] = ("R", "P", "H", "C", "U", "S")
 BASE = "base"
 """The link that is fixed."""
 PLATFORM = "platform"
@@ -27,16 +21,6 @@ POSE_CONDITIONS = ("x", "y", "z", "azimuth", "tilt", "torsion")
 Rz(azimuth) Ry(tilt) Rz(torsion - azimuth) from the base frame (Bonev, Zlatanov, Gosselin, ASME J.
 Mech. Des. 124, 2002).
 """
-FREEDOMS: dict[str, int] = {"R": 1, "P": 1, "H": 1, "C": 2, "U": 2, "S": 3, "weld": 0}
-_COORDINATES: dict[str, tuple[tuple[str, Kind], ...]] = {
-    "R": (("", "angle"),),
-    "P": (("", "length"),),
-    "H": (("", "turns"),),
-    "C": ((".angle", "angle"), (".slide", "length")),
-    "U": ((".1", "angle"), (".2", "angle")),
-    "S": (("", "quaternion"),),
-    "weld": (),
-}
 
 
 @dataclass(frozen=True)
@@ -58,12 +42,12 @@ class Coordinate:
     @property
     def width(self) -> int:
         """Count of numbers that hold it."""
-        return 4 if self.kind == "quaternion" else 1
+        return NUMBERS[self.kind][0]
 
     @property
     def freedom(self) -> int:
         """Count of independent ways in which it changes."""
-        return 3 if self.kind == "quaternion" else 1
+        return NUMBERS[self.kind][1]
 
     @property
     def body(self) -> str | None:
@@ -77,10 +61,38 @@ class Coordinate:
         """Whether it is a single angle, in radians."""
         return self.kind in ("angle", "turns")
 
+    @property
+    def is_periodic(self) -> bool:
+        """Whether whole turns leave it as it is."""
+        return self.kind == "angle"
+
+    @property
+    def is_advancing(self) -> bool:
+        """Whether it is an angle whose whole turns count."""
+        return self.kind == "turns"
+
+    @property
+    def is_rotation(self) -> bool:
+        """Whether it is a unit quaternion."""
+        return self.kind == "quaternion"
+
+    @property
+    def is_length(self) -> bool:
+        """Whether it is a length."""
+        return self.kind == "length"
+
+    def unit(self, length: float) -> float:
+        """What its numbers are measured in: a length in `length`, all others in 1."""
+        return length if self.is_length else 1.0
+
+    def lever(self, length: float) -> float:
+        """How far a unit of it moves what is `length` away: 1 for a length."""
+        return 1.0 if self.is_length else length
+
 
 def units_of(coordinates: Sequence[Coordinate], length: float) -> list[float]:
-    """The unit of each number of the coordinates: of lengths `length`, of all others 1."""
-    return [length if c.kind == "length" else 1.0 for c in coordinates for _ in range(c.width)]
+    """The unit of each number of the coordinates (see `Coordinate.unit`)."""
+    return [c.unit(length) for c in coordinates for _ in range(c.width)]
 
 
 @dataclass(frozen=True)
@@ -124,9 +136,9 @@ class Joint:
 
     def __post_init__(self) -> None:
         where = f"joint {self.name!r}"
-        if self.type not in FREEDOMS:
-            raise MechanismError(f"{where}: type = {not_among(self.type, FREEDOMS)}")
-        if self.actuated and self.type in ("S", "weld"):
+        if self.type not in JOINT_FORMS:
+            raise MechanismError(f"{where}: type = {not_among(self.type, JOINT_FORMS)}")
+        if self.actuated and not self.form.axes:
             raise MechanismError(
                 f"{where}: actuated = true is allowed for R, P, H, C and U joints only, not for "
                 f"{self.type}"
@@ -138,7 +150,7 @@ class Joint:
                 )
             )
         own = self.limits is not None or self.motor is not None
-        if FREEDOMS[self.type] != 1 and (self.zero != 0.0 or own):
+        if self.freedom != 1 and (self.zero != 0.0 or own):
             raise MechanismError(
                 f"{where}: zero, limits and motor are allowed for joints of one coordinate (R, P, "
                 f"H) only"
@@ -152,17 +164,15 @@ class Joint:
                 f"{where}: pitch is allowed for H joints only, not for {self.type}"
             )
         object.__setattr__(self, "point", vector3(self.point, f"{where}: point"))
-        object.__setattr__(
-            self, "axis", self._direction("axis", needed=self.type not in ("S", "weld"))
-        )
-        object.__setattr__(self, "axis2", self._direction("axis2", needed=self.type == "U"))
+        object.__setattr__(self, "axis", self._direction("axis", needed=self.form.axes > 0))
+        object.__setattr__(self, "axis2", self._direction("axis2", needed=self.form.axes > 1))
         object.__setattr__(self, "zero", finite(self.zero, f"{where}: zero"))
         object.__setattr__(self, "pitch", finite(self.pitch, f"{where}: pitch"))
         object.__setattr__(self, "limits", interval(self.limits, f"{where}: limits"))
-        if self.type == "U" and _parallel(self.axis, self.axis2):
+        if self.form.axes > 1 and _parallel(self.axis, self.axis2):
             raise MechanismError(
-                f"{where}: axis2 = {list(self.axis2 or ())} is parallel to axis; a U joint needs "
-                f"two directions"
+                f"{where}: axis2 = {list(self.axis2 or ())} is parallel to axis; a {self.type} "
+                f"joint needs two directions"
             )
 
     def _direction(self, key: str, *, needed: bool) -> tuple[float, ...] | None:
@@ -177,20 +187,29 @@ class Joint:
         return unit3(value, where)
 
     @property
+    def form(self) -> JointForm:
+        """What joints of its type have."""
+        return JOINT_FORMS[self.type]
+
+    @property
     def freedom(self) -> int:
         """Count of the joint's degrees of freedom."""
-        return FREEDOMS[self.type]
+        return self.form.freedom
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The coordinates in the order in which the joint moves."""
         role: Literal["actuated", "passive"] = "actuated" if self.actuated else "passive"
-        if self.type == "S":
-            return (Coordinate(self.name, "quaternion", role, (1.0, 0.0, 0.0, 0.0)),)
         limits = None if self.limits is None else (self.limits[0], self.limits[1])
         return tuple(
-            Coordinate(self.name + suffix, kind, role, (self.zero,), limits)
-            for suffix, kind in _COORDINATES[self.type]
+            Coordinate(
+                self.name + suffix,
+                kind,
+                role,
+                (1.0, 0.0, 0.0, 0.0) if kind == "quaternion" else (self.zero,),
+                limits,
+            )
+            for suffix, kind in self.form.coordinates
         )
 
 

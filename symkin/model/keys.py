@@ -14,7 +14,8 @@ from symkin.errors import MechanismError
 from symkin.model.arithmetic import evaluate
 from symkin.model.foreign_keys import JOINT_TYPES as FOREIGN_TYPES
 from symkin.model.foreign_keys import LINKS_IN_A_LIMB
-from symkin.model.joint import JOINT_TYPES, interval
+from symkin.model.joint import interval
+from symkin.model.joint_forms import JOINT_TYPES
 from symkin.model.limb import LIMB_LINKS, ROD_TYPES
 from symkin.model.motor import Motor
 from symkin.model.names import name_fault, text_fault

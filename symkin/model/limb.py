@@ -202,6 +202,16 @@ class Limb:
         return tuple(found)
 
     @property
+    def links_along(self) -> list[str]:
+        """The links in order: the first, those between the joints (leg1.1, leg1.2, ...), and behind
+        the last joint the last or the one that carries the rods.
+        """
+        first, last = self.links
+        inner = len(self.joints) - (0 if self.rods else 1)
+        between = [f"{self.name}.{k}" for k in range(1, inner + 1)]
+        return [first, *between, *([] if self.rods else [last])]
+
+    @property
     def type(self) -> str:
         """Letters of the joints from base to platform, and the count of rods: RUS, R+2SS."""
         return "".join(joint.type for joint in self.joints) + (

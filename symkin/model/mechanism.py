@@ -196,7 +196,7 @@ class Mechanism:
         """
         advancing = self.advancing
         return tuple(
-            replace(c, kind="turns") if c.kind == "angle" and c.name in advancing else c
+            replace(c, kind="turns") if c.is_periodic and c.name in advancing else c
             for c in self._as_described
         )
 
@@ -307,6 +307,18 @@ class Mechanism:
     def angle_in(self, value: float) -> float:
         """From the mechanism's angle unit to radians."""
         return math.radians(value) if self.angle_unit == "deg" else value
+
+    def value_out(self, coordinate: Coordinate, value: float) -> float:
+        """A coordinate's value in the mechanism's units, from radians and the length unit."""
+        return self.angle_out(value) if coordinate.is_angular else value
+
+    def value_in(self, coordinate: Coordinate, value: float) -> float:
+        """A coordinate's value in radians and the length unit, from the mechanism's units."""
+        return self.angle_in(value) if coordinate.is_angular else value
+
+    def unit_of(self, coordinate: Coordinate) -> str:
+        """The mechanism's unit of a coordinate that is one number."""
+        return self.angle_unit if coordinate.is_angular else self.length_unit
 
     def to_toml(self) -> str:
         """The mechanism file (format 1) that describes this mechanism."""
@@ -484,7 +496,7 @@ def _check_example(mechanism: Mechanism, example: Example) -> None:
         unit_quaternion(example.pose[3:], "example.pose: the quaternion")
     if example.given is not None:
         allowed = (
-            *(c.name for c in mechanism.coordinates if c.kind != "quaternion"),
+            *(c.name for c in mechanism.coordinates if not c.is_rotation),
             *POSE_CONDITIONS,
         )
         for name, _ in example.given:

@@ -129,5 +129,5 @@ def _angles(mechanism: Mechanism) -> Iterator[tuple[str, float]]:
         yield from (
             (f"example.joints: {c.name}", value)
             for c, value in zip(mechanism.actuated, example.joints, strict=True)
-            if c.kind == "angle"
+            if c.is_periodic
         )

@@ -87,6 +87,13 @@ def levenberg_marquardt(
     return Batch(points, largest, converged, iteration)
 
 
+def patiently(system: Rows, starts: np.ndarray, known: np.ndarray) -> Batch:
+    """As `levenberg_marquardt`, for starts that may be far from any root: some ten steps suffice
+    from one nearby.
+    """
+    return levenberg_marquardt(system, starts, known, max_iterations=300, patience=60)
+
+
 def _damped_steps(jacobians: np.ndarray, values: np.ndarray, damping: np.ndarray) -> np.ndarray:
     """Steps d (n, columns) with (J^T J + l^2 I) d = -J^T F; of parts of n matrices, as many after
     each other, l (n,) is that of their matrix.

@@ -1,5 +1,5 @@
 """Dense linear algebra of many small matrices at once: least-squares steps, singular values,
-conditions, null spaces.
+conditions.
 
 Stacks have the matrices along the first axes. What is regular is solved by elimination or QR; the
 singular value decomposition, which costs ten times as much, is kept for matrices that are nearly
@@ -8,7 +8,7 @@ singular.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from math import prod
 
 import numpy as np
@@ -187,52 +187,3 @@ def _regular_steps(jacobians: np.ndarray, values: np.ndarray) -> tuple[np.ndarra
     steps = -(inverses @ right)
     steps = steps if basis is None else basis @ steps
     return steps[:, :, 0], size < WELL_CONDITIONED**2
-
-
-def null_space(matrix: np.ndarray, tolerance: float, *, relative: bool = False) -> np.ndarray:
-    """Orthonormal rows n with matrix n = 0, singular values up to `tolerance` taken as zero: an
-    absolute bound, or a share of the largest one.
-    """
-    if not len(matrix):
-        return np.eye(matrix.shape[1])
-    parts = diagonal_parts(matrix[None])
-    if parts:
-        return _null_space_of_parts(matrix, parts, tolerance, relative=relative)
-    _, singular, right = np.linalg.svd(matrix)
-    bound = (
-        tolerance * max(float(singular[0]), float(np.finfo(float).tiny))
-        if relative and singular.size
-        else tolerance
-    )
-    return np.asarray(right[int(np.sum(singular > bound)) :])
-
-
-def _null_space_of_parts(
-    matrix: np.ndarray,
-    parts: list[tuple[np.ndarray, np.ndarray]],
-    tolerance: float,
-    *,
-    relative: bool,
-) -> np.ndarray:
-    if relative:
-        tolerance *= max(float(singular_values(matrix)[0]), float(np.finfo(float).tiny))
-    found = [np.zeros((0, matrix.shape[1]))]
-    for rows, columns in parts:
-        for own, places in zip(rows, columns, strict=True):
-            left = null_space(matrix[np.ix_(own, places)], tolerance)
-            found.append(np.zeros((len(left), matrix.shape[1])))
-            found[-1][:, places] = left
-    return np.vstack(found)
-
-
-def independent_rows(space: np.ndarray, order: Iterable[int], least: float) -> list[int]:
-    """Choose rows of a matrix in an order, each further than `least` from what those before it
-    span; as many as there are columns at most.
-    """
-    chosen, rest = list[int](), space
-    for k in order:
-        length = float(np.linalg.norm(rest[k]))
-        if length > least and len(chosen) < space.shape[1]:
-            chosen.append(int(k))
-            rest = rest - np.outer(rest @ rest[k], rest[k]) / length**2
-    return chosen

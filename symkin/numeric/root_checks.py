@@ -13,6 +13,7 @@ import numpy as np
 
 from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.newton import Polished
+from symkin.numeric.rank import null_space
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import (
     CLOSURE_ROUNDING,
@@ -53,9 +54,7 @@ def rounding(system: System, points: np.ndarray) -> np.ndarray:
     them, in the length unit.
     """
     size = system.characteristic_length
-    places = [
-        place for c, place in zip(system.unknowns, system.slices, strict=True) if c.kind == "length"
-    ]
+    places = [place for c, place in zip(system.unknowns, system.slices, strict=True) if c.is_length]
     long = [np.abs(points[:, place]).max(axis=1) for place in places]
     scale = np.max(np.array([np.full(len(points), max(size, system.farthest)), *long]), axis=0)
     return np.asarray(np.minimum(CLOSURE_ROUNDING * scale, CLOSURE_TOLERANCE * size))
@@ -127,9 +126,9 @@ def _halfway(system: System, point: np.ndarray, others: np.ndarray) -> np.ndarra
     """Points (n, width) between one (width,) and each of `others` (n, width), which are near it."""
     apart = others - point
     for c, place in zip(system.unknowns, system.slices, strict=True):
-        if c.kind == "angle":
+        if c.is_periodic:
             apart[:, place] = wrapped(apart[:, place])
-        elif c.kind == "quaternion":
+        elif c.is_rotation:
             opposite = others[:, place] @ point[place] < 0.0
             apart[:, place] = (
                 np.where(opposite[:, None], -others[:, place], others[:, place]) - point[place]
@@ -162,9 +161,6 @@ def lost_directions(jacobian: np.ndarray, share: float) -> np.ndarray:
     """Unit tangent steps (n, freedom), both ways, in which a Jacobian loses its rank: singular
     values below a share of the largest, at least the smallest; with several, mixtures of them too.
     """
-    _, singular, right = np.linalg.svd(jacobian)
-    lost = right[int(np.sum(singular > share * max(singular[0], 1e-300))) :]
-    if len(lost) == 0:
-        lost = right[-1:]
+    lost = null_space(jacobian, share, relative=True, least=1)
     mixed = np.random.default_rng(0).normal(size=(4 * len(lost), len(lost))) @ lost
     return np.vstack([lost, -lost, mixed / np.linalg.norm(mixed, axis=1, keepdims=True)])

@@ -61,6 +61,13 @@ class System:
         """The same rows with the values of coordinates that were `known` unknown, and back."""
         return replace(self, unknowns=known, unknown=self.known, known=self.unknown)
 
+    def norms(self, z: ca.SX) -> ca.SX:
+        """|q|^2 - 1 of each quaternion of a point z (width,)."""
+        turns = [
+            place for c, place in zip(self.unknowns, self.slices, strict=True) if c.is_rotation
+        ]
+        return ca.vertcat(*(ca.sumsqr(z[place]) - 1 for place in turns), ca.SX(0, 1))
+
     @cached_property
     def tangent(self) -> ca.SX:
         """dz/dd, width x freedom: columns 1, 1/size, and half the quaternion product with a unit
@@ -69,16 +76,14 @@ class System:
         basis = ca.SX(self.width, self.freedom)
         column = 0
         for coordinate, place in zip(self.unknowns, self.slices, strict=True):
-            if coordinate.kind == "quaternion":
+            if coordinate.is_rotation:
                 q = self.unknown[place]
                 for k in range(3):
                     direction = [0.0, 0.0, 0.0, 0.0]
                     direction[k + 1] = 0.5 / self.characteristic_length
                     basis[place, column + k] = multiply(direction, q)
             else:
-                basis[place.start, column] = (
-                    1 / self.characteristic_length if coordinate.is_angular else 1.0
-                )
+                basis[place.start, column] = 1 / coordinate.lever(self.characteristic_length)
             column += coordinate.freedom
         return basis
 
@@ -195,12 +200,12 @@ class System:
         """
         plain, columns, units, turns, column = [], [], [], [], 0
         for c, place in zip(self.unknowns, self.slices, strict=True):
-            if c.kind == "quaternion":
+            if c.is_rotation:
                 turns.append((place, column))
             else:
                 plain.append(place.start)
                 columns.append(column)
-                units.append(self.characteristic_length if c.is_angular else 1.0)
+                units.append(c.lever(self.characteristic_length))
             column += c.freedom
         return np.array(plain, dtype=int), np.array(columns, dtype=int), np.array(units), turns
 
@@ -222,7 +227,7 @@ class System:
         """
         turned = points.copy()
         for coordinate, place in zip(self.unknowns, self.slices, strict=True):
-            if coordinate.kind == "angle":
+            if coordinate.is_periodic:
                 turned[..., place] = wrapped(turned[..., place])
         return turned
 

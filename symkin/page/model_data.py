@@ -18,7 +18,7 @@ from symkin.closure.closure import Closure, random_values
 from symkin.closure.link_poses import joint_expressions, link_expressions
 from symkin.codegen.text.javascript import javascript
 from symkin.errors import NoConfigurationError
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import (
     CLOSURE_TOLERANCE,
@@ -69,13 +69,13 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
         "units": {
             c.name: _unit(mechanism, c)
             for c in (*known, *mechanism.coordinates)
-            if c.kind != "quaternion"
+            if not c.is_rotation
         },
         "values": {c.name: _out(mechanism, c, start[closure.slices[c.name].start]) for c in known},
         "limits": {
             c.name: _limits(mechanism, c)
             for c in (*known, *mechanism.coordinates)
-            if c.kind != "quaternion"
+            if not c.is_rotation
         },
         "angleUnit": mechanism.angle_unit,
         "size": closure.characteristic_length,
@@ -140,7 +140,7 @@ def _with_turns(
     """
     start = np.array(variables, dtype=float)
     for c in known:
-        if c.kind == "angle" and c.name in given:
+        if c.is_periodic and c.name in given:
             place = closure.slices[c.name].start
             start[place] += (
                 2.0
@@ -171,7 +171,7 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
     names = {c.name: _out(mechanism, c, solution.values[c.name]) for c in known}
     if not names:
         found = modes(mechanism)
-    elif problem.kind == "direct":
+    elif problem.of_joints:
         found = modes(mechanism, joints=list(names.values()))
     else:
         found = modes(mechanism, given=names)
@@ -212,7 +212,7 @@ def _elsewhere(
     mechanism, rng = problem.mechanism, np.random.default_rng(5)
     rows = [[_near(mechanism, c, names[c.name], rng) for c in known] for _ in range(places)]
     columns = {c.name: [row[k] for row in rows] for k, c in enumerate(known)}
-    given: dict[str, Any] = {"joints": rows} if problem.kind == "direct" else {"given": columns}
+    given: dict[str, Any] = {"joints": rows} if problem.of_joints else {"given": columns}
     if starts:
         given["starts"] = starts // places
     found: Any = modes(mechanism, **given)
@@ -221,9 +221,9 @@ def _elsewhere(
 
 def _near(mechanism: Mechanism, c: Coordinate, value: float, rng: np.random.Generator) -> float:
     """A random value of a coordinate within its limits, around one that it has."""
-    half = 1.0 if c.is_angular else 0.2 * mechanism.characteristic_length
+    half = c.unit(0.2 * mechanism.characteristic_length)
     low, high = c.limits or (c.least if c.least is not None else -np.inf, np.inf)
-    middle = mechanism.angle_in(value) if c.is_angular else value
+    middle = mechanism.value_in(c, value)
     return _out(mechanism, c, float(np.clip(middle + half * rng.uniform(-1.0, 1.0), low, high)))
 
 
@@ -231,11 +231,11 @@ def _near(mechanism: Mechanism, c: Coordinate, value: float, rng: np.random.Gene
 
 
 def _unit(mechanism: Mechanism, c: Coordinate) -> str:
-    return mechanism.angle_unit if c.is_angular else mechanism.length_unit
+    return mechanism.unit_of(c)
 
 
 def _out(mechanism: Mechanism, c: Coordinate, value: Any) -> float:
-    return float(mechanism.angle_out(value) if c.is_angular else value)
+    return float(mechanism.value_out(c, value))
 
 
 def _limits(mechanism: Mechanism, c: Coordinate) -> list[float] | None:
@@ -263,7 +263,7 @@ def _told(closure: Closure, c: Coordinate, place: int) -> dict[str, Any]:
         "kind": c.kind,
         "place": place,
         "limits": None if c.limits is None else list(c.limits),
-        "slack": LIMIT_SLACK * (1.0 if c.is_angular else closure.characteristic_length),
+        "slack": LIMIT_SLACK * c.unit(closure.characteristic_length),
         "least": c.least,
     }
 
@@ -284,9 +284,7 @@ def _functions(problem: Problem, links: Mapping[str, Pose]) -> tuple[str, dict[s
     """
     closure, x = problem.closure, problem.closure.variables
     norms = [
-        ca.sumsqr(x[closure.slices[c.name]]) - 1.0
-        for c in closure.coordinates
-        if c.kind == "quaternion"
+        ca.sumsqr(x[closure.slices[c.name]]) - 1.0 for c in closure.coordinates if c.is_rotation
     ]
     rows = ca.vertcat(problem.system.rows, *norms)
     columns = _column_scales(closure)
@@ -317,11 +315,7 @@ def _functions(problem: Problem, links: Mapping[str, Pose]) -> tuple[str, dict[s
 
 def _column_scales(closure: Closure) -> np.ndarray:
     """Units of the variables: the size for lengths, 1 for angles and quaternions."""
-    scales = np.ones(int(closure.variables.shape[0]))
-    for c in closure.coordinates:
-        if c.kind == "length":
-            scales[closure.slices[c.name]] = closure.characteristic_length
-    return scales
+    return np.array(units_of(closure.coordinates, closure.characteristic_length))
 
 
 def _row_scales(x: ca.SX, rows: ca.SX, columns: np.ndarray, closure: Closure) -> np.ndarray:

@@ -134,10 +134,10 @@ def _range(mechanism: Mechanism, name: str, value: float) -> list[float]:
             [value - half, value + half] if name in "xyz" else [min(-turn, value), max(turn, value)]
         )
     if found.limits is not None:
-        return [mechanism.angle_out(v) if found.is_angular else v for v in found.limits]
-    if found.kind == "angle":
+        return [mechanism.value_out(found, v) for v in found.limits]
+    if found.is_periodic:
         return [min(-turn, value), max(turn, value)]
-    if found.kind == "turns":
+    if found.is_advancing:
         return [value - 2.0 * turn, value + 2.0 * turn]
     least = -math.inf if found.least is None else found.least
     return [max(least, value - half), value + half]

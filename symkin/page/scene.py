@@ -109,7 +109,7 @@ def _items(layout: Layout, links: Sequence[str]) -> Iterator[Item]:
             "point": joint.end.tolist(),
             "axes": [axis.tolist() for axis in joint.axes],
             "actuated": joint.actuated,
-            "coordinates": [c.name for c in joint.joint.coordinates if c.kind != "quaternion"],
+            "coordinates": [c.name for c in joint.joint.coordinates if not c.is_rotation],
             "slides": joint.type in "PCH",
         }
     for rod in layout.rods:

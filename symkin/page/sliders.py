@@ -32,10 +32,7 @@ def completed_sliders(mechanism: Mechanism) -> tuple[dict[str, float], str] | No
     added = _added(mechanism, kept, found) if found.free else []
     if added is None or not (left_out or added):
         return None
-    values = {
-        c.name: mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
-        for c in mechanism.actuated
-    }
+    values = {c.name: mechanism.value_out(c, c.reference[0]) for c in mechanism.actuated}
     if example is not None and example.joints is not None:
         values = dict(zip(names, example.joints, strict=True))
     start = solve(
@@ -63,7 +60,7 @@ def _added(mechanism: Mechanism, kept: Sequence[str], found: Determination) -> l
     for c in mechanism.coordinates:
         if not free:
             break
-        if c.kind == "quaternion" or c.name in (*kept, *added, *found.decided):
+        if c.is_rotation or c.name in (*kept, *added, *found.decided):
             continue
         more = _determination(mechanism, (*kept, *added, c.name))
         if not more.decided:

@@ -67,12 +67,10 @@ def _step(
     group: Problem, number: int, start: np.ndarray, seeds: np.ndarray, columns: np.ndarray
 ) -> tuple[dict[str, Any], list[str]]:
     x = group.closure.variables
-    norms = [
-        ca.sumsqr(x[group.closure.slices[c.name]]) - 1.0
-        for c in group.system.unknowns
-        if c.kind == "quaternion"
-    ]
-    rows = ca.vertcat(group.system.rows / group.closure.characteristic_length, *norms)
+    system = group.system
+    rows = ca.vertcat(
+        system.rows / group.closure.characteristic_length, system.norms(system.unknown)
+    )
     gradients = ca.jacobian(rows, x) @ ca.diag(ca.SX(ca.DM(columns)))
     starts = _starts(group, start, seeds, rows, gradients, columns)
     step = {
@@ -154,7 +152,7 @@ def _generic_known(group: Problem, start: np.ndarray, columns: np.ndarray) -> np
     values = start.astype(complex)
     values[places] += columns[places] * (away[0] + 1j * away[1])
     for c in group.known_coordinates:
-        if c.kind == "quaternion":
+        if c.is_rotation:
             place = group.closure.slices[c.name]
             values[place] /= np.sqrt(np.sum(values[place] ** 2))
     return np.asarray(values[places])

@@ -53,10 +53,7 @@ def figure_of_rates(jacobian: RateJacobian, *, at: Solution | None = None) -> Fi
     """
     mechanism = jacobian.mechanism
     known = {c.name: c for c in jacobian.problem.known_coordinates}
-    here = {
-        name: mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
-        for name, c in known.items()
-    }
+    here = {name: mechanism.value_out(c, c.reference[0]) for name, c in known.items()}
     try:
         matrix = jacobian.at(configuration(mechanism, given=here) if at is None else at)
     except SolveError as error:
@@ -108,5 +105,5 @@ def _weights(jacobian: Jacobian | RateJacobian, names: Sequence[str]) -> list[fl
     elif jacobian.kind == "analytic" and names is jacobian.rows:
         lengths = {"x", "y", "z"}
     else:
-        lengths = {name for name, c in given_coordinates(mechanism).items() if c.kind == "length"}
+        lengths = {name for name, c in given_coordinates(mechanism).items() if c.is_length}
     return [1.0 if name in lengths else mechanism.characteristic_length for name in names]

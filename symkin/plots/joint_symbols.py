@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from symkin.drawing.palette import COLOURS
-from symkin.model.joint import JointType
+from symkin.model.joint_forms import JointType
 
 NAMES: dict[JointType, str] = {
     "R": "R revolute",

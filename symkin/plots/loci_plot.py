@@ -152,4 +152,4 @@ def draw_locus(axes: Any, curve: Locus, *, emphasise: bool, words: str = "", **l
 
 def _out(loci: Loci, k: int) -> float:
     c = loci.plane.coordinates[k]
-    return loci.plane.mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
+    return loci.plane.mechanism.value_out(c, c.reference[0])

@@ -32,7 +32,7 @@ def _joints_text(solution: Solution, given: Sequence[str]) -> str:
         name: v for name, v in solution.joints.items() if isinstance(v, float) and name not in given
     }
     size = solution.mechanism.characteristic_length
-    scale = {c.name: 1.0 if c.is_angular else size for c in solution.mechanism.coordinates}
+    scale = {c.name: c.unit(size) for c in solution.mechanism.coordinates}
     first = list(values)[:_MOST_VALUES]
     clean = [_clean([values[name]], scale[name])[0] for name in first]
     shown = ", ".join(
@@ -70,7 +70,7 @@ def _pose_text(solution: Solution) -> str:
         f"position {listed(_clean(solution.position, mechanism.characteristic_length))} "
         f"{mechanism.length_unit}"
     )
-    leaves = mechanism.is_graph and leaves_motion(mechanism, [solution.pose])
+    leaves = leaves_motion(mechanism, [solution.pose])
     if mechanism.motion in ("schoenflies", "planar") and not leaves:
         (angle,) = _clean([mechanism.angle_out(solution.gamma)], 1.0)
         return f"{text.removeprefix('position ')}, gamma {angle:.5g} {mechanism.angle_unit}"

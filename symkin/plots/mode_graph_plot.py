@@ -91,4 +91,4 @@ def _sheet(panel: Any, graph: ModeGraph, k: int) -> None:
 
 def _unit(graph: ModeGraph, name: str) -> str:
     coordinate = given_coordinates(graph.mechanism)[name]
-    return graph.mechanism.angle_unit if coordinate.is_angular else graph.mechanism.length_unit
+    return graph.mechanism.unit_of(coordinate)

@@ -15,7 +15,8 @@ from symkin.drawing.camera import Camera
 from symkin.drawing.layout import JointMark, Layout, LinkMark, RodMark, link_colours
 from symkin.drawing.outline import distinct, outline
 from symkin.drawing.palette import COLOURS, FRAME_COLOURS
-from symkin.model.joint import BASE, JointType
+from symkin.model.joint import BASE
+from symkin.model.joint_forms import JointType
 from symkin.plots.crossings import Piece, pieces
 from symkin.plots.joint_symbols import draw_symbol, reach_of
 from symkin.singularities.named_screw import NamedScrew

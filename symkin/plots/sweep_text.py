@@ -67,7 +67,7 @@ def held_texts(attributes: Mapping[str, Any]) -> list[str]:
     found = []
     for name, value in values.items():
         if name in coordinates and name not in attributes["axes"]:
-            unit = mechanism.angle_unit if coordinates[name].is_angular else mechanism.length_unit
+            unit = mechanism.unit_of(coordinates[name])
             found.append(f"{name} = {plain(value, mechanism.characteristic_length):.5g} {unit}")
         elif name not in coordinates:
             found.append(f"{name} ({', '.join(f'{plain(float(v)):.4g}' for v in value)})")
@@ -81,7 +81,7 @@ def _held_pose(mechanism: Mechanism, base: Sequence[float], swept: Collection[st
     found, closure = [], build_closure(mechanism)
     for c in closure.role("pose"):
         name = c.name.removeprefix("pose.")
-        if c.kind == "quaternion":
+        if c.is_rotation:
             numbers = ", ".join(f"{plain(float(v)):.4g}" for v in base[3:])
             found.append(f"orientation ({numbers}){turn_text(swept)}")
         elif name in ("x", "y", "z") and name not in swept:

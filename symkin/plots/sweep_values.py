@@ -141,11 +141,11 @@ def _numbers(modes: _Modes, name: str, width: int) -> np.ndarray:
 
 def _nearest_sample(mechanism: Mechanism, name: str, values: np.ndarray) -> int:
     """The sample nearest to the reference; the first where a coordinate of the pose is swept."""
-    known = {c.name: c for c in mechanism.coordinates if c.kind != "quaternion"}
+    known = {c.name: c for c in mechanism.coordinates if not c.is_rotation}
     if name not in known:
         return 0
     c = known[name]
-    reference = mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
+    reference = mechanism.value_out(c, c.reference[0])
     return int(np.argmin(np.abs(values - reference)))
 
 
@@ -176,10 +176,10 @@ def _reference(mechanism: Mechanism, labels_of_joints: Sequence[str]) -> np.ndar
     """Values of joints at the reference, in the mechanism's units."""
     values: dict[str, float] = {}
     for c in mechanism.coordinates:
-        if c.kind == "quaternion":
+        if c.is_rotation:
             values |= {f"{c.name}.{axis}": v for axis, v in zip("wxyz", c.reference, strict=True)}
         else:
-            values[c.name] = mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0]
+            values[c.name] = mechanism.value_out(c, c.reference[0])
     return np.array([values[label] for label in labels_of_joints])
 
 

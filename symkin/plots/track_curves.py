@@ -69,13 +69,13 @@ def inputs_of(track: Track) -> list[Input]:
     for c in problem.known_coordinates:
         place = problem.closure.slices[c.name]
         name = c.name.removeprefix("pose.")
-        if c.kind == "quaternion":
+        if c.is_rotation:
             found += [
                 Input(f"{turn} [{mechanism.angle_unit}]", v)
                 for turn, v in _turns(track, values[:, place])
             ]
         elif c.width == 1 and _moves(track, c, values[:, place.start]):
-            unit = mechanism.angle_unit if c.is_angular else mechanism.length_unit
+            unit = mechanism.unit_of(c)
             found.append(Input(f"{name} [{unit}]", _out(track, c, values[:, place.start])))
     return found
 
@@ -116,7 +116,7 @@ def _joint_panels(track: Track) -> Iterator[CurvePanel]:
         chosen = [
             c
             for c in found
-            if c.is_angular == angular and c.kind != "quaternion" and c.name not in known
+            if c.is_angular == angular and not c.is_rotation and c.name not in known
         ]
         if chosen:
             still = (
@@ -268,7 +268,7 @@ def _joined(names: list[str]) -> str:
 def _inside(track: Track, c: Coordinate, sample: Sample) -> float:
     """A joint's value in radians or the length unit."""
     value = float(sample.joints[c.name])
-    return track.trajectory.mechanism.angle_in(value) if c.is_angular else value
+    return track.trajectory.mechanism.value_in(c, value)
 
 
 def _out(track: Track, c: Coordinate, values: np.ndarray) -> np.ndarray:
@@ -278,10 +278,7 @@ def _out(track: Track, c: Coordinate, values: np.ndarray) -> np.ndarray:
 
 
 def _moves(track: Track, c: Coordinate, values: np.ndarray) -> bool:
-    return bool(
-        np.ptp(values)
-        > _STILL * (1.0 if c.is_angular else track.trajectory.mechanism.characteristic_length)
-    )
+    return bool(np.ptp(values) > _STILL * c.unit(track.trajectory.mechanism.characteristic_length))
 
 
 def _turns(track: Track, quaternions: np.ndarray) -> list[tuple[str, np.ndarray]]:

@@ -75,7 +75,7 @@ def _draw(one: Transmission, axes: Any) -> None:
 def _unit(one: Transmission, i: int) -> str:
     """The unit of a joint's values."""
     mechanism, (c,) = one.linkage.mechanism, one.linkage.coordinates_of(one.joints[i : i + 1])
-    return mechanism.angle_unit if c.is_angular else mechanism.length_unit
+    return mechanism.unit_of(c)
 
 
 def _position(one: Transmission, i: int) -> str:

@@ -75,7 +75,7 @@ def arm_formulas(problem: Problem) -> ArmFormulas | None:
     """The formulas of an arm's inverse problem; None of any other problem, and where the axes do
     not allow any.
     """
-    if problem.kind != "inverse" or len(problem.blocks) != 1:
+    if not problem.of_pose or len(problem.blocks) != 1:
         return None
     (block,), plan = problem.blocks, plan_of(problem.mechanism)
     if plan is None or {c.name for c in block.unknowns} != {

@@ -28,14 +28,14 @@ def canonical(
     unit length with w >= 0. `places` are those of coordinates.
     """
     values = values.copy()
-    angles = [places[c.name].start for c in coordinates if c.kind == "angle"]
+    angles = [places[c.name].start for c in coordinates if c.is_periodic]
     if angles:
         values[:, angles] = _without_turns(values[:, angles])
     for c in coordinates:
         place = places[c.name]
-        if c.kind == "quaternion":
+        if c.is_rotation:
             values[:, place] = positive_quaternions(values[:, place])
-        elif c.kind == "angle" and c.limits is not None:
+        elif c.is_periodic and c.limits is not None:
             values[:, place] = _into_limits(values[:, place], c.limits)
         elif c.least is not None:
             values[:, place] = np.where(

@@ -212,10 +212,8 @@ def _joint_values(closure: Closure, values: np.ndarray) -> dict[str, float | lis
     found: dict[str, float | list[float]] = {}
     for c in mechanism.coordinates:
         numbers = read[c.name][0] if c.name in read else values[closure.slices[c.name]]
-        if c.kind == "quaternion":
+        if c.is_rotation:
             found[c.name] = [float(v) for v in numbers]
         else:
-            found[c.name] = (
-                mechanism.angle_out(float(numbers[0])) if c.is_angular else float(numbers[0])
-            )
+            found[c.name] = mechanism.value_out(c, float(numbers[0]))
     return found

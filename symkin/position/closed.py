@@ -44,7 +44,7 @@ def _nearest_branch(problem: Problem) -> ca.Function | None:
     """Joint values from known values and a start, in the order of the unknowns; None without a
     closed form.
     """
-    plan = plan_of(problem.mechanism) if problem.kind == "inverse" else None
+    plan = plan_of(problem.mechanism) if problem.of_pose else None
     if plan is None:
         return None
     places = {c.name: i for i, c in enumerate(problem.system.unknowns)}

@@ -20,6 +20,7 @@ from symkin.position.describe_parts import (
     where_text,
 )
 from symkin.position.mobility_result import Mobility
+from symkin.text import counted
 
 
 def describe_graph(found: Mobility) -> str:
@@ -38,10 +39,10 @@ def describe_graph(found: Mobility) -> str:
 
 def _heading(m: Mechanism) -> str:
     counts = [
-        _count(len(links_of(m)), "link"),
-        _count(len(list(m.all_joints)), "joint"),
+        counted(len(links_of(m)), "link"),
+        counted(len(list(m.all_joints)), "joint"),
         *(
-            _count(len(some), word)
+            counted(len(some), word)
             for some, word in ((m.link_rods, "rod"), (m.couplings, "coupling"), (m.limbs, "limb"))
             if some
         ),
@@ -82,7 +83,7 @@ def _rod(rod: LinkRod) -> str:
 def _coupling(m: Mechanism, coupling: Coupling) -> str:
     """An equation in the mechanism's units."""
     kinds = {c.name: c for c in _coordinates(m)}
-    unit = {name: m.angle_in(1.0) if c.is_angular else 1.0 for name, c in kinds.items()}
+    unit = {name: m.value_in(c, 1.0) for name, c in kinds.items()}
     own = unit[coupling.joint]
     if coupling.polynomial is not None:
         (name,) = coupling.names
@@ -114,7 +115,7 @@ def _loops(m: Mobility) -> str:
     for number, loop in enumerate(m.loops, start=1):
         redundant = f", {loop.redundant} redundant" if loop.redundant else ""
         lines.append(
-            f"  {number}: {loop.name}: {_count(loop.rows, 'row')}, rank {loop.rank}{redundant}"
+            f"  {number}: {loop.name}: {counted(loop.rows, 'row')}, rank {loop.rank}{redundant}"
         )
     return "\n".join(lines)
 
@@ -123,12 +124,12 @@ def _closure(m: Mobility) -> str:
     closure = m.closure
     lines = coordinates_text(closure)
     vanishing = (
-        f", and {_count(closure.vanishing, 'row')} that vanish everywhere"
+        f", and {counted(closure.vanishing, 'row')} that vanish everywhere"
         if closure.vanishing
         else ""
     )
     lines.append(
-        f"  {_count(closure.rows.shape[0], 'row')}{vanishing}; p, geometry: "
+        f"  {counted(closure.rows.shape[0], 'row')}{vanishing}; p, geometry: "
         f"{len(closure.parameter_names)} parameters"
     )
     if closure.idle:
@@ -159,7 +160,3 @@ def _platform(m: Mobility) -> str:
         "  twists left (angular velocity; velocity at the origin)", m.platform_twists
     )
     return "\n".join(lines)
-
-
-def _count(number: int, word: str) -> str:
-    return f"{number} {word}" + ("" if number == 1 else "s")

@@ -12,7 +12,7 @@ from symkin.position.mobility_result import Mobility
 
 def joint_text(mechanism: Mechanism, joint: Joint) -> str:
     """A joint in a line: type, name, place, axes, drive."""
-    place = f"at {vector_text(joint.point)}" if joint.type not in ("P", "weld") else ""
+    place = f"at {vector_text(joint.point)}" if joint.form.has_point else ""
     axis = f"along {vector_text(joint.axis)}" if joint.axis else ""
     second = f"then {vector_text(joint.axis2)}" if joint.axis2 else ""
     pitch = f"pitch {joint.pitch:g} {mechanism.length_unit} a turn" if joint.type == "H" else ""

@@ -13,8 +13,7 @@ from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.linear_algebra import null_space
-from symkin.numeric.rank import Rank, generic
+from symkin.numeric.rank import Rank, generic, independent_rows, null_space
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, RANK_TOLERANCE
 from symkin.position.closed_configurations import (
     closed_configurations,
@@ -23,6 +22,7 @@ from symkin.position.closed_configurations import (
 )
 from symkin.position.file_digits import rank_to_digits
 from symkin.position.problem import Problem
+from symkin.text import counted
 
 DIGITS = 1e-4
 """Largest closure error, as a share of the size, that may be due to the digits of a file."""
@@ -36,6 +36,8 @@ _REGULAR = 1e-5
 """Singular value, over the largest, below which a configuration is at the end of its reach and not
 one of redundant rows.
 """
+_OWN_MOTION = 1e-7
+"""Share of a coordinate's motions beyond those of others up to which it has none of its own."""
 _SUGGESTED = 4
 """Names that a message lists."""
 
@@ -72,7 +74,7 @@ def refuse_unless_determined(problem: Problem) -> None:
             else "no joint is left to be given; use"
         )
         raise InputError(
-            f"given: {listed}; that leaves {name} {found.free} freedom{'s' * (found.free != 1)}, "
+            f"given: {listed}; that leaves {name} {counted(found.free, 'freedom')}, "
             f"and its configurations are not "
             f"isolated: {what} solve with a start for one of them"
         )
@@ -145,22 +147,22 @@ def _determination(
         held for held in closure.coordinates for _ in range(held.freedom)
     ):
         columns.setdefault(coordinate.name, []).append(column)
-    decided: list[str] = []
-    basis = np.zeros((0, left.shape[1]))
-    for c in _given(problem):
-        basis, grown = _with_rows(basis, left[columns[c.name]])
-        if grown < c.freedom:
-            decided.append(c.name)
-    free = left.shape[1] - len(basis)
-    binding = []
-    for c in closure.coordinates:
-        if c in problem.known_coordinates or c.kind == "quaternion" or c.role in ("body", "pose"):
-            continue
-        more, grown = _with_rows(basis, left[columns[c.name]])
-        if grown:
-            binding.append(c.name)
-            basis = more
-    return Determination(tuple(decided), free, tuple(binding), left.shape[1], misfit)
+    given = _given(problem)
+    others = [
+        c
+        for c in closure.coordinates
+        if c not in problem.known_coordinates
+        and not c.is_rotation
+        and c.role not in ("body", "pose")
+    ]
+    # one after another: how many motions each decides that those before it leave free
+    order = [k for c in (*given, *others) for k in columns[c.name]]
+    taken = {*independent_rows(left, _OWN_MOTION, groups=order)}
+    grown = {c.name: sum(k in taken for k in columns[c.name]) for c in (*given, *others)}
+    free = left.shape[1] - sum(grown[c.name] for c in given)
+    decided = tuple(c.name for c in given if grown[c.name] < c.freedom)
+    binding = tuple(c.name for c in others if grown[c.name])
+    return Determination(decided, free, binding, left.shape[1], misfit)
 
 
 def is_least(problem: Problem, known: np.ndarray, z: np.ndarray, residual: float) -> bool:
@@ -238,15 +240,3 @@ def _nearly_closed(closure: Closure) -> tuple[np.ndarray, float] | None:
         return None
     best = open_ones[np.argmax(left[open_ones])]
     return ends[best], float(left[best])
-
-
-def _with_rows(basis: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, int]:
-    """An orthonormal basis with what some rows add to it, and how many that are."""
-    grown = 0
-    for row in rows:
-        rest = row - basis.T @ (basis @ row)
-        rest -= basis.T @ (basis @ rest)
-        length = float(np.linalg.norm(rest))
-        if length > 1e-7 * max(1.0, float(np.linalg.norm(row))):
-            basis, grown = np.vstack([basis, rest / length]), grown + 1
-    return basis, grown

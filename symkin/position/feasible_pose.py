@@ -13,7 +13,7 @@ import numpy as np
 from symkin.computed_once import lru_cache
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.rank import Rank
+from symkin.numeric.rank import Rank, count_above
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
 from symkin.position.closed_configurations import closed_configurations
@@ -110,7 +110,7 @@ def _is_beyond_reach(problem: Problem, whole: System, z: np.ndarray, off: np.nda
     """
     jacobian, count = whole.linearise_one(z, np.zeros(0))[1], problem.system.freedom
     left, singular, _ = np.linalg.svd(jacobian[:, :count])
-    rank = int(np.sum(singular > _HELD * max(float(singular[0]), 1e-300))) if singular.size else 0
+    rank = count_above(singular, _HELD, relative=True)
     lost = left[:, rank : _joint_rank(problem.mechanism)].T
     away = lost @ jacobian[:, count:] @ off
     return bool(np.max(np.abs(away), initial=0.0) > _CLOSED * whole.characteristic_length)
@@ -163,7 +163,7 @@ def _step(problem: Problem, whole: System, z: np.ndarray, wanted: np.ndarray) ->
     count = problem.system.freedom
     joints, pose = jacobian[:, :count], jacobian[:, count:]
     left, singular, _ = np.linalg.svd(joints)
-    rank = int(np.sum(singular > _HELD * max(float(singular[0]), 1e-300))) if singular.size else 0
+    rank = count_above(singular, _HELD, relative=True)
     held = left[:, rank:].T
     back = _to_pose(whole, count, z, wanted)
     tie = held @ pose

@@ -43,7 +43,7 @@ def gear_train(group: Problem) -> GearTrain | None:
     """
     unknowns, known = group.system.unknowns, group.known_coordinates
     sources = [group.closure.row_sources[place] for place in group.places_of_rows]
-    angles = all(c.kind == "angle" for c in (*unknowns, *known))
+    angles = all(c.is_periodic for c in (*unknowns, *known))
     if (
         not sources
         or not angles

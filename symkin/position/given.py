@@ -18,7 +18,7 @@ from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.model.oddities import FULL_TURN
 from symkin.plain_number import plain
 from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
-from symkin.position.problem import Kind
+from symkin.position.problem import Kind, OfKind
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_quaternion
 from symkin.text import counted, first_of, meant, shown
@@ -37,7 +37,7 @@ overflows a double.
 
 
 @dataclass(frozen=True)
-class Given:
+class Given(OfKind):
     """Known values of a problem: `values` in inside units, `echo` as the user gave them;
     `off_motion` is how far a pose lies off the platform's motion (length unit), 0 when it lies on
     it or was projected; `names` are the coordinates of a "given" problem.
@@ -96,7 +96,7 @@ def _turn_notes(mechanism: Mechanism, ordered: Sequence[float]) -> tuple[str, ..
     told = [
         f"{c.name} = {v:g}"
         for c, v in zip(mechanism.actuated, ordered, strict=True)
-        if c.kind == "angle" and abs(v) > FULL_TURN
+        if c.is_periodic and abs(v) > FULL_TURN
     ]
     return (
         (
@@ -142,9 +142,7 @@ def given_many(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
             _named_input(i, partial(given_from, mechanism, one, None))
             for i, one in enumerate(joints)
         ]
-    values = rows * np.array(
-        [mechanism.angle_in(1.0) if c.is_angular else 1.0 for c in mechanism.actuated]
-    )
+    values = rows * np.array([mechanism.value_in(c, 1.0) for c in mechanism.actuated])
     return [
         Given("direct", v, {"joints": echo}) for v, echo in zip(values, rows.tolist(), strict=True)
     ]
@@ -176,7 +174,7 @@ def _rows_without_fault(mechanism: Mechanism, joints: Any) -> np.ndarray | None:
     rows = rows.astype(float)
     turn = mechanism.angle_out(2 * math.pi)
     least = np.array([-np.inf if c.least is None else c.least for c in coordinates])
-    most = np.array([turn if c.kind == "angle" else np.inf for c in coordinates])
+    most = np.array([turn if c.is_periodic else np.inf for c in coordinates])
     return rows if ((rows >= least) & (np.abs(rows) <= most)).all() else None
 
 
@@ -252,15 +250,10 @@ def joint_values(mechanism: Mechanism, values: Joints, what: str = "joints") -> 
             )
     turn = mechanism.angle_out(2 * math.pi)
     whole = [
-        math.remainder(n, turn) if c.kind == "angle" and abs(n) > turn else n
+        math.remainder(n, turn) if c.is_periodic and abs(n) > turn else n
         for c, n in zip(coordinates, numbers, strict=True)
     ]
-    return np.array(
-        [
-            mechanism.angle_in(n) if c.is_angular else n
-            for c, n in zip(coordinates, whole, strict=True)
-        ]
-    )
+    return np.array([mechanism.value_in(c, n) for c, n in zip(coordinates, whole, strict=True)])
 
 
 def pose_from(values: Joints | Pose, what: str = "pose") -> Pose:
@@ -478,4 +471,4 @@ def _numbers(values: Sequence[float], what: str) -> list[float]:
 
 def _coordinate_out(mechanism: Mechanism, coordinate: Coordinate) -> float:
     value = coordinate.reference[0]
-    return mechanism.angle_out(value) if coordinate.is_angular else value
+    return mechanism.value_out(coordinate, value)

@@ -107,11 +107,7 @@ def told_by_name(mechanism: Mechanism, given: Given) -> Given:
     """The same values of all actuated joints, or of the whole pose, with the names of their
     coordinates.
     """
-    names = (
-        tuple(c.name for c in mechanism.actuated)
-        if given.kind == "direct"
-        else pose_names(mechanism)
-    )
+    names = tuple(c.name for c in mechanism.actuated) if given.of_joints else pose_names(mechanism)
     return replace(given, kind="given", names=names)
 
 
@@ -119,7 +115,7 @@ def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
     """What can be given: coordinates of joints, actuated rods, and those of the pose that no joint
     has the name of.
     """
-    found = {c.name: c for c in mechanism.coordinates if c.kind != "quaternion"}
+    found = {c.name: c for c in mechanism.coordinates if not c.is_rotation}
     if mechanism.platform_link is not None:
         pose = {
             n: Coordinate(n, "length" if n in ("x", "y", "z") else "angle", "given")
@@ -155,7 +151,7 @@ def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:
             f"{mechanism.length_unit}; allowed: "
             f"{c.least + 0.0:g} and above"
         )
-    return mechanism.angle_in(number) if c.is_angular else number
+    return mechanism.value_in(c, number)
 
 
 def plain_kind(mechanism: Mechanism, names: Collection[str]) -> Kind | None:

@@ -25,9 +25,9 @@ from symkin.closure.closure import Closure, random_values
 from symkin.computed_once import lru_cache
 from symkin.elimination.implied_rows import PointRow, implied_rows
 from symkin.elimination.product_rows import ProductRow
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.linear_algebra import diagonal_parts, singular_values
-from symkin.numeric.rank import Rank
+from symkin.numeric.rank import Rank, independent_rows
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
@@ -176,7 +176,7 @@ def is_linear(group: Problem) -> bool:
     without a search.
     """
     system = group.system
-    turning = any(c.kind == "quaternion" for c in system.unknowns)
+    turning = any(c.is_rotation for c in system.unknowns)
     return not turning and not any(ca.which_depends(system.rows, system.unknown, 2, True))
 
 
@@ -222,10 +222,7 @@ def dependence_of(rows: ca.SX, closure: Closure) -> np.ndarray:
         for _ in range(_POINTS)
     ]
     jacobian = ca.Function("j", [closure.variables], [ca.jacobian(rows, closure.variables)])
-    lengths = np.array(
-        [c.kind == "length" for c in closure.coordinates for _ in range(c.width)], dtype=bool
-    )
-    units = np.where(lengths, closure.characteristic_length, 1.0)
+    units = np.array(units_of(closure.coordinates, closure.characteristic_length))
     sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0) * units
     return np.asarray(sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300))
 
@@ -331,20 +328,8 @@ def _spanning(jacobian: np.ndarray, sources: Sequence[str]) -> list[int]:
     width = {
         name: int(np.any(jacobian[rows] != 0.0, axis=0).sum()) for name, rows in groups.items()
     }
-    basis, kept = np.zeros((0, jacobian.shape[1])), list[int]()
-    for name in sorted(groups, key=lambda n: width[n]):
-        left = {k: jacobian[k] - basis.T @ (basis @ jacobian[k]) for k in groups[name]}
-        while left:
-            best = max(left, key=lambda k: float(np.linalg.norm(left[k])))
-            length = float(np.linalg.norm(left[best]))
-            if length <= RANK_TOLERANCE:
-                break
-            unit = left.pop(best) / length
-            unit -= basis.T @ (basis @ unit)
-            unit /= np.linalg.norm(unit)
-            basis, kept = np.vstack([basis, unit]), [*kept, best]
-            left = {k: row - unit * (unit @ row) for k, row in left.items()}
-    return kept
+    ordered = [groups[name] for name in sorted(groups, key=lambda n: width[n])]
+    return independent_rows(jacobian, RANK_TOLERANCE, groups=ordered)
 
 
 def _matching(holds: np.ndarray) -> list[int] | None:

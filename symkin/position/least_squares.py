@@ -86,12 +86,8 @@ class _Recorder(ca.Callback):  # type: ignore[misc]  # CasADi is untyped here
 def _solver(problem: Problem, settings: LeastSquares) -> tuple[ca.Function, _Recorder]:
     system = problem.system
     scaled = system.rows / system.characteristic_length
-    norms = [
-        ca.sumsqr(system.unknown[place]) - 1
-        for c, place in zip(system.unknowns, system.slices, strict=True)
-        if c.kind == "quaternion"
-    ]
-    recorder = _Recorder(system.width, len(norms), int(system.known.shape[0]))
+    norms = system.norms(system.unknown)
+    recorder = _Recorder(system.width, int(norms.shape[0]), int(system.known.shape[0]))
     options = {
         "print_time": False,
         "show_eval_warnings": False,
@@ -109,20 +105,19 @@ def _solver(problem: Problem, settings: LeastSquares) -> tuple[ca.Function, _Rec
         "x": system.unknown,
         "p": system.known,
         "f": 0.5 * ca.sumsqr(scaled),
-        "g": ca.vertcat(*norms),
+        "g": norms,
     }
     return ca.nlpsol("least_squares", "ipopt", nlp, options), recorder
 
 
-def _gauss_newton_hessian(z: ca.SX, known: ca.SX, rows: ca.SX, norms: list[ca.SX]) -> ca.Function:
+def _gauss_newton_hessian(z: ca.SX, known: ca.SX, rows: ca.SX, norms: ca.SX) -> ca.Function:
     """J^T J of the rows and the curvature of the norms: positive where the exact Hessian leads to
     saddles.
     """
     jacobian = ca.jacobian(rows, z)
-    weight, multipliers = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", len(norms))
+    weight, multipliers = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", norms.shape[0])
     curvature = weight * ca.mtimes(jacobian.T, jacobian)
-    for k, constraint in enumerate(norms):
-        curvature += multipliers[k] * ca.hessian(constraint, z)[0]
+    curvature += ca.hessian(multipliers.T @ norms, z)[0]
     names = ["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"]
     return ca.Function("nlp_hess_l", [z, known, weight, multipliers], [ca.triu(curvature)], *names)
 

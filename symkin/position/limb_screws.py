@@ -16,8 +16,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
 from symkin.model.joint import Coordinate
-from symkin.numeric.linear_algebra import null_space
-from symkin.numeric.rank import Rank
+from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import whole_system
@@ -66,7 +65,7 @@ def limb_screws(closure: Closure, values: np.ndarray) -> tuple[LimbScrews, ...]:
                 @ twist_rows
             )
             systems.append(
-                row_space(
+                readable_span(
                     _at_base_origin(wrenches, position, closure.characteristic_length),
                     closure.characteristic_length,
                 )
@@ -101,7 +100,7 @@ def platform_screws(
     """
     size = closure.characteristic_length
     if limbs:
-        wrenches = row_space(np.vstack([limb.constraints for limb in limbs]), size)
+        wrenches = readable_span(np.vstack([limb.constraints for limb in limbs]), size)
         return wrenches, _reciprocal(wrenches, size)
     if closure.mechanism.platform_link is None:
         return np.zeros((0, 6)), np.zeros((0, 6))
@@ -111,7 +110,7 @@ def platform_screws(
 
 def _reciprocal(screws: np.ndarray, size: float) -> np.ndarray:
     """A readable basis of the screws reciprocal to all of some."""
-    return row_space(reciprocal_system(screws, size), size) if len(screws) else np.eye(6)
+    return readable_span(reciprocal_system(screws, size), size) if len(screws) else np.eye(6)
 
 
 def _platform_twists(closure: Closure, system: System, values: np.ndarray) -> np.ndarray:
@@ -130,7 +129,7 @@ def _platform_twists(closure: Closure, system: System, values: np.ndarray) -> np
         angular = 2.0 * np.asarray(multiply(rate[3:], conjugate(quaternion)))[1:]
         twists.append(np.concatenate([angular, rate[:3] - np.cross(angular, position)]))
     size = closure.characteristic_length
-    return row_space(np.array(twists), size) if twists else np.zeros((0, 6))
+    return readable_span(np.array(twists), size) if twists else np.zeros((0, 6))
 
 
 def reciprocal_system(screws: np.ndarray, size: float = 1.0) -> np.ndarray:
@@ -143,17 +142,16 @@ def reciprocal_system(screws: np.ndarray, size: float = 1.0) -> np.ndarray:
     return np.asarray(tidy_rows(null_space(swapped, RANK_TOLERANCE, relative=True)) / weights)
 
 
-def row_space(wrenches: np.ndarray, size: float) -> np.ndarray:
+def readable_span(wrenches: np.ndarray, size: float) -> np.ndarray:
     """A readable basis of the span of wrenches: unit forces, and unit couples where there is no
     force. Moments are weighed by the size in judging rank.
     """
     weights = np.array([1.0, 1.0, 1.0, 1 / size, 1 / size, 1 / size])
     scaled = wrenches * weights
-    rank = Rank.of(scaled).value
-    if rank == 0:
-        return np.zeros((0, 6))
-    _, _, right = np.linalg.svd(scaled)
-    rows = tidy_rows(right[:rank]) / weights
+    basis = row_space(scaled, RANK_TOLERANCE, relative=True)
+    if not len(basis):
+        return basis
+    rows = tidy_rows(basis) / weights
     forces, moments = np.linalg.norm(rows[:, :3], axis=1), np.linalg.norm(rows[:, 3:], axis=1)
     return np.asarray(rows / np.where(forces > 1e-9, forces, moments)[:, None])
 

@@ -21,7 +21,9 @@ from symkin.closure.link_poses import joint_readings, link_poses
 from symkin.computed_once import lru_cache
 from symkin.model.bar import Bar
 from symkin.model.joint import Joint
+from symkin.model.joint_forms import JOINT_FORMS
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.rank import rank_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.spatial.pose import Pose
 
@@ -69,7 +71,7 @@ def loops_at(
         cut = _cut_freedom([edges[k] for k in cycle])
         # the cut joint's own freedoms are in the span: what is left of it is the rank of the rows
         # that remain
-        rank = _rank(span, tolerance) - cut
+        rank = rank_of(span, tolerance, relative=True) - cut
         names = tuple(_name(edges[k]) for k in cycle)
         found.append(
             Loop(names, _links_along([edges[k] for k in cycle]), _SPATIAL - cut, max(rank, 0))
@@ -105,7 +107,7 @@ def redundant_constraints(closure: Closure, values: np.ndarray) -> int:
         for name, rate in terms.items():
             row[columns[name]] = rate
     rows = np.vstack([rows, couplings / np.linalg.norm(couplings, axis=1, keepdims=True)])
-    return len(rows) - _rank(rows, RANK_TOLERANCE)
+    return len(rows) - rank_of(rows, RANK_TOLERANCE, relative=True)
 
 
 @lru_cache(maxsize=128)
@@ -218,7 +220,7 @@ def _cut_freedom(cycle: Sequence[Branch]) -> int:
     passive = [
         part.freedom
         for part in parts
-        if isinstance(part, Joint) and not part.actuated and part.type != "H"
+        if isinstance(part, Joint) and not part.actuated and part.form.kept is not None
     ]
     return max(passive, default=0)
 
@@ -233,31 +235,20 @@ def _screws(mechanism: Mechanism, edge: Branch, poses: Mapping[str, Pose]) -> np
         ends = []
         for pose, end in ((before, part.start), (after, part.end)):
             ends.append(np.asarray(pose.apply(end.at_reference(mechanism.reference_pose))))
-        turns = np.vstack([_turns(np.eye(3), end - middle, size) for end in ends])
+        ball = JOINT_FORMS["S"]
+        turns = np.vstack([ball.screws((end - middle) / size, (), 0.0) for end in ends])
         along = np.concatenate([np.zeros(3), ends[1] - ends[0]])[None]
         length = float(np.linalg.norm(along))
         return (
             turns if part.coordinate is None or not length else np.vstack([turns, along / length])
         )
-    if part.type == "weld":
-        return np.zeros((0, _SPATIAL))
     point = np.asarray(before.apply(np.array(mechanism.places[part.name]))) - middle
-    if part.type == "S":
-        return _turns(np.eye(3), point, size)
-    axis = np.asarray(before.turn(np.array(part.axis)))
-    slide = np.concatenate([np.zeros(3), axis])[None]
-    match part.type:
-        case "P":
-            return slide
-        case "H":
-            return _turns(axis[None], point, size) + part.pitch / (2.0 * np.pi * size) * slide
-        case "C":
-            return np.vstack([_turns(axis[None], point, size), slide])
-        case "U":
-            second = np.asarray(after.turn(np.array(part.axis2)))
-            return _turns(np.vstack([axis, second]), point, size)
-        case _:
-            return _turns(axis[None], point, size)
+    axes = [
+        np.asarray(pose.turn(np.array(axis)))
+        for pose, axis in ((before, part.axis), (after, part.axis2))
+        if axis is not None
+    ]
+    return part.form.screws(point / size, axes, part.pitch / size)
 
 
 @lru_cache(maxsize=128)
@@ -281,10 +272,7 @@ def _coupling_rates(closure: Closure, readings: Mapping[str, np.ndarray]) -> lis
     """The differential of each coupling by coordinate: of the one that follows, and less those that
     lead; lengths are shares of the size, as in the screws of slides."""
     mechanism = closure.mechanism
-    scales = {
-        c.name: 1.0 if c.is_angular else mechanism.characteristic_length
-        for c in mechanism.coordinates
-    }
+    scales = {c.name: c.unit(mechanism.characteristic_length) for c in mechanism.coordinates}
     found = []
     for coupling in mechanism.couplings:
         if coupling.polynomial is None:
@@ -298,13 +286,3 @@ def _coupling_rates(closure: Closure, readings: Mapping[str, np.ndarray]) -> lis
             | {n: -scales[n] * rate for n, rate in rates.items()}
         )
     return found
-
-
-def _turns(axes: np.ndarray, point: np.ndarray, size: float) -> np.ndarray:
-    """Twists of unit turns about axes (k, 3) through a point, over the size."""
-    return np.hstack([axes, np.cross(point, axes) / size])
-
-
-def _rank(span: np.ndarray, tolerance: float) -> int:
-    values = np.linalg.svd(span, compute_uv=False)
-    return int(np.sum(values > tolerance * values[0])) if len(values) and values[0] > 0.0 else 0

@@ -16,6 +16,7 @@ from symkin.position.gruebler import counts
 from symkin.position.limb_screws import LimbScrews
 from symkin.position.loops import Loop, loops_at, redundant_constraints
 from symkin.result import Result, Summary
+from symkin.text import counted
 
 
 @dataclass(frozen=True)
@@ -149,8 +150,7 @@ class Mobility(Result):
                 else "the inputs cannot be chosen freely"
             )
             found.append(
-                f"{self.actuated} actuated joint{'' if self.actuated == 1 else 's'} for a mobility "
-                f"of {mobility}: {more}"
+                f"{counted(self.actuated, 'actuated joint')} for a mobility of {mobility}: {more}"
             )
         elif (
             self.digits is None
@@ -171,13 +171,13 @@ class Mobility(Result):
         found, first_order = [], self.freedoms - self.rank.value
         if self.infinitesimal == first_order > 0:
             found.append(
-                f"no motion leads away from the reference: it is shaky in {first_order} "
-                f"freedom{_s(first_order)} of first order"
+                f"no motion leads away from the reference: it is shaky in "
+                f"{counted(first_order, 'freedom')} of first order"
             )
         elif self.infinitesimal:
             found.append(
                 f"{self.infinitesimal} of {first_order} freedoms of first order "
-                f"{_is(self.infinitesimal)} no motion: every configuration "
+                f"{'is' if self.infinitesimal == 1 else 'are'} no motion: every configuration "
                 "of this assembly is singular"
             )
         if self.other_ranks:
@@ -336,11 +336,3 @@ class Mobility(Result):
                 "mobility": self.freedoms - self.digits.rank,
             },
         }
-
-
-def _s(count: int) -> str:
-    return "" if count == 1 else "s"
-
-
-def _is(count: int) -> str:
-    return "is" if count == 1 else "are"

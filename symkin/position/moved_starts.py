@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.numeric.rank import count_above
 from symkin.position.given import Given
 from symkin.position.problem import Problem
 from symkin.position.solution import pose_of
@@ -48,7 +49,7 @@ class StartRank:
         singular = np.linalg.svd(jacobian, compute_uv=False)
         largest = max(float(singular[0]), 1e-300)
         return StartRank(
-            int(np.sum(singular > SINGULAR_START * largest)),
+            count_above(singular, SINGULAR_START, relative=True),
             generic,
             float(singular[generic - 1]) / largest,
         )
@@ -116,13 +117,13 @@ def moved_note(
     pose.
     """
     mechanism, values = problem.mechanism, problem.join_values(moved, given.values)
-    if given.kind == "inverse":
+    if given.of_pose:
         numbers = [float(values[problem.closure.slices[c.name]][0]) for c in mechanism.actuated]
         pairs = zip(mechanism.actuated, numbers, strict=True)
-        shown = [mechanism.angle_out(v) if c.is_angular else v for c, v in pairs]
+        shown = [mechanism.value_out(c, v) for c, v in pairs]
     else:
         pose = pose_of(problem.closure, values)
         shown = [float(v) for v in (*pose.position, *pose.quaternion)]
     text = ",".join(f"{v:.4g}" for v in shown)
-    what = "joints" if given.kind == "inverse" else "pose"
+    what = "joints" if given.of_pose else "pose"
     return f"the {which} is {rank}: the iteration began at {what} {text} instead"

@@ -13,7 +13,7 @@ import logging
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.numeric.levenberg import Progress, levenberg_marquardt
+from symkin.numeric.levenberg import Progress, levenberg_marquardt, patiently
 from symkin.numeric.system import System
 from symkin.position.given import Given
 from symkin.position.least_squares import LeastSquares
@@ -53,7 +53,7 @@ def _no_roots(
 ) -> Roots:
     """Refine the best ends, so that the smallest residual is that of a minimum."""
     order = np.argsort(np.where(np.isfinite(largest), largest, np.inf))[:16]
-    batch = levenberg_marquardt(block, points[order], given.values, max_iterations=300, patience=60)
+    batch = patiently(block, points[order], given.values)
     smallest = float(np.nanmin(block.residuals(batch.points, given.values)))
     return Roots(block, np.zeros((0, block.width)), np.zeros(0, dtype=int), smallest, starts)
 

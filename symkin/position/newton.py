@@ -65,12 +65,9 @@ def _largest(rows: ca.Function, z: np.ndarray, known: np.ndarray) -> float:
 
 def flat_rows(system: System) -> ca.SX:
     """Closure rows and, for each quaternion, size (|q|^2 - 1) / 2."""
-    norms = [
-        0.5 * system.characteristic_length * (ca.sumsqr(system.unknown[place]) - 1)
-        for c, place in zip(system.unknowns, system.slices, strict=True)
-        if c.kind == "quaternion"
-    ]
-    return ca.vertcat(system.rows, *norms)
+    return ca.vertcat(
+        system.rows, 0.5 * system.characteristic_length * system.norms(system.unknown)
+    )
 
 
 @lru_cache(maxsize=64)

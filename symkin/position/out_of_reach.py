@@ -51,7 +51,7 @@ def reach_note(problem: Problem, given: Given) -> str | None:
         ],
         axis=1,
     )
-    if given.kind != "inverse":
+    if not given.of_pose:
         return _open(names, largest[int(np.argmin(left))], gap)
     zero = float(rounding(system, nearest.points).max())
     return _out_of_reach(

@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.newton import polish
-from symkin.numeric.rank import Rank
+from symkin.numeric.rank import Rank, null_space
 from symkin.numeric.rank import generic as generic_one
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION, RANK_TOLERANCE, SINGULAR_VALUE

@@ -95,10 +95,10 @@ def _starts(part: System, here: np.ndarray) -> np.ndarray:
     rng = np.random.default_rng(0)
     starts = np.tile(here, (_STARTS, 1))
     for c, place in zip(part.unknowns, part.slices, strict=True):
-        if c.kind == "quaternion":
+        if c.is_rotation:
             q = rng.normal(size=(_STARTS, 4))
             starts[:, place] = q / np.linalg.norm(q, axis=1, keepdims=True)
-        elif c.kind == "angle":
+        elif c.is_periodic:
             starts[:, place] = rng.uniform(-np.pi, np.pi, (_STARTS, 1))
     return starts
 
@@ -112,8 +112,8 @@ def _distance(part: System, a: np.ndarray, b: np.ndarray) -> float:
 
 
 def _apart(c: Coordinate, a: np.ndarray, b: np.ndarray, size: float) -> float:
-    if c.kind == "quaternion":
+    if c.is_rotation:
         return 2 * math.acos(min(1.0, abs(float(a @ b))))
-    if c.kind == "angle":
+    if c.is_periodic:
         return abs(math.remainder(float(a[0] - b[0]), 2 * math.pi))
-    return abs(float(a[0] - b[0])) / (1.0 if c.is_angular else size)
+    return abs(float(a[0] - b[0])) / c.unit(size)

@@ -57,7 +57,7 @@ def motion_notes(problem: Problem) -> list[str]:
     """Which motion, declared, removes the conditions that poses of a platform declared spatial must
     satisfy, or some of them.
     """
-    motion = implied_motion(problem.mechanism) if problem.kind == "inverse" else None
+    motion = implied_motion(problem.mechanism) if problem.of_pose else None
     if motion is not None:
         return [
             f"its joints leave the platform a {motion} motion: with motion = {motion!r} in "

@@ -24,6 +24,7 @@ from symkin.position.mobility import mobility
 from symkin.position.platform_motion import fewer_rows
 from symkin.position.varied_pose import varied_pose
 from symkin.spatial.pose import Pose
+from symkin.text import counted
 
 _STARTS = 24
 """Random starts from which closed configurations are sought."""
@@ -77,7 +78,7 @@ def poses_vary(
     rng = np.random.default_rng(seed)
     found = _closed(together, _starts(closure, together, box, rng))
     alone = System(joints, unknown, varied, rows, errors, closure.characteristic_length)
-    units = np.array([1.0 if c.is_angular else closure.characteristic_length for c in coordinates])
+    units = np.array([c.unit(closure.characteristic_length) for c in coordinates])
     return any(_follows(alone, z, units, rng) for z in found) if found else None
 
 
@@ -93,7 +94,7 @@ def condition_sentence(
         "" if named is None else f", or pose coordinates with motion = {named[0]!r} in [platform]"
     )
     return (
-        f"the {frame} of {mechanism.name} has {freedoms} freedom{'s' * (freedoms != 1)} of "
+        f"the {frame} of {mechanism.name} has {counted(freedoms, 'freedom')} of "
         f"{coordinates}, so that {varied} cannot vary alone; "
         f"allowed: {instead}{motion}"
     )
@@ -112,7 +113,7 @@ def _starts(closure: Closure, system: System, box: Box, rng: np.random.Generator
     those of the reference.
     """
     rest, _ = pose_coordinates(closure.mechanism, closure.mechanism.reference_pose)
-    names = [c.name.removeprefix("pose.") for c in closure.role("pose") if c.kind != "quaternion"]
+    names = [c.name.removeprefix("pose.") for c in closure.role("pose") if not c.is_rotation]
     at_rest = dict(zip(names, rest, strict=False))
     joints = closure.reference[: system.width - len(box)]
     starts = np.zeros((_STARTS, system.width))

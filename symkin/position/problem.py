@@ -30,8 +30,29 @@ KNOWN: dict[Kind, str] = {"direct": "actuated", "inverse": "pose"}
 """Role of the known coordinates; all others are unknown. Those of a "given" problem have names."""
 
 
+class OfKind:
+    """What of a mechanism is known, as what has a `kind` says it."""
+
+    kind: Kind
+
+    @property
+    def by_name(self) -> bool:
+        """Whether any coordinates are known, told by their names."""
+        return self.kind == "given"
+
+    @property
+    def of_joints(self) -> bool:
+        """Whether the actuated joints of limbs are known: the direct problem."""
+        return self.kind == "direct"
+
+    @property
+    def of_pose(self) -> bool:
+        """Whether the pose of limbs is known: the inverse problem."""
+        return self.kind == "inverse"
+
+
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Problem(OfKind):
     """A position problem of one mechanism; values of the known coordinates are bound at each solve.
     `row_places` are the rows of the closure that its system holds, None for all of them; `implied`
     are rows behind these that follow from the closure's.
@@ -62,7 +83,7 @@ class Problem:
         """The kind as users read it: a problem whose coordinates are told by name is direct where
         these are all actuated joints, inverse where they are the whole pose.
         """
-        if self.kind != "given" or not self.known_coordinates:
+        if not self.by_name or not self.known_coordinates:
             return self.kind
         if all(c.role == "pose" for c in self.known_coordinates):
             return "inverse"
@@ -90,9 +111,7 @@ class Problem:
     def _together(self) -> list[set[int]]:
         """Places of unknowns that make one part whatever the rows hold."""
         unknowns = self.system.unknowns
-        if self.kind == "given" or any(
-            c.role == "pose" and c.kind == "quaternion" for c in unknowns
-        ):
+        if self.by_name or any(c.role == "pose" and c.is_rotation for c in unknowns):
             return [set(range(len(unknowns)))]
         whole = {row.limb for row in self.closure.row_sources if row.relation == "frame"}
         owners = {
@@ -143,14 +162,12 @@ class Problem:
     def is_explicit(self) -> bool:
         """The pose is a function of the joints: the direct problem of a serial arm."""
         return (
-            self.kind == "direct"
-            and self.closure.forward is not None
-            and not self.closure.role("passive")
+            self.of_joints and self.closure.forward is not None and not self.closure.role("passive")
         )
 
     def forward(self, known: np.ndarray) -> np.ndarray | None:
         """(x, y, z, qw, qx, qy, qz) where the pose is a function of the joints, else None."""
-        if self.kind != "direct" or self._forward is None or self.mechanism.motion != "spatial":
+        if not self.of_joints or self._forward is None or self.mechanism.motion != "spatial":
             return None
         return np.asarray(self._forward(known)).ravel()
 
@@ -187,7 +204,7 @@ class Problem:
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism and the kind, from which the symbols are built anew."""
-        if self.kind != "given":
+        if not self.by_name:
             return build_problem, (self.mechanism, self.kind)
         names = tuple(c.name for c in self.known_coordinates if c.role != "geometry")
         return build_problem, (self.mechanism, self.kind, names, self._held(names))
@@ -231,18 +248,18 @@ def build_problem(
 
 @lru_cache(maxsize=128)
 def _problem(closure: Closure, kind: Kind, names: tuple[str, ...]) -> Problem:
-    if kind == "given":
+    if kind in KNOWN:
+        known = closure.role(KNOWN[kind])
+    else:
         named = {c.name: c for c in closure.coordinates}
         known = tuple(named[name] for name in names) or closure.role("geometry")
-    else:
-        known = closure.role(KNOWN[kind])
     unknowns = tuple(c for c in closure.coordinates if c not in known)
     system = System(
         unknowns,
         _stack(closure, unknowns),
         _stack(closure, known),
         numbered_rows(closure)
-        if kind == "given" and not closure.partition.geometry
+        if kind not in KNOWN and not closure.partition.geometry
         else closure.bound(closure.rows),
         closure.bound(closure.errors),
         closure.characteristic_length,
@@ -255,7 +272,7 @@ def _partition(
     mechanism: Mechanism, kind: Kind, names: tuple[str, ...], held: tuple[str, ...] | None
 ) -> Partition:
     """What the closure must hold for the known coordinates and those that are held beside them."""
-    if kind != "given":
+    if kind in KNOWN:
         return ALL_JOINTS
     wanted = (*names, *(held or ()))
     joints = frozenset(c.name for joint in mechanism.all_joints for c in joint.coordinates)

@@ -63,7 +63,7 @@ def within_limits(closure: Closure, values: np.ndarray) -> np.ndarray | None:
     read = readings_at(closure, values) if others else {}
     inside = np.ones(len(values), dtype=bool)
     for c, (low, high) in (*limited, *others):
-        slack = LIMIT_SLACK * (1.0 if c.is_angular else closure.characteristic_length)
+        slack = LIMIT_SLACK * c.unit(closure.characteristic_length)
         value = read[c.name][:, 0] if c.name in read else values[:, closure.slices[c.name].start]
         inside &= (low - slack <= value) & (value <= high + slack)
     return inside

@@ -8,6 +8,7 @@ from math import isnan, lgamma, log, nan, prod
 
 import numpy as np
 
+from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import extreme_singular_values
 from symkin.numeric.newton import Polished
 from symkin.numeric.root_checks import (
@@ -143,19 +144,24 @@ def features(system: System, points: np.ndarray) -> np.ndarray:
     """Coordinates in which equal configurations are equal: lengths, size (cos, sin) of angles, size
     times the products q_i q_j of quaternions.
     """
+    pairs = zip(system.unknowns, system.slices, strict=True)
+    return features_of(pairs, points, system.characteristic_length)
+
+
+def features_of(
+    pairs: Iterable[tuple[Coordinate, slice]], points: np.ndarray, size: float
+) -> np.ndarray:
+    """As `features`, of coordinates and their places."""
     columns = []
-    for c, place in zip(system.unknowns, system.slices, strict=True):
+    for c, place in pairs:
         part = points[:, place]
-        if c.kind == "quaternion":
+        if c.is_rotation:
             outer = part[:, :, None] * part[:, None, :]
-            columns.append(system.characteristic_length * outer.reshape(len(part), 16))
-        elif c.kind == "angle":
-            columns += [
-                system.characteristic_length * np.cos(part),
-                system.characteristic_length * np.sin(part),
-            ]
+            columns.append(size * outer.reshape(len(part), 16))
+        elif c.is_periodic:
+            columns += [size * np.cos(part), size * np.sin(part)]
         else:
-            columns.append(system.characteristic_length * part if c.kind == "turns" else part)
+            columns.append(size * part if c.is_advancing else part)
     return np.hstack(columns)
 
 

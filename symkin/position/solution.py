@@ -153,10 +153,8 @@ class Solution(Result):
         kinds = {c.name: c for c in self.mechanism.coordinates}
         return {
             name: [float(v) for v in values[name]]
-            if kinds[name].kind == "quaternion"
-            else self.mechanism.angle_out(values[name])
-            if kinds[name].is_angular
-            else values[name]
+            if kinds[name].is_rotation
+            else self.mechanism.value_out(kinds[name], values[name])
             for name in names
         }
 

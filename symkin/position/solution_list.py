@@ -131,9 +131,7 @@ def _double(problem: Problem, values: np.ndarray, extremes: np.ndarray) -> np.nd
     suspect = np.flatnonzero(extremes[:, 1] < NEARLY_SINGULAR)
     near = values[suspect]
     for part in (
-        (structure_groups(problem) if problem.kind == "given" else [problem])
-        if suspect.size
-        else ()
+        (structure_groups(problem) if problem.by_name else [problem]) if suspect.size else ()
     ):
         known = near[:, part.known_places]
         for block in part.blocks:

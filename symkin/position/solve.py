@@ -11,7 +11,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.levenberg import patiently
 from symkin.numeric.root_checks import POLISHING, is_root
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.closed import ClosedForm
@@ -28,10 +28,10 @@ from symkin.position.moved_starts import (
 from symkin.position.newton import Newton
 from symkin.position.out_of_reach import reach_note
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import Solution, pose_of
+from symkin.position.solution import Solution
 from symkin.position.solution_list import make_solution
 from symkin.position.solve_by_name import Start, solve_by_name
-from symkin.position.solve_result import Iterate, SolveError, SolveResult
+from symkin.position.solve_result import SolveError, SolveResult, iterates_of
 from symkin.position.start_notes import start_notes
 from symkin.position.starts import random_starts, start_values
 from symkin.spatial.pose import Pose
@@ -104,7 +104,7 @@ def solve(
     if result.status == "infeasible":
         note = reach_note(result.problem, known)
         result = result if note is None else replace(result, notes=(*result.notes, note))
-    if result.solution is not None and mechanism.is_graph and mechanism.platform_link is not None:
+    if result.solution is not None:
         note = motion_note(mechanism, [result.solution.pose])
         result = result if note is None else replace(result, notes=(*result.notes, note))
     if check and result.solution is None:
@@ -168,7 +168,7 @@ def solve_problem(problem: Problem, given: Given, solver: Solver, start: np.ndar
         status=status,  # type: ignore[arg-type]
         solution=solution,
         iterations=len(path) - 1,
-        history=tuple(_history(problem, path, given.values)),
+        history=iterates_of(problem, path, given.values),
         smallest_residual=None if solution is not None else left,
         method=name,
         elapsed_s=time.perf_counter() - begin,
@@ -221,9 +221,7 @@ def _from_moved(
     tries = starts[:1]
     found = _first_that_closes(problem, given, solver, tries)
     if found is None:
-        ends = levenberg_marquardt(
-            problem.system, starts, given.values, max_iterations=300, patience=60
-        )
+        ends = patiently(problem.system, starts, given.values)
         tries = np.vstack([starts[1:], ends.points[ends.converged]])
         found = _first_that_closes(problem, given, solver, tries) if ends.converged.any() else None
     return None if found is None else (tries[found[0]], found[1])
@@ -290,9 +288,7 @@ def _judge(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> tuple
         return "ok", left
     if is_singular(problem, path[0], known):
         return "singular", left
-    batch = levenberg_marquardt(
-        system, np.stack([end, path[0]]), known, max_iterations=300, patience=60
-    )
+    batch = patiently(system, np.stack([end, path[0]]), known)
     best = min(system.residual(z, known) for z in batch.points if np.all(np.isfinite(z)))
     reached = [system.polish(z, known, POLISHING) for z in batch.points[batch.converged]]
     if not any(is_root(system, z, known) for z in reached):
@@ -313,18 +309,3 @@ def _verified(
     )
     solution = make_solution(problem, problem.join_values(z, given.values), notes=given.notes)
     return (solution if is_root(system, z, given.values) else None), solution.residual
-
-
-def _history(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> list[Iterate]:
-    steps = []
-    for z in path:
-        values = problem.join_values(z, known)
-        if np.all(np.isfinite(values)):
-            steps.append(
-                Iterate(
-                    values,
-                    pose_of(problem.closure, values),
-                    problem.system.residual(problem.system.unit(z), known),
-                )
-            )
-    return steps

@@ -18,7 +18,7 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.levenberg import patiently
 from symkin.numeric.root_checks import POLISHING, is_root
 from symkin.position.closed import ClosedForm
 from symkin.position.determination import (
@@ -34,19 +34,13 @@ from symkin.position.mobility import open_loops_note
 from symkin.position.moved_starts import moved_starts
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import Solution, pose_of
 from symkin.position.solution_list import make_solution
-from symkin.position.solve_result import Iterate, SolveResult
+from symkin.position.solve_result import SolveResult, iterates_of
+from symkin.position.start_notes import start_notes
 from symkin.position.starts import random_starts
 from symkin.spatial.pose import Pose
 
-_STEPS = 300
-"""Most steps of Levenberg-Marquardt; from a start nearby some ten suffice."""
-_PATIENCE = 60
-"""Steps without progress after which a start is given up."""
 _RESTARTS = 20
-_FAR = 0.2
-"""A start further from what it led to than this (of the size, or rad) is noted."""
 
 Start = Mapping[str, Any] | Sequence[float] | Pose | None
 
@@ -103,7 +97,7 @@ def solve_by_name(
         solution = make_solution(
             problem, problem.join_values(attempt.end, given.values), notes=given.notes
         )
-        notes += _far_notes(solution, start)
+        notes += start_notes(solution, "given", start)
     note = open_loops_note(mechanism) if solution is None else None
     notes += [] if note is None else [note]
     return SolveResult(
@@ -116,7 +110,7 @@ def solve_by_name(
         else "nonfinite",
         solution=solution,
         iterations=attempt.steps,
-        history=tuple(_history(problem, given, attempt)),
+        history=iterates_of(problem, [attempt.begin, attempt.end], given.values),
         smallest_residual=None if solution is not None else attempt.residual,
         method="levenberg" if solver is None else solver.name,
         elapsed_s=time.perf_counter() - clock,
@@ -180,9 +174,7 @@ def _unknowns_at(problem: Problem, given: Given, start: Given) -> np.ndarray:
 def _fitted(problem: Problem, start: Given) -> np.ndarray:
     begin = problem.select_values(problem.closure.reference, problem.system.unknowns)
     if problem.system.width:
-        batch = levenberg_marquardt(
-            problem.system, begin[None], start.values, max_iterations=_STEPS, patience=_PATIENCE
-        )
+        batch = patiently(problem.system, begin[None], start.values)
         begin = batch.points[0] if np.all(np.isfinite(batch.points)) else begin
     return problem.join_values(begin, start.values)
 
@@ -208,9 +200,7 @@ def _iterated(
     if solver is not None:
         path = solver.iterate(problem, z, given.values)
         return _polished(problem, given, z, path[-1], len(path) - 1)
-    batch = levenberg_marquardt(
-        system, z[None], given.values, max_iterations=_STEPS, patience=_PATIENCE
-    )
+    batch = patiently(system, z[None], given.values)
     return _polished(problem, given, z, batch.points[0], batch.iterations)
 
 
@@ -236,9 +226,7 @@ def _from_elsewhere(
         starts += list(
             random_starts(problem, system, given, _RESTARTS, np.random.default_rng(0))[1:]
         )
-    batch = levenberg_marquardt(
-        system, np.array(starts), given.values, max_iterations=_STEPS, patience=_PATIENCE
-    )
+    batch = patiently(system, np.array(starts), given.values)
     tries = [
         _polished(problem, given, z, end, batch.iterations)
         for z, end in zip(starts, batch.points, strict=True)
@@ -276,52 +264,3 @@ def _free_note(problem: Problem, left: int, by_default: bool) -> str:
         f"near {where}, to which shortest "
         "steps of least squares have led"
     )
-
-
-def _far_notes(found: Solution, start: Start) -> list[str]:
-    """A note where values of the start are far from what it led to."""
-    if not isinstance(start, Mapping):
-        return []
-    mechanism, far = found.mechanism, []
-    kinds = {c.name: c for c in found.mechanism.actuated}
-    for name, value in start.items():
-        there = found.joints.get(name)
-        if not isinstance(there, float):
-            continue
-        c = kinds.get(name)
-        gap = abs(there - float(value))
-        angular = name in found.joints and (
-            c.is_angular if c is not None else _is_angle(mechanism, name)
-        )
-        gap = (
-            abs(math.remainder(mechanism.angle_in(gap), 2 * math.pi))
-            if angular
-            else gap / mechanism.characteristic_length
-        )
-        if gap > _FAR:
-            unit = mechanism.angle_unit if angular else mechanism.length_unit
-            shown = mechanism.angle_out(gap) if angular else gap * mechanism.characteristic_length
-            far.append(f"{name} by {shown:.3g} {unit}")
-    return (
-        [f"the start lies far from the configuration that it led to: {', '.join(far)}"]
-        if far
-        else []
-    )
-
-
-def _is_angle(mechanism: Mechanism, name: str) -> bool:
-    return any(c.is_angular for c in mechanism.coordinates if c.name == name)
-
-
-def _history(problem: Problem, given: Given, attempt: _Attempt) -> list[Iterate]:
-    steps = []
-    for z in (attempt.begin, attempt.end):
-        values = problem.join_values(z, given.values)
-        steps.append(
-            Iterate(
-                values,
-                pose_of(problem.closure, values),
-                problem.system.residual(problem.system.unit(z), given.values),
-            )
-        )
-    return steps

@@ -4,7 +4,7 @@ way.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from symkin.errors import SymkinError
 from symkin.position.problem import Problem
-from symkin.position.solution import Solution, finite, heading
+from symkin.position.solution import Solution, finite, heading, pose_of
 from symkin.position.table import given_text, solution_table
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
@@ -46,6 +46,19 @@ class Iterate:
     values: np.ndarray
     pose: Pose
     residual: float
+
+
+def iterates_of(
+    problem: Problem, path: Sequence[np.ndarray], known: np.ndarray
+) -> tuple[Iterate, ...]:
+    """The finite points of a path of unknowns as iterates."""
+    system, steps = problem.system, []
+    for z in path:
+        values = problem.join_values(z, known)
+        if np.all(np.isfinite(values)):
+            residual = system.residual(system.unit(z), known)
+            steps.append(Iterate(values, pose_of(problem.closure, values), residual))
+    return tuple(steps)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

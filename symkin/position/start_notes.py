@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
-from symkin.position.given import Joints, in_file_order, pose_from
+from symkin.position.given import pose_from
 from symkin.position.problem import Kind
 from symkin.position.solution import Solution
-from symkin.spatial.pose import Pose
 
 _FAR = 0.2
 """A start further from the configuration that it led to than this (of the size, or rad) is
@@ -17,30 +18,44 @@ noted.
 """
 
 
-def start_notes(found: Solution, kind: Kind, start: Joints | Pose) -> tuple[str, ...]:
-    """A note where the start that the user gives, a pose (direct problem) or joints, is far from
-    what it led to.
+def start_notes(found: Solution, kind: Kind, start: Any) -> tuple[str, ...]:
+    """A note where the start that the user gives is far from what it led to: values by name, else a
+    pose of the direct problem, joints in file order of the inverse one.
     """
     mechanism = found.mechanism
-    if kind == "direct":
-        pose = pose_from(start, "start")
-        away = float(np.linalg.norm(np.asarray(pose.position) - np.asarray(found.position)))
-        angle = 2 * math.acos(min(1.0, abs(float(np.dot(pose.quaternion, found.quaternion)))))
-    else:
-        given = list(in_file_order(mechanism, start))  # type: ignore[arg-type]
-        pairs = [
-            (c, float(a) - float(b))
-            for c, a, b in zip(mechanism.actuated, given, found.actuated_values, strict=True)
-        ]
-        away = max((abs(d) for c, d in pairs if not c.is_angular), default=0.0)
-        turns = [
-            abs(math.remainder(mechanism.angle_in(d), 2 * math.pi))
-            for c, d in pairs
-            if c.is_angular
-        ]
-        angle = max(turns, default=0.0)
-    if away <= _FAR * mechanism.characteristic_length and angle <= _FAR:
-        return ()
-    parts = [f"{away:.3g} {mechanism.length_unit}"] if away > 0.0 else []
-    parts += [f"{mechanism.angle_out(angle):.3g} {mechanism.angle_unit}"] if angle > 0.0 else []
-    return (f"the start lies {' and '.join(parts)} from the configuration that it led to",)
+    if not isinstance(start, Mapping):
+        if kind == "given":
+            return ()
+        names = [c.name for c in mechanism.actuated]
+        start = {"pose": start} if kind == "direct" else dict(zip(names, start, strict=True))
+    far = [
+        f"{name} by {mechanism.angle_out(gap):.3g} {mechanism.angle_unit}"
+        if angular
+        else f"{name} by {gap:.3g} {mechanism.length_unit}"
+        for name, gap, angular in _gaps(found, start)
+        if gap > _FAR * (1.0 if angular else mechanism.characteristic_length)
+    ]
+    return (
+        (f"the start lies far from the configuration that it led to: {', '.join(far)}",)
+        if far
+        else ()
+    )
+
+
+def _gaps(found: Solution, start: Mapping[str, Any]) -> Iterator[tuple[str, float, bool]]:
+    """How far each value lies from the start's (rad, or length unit), and whether it is an
+    angle.
+    """
+    kinds = {c.name: c for c in found.mechanism.coordinates}
+    for name, value in start.items():
+        there = found.joints.get(name)
+        if isinstance(there, float):
+            gap = found.mechanism.value_in(kinds[name], there - float(value))
+            angular = kinds[name].is_angular
+            yield name, abs(math.remainder(gap, 2 * math.pi) if angular else gap), angular
+        elif name == "pose":
+            pose = pose_from(value, "start")
+            away = np.asarray(pose.position) - found.position
+            turn = 2 * math.acos(min(1.0, abs(float(np.dot(pose.quaternion, found.quaternion)))))
+            yield "position", float(np.linalg.norm(away)), False
+            yield "orientation", turn, True

@@ -25,12 +25,12 @@ def start_values(problem: Problem, given: Given, start: Joints | Pose | None) ->
     if start is None and mechanism.example is not None:
         start = _example_start(mechanism, given)
     values = closure.reference.copy()
-    if given.kind == "direct" and start is not None:
+    if given.of_joints and start is not None:
         pose_from(start, "start")
     forward = problem.forward(given.values)
     if forward is not None:
         return np.concatenate([problem.select_values(values, closure.role("passive")), forward])
-    if given.kind == "inverse":
+    if given.of_pose:
         if start is not None:
             numbers = joint_values(mechanism, start, "start")  # type: ignore[arg-type]
             for c, number in zip(mechanism.actuated, numbers, strict=True):
@@ -68,21 +68,19 @@ def random_starts(
     the first start at the reference; within `limits` where given.
     """
     closure = problem.closure
-    lengths = [
-        abs(v) for c, v in _named(problem.known_coordinates, given.values) if c.kind == "length"
-    ]
+    lengths = [abs(v) for c, v in _named(problem.known_coordinates, given.values) if c.is_length]
     reach = 1.5 * max([closure.characteristic_length, *lengths])
     points = np.empty((count, system.width))
     for c, place in zip(system.unknowns, system.slices, strict=True):
         reference = closure.reference[closure.slices[c.name]]
-        if c.kind == "quaternion":
+        if c.is_rotation:
             q = rng.normal(size=(count, 4))
             points[:, place] = q / np.linalg.norm(q, axis=1, keepdims=True)
         elif c.limits is not None:
             points[:, place] = rng.uniform(*c.limits, (count, 1))
-        elif c.kind == "angle":
+        elif c.is_periodic:
             points[:, place] = rng.uniform(-np.pi, np.pi, (count, 1))
-        elif c.kind == "turns":
+        elif c.is_advancing:
             spans = np.where(
                 np.arange(count) % 2, 2 * np.pi, _turns_within(problem.mechanism, c, reach)
             )

@@ -12,6 +12,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.given import leaves_motion
 from symkin.position.problem import Problem
 from symkin.position.solution import DOUBLE_NOTE, Solution
+from symkin.text import counted
 
 Columns = dict[str, list[str]]
 """Cells by the title of their column."""
@@ -97,15 +98,11 @@ def _needed(shown: Columns, points: Columns, passive: Columns) -> Columns:
 
 def _left_out(points: Sequence[str], passive: Sequence[str]) -> str:
     counts = [
-        _counted(len(passive), "passive joint"),
-        _counted(len({p.rpartition(".")[0] for p in points}), "named point"),
+        (len(passive), "passive joint"),
+        (len({p.rpartition(".")[0] for p in points}), "named point"),
     ]
-    told = " and ".join(text for text in counts if text)
+    told = " and ".join(counted(count, what) for count, what in counts if count)
     return f"{told} not shown: --all, or summary(everything=True)" if told else ""
-
-
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}{'s' * (count > 1)}" if count else ""
 
 
 def _pose_columns(solutions: Sequence[Solution]) -> Columns:
@@ -114,8 +111,7 @@ def _pose_columns(solutions: Sequence[Solution]) -> Columns:
         f"{axis} [{mechanism.length_unit}]": [_length(mechanism, s.position[i]) for s in solutions]
         for i, axis in enumerate("xyz")
     }
-    poses = [s.pose for s in solutions] if mechanism.is_graph else []
-    if leaves_motion(mechanism, poses):
+    if leaves_motion(mechanism, [s.pose for s in solutions]):
         return columns | _turn_columns(solutions)
     if mechanism.motion in ("schoenflies", "planar"):
         values = [mechanism.angle_out(s.gamma) for s in solutions]
@@ -139,10 +135,7 @@ def _joint_columns(problem: Problem, solutions: Sequence[Solution]) -> tuple[Col
     mechanism = problem.mechanism
     given = {c.name for c in problem.known_coordinates}
     actuated = {c.name for c in mechanism.actuated}
-    units = {
-        c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit
-        for c in mechanism.coordinates
-    }
+    units = {c.name: mechanism.unit_of(c) for c in mechanism.coordinates}
     digits = 3 if mechanism.characteristic_length > 10 else 5
     rows = [s.printed_joints for s in solutions]
     names = [

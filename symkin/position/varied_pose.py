@@ -45,7 +45,7 @@ def varied_pose(
     found = []
     for c in closure.role("pose"):
         name, value = c.name.removeprefix("pose."), ca.SX(ca.DM(held[c.name]))
-        if c.kind == "quaternion":
+        if c.is_rotation:
             turn = ca.vertcat(*(varied.get(n, ca.SX(0)) for n in TURNS))
             found.append(multiply(quaternion_from_rotation_vector(turn), value))
         elif name == "gamma" and "rz" in varied:

@@ -27,7 +27,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.tolerances import RANK_TOLERANCE, SINGULAR_VALUE
 from symkin.position.given import Joints
 from symkin.position.given_by_name import Values
@@ -51,7 +51,7 @@ from symkin.singularities.singular_groups import SingularGroup, singular_groups
 from symkin.singularities.singularity_result import Singularity
 from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
-from symkin.velocity.limb_equations import LimbwiseEquations, limbwise_equations, row_span
+from symkin.velocity.limb_equations import LimbwiseEquations, limbwise_equations
 from symkin.velocity.roles import Roles, roles_of
 from symkin.verb import verb
 
@@ -193,7 +193,7 @@ def classify(
         inputs=tuple(
             joint_rates(solution.mechanism, roles.driven(closure), row) for row in tidy_rows(inputs)
         ),
-        feasible_twists=_twists(solution, whole, row_span(feasible, tolerance))
+        feasible_twists=_twists(solution, whole, row_space(feasible, tolerance))
         if roles.has_twist
         else (),
         notes=_notes(closure, ranks, generic, output, roles),

@@ -109,14 +109,14 @@ def distance(
     """
     total = np.zeros(np.broadcast_shapes(a.shape[:-1], b.shape[:-1]))
     for c, place in zip(system.unknowns[:leading], system.slices[:leading], strict=True):
-        if c.kind == "quaternion":
+        if c.is_rotation:
             cosine = np.abs(np.sum(a[..., place] * b[..., place], axis=-1))
             total += (2.0 * system.characteristic_length) ** 2 * np.maximum(0.0, 2.0 - 2.0 * cosine)
             continue
         gap = a[..., place.start] - b[..., place.start]
-        if c.kind == "angle":
+        if c.is_periodic:
             gap = np.remainder(gap + np.pi, 2 * np.pi) - np.pi
-        total += (gap * (system.characteristic_length if c.is_angular else 1.0)) ** 2
+        total += (gap * c.lever(system.characteristic_length)) ** 2
     return np.sqrt(total)
 
 

@@ -125,13 +125,13 @@ def _length_between(system: LocusSystem, a: np.ndarray, b: np.ndarray, ahead: np
     """
     difference, column = np.zeros(system.curve.freedom), 0
     for c, place in zip(system.curve.unknowns, system.curve.slices, strict=True):
-        if c.kind == "quaternion":
+        if c.is_rotation:
             p, q = a[place], b[place] * np.sign(a[place] @ b[place])
             relative = np.array([p[0] * q[1:] - q[0] * p[1:] - np.cross(q[1:], p[1:])])[0]
             difference[column : column + 3] = 2 * system.curve.characteristic_length * relative
         else:
-            difference[column] = (b[place] - a[place])[0] * (
-                system.curve.characteristic_length if c.is_angular else 1.0
+            difference[column] = (b[place] - a[place])[0] * c.lever(
+                system.curve.characteristic_length
             )
         column += c.freedom
     return float(difference @ ahead)

@@ -7,11 +7,11 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import null_space, row_space
 from symkin.position.closed_configurations import whole_system
 from symkin.singularities.named_screw import joint_rates
 from symkin.spatial.screw import tidy_rows
-from symkin.velocity.limb_equations import row_basis, row_span
+from symkin.velocity.limb_equations import row_basis
 from symkin.velocity.roles import Roles, columns_by_name, other_joints
 
 
@@ -30,5 +30,5 @@ def held_motions(
     motions[:, free] = left
     names = other_joints(closure, roles.inputs or ())
     joints = [c for name in names for c in closure.coordinates if c.name == name]
-    told = row_span(motions[:, columns_by_name(closure, names)], tolerance)
+    told = row_space(motions[:, columns_by_name(closure, names)], tolerance)
     return tuple(joint_rates(closure.mechanism, joints, row) for row in tidy_rows(told))

@@ -70,9 +70,7 @@ class Loci(Result):
     def units(self) -> tuple[str, ...]:
         """The units of the plane's coordinates."""
         m = self.plane.mechanism
-        return tuple(
-            m.angle_unit if c.is_angular else m.length_unit for c in self.plane.coordinates
-        )
+        return tuple(m.unit_of(c) for c in self.plane.coordinates)
 
     @property
     def angles(self) -> str | None:
@@ -156,7 +154,7 @@ class Loci(Result):
         held = []
         for c in plane.family:
             name = c.name.removeprefix("pose.")
-            if c.kind == "quaternion":
+            if c.is_rotation:
                 quaternion = ", ".join(f"{plain(float(v)):.4g}" for v in self.solution.quaternion)
                 held.append(f"orientation ({quaternion}){turn_text(plane.names)}")
             elif name not in plane.names:
@@ -167,10 +165,7 @@ class Loci(Result):
                     else plain(value, mechanism.characteristic_length)
                 )
                 more = "rz + " if plane.of_pose and name == "gamma" and "rz" in plane.names else ""
-                held.append(
-                    f"{name} = {more}{shown:.5g} "
-                    f"{mechanism.angle_unit if c.is_angular else mechanism.length_unit}"
-                )
+                held.append(f"{name} = {more}{shown:.5g} {mechanism.unit_of(c)}")
         return "held: " + ", ".join(held) if held else "nothing else is held"
 
 

@@ -92,9 +92,7 @@ def make_locus(
 ) -> Locus:
     """A traced curve in the mechanism's units; `cusps` are numbers of its points."""
     mechanism = system.plane.mechanism
-    factors = np.array(
-        [mechanism.angle_out(1.0) if c.is_angular else 1.0 for c in system.plane.coordinates]
-    )
+    factors = np.array([mechanism.value_out(c, 1.0) for c in system.plane.coordinates])
     w = curve.points[:, system.uv.stop :] / system.curve.characteristic_length
     kind = (
         "passive" if system.loss.is_passive(curve.points[:, : system.uv.stop], w) else system.kind

@@ -121,7 +121,7 @@ def _turned_into(system: LocusSystem, point: np.ndarray, window: np.ndarray) -> 
     turned = point.copy()
     uv = turned[system.uv]
     for k, (c, (low, high)) in enumerate(zip(system.plane.coordinates, window, strict=True)):
-        if c.kind == "angle" and not low <= uv[k] <= high:
+        if c.is_periodic and not low <= uv[k] <= high:
             uv[k] = low + np.remainder(uv[k] - low, 2 * np.pi)
     if not np.array_equal(turned, point) and system.loss.free_motions:
         return np.asarray(system.lift(turned[: system.uv.stop])[0][0])
@@ -215,10 +215,7 @@ def _tracing_window(system: LocusSystem, window: np.ndarray) -> Window:
     """The window for tracing: steps of at most 1/150 of its sides in the plane."""
     sides = window[:, 1] - window[:, 0]
     scale = np.array(
-        [
-            system.curve.characteristic_length if c.is_angular else 1.0
-            for c in system.plane.coordinates
-        ]
+        [c.lever(system.curve.characteristic_length) for c in system.plane.coordinates]
     )
 
     def cap(t: np.ndarray) -> float:

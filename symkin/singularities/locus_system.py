@@ -24,7 +24,8 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
-from symkin.model.joint import Coordinate, Kind
+from symkin.model.joint import Coordinate
+from symkin.model.joint_forms import Kind
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import System
 from symkin.position.closed_configurations import closed_configurations, whole_system
@@ -76,11 +77,7 @@ class Plane:
     @property
     def known(self) -> tuple[str, ...]:
         """The known coordinates, where they are told by name."""
-        return (
-            tuple(c.name for c in self.problem.known_coordinates)
-            if self.problem.kind == "given"
-            else ()
-        )
+        return tuple(c.name for c in self.problem.known_coordinates) if self.problem.by_name else ()
 
     @property
     def family(self) -> tuple[Coordinate, ...]:

@@ -15,7 +15,7 @@ import numpy as np
 from symkin.closure.closure import Closure, build_closure
 from symkin.computed_once import lru_cache
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import null_space, rank_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
 from symkin.singularities.output import Output, output_equations
@@ -100,13 +100,6 @@ def generic_ranks(
 def feasible_motions(equations: LimbwiseEquations, tolerance: float) -> np.ndarray:
     """Orthonormal rows (t, q') with A t + B q' = 0."""
     return null_space(np.hstack([equations.twist, equations.rates]), tolerance)
-
-
-def rank_of(matrix: np.ndarray, tolerance: float) -> int:
-    """Count of singular values above `tolerance` (absolute: rows have unit length)."""
-    return (
-        int(np.sum(np.linalg.svd(matrix, compute_uv=False) > tolerance)) if min(matrix.shape) else 0
-    )
 
 
 def distances(

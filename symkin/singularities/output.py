@@ -22,7 +22,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import count_above, null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.given_by_name import given_coordinates
 from symkin.position.solution import pose_of
@@ -68,7 +68,7 @@ class OutputEquations:
         combinations of them.
         """
         left, singular, _ = np.linalg.svd(twists @ self.rows.T)
-        return np.asarray(left.T[: int(np.sum(singular > RANK_TOLERANCE))] @ twists)
+        return np.asarray(left.T[: count_above(singular, RANK_TOLERANCE)] @ twists)
 
 
 def coordinate_names(mechanism: Mechanism, names: Sequence[str] | None) -> list[str] | None:
@@ -117,7 +117,7 @@ def output_equations(
     basis, triangle = np.linalg.qr(at_point)
     chosen = [OUTPUT_NAMES.index(name) for name in output.names]
     left, singular, right = np.linalg.svd(basis[chosen], full_matrices=True)
-    rank = int(np.sum(singular > RANK_TOLERANCE))
+    rank = count_above(singular, RANK_TOLERANCE)
     if not rank:
         raise InputError(
             f"output = {', '.join(output.names)!r}: the {closure.mechanism.motion} motion of "

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from symkin.numeric.rank import null_space
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.singularities.curve import CORRECTED, distance
@@ -75,9 +76,8 @@ def _null_space(closed: System, z: np.ndarray) -> np.ndarray:
     """Orthonormal rows; the last one belongs to the smallest singular value, however large it
     is.
     """
-    _, singular, right = np.linalg.svd(closed.linearise_one(z, np.zeros(0))[1][:, :-2])
-    rank = int(np.sum(singular > SINGULAR_VALUE * singular[0])) if len(singular) else 0
-    return np.asarray(right[min(rank, len(right) - 1) :])
+    jacobian = closed.linearise_one(z, np.zeros(0))[1][:, :-2]
+    return null_space(jacobian, SINGULAR_VALUE, relative=True, least=1)
 
 
 def _close_all(closed: System, points: np.ndarray) -> np.ndarray | None:
@@ -106,9 +106,7 @@ def _finite_motion(system: LocusSystem, begin: np.ndarray, chain: np.ndarray) ->
     closed, count = system.closed, len(system.free)
     steps = distance(closed, chain[1:], chain[:-1], count)
     length = _STEP * closed.characteristic_length
-    scale = np.array(
-        [closed.characteristic_length if c.is_angular else 1.0 for c in system.plane.coordinates]
-    )
+    scale = np.array([c.lever(closed.characteristic_length) for c in system.plane.coordinates])
     strayed = float(np.max(np.abs((chain[0] - begin)[system.uv] * scale)))
     reached = float(distance(closed, chain[-1], chain[0], count))
     return (

@@ -1,5 +1,5 @@
-"""Rotations and their charts: matrix, unit quaternion (w, x, y, z), Euler angles, rotation vector,
-Cayley vector.
+"""Rotations and their charts: matrix, unit quaternion (w, x, y, z), Euler angles, rotation
+vector.
 
 Formulas take floats, NumPy arrays (components first) or CasADi columns alike. The unit quaternion
 is the hub: each chart has one function to it and one from it. Angles are in radians. A rotation R
@@ -66,7 +66,7 @@ def rotate(q: Array, v: Array) -> Array:
     return v + 2.0 * (scale(q[0], t) + cross(u, t))
 
 
-# --- axis and angle, rotation vector, Cayley vector -----------------------------------------------
+# --- axis and angle, rotation vector --------------------------------------------------------------
 
 
 def quaternion_from_axis_angle(axis: Array, angle: Array) -> Array:
@@ -96,18 +96,6 @@ def rotation_vector_from_quaternion(q: Array) -> Array:
     sine = sqrt(where(small, 1.0, squared))
     factor = where(small, 2.0 + squared / 3.0, 2.0 * atan2(sine, w) / sine)
     return scale(factor, u)
-
-
-def quaternion_from_cayley(c: Array) -> Array:
-    """Cayley (Rodrigues) vector c = axis tan(angle/2) to the unit quaternion (1, c) / sqrt(1 +
-    c.c).
-    """
-    return normalized(vector(1.0 + 0.0 * c[0], c[0], c[1], c[2]))
-
-
-def cayley_from_quaternion(q: Array) -> Array:
-    """axis tan(angle/2) = u / w; infinite for half turns."""
-    return scale(1.0 / q[0], q[1:])
 
 
 # --- matrix ---------------------------------------------------------------------------------------

@@ -16,9 +16,7 @@ def check_drawable(
     of both, and where what they stand for is not stored or is what is swept.
     """
     points = [point.name for point in mechanism.link_points]
-    joints = [
-        c.name for c in mechanism.coordinates if c.kind != "quaternion" and c.name not in swept
-    ]
+    joints = [c.name for c in mechanism.coordinates if not c.is_rotation and c.name not in swept]
     for name in names:
         if name not in points and name not in joints:
             allowed = (

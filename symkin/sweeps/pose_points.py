@@ -84,7 +84,7 @@ def check_poses(problem: Problem, base: Sequence[float], values: Mapping[str, np
             f"by {off:.3g} {mechanism.length_unit}, "
             "so that no point has a solution; allowed: poses of that motion"
         )
-    if problem.kind == "given":
+    if problem.by_name:
         _check_some_near(problem, base, values)
     else:
         _check_conditions(mechanism, base, values)

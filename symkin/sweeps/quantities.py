@@ -56,7 +56,7 @@ def variables(quantity: str, certify: bool, problem: Problem) -> tuple[Variable,
             _certificates(mechanism.length_unit) if certify else []
         )
     elif quantity == "conditioning":
-        found += [*_DISTANCES, *([_INCREASED] if problem.kind == "given" else []), *_CONDITIONING]
+        found += [*_DISTANCES, *([_INCREASED] if problem.by_name else []), *_CONDITIONING]
     else:
         found += _REACH
     return tuple(found)
@@ -296,7 +296,7 @@ def _distances(found: ModeTable, problem: Problem) -> dict[str, np.ndarray]:
     names = list(
         dict.fromkeys("pose" if c.role == "pose" else c.name for c in problem.known_coordinates)
     )
-    roles = roles_of(mechanism, names) if problem.kind == "given" else Roles(mechanism)
+    roles = roles_of(mechanism, names) if problem.by_name else Roles(mechanism)
     closure, generic = (
         roles.closure,
         generic_ranks(mechanism, None, roles if roles.by_name else None),

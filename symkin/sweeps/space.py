@@ -129,7 +129,7 @@ class Space:
             if c.name in swept:
                 column = swept[c.name]
                 values[:, place] = (
-                    _angles_in(self.mechanism, column, whole_turns=c.kind == "angle")
+                    _angles_in(self.mechanism, column, whole_turns=c.is_periodic)
                     if c.is_angular
                     else column
                 )
@@ -248,9 +248,7 @@ def _angles_in(mechanism: Mechanism, values: np.ndarray, *, whole_turns: bool) -
 
 def _units(mechanism: Mechanism, coordinates: Iterable[Coordinate]) -> dict[str, str]:
     """Units of coordinates by name."""
-    return {
-        c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in coordinates
-    }
+    return {c.name: mechanism.unit_of(c) for c in coordinates}
 
 
 def _refused(mechanism: Mechanism, name: str, units: Mapping[str, str], poses: bool) -> NoReturn:
@@ -318,7 +316,7 @@ def _base(mechanism: Mechanism, poses: bool, at: Joints | Pose | None) -> tuple[
         at = example.joints
     if at is None:
         references = [(c, c.reference[0]) for c in mechanism.actuated]
-        return tuple(mechanism.angle_out(v) if c.is_angular else v for c, v in references)
+        return tuple(mechanism.value_out(c, v) for c, v in references)
     if isinstance(at, Pose):
         raise InputError(
             "at: a pose is given; a sweep over inputs takes all actuated joints (over='poses' "

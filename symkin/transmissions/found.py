@@ -12,7 +12,7 @@ from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.bar import Bar
 from symkin.model.graph import LinkJoint
-from symkin.model.joint import BASE, FREEDOMS, Coordinate, Joint, interval
+from symkin.model.joint import BASE, Coordinate, Joint, interval
 from symkin.model.mechanism import Mechanism
 from symkin.position.loops import independent_cycles
 from symkin.text import not_among
@@ -32,9 +32,7 @@ class Group:
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The single coordinates of its joints and rods, in file order."""
         held = {c.name for k in self.edges for c in _coordinates(_edges(self.mechanism)[k])}
-        return tuple(
-            c for c in self.mechanism.coordinates if c.name in held and c.kind != "quaternion"
-        )
+        return tuple(c for c in self.mechanism.coordinates if c.name in held and not c.is_rotation)
 
     @cached_property
     def actuated(self) -> tuple[Coordinate, ...]:
@@ -107,7 +105,7 @@ class Group:
             own = _coordinates(edges[k])
             if link not in (first, last) or other in visited or isinstance(_part(edges[k]), Bar):
                 continue
-            if all(c.kind != "quaternion" for c in own) and len(names) + len(own) <= count:
+            if all(not c.is_rotation for c in own) and len(names) + len(own) <= count:
                 more = (*names, *(c.name for c in own))
                 yield from self._ways(other, (*visited, other), more, count)
 
@@ -147,7 +145,7 @@ def with_ranges(mechanism: Mechanism, ranges: Mapping[str, Sequence[float]]) -> 
     """
     if not ranges:
         return mechanism
-    single = {e.joint.name for e in mechanism.link_joints if FREEDOMS[e.joint.type] == 1}
+    single = {e.joint.name for e in mechanism.link_joints if e.joint.freedom == 1}
     for name in ranges:
         if name not in single:
             raise InputError(f"ranges: {not_among(name, sorted(single))}")
@@ -162,7 +160,7 @@ def _limited(
     joint = entry.joint
     if joint.name not in ranges:
         return entry
-    turn = mechanism.angle_in(1.0) if joint.coordinates[0].is_angular else 1.0
+    turn = mechanism.value_in(joint.coordinates[0], 1.0)
     bounds = [turn * value for value in interval(ranges[joint.name], f"ranges: {joint.name}") or ()]
     return replace(entry, joint=replace(joint, limits=bounds))
 

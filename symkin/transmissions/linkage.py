@@ -117,7 +117,7 @@ class Linkage:
         norms = [
             0.5 * (ca.sumsqr(closure.variables[closure.slices[c.name]]) - 1.0)
             for c in closure.coordinates
-            if c.kind == "quaternion"
+            if c.is_rotation
         ]
         return ca.vertcat(closure.bound(closure.rows) / self.size, *norms)
 
@@ -195,7 +195,7 @@ class Linkage:
             if values is None:
                 found[:, k] = -np.inf
                 continue
-            if c in own and c.kind == "angle":
+            if c in own and c.is_periodic:
                 # a reading is an angle modulo turns: that next to the middle of its range
                 middle = 0.5 * (low + high)
                 values = middle + np.remainder(values - middle + np.pi, 2 * np.pi) - np.pi

@@ -11,6 +11,8 @@ from itertools import combinations, product
 
 import numpy as np
 
+from symkin.numeric.rank import count_above
+
 _ZERO = 1e-10
 """Share of the longest generator that is rounding."""
 
@@ -71,7 +73,7 @@ def _corners(generators: np.ndarray) -> np.ndarray:
     if not len(used):
         return np.zeros((1, generators.shape[1]))
     _, values, basis = np.linalg.svd(used)
-    rank = int(np.sum(values > _ZERO * values[0]))
+    rank = count_above(values, _ZERO, relative=True)
     inside = used @ basis[:rank].T
     if rank == 1:
         end = np.abs(inside).sum() * basis[:1]

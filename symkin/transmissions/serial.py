@@ -59,7 +59,7 @@ def drives_of(transmission: Transmission) -> tuple[dict[str, Drive], list[str]]:
     linkage, data, survey = transmission.linkage, transmission.data, transmission.survey
     metres = METRES[linkage.mechanism.length_unit]
     motors, joints = (
-        np.array([1.0 if c.is_angular else metres for c in linkage.coordinates_of(names)])
+        np.array([c.unit(metres) for c in linkage.coordinates_of(names)])
         for names in (linkage.motors, linkage.joints)
     )
     inverse = survey.states.inverse_jacobian * motors[:, None] / joints

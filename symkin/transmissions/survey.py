@@ -127,7 +127,7 @@ class Survey:
         """The smallest torque that any direction of the joints has, and which; None where joints
         turn and slide, so that no direction is longer than another.
         """
-        if len({c.kind == "length" for c in self._joints}) > 1:
+        if len({c.is_length for c in self._joints}) > 1:
             return None
         normals, low, high, names = self._planes
         lengths = np.linalg.norm(normals, axis=2)
@@ -257,7 +257,7 @@ class Survey:
     def out(self, joint: int, value: float) -> float:
         """A joint's value in the mechanism's unit."""
         mechanism = self.linkage.mechanism
-        return mechanism.angle_out(value) if self._joints[joint].is_angular else float(value)
+        return mechanism.value_out(self._joints[joint], float(value))
 
 
 def _without_rounding(ratios: np.ndarray) -> np.ndarray:
@@ -304,7 +304,7 @@ def _goals(linkage: Linkage) -> tuple[tuple[str, ...], np.ndarray]:
             break
     else:
         coordinates, chosen = linkage.coordinates_of(names), names
-        reach = [_ABOUT * (1.0 if c.is_angular else linkage.size) for c in coordinates]
+        reach = [_ABOUT * c.unit(linkage.size) for c in coordinates]
         spans = [
             _span(c) or (c.reference[0] - r, c.reference[0] + r)
             for c, r in zip(coordinates, reach, strict=True)

@@ -275,7 +275,7 @@ def _refuse_too_few(robot: str, linkage: Linkage, motors: tuple[str, ...]) -> No
         others = [
             c.name
             for c in linkage.problem.closure.coordinates
-            if c.name not in motors and c.kind != "quaternion" and c.role in ("actuated", "passive")
+            if c.name not in motors and not c.is_rotation and c.role in ("actuated", "passive")
         ]
         binding: list[str] = []
         for name in others:
@@ -293,7 +293,7 @@ def _check_names(mechanism: Mechanism, what: str, names: Sequence[str] | None) -
         return
     if isinstance(names, str) or not names:
         raise InputError(f"{what} = {names!r}; a list of names of coordinates is needed")
-    known = [c.name for c in mechanism.coordinates if c.kind != "quaternion"]
+    known = [c.name for c in mechanism.coordinates if not c.is_rotation]
     for name in names:
         if name not in known:
             raise InputError(unknown_name(mechanism, name, known, what))

@@ -119,9 +119,7 @@ def tangent_jacobian(
     for c in coordinates:
         symbol = closure.variables[closure.slices[c.name]]
         jacobian = ca.jacobian(expression, symbol)
-        columns.append(
-            ca.mtimes(jacobian, quaternion_rates(symbol)) if c.kind == "quaternion" else jacobian
-        )
+        columns.append(ca.mtimes(jacobian, quaternion_rates(symbol)) if c.is_rotation else jacobian)
     return ca.horzcat(*columns)
 
 
@@ -133,7 +131,7 @@ def quaternion_rates(q: ca.SX) -> ca.SX:
 
 def pose_rates(coordinate: Coordinate, quaternion: ca.SX, twists: ca.SX) -> ca.SX:
     """Rates of one pose coordinate by twists (6, k): components of them, or (0, w) q / 2."""
-    if coordinate.kind == "quaternion":
+    if coordinate.is_rotation:
         return ca.mtimes(quaternion_rates(quaternion), twists[3:, :])
     return twists[TWIST_COLUMNS[coordinate.name][0], :]
 

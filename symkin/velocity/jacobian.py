@@ -181,7 +181,7 @@ class Jacobian(SymbolicMatrix, Result):
                 rate = part[place : place + c.freedom]
                 speeds.append(
                     ca.mtimes(quaternion_rates(symbol_of(closure, c)), rate)
-                    if c.kind == "quaternion"
+                    if c.is_rotation
                     else rate
                 )
                 place += c.freedom

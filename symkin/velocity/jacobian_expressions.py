@@ -22,6 +22,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
+from symkin.numeric.rank import most_independent
 from symkin.position.closed_configurations import closed_configurations
 from symkin.velocity.differential import Differential, pose_rates
 from symkin.velocity.elimination import (
@@ -187,7 +188,7 @@ class Expressions:
         twist, own = left[:, : twist.shape[1]], left[:, twist.shape[1] :]
         size = self.closure.characteristic_length
         joints = [self.closure.role("actuated")[k] for k in part.actuated]
-        scales = ca.diag(ca.DM([size if c.is_angular else 1.0 for c in joints]))
+        scales = ca.diag(ca.DM([c.lever(size) for c in joints]))
         scaled = ca.mtimes(own, ca.inv(scales))
         chosen = self._independent_rows(scaled, part.rank)
         rates = -ca.mtimes(ca.inv(scales), shortest(scaled[chosen, :], twist[chosen, :]))
@@ -221,10 +222,7 @@ class Expressions:
         return ca.diag(ca.DM([1 / size if k > 2 else 1.0 for k in self.equations.columns]))
 
     def _independent_rows(self, rows: ca.SX, count: int) -> list[int]:
-        """`count` rows that are independent at all samples: one after the other, that whose part
-        orthogonal to those before is largest where it is smallest, over its length and over the
-        largest row.
-        """
+        """`count` rows that are independent at all samples."""
         closure = self.closure
         if count == 0:
             return []
@@ -233,18 +231,8 @@ class Expressions:
         )
         left = np.array([np.asarray(evaluate(z, closure.parameter_values)) for z in self._samples])
         left /= np.max(np.linalg.norm(left, axis=2), axis=1)[:, None, None]
-        chosen: list[int] = []
-        for _ in range(count):
-            norms = np.linalg.norm(left, axis=2)
-            scores = np.min(norms, axis=0)
-            scores[chosen] = -1.0
-            k = int(np.argmax(np.round(scores, 6)))
-            chosen.append(k)
-            direction = left[:, k, :] / np.maximum(norms[:, k, None], 1e-300)
-            left = left - np.einsum(
-                "sk,sr->skr", np.einsum("skr,sr->sk", left, direction), direction
-            )
-        return sorted(chosen)
+        chosen = most_independent(left, count, 0.0, together=True)
+        return [int(k) for k in np.flatnonzero(chosen.any(axis=0))]
 
     @cached_property
     def _samples(self) -> list[np.ndarray]:

@@ -65,13 +65,7 @@ def variables_read(
     )
     inputs, numbers = [], []
     for c in closure.coordinates:
-        unit = (
-            "1"
-            if c.kind == "quaternion"
-            else "rad"
-            if c.is_angular
-            else closure.mechanism.length_unit
-        )
+        unit = "1" if c.is_rotation else "rad" if c.is_angular else closure.mechanism.length_unit
         for k, source in enumerate(components(c.name, c.width)):
             name = _identifier(source, taken)
             if used[closure.slices[c.name].start + k] or (explicit and c.role == "actuated"):

@@ -26,7 +26,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.computed_once import lru_cache
-from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import count_above, null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import whole_system
 from symkin.velocity.differential import motion_columns
@@ -188,7 +188,7 @@ def eliminated(
     """One limb's rows (m, all columns) without its passive joints; columns by number."""
     rows = row_basis(rows)
     left, singular, _ = np.linalg.svd(rows[:, passive])
-    rank = int(np.sum(singular > tolerance))
+    rank = count_above(singular, tolerance)
     kept = row_basis(left[:, rank:].T @ rows[:, [*pose, *actuated]])
     twist, rates = kept[:, : len(pose)], kept[:, len(pose) :]
     padded = np.zeros(len(passive))
@@ -196,12 +196,6 @@ def eliminated(
     return LimbEquations(
         name, twist, rates, null_space(rates.T, tolerance) @ twist, padded, len(passive) - rank
     )
-
-
-def row_span(matrix: np.ndarray, tolerance: float) -> np.ndarray:
-    """Orthonormal rows of the same span, singular values below `tolerance` taken as zero."""
-    _, singular, right = np.linalg.svd(matrix, full_matrices=False)
-    return np.asarray(right[singular > tolerance])
 
 
 def row_basis(rows: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:

@@ -15,9 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.closure.closure import Closure
+from symkin.numeric.rank import independent_rows, rank_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import whole_system
-from symkin.velocity.limb_equations import limb_blocks, limbwise_equations, row_span
+from symkin.velocity.limb_equations import limb_blocks, limbwise_equations
 from symkin.velocity.roles import columns_by_name
 
 
@@ -78,34 +79,18 @@ def ranks_at(closure: Closure, row_limbs: Sequence[str], values: np.ndarray) -> 
                 rows=tuple(k for k, name in enumerate(row_limbs) if name == block.limb),
                 passive=tuple(passive.index(k) for k in used),
                 actuated=tuple(actuated.index(k) for k in block.actuated),
-                rank=_rank(limb.rates),
+                rank=rank_of(limb.rates, RANK_TOLERANCE),
             )
         )
-    freedom = len(equations.motion.T) - _rank(equations.twist)
-    constraints = _rank(equations.constraints)
+    freedom = len(equations.motion.T) - rank_of(equations.twist, RANK_TOLERANCE)
+    constraints = rank_of(equations.constraints, RANK_TOLERANCE)
     return LimbRanks(limbs=tuple(parts), constraints=constraints, freedom=freedom)
-
-
-def _rank(rows: np.ndarray) -> int:
-    """The rank of rows of unit length."""
-    return len(row_span(rows, RANK_TOLERANCE))
 
 
 def independent_columns(matrix: np.ndarray, among: list[int]) -> list[int]:
     """Columns that span those `among`, in order, chosen by largest remaining part; RANK_TOLERANCE
     of the largest decides.
     """
-    left = matrix[:, among].copy()
-    norms = np.linalg.norm(left, axis=0)
-    largest = float(np.max(norms, initial=0.0))
-    chosen: list[int] = []
-    while len(chosen) < min(left.shape):
-        k = int(np.argmax(norms))
-        if norms[k] <= RANK_TOLERANCE * largest:
-            break
-        chosen.append(k)
-        direction = left[:, k] / norms[k]
-        left -= np.outer(direction, direction @ left)
-        norms = np.linalg.norm(left, axis=0)
-        norms[chosen] = 0.0
-    return [among[k] for k in sorted(chosen)]
+    columns = matrix[:, among].T
+    largest = float(np.max(np.linalg.norm(columns, axis=1), initial=0.0))
+    return [among[k] for k in sorted(independent_rows(columns, RANK_TOLERANCE * largest))]

@@ -25,7 +25,7 @@ from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.rank import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.determination import refuse_unless_determined

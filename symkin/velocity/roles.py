@@ -49,7 +49,7 @@ class Roles:
         """
         if self.inputs is None:
             return build_closure(self.mechanism)
-        numbers = [c.name for c in self.mechanism.coordinates if c.kind != "quaternion"]
+        numbers = [c.name for c in self.mechanism.coordinates if not c.is_rotation]
         held = dict.fromkeys([*numbers, *(self.outputs or ())])
         names = tuple(name for name in held if name not in self.inputs)
         return build_problem(self.mechanism, "given", self.inputs, names).closure
@@ -132,14 +132,14 @@ def roles_of(
         name in POSE_CONDITIONS and name not in _joint_names(mechanism) for name in driven
     )
     pose_drives = pose_drives or any(name.startswith("pose.") for name in driven)
-    others = any(c.kind != "quaternion" and c.name not in driven for c in mechanism.coordinates)
+    others = any(not c.is_rotation and c.name not in driven for c in mechanism.coordinates)
     platform = mechanism.platform_link is not None and not (pose_drives and others)
     return Roles(mechanism, driven, pose_names(mechanism) if platform else None)
 
 
 def other_joints(closure: Closure, inputs: Sequence[str]) -> list[str]:
     """The joints whose coordinates are numbers and that do not drive."""
-    found = (c for c in closure.role("actuated", "passive") if c.kind != "quaternion")
+    found = (c for c in closure.role("actuated", "passive") if not c.is_rotation)
     return [c.name for c in found if c.name not in inputs]
 
 

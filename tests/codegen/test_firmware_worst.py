@@ -27,7 +27,7 @@ are no other code.
 
 def _bound(body: str, iterations: int = 100):
     """The bound of a function `f` with this body, other functions before it."""
-    return bounds(body, iterations)["f"]
+    return bounds(body, [iterations])[0]["f"]
 
 
 # --- bounds by the text ---------------------------------------------------------------------------

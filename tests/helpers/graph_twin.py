@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from helpers.inside import links_along
 from symkin import LinkJoint, LinkRod, Mechanism, RodLimb
 
 
@@ -31,7 +30,7 @@ def graph_twin(mechanism: Mechanism) -> Mechanism:
                 )
             )
             continue
-        links = links_along(limb)
+        links = limb.links_along
         joints += [LinkJoint(joint, links[k : k + 2]) for k, joint in enumerate(limb.joints)]
         for k, rod in enumerate(limb.rods, start=1):
             end = mechanism.reference_pose.apply(np.array(rod.platform))

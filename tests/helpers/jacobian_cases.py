@@ -251,11 +251,7 @@ def matrices(case: Case, geometry: np.ndarray | None = None) -> Matrices:
         for m in function(case.values, closure.parameter_values if geometry is None else geometry)
     ]
     joints = (
-        [
-            size if c.is_angular or c.kind == "quaternion" else 1.0
-            for c in closure.role(role)
-            for _ in range(c.freedom)
-        ]
+        [c.lever(size) for c in closure.role(role) for _ in range(c.freedom)]
         for role in ("passive", "actuated")
     )
     scales = (np.repeat([1.0, size], 3), *(np.array(s) for s in joints))

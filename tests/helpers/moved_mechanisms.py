@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from helpers.inside import build_problem, links_along, make_solution, scaled
+from helpers.inside import build_problem, make_solution, scaled
 from symkin import Joint, LinkJoint, LinkPoint, Mechanism, RodLimb, Solution
 
 
@@ -81,8 +81,8 @@ def revolute_links(mechanism: Mechanism) -> dict[str, str]:
         if isinstance(limb, RodLimb):
             continue
         own, split = (
-            links_along(limb),
-            links_along(*as_revolutes(replace(mechanism, limbs=[limb])).limbs),
+            limb.links_along,
+            as_revolutes(replace(mechanism, limbs=[limb])).limbs[0].links_along,
         )
         counts = [len(_revolutes(joint)) for joint in limb.joints]
         found |= {link: split[sum(counts[:k])] for k, link in enumerate(own)}

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 import symkin
-from helpers.inside import FREEDOMS
+from helpers.inside import JOINT_FORMS
 from helpers.samples import point, unit
 
 _NAMES = ["knee", "q 1", "a'b", 'hip"2"', "toe#3", "Gelenk ä", "x/y", "1st", "l-r", "rod*"]
@@ -54,7 +54,7 @@ def _joint(rng: np.random.Generator, kind: str, name: str, size: float) -> symki
     if kind in ("S", "weld"):
         return symkin.Joint(name, kind, at)
     actuated = bool(rng.random() < 0.3)
-    if FREEDOMS[kind] != 1:
+    if JOINT_FORMS[kind].freedom != 1:
         axis, axis2 = unit(rng), unit(rng) if kind == "U" else None
         if axis2 is not None and rng.random() < 0.5:
             axis2 = np.cross(axis, axis2)  # square, as formats have it that know universal joints

@@ -13,8 +13,11 @@ from helpers.inside import (
     build_problem,
     canonical,
     conditions,
+    independent_rows,
     least_squares_steps,
+    most_independent,
     null_space,
+    row_space,
     singular_values,
 )
 from helpers.samples import five_bar, three_rrr
@@ -72,6 +75,32 @@ def test_a_null_space_is_one():
     assert null.shape == (3, 5)
     np.testing.assert_allclose(null @ null.T, np.eye(3), atol=1e-12)
     np.testing.assert_allclose(matrix @ null.T, 0.0, atol=1e-12)
+
+
+def test_independent_rows_span_all():
+    """As many as the rank, of the same row space; rows of an earlier group go before later ones."""
+    matrix = RNG.normal(size=(9, 3)) @ RNG.normal(size=(3, 6))
+    span = row_space(matrix, 1e-9)
+    for groups in (None, range(9), [[7, 8], range(7)]):
+        chosen = independent_rows(matrix, 1e-9, groups=groups)
+        assert len(chosen) == 3
+        ours = row_space(matrix[chosen], 1e-9)
+        np.testing.assert_allclose(ours.T @ ours, span.T @ span, atol=1e-9)
+    assert {7, 8} < {*independent_rows(matrix, 1e-9, groups=[[7, 8], range(7)])}
+
+
+def test_independent_rows_of_a_stack():
+    """Each matrix's as it has them alone; together, the same rows, independent in all of them."""
+    matrices = RNG.normal(size=(4, 7, 3)) @ RNG.normal(size=(4, 3, 5))
+    matrices[2] = matrices[2, [0] * 7]
+    matrices = np.concatenate([matrices, np.full((1, 7, 5), np.nan)])
+    taken = most_independent(matrices, 5)
+    alone = [sorted(independent_rows(m, 1e-9)) for m in matrices[:4]]
+    assert [np.flatnonzero(t).tolist() for t in taken[:4]] == alone
+    assert taken.sum(axis=1).tolist() == [3, 3, 1, 3, 0]
+    same = most_independent(matrices[[0, 1, 3]], 3, together=True)
+    assert (same == same[0]).all()
+    assert all(np.linalg.matrix_rank(m[same[0]]) == 3 for m in matrices[[0, 1, 3]])
 
 
 @pytest.mark.parametrize(

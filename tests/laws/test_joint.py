@@ -3,15 +3,18 @@
 import math
 from dataclasses import FrozenInstanceError
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from helpers.inside import FREEDOMS, JOINT_TYPES
+from helpers.inside import JOINT_FORMS, JOINT_TYPES
 from helpers.samples import random_joint, seeds
+from oracle.product_of_exponentials import displacement
 from symkin import Joint, MechanismError
 
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+_STEP = 1e-6
 NAMES = {"R": [""], "P": [""], "H": [""], "C": [".angle", ".slide"], "U": [".1", ".2"], "S": [""]}
 
 
@@ -23,11 +26,31 @@ def test_coordinates_carry_the_freedom(kind, rng):
     as documented.
     """
     joint = random_joint(rng, kind, "j")
-    assert sum(c.freedom for c in joint.coordinates) == joint.freedom == FREEDOMS[kind]
+    assert sum(c.freedom for c in joint.coordinates) == joint.freedom == JOINT_FORMS[kind].freedom
     assert [c.name for c in joint.coordinates] == ["j" + suffix for suffix in NAMES[kind]]
     assert all(len(c.reference) == c.width for c in joint.coordinates)
     if joint.freedom == 1:
         assert joint.coordinates[0].reference == (joint.zero,)
+
+
+@given(seeds, st.sampled_from(JOINT_TYPES))
+def test_screws_are_the_velocities_of_displacements(rng, kind):
+    """The twist of each freedom is the derivative of the joint's displacement at the reference, by
+    differences of matrix exponentials.
+    """
+    joint = random_joint(rng, kind, "j")
+    axes = [np.array(axis) for axis in (joint.axis, joint.axis2) if axis is not None]
+    screws = joint.form.screws(np.array(joint.point), axes, joint.pitch)
+    rest = {c.name: c.reference if c.width == 4 else c.reference[0] for c in joint.coordinates}
+    steps = [
+        {c.name: (1.0, *(0.5 * _STEP * row))} if c.width == 4 else {c.name: rest[c.name] + _STEP}
+        for c in joint.coordinates
+        for row in np.eye(3)[: c.freedom]
+    ]
+    for screw, step in zip(screws, steps, strict=True):
+        twist = (displacement(joint, rest | step) - np.eye(4)) / _STEP
+        velocity = [twist[2, 1], twist[0, 2], twist[1, 0], *twist[:3, 3]]
+        np.testing.assert_allclose(velocity, screw, atol=1e-4 * max(1.0, np.abs(screw).max()))
 
 
 @given(st.tuples(*[st.floats(-1e3, 1e3)] * 3).filter(lambda v: math.hypot(*v) > 1e-3))

@@ -23,7 +23,6 @@ SOME = SEQUENCES[::3]
 CHARTS = {
     "matrix": (rot.matrix_from_quaternion, rot.quaternion_from_matrix),
     "rotation vector": (rot.rotation_vector_from_quaternion, rot.quaternion_from_rotation_vector),
-    "Cayley": (rot.cayley_from_quaternion, rot.quaternion_from_cayley),
 }
 
 
@@ -100,17 +99,6 @@ def test_rotation_vector_is_axis_times_angle(rng):
         atol=1e-12,
     )
     assert np.linalg.norm(rot.rotation_vector_from_quaternion(quaternion(rng))) <= math.pi + 1e-12
-
-
-@given(seeds)
-def test_cayley_is_axis_times_tangent_of_half_the_angle(rng):
-    """c = axis tan(t/2), and R = (I + [c])(I - [c])^-1 (Cayley 1846)."""
-    axis, angle = np.array(unit(rng)), rng.uniform(-3, 3)
-    c = rot.cayley_from_quaternion(rot.quaternion_from_axis_angle(axis, angle))
-    assert np.allclose(c, math.tan(angle / 2) * axis, rtol=1e-10, atol=1e-12)
-    k = np.array([[0, -c[2], c[1]], [c[2], 0, -c[0]], [-c[1], c[0], 0]])
-    r = (np.eye(3) + k) @ np.linalg.inv(np.eye(3) - k)
-    assert np.allclose(rot.matrix_from_quaternion(rot.quaternion_from_cayley(c)), r, atol=1e-10)
 
 
 @given(
@@ -259,8 +247,6 @@ FORMULAS = {
     "rotate": (rot.rotate, (4, 3)),
     "rotation vector": (rot.rotation_vector_from_quaternion, (4,)),
     "from rotation vector": (rot.quaternion_from_rotation_vector, (3,)),
-    "Cayley": (rot.cayley_from_quaternion, (4,)),
-    "from Cayley": (rot.quaternion_from_cayley, (3,)),
     "matrix": (rot.matrix_from_quaternion, (4,)),
     "to and from matrix": (
         lambda q: rot.quaternion_from_matrix(rot.matrix_from_quaternion(q)),

@@ -114,7 +114,7 @@ def observables(mechanism: Mechanism) -> dict[str, Observable]:
             angular=c.is_angular,
         )
         for c in mechanism.coordinates
-        if c.role == "passive" and c.kind != "quaternion"
+        if c.role == "passive" and not c.is_rotation
     ]
     points = [point.name for point in mechanism.link_points]
     for point in points:
@@ -149,7 +149,7 @@ def unknown_observable(mechanism: Mechanism, name: str, besides: Sequence[str] =
     """A sentence on a name of nothing that can be read, with the nearest ones, or why it cannot be;
     `besides` are names of what else is read.
     """
-    if any(c.name == name and c.kind == "quaternion" for c in mechanism.coordinates):
+    if any(c.name == name and c.is_rotation for c in mechanism.coordinates):
         return (
             f"{shown(name)} is a spherical joint, which no encoder reads; read the orientation of "
             f"its link"

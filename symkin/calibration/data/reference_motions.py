@@ -25,13 +25,10 @@ from symkin.calibration.data.parameters import (
 from symkin.closure.branches import Branch, edges_of
 from symkin.model.joint import BASE, Joint
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.linear_algebra import independent_rows, null_space
+from symkin.numeric.rank import independent_rows, null_space
+from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.spatial.rotation import multiply
 
-_RANK_TOLERANCE = 1e-9
-"""Singular values (lengths over the size) below this share of the largest are zero: geometry is
-written with more digits.
-"""
 _PIVOT = 1e-6
 """Smallest share of a rate, in a space of unit directions, by which it can be chosen."""
 _Rate = tuple[str, np.ndarray, str | None]
@@ -60,7 +57,7 @@ def reference_motions(
         ends = [float(link == edge.ends[1]) - float(link == edge.ends[0]) for link in links]
         screws = [-unit * screw if own is edge else np.zeros(6) for own, (_, screw, _) in rates]
         rows.append(np.column_stack([*screws, np.kron(ends, np.eye(6))]))
-    moves = null_space(np.vstack(rows), _RANK_TOLERANCE, relative=True).T
+    moves = null_space(np.vstack(rows), RANK_TOLERANCE, relative=True).T
     labels = [f"reference configuration by {name}" for _, (name, *_) in rates]
     labels += [
         f"reference place of {link}, {k}"
@@ -79,7 +76,7 @@ def reference_motions(
 def _rates(edge: Branch, values: Mapping[str, float], held: Sequence[str]) -> Iterator[_Rate]:
     """The free rates of one joint; none of a rod, which does not join frames at the reference."""
     joint, path = edge.elements[0].part, edge.elements[0].path
-    if not isinstance(joint, Joint) or joint.type == "weld":
+    if not isinstance(joint, Joint) or not joint.freedom:
         return
     zero = f"{path}.zero" if joint.freedom == 1 else None
     names = [c.name for c in joint.coordinates]
@@ -89,21 +86,19 @@ def _rates(edge: Branch, values: Mapping[str, float], held: Sequence[str]) -> It
         return
     point = vector_values(values, f"{path}.point")
     given = [f"{path}.{k}" for k in ("axis", "axis2") if getattr(joint, k) is not None]
-    axes = [vector_values(values, name) for name in given] or list(np.eye(3))
+    axes = [vector_values(values, name) for name in given]
     units = [axis / np.linalg.norm(axis) for axis in axes]
-    turns = [np.concatenate([np.cross(point, axis), axis]) for axis in units]
-    slide = np.concatenate([units[0], np.zeros(3)])
-    pitch = values.get(f"{path}.pitch", 0.0) / (2.0 * np.pi)
-    screws = {"P": [slide], "H": [turns[0] + pitch * slide], "C": [turns[0], slide]}
-    for name, screw in zip(names, screws.get(joint.type, turns), strict=True):
-        yield name, screw, zero
+    for name, screw in zip(
+        names, joint.form.screws(point, units, values.get(f"{path}.pitch", 0.0)), strict=True
+    ):
+        yield name, np.roll(screw, 3), zero
 
 
 def _independent(space: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
     """A basis of a space (width, k): each direction is 1 in one number, the first that can be, 0 in
     those of the others.
     """
-    pivots = independent_rows(space, range(len(space)), _PIVOT)
+    pivots = independent_rows(space, _PIVOT, groups=range(len(space)))
     if pivots:
         basis = space @ np.linalg.inv(space[pivots])
         yield from zip(pivots, basis.T, strict=True)

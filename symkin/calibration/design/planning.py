@@ -118,9 +118,7 @@ class Plan(Result):
             [str(k), g, *(f"{v:.6g}" for v in q)]
             for k, (g, q) in enumerate(zip(groups, self._joints, strict=True), start=1)
         ]
-        titles = [
-            f"{c.name} [{m.angle_unit if c.is_angular else m.length_unit}]" for c in m.actuated
-        ]
+        titles = [f"{c.name} [{m.unit_of(c)}]" for c in m.actuated]
         shown = rows[:most_rows]
         left = [f"the first {len(shown)} of {len(rows)} configurations"]
         notes = [*left[: len(shown) < len(rows)], *self.expected("configurations")]
@@ -144,7 +142,7 @@ class Plan(Result):
     def _joints(self) -> list[list[float]]:
         """Convert joint values to the mechanism's units."""
         m = self.mechanism
-        one = [m.angle_out(1.0) if c.is_angular else 1.0 for c in m.actuated]
+        one = [m.value_out(c, 1.0) for c in m.actuated]
         return [
             [float(v) * unit for v, unit in zip(row, one, strict=True)]
             for row in self.configurations.joints

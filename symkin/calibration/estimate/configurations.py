@@ -104,7 +104,7 @@ class Closing:
     @cached_property
     def _units(self) -> np.ndarray:
         size, joints = self.characteristic_length, self.model.closure.role("actuated")
-        return np.array([1.0 / size if c.is_angular else 1.0 for c in joints])
+        return np.array([1.0 / c.lever(size) for c in joints])
 
     def split(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Unknown coordinates and joint readings of points."""

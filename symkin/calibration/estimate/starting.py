@@ -246,7 +246,7 @@ def _all_modes(
     points, owner = [np.zeros((0, model.system.width))], list[int]()
     for k in rows:
         given = {
-            c.name: mechanism.angle_out(float(v)) if c.is_angular else float(v)
+            c.name: mechanism.value_out(c, float(v))
             for v, c in zip(problem.measurements.joints[k], mechanism.actuated, strict=True)
         }
         with suppress(SymkinError):  # modes that cannot be listed

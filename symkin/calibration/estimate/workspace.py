@@ -387,7 +387,7 @@ class ClosureSolver:
             column = values[:, self.closure.slices[c.name].start]
             if c.limits is not None:
                 kept = self.margin * (c.limits[1] - c.limits[0])
-                if c.kind == "angle":
+                if c.is_periodic:
                     turns = np.ceil((c.limits[0] - column) / (2 * math.pi) - 1e-12)
                     column = column + 2 * math.pi * turns
                 good &= (column >= c.limits[0] + kept) & (column <= c.limits[1] - kept)

@@ -285,8 +285,8 @@ def _beyond_limits(c: Coordinate, values: np.ndarray, size: float) -> np.ndarray
     if c.limits is None:
         return np.zeros(len(values), dtype=bool)
     low, high = c.limits
-    slack = _LIMIT_SLACK * (1.0 if c.is_angular else size)
-    if c.kind == "angle":
+    slack = _LIMIT_SLACK * c.unit(size)
+    if c.is_periodic:
         values = values + 2 * np.pi * np.ceil((low - slack - values) / (2 * np.pi))
     return np.asarray((values < low - slack) | (values > high + slack))
 

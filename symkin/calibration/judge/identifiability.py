@@ -32,7 +32,7 @@ from symkin.calibration.judge.named_directions import frame_names, named_motions
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.linear_algebra import independent_rows
+from symkin.numeric.rank import independent_rows
 from symkin.spatial.rotation import euler_from_quaternion
 
 _NULL_SPACE_TOLERANCE = 1e-5
@@ -90,13 +90,8 @@ class Identifiability:
         """As many parameters as the rank, that the readings determine when the others are held: of
         the null space, by elimination with pivots, the parameters that span it best are left out.
         """
-        rest, dropped = self.null_space, set[int]()
-        for _ in range(self.null_space.shape[1]):
-            sizes = np.linalg.norm(rest, axis=1)
-            pivot = int(np.flatnonzero(sizes >= (1 - 1e-9) * sizes.max())[-1])
-            dropped.add(pivot)
-            unit = rest[pivot] / sizes[pivot]
-            rest = rest - np.outer(rest @ unit, unit)
+        last_first = range(len(self.names))[::-1]
+        dropped = independent_rows(self.null_space, 0.0, groups=[last_first])
         return tuple(n for k, n in enumerate(self.names) if k not in dropped)
 
     @property
@@ -202,7 +197,7 @@ def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
     some = spread_rows(len(state.z), _MAX_BESIDE)
     joints, quaternions = problem.measurements.joints[some], problem.quaternions[some]
     size, rng = model.closure.characteristic_length, np.random.default_rng(0)
-    units = np.array([1.0 if c.is_angular else size for c in model.closure.role("actuated")])
+    units = np.array([c.unit(size) for c in model.closure.role("actuated")])
     moved = _JOINTS_BESIDE * units * rng.uniform(-1.0, 1.0, joints.shape)
 
     def left_over(q: np.ndarray) -> np.ndarray:
@@ -270,7 +265,7 @@ def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:
     width, count = null_space.shape
     rng, found = np.random.default_rng(0), list[np.ndarray]()
     for _ in range(_SPARSE_DRAWS if count else 0):
-        pivots = independent_rows(null_space, rng.permutation(width), _LEAST_PIVOT)
+        pivots = independent_rows(null_space, _LEAST_PIVOT, groups=rng.permutation(width))
         if len(pivots) == count:
             found.extend((null_space @ np.linalg.inv(null_space[pivots])).T)
     found = [v / np.linalg.norm(v) for v in found]

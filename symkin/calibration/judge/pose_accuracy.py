@@ -134,7 +134,7 @@ def _measured_region(
     first, second = rng.integers(len(measured), size=(2, _DRAWN_POSES))
     share, (a, b) = rng.uniform(0.0, 1.0, (_DRAWN_POSES, 1)), measured[[first, second]]
     starts = (1 - share) * a + share * b
-    for place in (closure.slices[c.name] for c in closure.coordinates if c.kind == "quaternion"):
+    for place in (closure.slices[c.name] for c in closure.coordinates if c.is_rotation):
         shorter = np.sign(np.sum(a[:, place] * b[:, place], axis=1, keepdims=True))
         turned = (1 - share) * a[:, place] + share * shorter * b[:, place]
         starts[:, place] = turned / np.linalg.norm(turned, axis=1, keepdims=True)

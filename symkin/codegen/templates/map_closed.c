@@ -14,7 +14,7 @@ static @{SHARED} void @{k}_formulas(const @{real} k[@{nk}], const @{real} sign[@
  * says which are proved). Then the rows are held against the answer. */
 static @{p}_status @{k}_follow(@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
 {
-    static const @{real} bend[@{conditions}] = { @{bends} }; /* M / 8: @{bend_grounds} */
+@{bends}
     @{real} sign[@{signs}];
     @{real} begin[@{conditions}];
     @{real} end[@{conditions}];

@@ -41,29 +41,23 @@ class Numbers:
     sine: ca.SX | None = None
     is_half: bool = False
 
+    @classmethod
+    def of(cls, parts: Sequence[ca.SX], *, is_half: bool = False) -> Numbers:
+        """Those of a length by itself, or of an angle by cosine and sine alone."""
+        return cls(None, parts[0], parts[1], is_half) if len(parts) == 2 else cls(parts[0])
+
+    @property
+    def parts(self) -> tuple[ca.SX, ...]:
+        """Cosine and sine of an angle, else the value."""
+        if self.cosine is not None and self.sine is not None:
+            return self.cosine, self.sine
+        return (self.value,)
+
     def circle(self) -> tuple[ca.SX, ca.SX]:
         """Cosine and sine as they are known."""
         if self.cosine is not None and self.sine is not None:
             return self.cosine, self.sine
         return ca.cos(self.value), ca.sin(self.value)
-
-
-@dataclass(frozen=True, eq=False)
-class Generators:
-    """What stands for a coordinate: `value` of a length; cosine and sine of an angle, or, where
-    `is_half`, of half of it.
-    """
-
-    parts: tuple[ca.SX, ...]
-    is_half: bool = False
-
-    @property
-    def numbers(self) -> Numbers:
-        return (
-            Numbers(None, *self.parts, self.is_half)
-            if len(self.parts) == 2
-            else Numbers(self.parts[0])
-        )
 
 
 def of_circle(cosine: ca.SX, sine: ca.SX) -> Numbers:
@@ -89,6 +83,12 @@ def numbers_of(coordinates: Sequence[Coordinate], symbols: ca.SX) -> list[Number
             found += [Numbers(symbols[place + i]) for i in range(c.width)]
             place += c.width
     return found
+
+
+def numbers_by_name(coordinates: Sequence[Coordinate], symbols: ca.SX) -> dict[str, list[Numbers]]:
+    """The same of each coordinate by its name."""
+    entries = iter(numbers_of(coordinates, symbols))
+    return {c.name: [next(entries) for _ in range(c.width)] for c in coordinates}
 
 
 def numbers_at(coordinates: Sequence[Coordinate], values: np.ndarray) -> np.ndarray:
@@ -123,14 +123,14 @@ def by_numbers(
 def lifted(
     expression: ca.SX,
     places: Sequence[tuple[ca.SX, str]],
-    generators: Mapping[str, Generators],
+    known: Mapping[str, Numbers],
     others: ca.SX,
 ) -> ca.SX:
     """An expression of coordinates (symbol, name) and of other symbols over the coordinates'
-    generators, rounding off its constants. Raises NotLiftedError.
+    numbers, rounding off its constants. Raises NotLiftedError.
     """
     symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in places))
-    numbers = [generators[name].numbers for _, name in places]
+    numbers = [known[name] for _, name in places]
     own = [Numbers(others[k]) for k in range(int(others.shape[0]))]
     found = by_numbers(expression, [(symbols, numbers), (others, own)], 1.0)
     return snapped_expression(found, [ca.vertcat(ca.SX(0, 1), *ca.symvar(found))])
