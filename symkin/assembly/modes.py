@@ -155,6 +155,7 @@ class _Ask:
     mechanism: Mechanism
     search: Search
     choose: Sequence[int] = ()
+    least_errors: bool = True
 
 
 def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
@@ -215,7 +216,13 @@ def _of_description(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     }
     left = [i for i in range(len(givens)) if i not in found]
     if left:
-        searched = modes_by_name(problem, [givens[i] for i in left], search, ask.choose)
+        searched = modes_by_name(
+            problem,
+            [givens[i] for i in left],
+            search,
+            ask.choose,
+            least_errors=ask.least_errors,
+        )
         found |= dict(zip(left, searched, strict=True))
     feasible = [found[i] for i in left if givens[i].off_motion == 0.0]
     if (
@@ -226,6 +233,17 @@ def _of_description(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
         search.refuse_starts(problem)
     share = (time.perf_counter() - begin) / len(givens)
     return tuple(replace(found[i], elapsed_s=share) for i in range(len(givens)))
+
+
+@without_float_warnings
+def modes_on_grid(
+    mechanism: Mechanism, columns: Mapping[str, Sequence[float]]
+) -> tuple[Modes, ...]:
+    """`modes` at many inputs, without the search for the least closure errors of those that have no
+    solution.
+    """
+    ask = _Ask(mechanism, Search.of(None), least_errors=False)
+    return _found(ask, many_given(mechanism, None, None, columns))
 
 
 @without_float_warnings

@@ -23,12 +23,17 @@ def modes_by_name(
     givens: Sequence[Given],
     search: Search,
     choose: Sequence[int] = (),
+    *,
+    least_errors: bool = True,
 ) -> tuple[Modes, ...]:
     """The modes of each input of a problem; `choose` takes one solution of each of the first
-    structure groups.
+    structure groups. With `least_errors` inputs without a solution are searched for the least
+    closure error.
     """
     known = np.array([given.values for given in givens])
-    grouped = modes_by_groups(problem, known, search, choose, least_errors=True, certify=True)
+    grouped = modes_by_groups(
+        problem, known, search, choose, least_errors=least_errors, certify=True
+    )
     found = []
     for number, given in enumerate(givens):
         modes = grouped.modes_of(number, given)

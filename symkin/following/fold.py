@@ -1,5 +1,6 @@
-"""Prove the last step to a turning point: a tube along the null vector there, in which the branch
-is regular although u is not a parameter of it any more.
+"""Prove the last step to a turning point: one like all others (see `steps`), whose end has the null
+vector for its tangent, and in which the branch is regular although u is not a parameter of it any
+more.
 
 If d2u/ds2 < 0 in all of the tube, and both the station where it takes over and, further on, the
 turning point, whose own box is proved, lie in it, then u grows from the station to the turning
@@ -12,16 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.following.cubic import Cubic
-from symkin.following.path_system import NEWTON_ARRIVED, least_squares
 from symkin.following.singular_point import SingularPoint, turning_system
 from symkin.following.station import ALONE, Station
+from symkin.following.steps import between
 from symkin.following.tube import Interval
 
-_OVERHANG = 0.02
-"""The curve begins before the station and ends beyond the turning point by this share of the way
-between them.
-"""
 _SHORTEST_WAY = 1e-11
 """A way shorter than this (over the size, or rad) is within rounding."""
 
@@ -38,48 +34,24 @@ class Fold:
 
 def prove_fold(interval: Interval, station: Station, point: SingularPoint) -> Fold | None:
     """Go from a station to the turning point ahead; None where that is not proved."""
-    v, half = point.null[:, 0], station.half
-    direction = np.append(v if v @ station.slope > 0.0 else -v, 0.0)
-    pace = float(direction[:-1] @ station.slope)
-    whole = float(direction @ (point.y - station.y))
-    if half is None or pace <= 0.0 or whole <= _SHORTEST_WAY:
+    half, is_square = station.half, interval.system.is_square
+    v = np.where(point.null[:, 0] @ station.slope > 0.0, 1.0, -1.0) * point.null[:, 0]
+    if half is None or float(v @ (point.y - station.y)[:-1]) <= _SHORTEST_WAY:
         return None
-    before = station.y - (_OVERHANG * whole / pace) * np.append(station.slope, 1.0)
-    begin = on_plane(interval, before, direction)
-    end = on_plane(interval, point.y + _OVERHANG * whole * direction, direction)
-    if begin is None or end is None:
+    box = _turning_box(interval, point) if is_square else None
+    if is_square and box is None:
         return None
-    length = float(direction @ (end[0] - begin[0]))
-    (a, slope_a), (b, slope_b) = ([v[None] for v in place] for place in (begin, end))
-    curve = Cubic.hermite(a, slope_a, b, slope_b, np.array([length]))
-    tubes = interval.tubes(curve, ALONE, half[None])
-
-    def holds(y: np.ndarray, box: np.ndarray) -> bool:
-        share = float(direction @ (y - begin[0])) / length
-        return bool(tubes.hold(share, y[None], box[None])[0])
-
-    if not holds(station.y, half):
+    begin, end = station.several, point.y[None]
+    curve = between((begin.y, begin.tangent), (end, np.append(v, 0.0)[None]))
+    boxes = [begin.half] if box is None else [begin.half, box[None]]
+    tubes = interval.tubes(curve, ALONE, *boxes)
+    if not tubes.hold(0.0, begin.y, begin.half)[0]:
         return None
-    if not interval.system.is_square:
+    if box is None:
         return Fold(None)
-    box = _turning_box(interval, point)
-    if box is None or not holds(point.y, box) or not interval.folds(tubes, ALONE)[0]:
+    if not tubes.hold(1.0, end, box[None])[0] or not interval.folds(tubes, ALONE)[0]:
         return None
     return Fold(float(box[-1]))
-
-
-def on_plane(
-    interval: Interval, y: np.ndarray, direction: np.ndarray
-) -> tuple[np.ndarray, np.ndarray] | None:
-    """The branch's point on the hyperplane through y, and its tangent dy/ds there: [dG/dy; e]
-    dy/ds = (0, 1).
-    """
-    found, jacobian, size = interval.system.correct(y[None], interval.c, direction)
-    if not size[0] < NEWTON_ARRIVED:
-        return None
-    rows = np.vstack([jacobian[0], direction])
-    tangent = least_squares(rows[None], np.append(np.zeros(len(rows) - 1), 1.0)[None])[0]
-    return (found[0], tangent) if np.isfinite(tangent).all() else None
 
 
 def _turning_box(interval: Interval, point: SingularPoint) -> np.ndarray | None:

@@ -19,7 +19,7 @@ from symkin.following.block_follower import SAME_PLACE, BlockFollower, Ending
 from symkin.following.joint_limits import Limit, LimitWatch
 from symkin.following.path_system import coefficients, path_systems
 from symkin.following.station import stations_near
-from symkin.following.steps import ways
+from symkin.following.steps import Step, Ways, ways
 from symkin.following.trajectory import Trajectory
 from symkin.following.tube import Interval
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
@@ -123,13 +123,16 @@ def follow(
     unknown: np.ndarray,
     watch: LimitWatch,
     progress: Callable[[int, int], None] | None = None,
+    known: Sequence[list[Step]] = (),
 ) -> Branch:
     """Follow the branch through the unknowns at the first sample until the end or the first
-    stop.
+    stop; `known` are steps of each block on the first interval that have been proved.
     """
     blocks = tuple(
         BlockFollower.begin(system, trajectory, watch, unknown) for system in path_systems(problem)
     )
+    for block, steps in zip(blocks, known, strict=False):
+        block.ahead, block.looked = {0: steps}, 0
     first = path_point(blocks, problem, 0, 0.0)
     branch = Branch([first], first, blocks)
     for row in range(len(trajectory) - 1):
@@ -192,13 +195,27 @@ def path_point(
     )
 
 
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """Configurations that were followed from one sample to another, all together: their unknowns
+    `end` (n, w) where they have come to, whether they `reached` (n,) the other sample without a
+    singularity, and the ways of their blocks.
+    """
+
+    end: np.ndarray
+    reached: np.ndarray
+    ways: tuple[Ways, ...]
+
+    def steps_of(self, k: int) -> list[list[Step]]:
+        """The proved steps of each block of a configuration."""
+        return [found.steps_of(0, k) for found in self.ways]
+
+
 def carried(
     problem: Problem, begin: np.ndarray, samples: Sequence[tuple[np.ndarray, np.ndarray]]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Follow configurations by their unknowns (n, w), each from one sample to another, all
-    together: where they come to, and which of them (n,) do so without a singularity.
-    """
-    end, reached = begin.copy(), np.ones(len(begin), dtype=bool)
+) -> Carried:
+    """Follow configurations by their unknowns (n, w), each from one sample to another."""
+    end, reached, blocks = begin.copy(), np.ones(len(begin), dtype=bool), []
     c = np.array([coefficients(problem, a, b) for a, b in samples])
     which = np.arange(len(begin), dtype=np.intc)
     for system in path_systems(problem):
@@ -210,7 +227,8 @@ def carried(
             reached[numbers[left > CLOSURE_TOLERANCE]] = False
         reached &= found.last.y[:, -1] == 1.0
         end[:, system.places] = system.unknowns(found.last.y[:, :-1])
-    return end, reached
+        blocks.append(found)
+    return Carried(end, reached, tuple(blocks))
 
 
 # --- on what ground -------------------------------------------------------------------------------

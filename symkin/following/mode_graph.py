@@ -19,7 +19,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from symkin.assembly.modes import modes
+from symkin.assembly.modes import modes, modes_on_grid
 from symkin.assembly.modes_result import Modes
 from symkin.errors import InputError
 from symkin.following.follow import carried
@@ -212,11 +212,12 @@ def mode_graph(
     inputs = _grid(names, pair, n, chosen)
     lines = _lines(n, inputs, pair, names)
     total, found = len(inputs) + len(lines), list[Modes]()
-    for first in range(0, len(inputs), _BATCH):
-        columns = dict(zip(names, inputs[first : first + _BATCH].T.tolist(), strict=True))
-        found += modes(mechanism, given=columns)
+    for first in range(0, len(inputs) - 1, _BATCH):
+        columns = inputs[first : min(first + _BATCH, len(inputs) - 1)].T.tolist()
+        found += modes_on_grid(mechanism, dict(zip(names, columns, strict=True)))
         if progress is not None:
             progress(len(found), total)
+    found.append(modes(mechanism, given=dict(zip(names, inputs[-1].tolist(), strict=True))))
     edges: list[tuple[Node, Node]] = []
     certified, stopped, unmatched = True, 0, 0
     for done, ends in _carried(mechanism, names, inputs, found, lines):
@@ -293,13 +294,15 @@ def _ends(
     begin = np.array([unknowns[w.node[0]][w.node[1]] for w in ways_out])
     begin = begin.reshape(len(ways_out), problem.system.width)
     samples = [(w.path.samples[w.row], w.path.samples[w.row + 1]) for w in ways_out]
-    end, reached = carried(problem, begin, samples)
+    there = carried(problem, begin, samples)
+    end = there.end
     square = all(system.is_square for system in path_systems(problem))
     ends: list[Carried] = []
     for k, w in enumerate(ways_out):
         proved = square
-        if not reached[k]:
-            branch = branch_from(found[w.node[0]][w.node[1]], w.alone(), limits=False)
+        if not there.reached[k]:
+            mode, known = found[w.node[0]][w.node[1]], there.steps_of(k)
+            branch = branch_from(mode, w.alone(), limits=False, known=known)
             if branch.ending != "reached":
                 ends.append((w.node, "stopped", False))
                 continue

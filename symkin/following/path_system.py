@@ -114,12 +114,9 @@ class PathSystem:
         values, jacobian = self._function(y, c)
         return values[..., 0], jacobian
 
-    def correct(
-        self, y: np.ndarray, c: np.ndarray, direction: np.ndarray | None = None
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Newton (Gauss-Newton where rows are redundant) from points y (n, w + 1) at a fixed u, or
-        on the hyperplane through y across a direction: y and dG/dy there, and the size (n,) of the
-        last step (infinite where rows are not finite).
+    def correct(self, y: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Newton (Gauss-Newton where rows are redundant) from points y (n, w + 1) at a fixed u: y
+        and dG/dy there, and the size (n,) of the last step (infinite where rows are not finite).
         """
         y, size = y.copy(), np.full(len(y), np.inf)
         values, jacobian = self.evaluate(y, c)
@@ -129,12 +126,7 @@ class PathSystem:
             size[moving[~finite]] = np.inf
             moving, values, jacobian = (a[finite] for a in (moving, values, jacobian))
             step = np.zeros((len(moving), self.width + 1))
-            if direction is None:
-                step[:, :-1] = least_squares(jacobian[..., :-1], values)
-            else:
-                across = np.broadcast_to(direction, (len(moving), 1, self.width + 1))
-                right = np.concatenate([values, np.zeros((len(moving), 1))], axis=1)
-                step = least_squares(np.concatenate([jacobian, across], axis=1), right)
+            step[:, :-1] = least_squares(jacobian[..., :-1], values)
             before = size[moving]
             now = np.max(np.abs(step), axis=1, initial=0.0)
             y[moving], size[moving] = y[moving] - step, np.where(np.isnan(now), np.inf, now)

@@ -70,21 +70,21 @@ def steps(
     y = a.y + h[:, None] * a.tangent
     y[:, -1] = ends
     b = stations_near(interval, y, which)
-    curve = _between(a, b)
+    curve = between((a.y, a.tangent), (b.y, b.tangent))
     tubes = interval.tubes(curve, which, a.half, b.half)
     proved = tubes.grows & tubes.hold(0.0, a.y, a.half) & tubes.hold(1.0, b.y, b.half)
     return b, curve, tubes, proved
 
 
-def _between(a: Stations, b: Stations) -> Cubic:
-    """Cubics from points to others, over the length along the chord: near a fold the path parameter
-    would tell of unknowns that turn about."""
-    chord = b.y - a.y
+def between(a: tuple[np.ndarray, np.ndarray], b: tuple[np.ndarray, np.ndarray]) -> Cubic:
+    """Cubics from points with tangents (n, w + 1) to others, over the length along the chord: near
+    a fold the path parameter would tell of unknowns that turn about."""
+    chord = b[0] - a[0]
     length = np.linalg.norm(chord, axis=1)
     with np.errstate(all="ignore"):
         along = chord / length[:, None]
-        slopes = [t / np.sum(t * along, axis=1, keepdims=True) for t in (a.tangent, b.tangent)]
-    return Cubic.hermite(a.y, slopes[0], b.y, slopes[1], length)
+        slopes = [t / np.sum(t * along, axis=1, keepdims=True) for _, t in (a, b)]
+    return Cubic.hermite(a[0], slopes[0], b[0], slopes[1], length)
 
 
 @dataclass(eq=False)

@@ -17,8 +17,8 @@ from symkin.numeric.tolerances import SINGULAR_VALUE, SUSPECT_CONDITION
 from symkin.position.problem import Problem, build_problem
 from symkin.position.transfer import variables_elsewhere
 from symkin.singularities.classification import classify
-from symkin.singularities.roles import Roles, roles_of
 from symkin.singularities.singular_groups import SingularGroup, singular_groups
+from symkin.velocity.roles import Roles, roles_of
 
 _AT_START = 1e-6
 """A singular point found at a smaller parameter than this is that of the start."""

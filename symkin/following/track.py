@@ -14,6 +14,7 @@ from symkin.following.follow import Branch, PathPoint, evaluate_formula, follow,
 from symkin.following.joint_limits import LimitWatch
 from symkin.following.nearest_singularity import nearest_to_singularity
 from symkin.following.sample import Sample, make_sample, places_read
+from symkin.following.steps import Step
 from symkin.following.stop import Stop, stop_of
 from symkin.following.track_result import Track
 from symkin.following.trajectory import Columns, Trajectory, make_trajectory
@@ -123,8 +124,11 @@ def branch_from(
     *,
     limits: bool,
     progress: Callable[[int, int], None] | None = None,
+    known: Sequence[list[Step]] = (),
 ) -> Branch:
-    """Follow the branch of a mode of the path's first sample."""
+    """Follow the branch of a mode of the path's first sample; `known` are proved steps of each
+    block on the first interval.
+    """
     problem = trajectory.problem
     unknown = problem.select_values(
         variables_elsewhere(problem.closure, mode), problem.system.unknowns
@@ -139,8 +143,9 @@ def branch_from(
         return Branch(
             [first], first, (), ending="singular" if limit is None else "limit", limit=limit
         )
-    go = evaluate_formula if is_formula(problem, trajectory) else follow
-    return go(problem, trajectory, unknown, watch, progress)
+    if is_formula(problem, trajectory):
+        return evaluate_formula(problem, trajectory, unknown, watch, progress)
+    return follow(problem, trajectory, unknown, watch, progress, known)
 
 
 # --- the start ------------------------------------------------------------------------------------
@@ -166,11 +171,7 @@ def _start_mode(trajectory: Trajectory, start: Start) -> tuple[Solution | None, 
     if isinstance(start, Solution):
         _check_start(trajectory, start)
         return start, ()
-    first = trajectory.given[0]
-    form = (
-        "given" if isinstance(first, dict) else "joints" if trajectory.kind == "direct" else "pose"
-    )
-    result = solve(trajectory.mechanism, start=start, check=False, **{form: first})
+    result = solve(trajectory.mechanism, start=start, check=False, **trajectory.given[0])
     if result.solution is None:
         return None, (result.message, *(result.notes if trajectory.problem.by_name else ()))
     if trajectory.problem.by_name:

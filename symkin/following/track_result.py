@@ -97,8 +97,8 @@ class Track(Result):
             "mechanism": trajectory.mechanism.name,
             "problem": trajectory.kind,
             "given": {
-                "from": _told(trajectory.given[0]),
-                "to": _told(trajectory.given[1]),
+                "from": next(iter(trajectory.given[0].values())),
+                "to": next(iter(trajectory.given[1].values())),
                 "rows": len(trajectory),
             },
             "length_unit": trajectory.mechanism.length_unit,
@@ -271,8 +271,3 @@ def _pose_cells(sample: Sample, size: float) -> list[str]:
         *cells,
         *(f"{plain(float(v), 1.0, 5e-6):.5f}" for v in np.asarray(sample.pose.quaternion)),
     ]
-
-
-def _told(row: Any) -> Any:
-    """A row as the user wrote it: values by name, or a list."""
-    return dict(row) if isinstance(row, dict) else list(row)

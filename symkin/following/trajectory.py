@@ -13,7 +13,7 @@ h half the angle between two orientations and n the unit quaternion orthogonal t
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -23,8 +23,22 @@ from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.given import Joints, joint_rows, joint_values, pose_coordinates, pose_from
-from symkin.position.given_by_name import given_by_name, plain_kind, pose_names, problem_of_names
+from symkin.position.given import (
+    Given,
+    Joints,
+    joint_rows,
+    joint_values,
+    pose_coordinates,
+    pose_from,
+)
+from symkin.position.given_by_name import (
+    given_by_name,
+    has_columns,
+    plain_kind,
+    pose_names,
+    problem_of_names,
+    rows_by_name,
+)
 from symkin.position.problem import Kind, Problem
 from symkin.spatial.pose import Pose
 
@@ -35,6 +49,8 @@ coordinate that stands.
 
 _ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this times the size is projected, as in `solve`."""
+_ROUNDED = 1e-12
+"""Of the size: a shorter way onto the motion is rounding."""
 _MOST_SAMPLES = 10**6
 """Samples that a path may be divided into: each one is solved and kept."""
 
@@ -43,14 +59,14 @@ _MOST_SAMPLES = 10**6
 class Trajectory:
     """Samples (n, w) of the known coordinates of a problem, in radians and the length unit: angles
     continue over whole turns, consecutive quaternions have a scalar product that is not negative.
-    `times` (n,) or None. `given` are the first and the last sample as the user wrote them: a row,
-    or values by name.
+    `times` (n,) or None. `given` are the first and the last sample as the user wrote them:
+    arguments of `solve`.
     """
 
     problem: Problem
     samples: np.ndarray
     times: np.ndarray | None
-    given: tuple[Any, Any]
+    given: tuple[dict[str, Any], dict[str, Any]]
     notes: tuple[str, ...] = ()
 
     @property
@@ -109,71 +125,59 @@ def make_trajectory(
             "problem), or by values of coordinates by name "
             "(given)"
         )
-    if given is not None:
-        trajectory = _by_name(mechanism, _named_rows(given), times, limits)
-    elif joints is not None:
-        trajectory = _by_joints(mechanism, joint_rows(mechanism, joints), times, limits)
-    else:
-        trajectory = _by_poses(mechanism, list(poses if poses is not None else []), times, limits)
+    form, rows = _rows(mechanism, joints, poses, given)
+    if not rows:
+        raise InputError("the path has no samples; at least one is needed")
+    read = [_READ[form](mechanism, row, k) for k, row in enumerate(rows, start=1)]
+    problem = _problem(mechanism, read[0].names, limits)
+    samples: list[np.ndarray] = []
+    for k, one in enumerate(read, start=1):
+        if one.off_motion > _ON_MOTION * mechanism.characteristic_length:
+            raise InputError(_off_motion(mechanism, k, one.off_motion))
+        samples.append(
+            _continued(problem.known_coordinates, samples[-1], one.values)
+            if samples
+            else one.values
+        )
+    furthest = max(one.off_motion for one in read)
+    projected = furthest > _ROUNDED * mechanism.characteristic_length
+    note = (
+        f"poses were projected onto the platform's {mechanism.motion} motion, by {furthest:.3g} "
+        f"{mechanism.length_unit}"
+    )
+    trajectory = Trajectory(
+        problem,
+        np.array(samples),
+        _times(times, len(rows)),
+        (read[0].echo, read[-1].echo),
+        (note,) if projected else (),
+    )
     return trajectory if count is None else _refined(trajectory, count)
 
 
-def _by_joints(
-    mechanism: Mechanism, rows: list[Any], times: Sequence[float] | None, limits: bool
-) -> Trajectory:
-    _check_any(rows)
-    samples = np.array([_joints(mechanism, row, k) for k, row in enumerate(rows, start=1)])
-    first, last = (tuple(float(v) for v in row) for row in (rows[0], rows[-1]))
-    problem = _problem(mechanism, tuple(c.name for c in mechanism.actuated), limits)
-    return Trajectory(problem, samples, _times(times, len(rows)), (first, last))
-
-
-def _by_poses(
-    mechanism: Mechanism, rows: list[Any], times: Sequence[float] | None, limits: bool
-) -> Trajectory:
-    _check_any(rows)
+def _rows(
+    mechanism: Mechanism, joints: Any, poses: Any, given: Columns | None
+) -> tuple[str, list[Any]]:
+    """What a path is told by, "joints", "pose" or "given", and its rows. Values by name that are
+    those of all actuated joints of limbs are joints, a whole pose of limbs is a pose.
+    """
+    if given is not None:
+        rows = _named_rows(given)
+        match plain_kind(mechanism, list(rows[0])) if rows else None:
+            case "direct":
+                joints = {name: [row[name] for row in rows] for name in rows[0]}
+            case "inverse":
+                poses = [row["pose"] for row in rows]
+            case _:
+                return "given", rows
+    if joints is not None:
+        return "joints", joint_rows(mechanism, joints)
     if mechanism.platform_link is None:
         raise InputError(
             f"poses: {mechanism.name} has no platform link; name it by [platform] link in its "
             f"mechanism file, of a robot's file by --platform LINK, or give joints"
         )
-    problem = _problem(mechanism, pose_names(mechanism), limits)
-    samples, notes = _poses(problem, rows)
-    first, last = (tuple(_seven(row)) for row in (rows[0], rows[-1]))
-    return Trajectory(problem, samples, _times(times, len(rows)), (first, last), notes)
-
-
-def _by_name(
-    mechanism: Mechanism, rows: list[dict[str, Any]], times: Sequence[float] | None, limits: bool
-) -> Trajectory:
-    """A path of values by name; that of all actuated joints or the whole pose of limbs is the
-    direct or the inverse problem's.
-    """
-    match plain_kind(mechanism, list(rows[0])):
-        case "direct":
-            columns = {name: [row[name] for row in rows] for name in rows[0]}
-            return _by_joints(mechanism, joint_rows(mechanism, columns), times, limits)
-        case "inverse":
-            return _by_poses(mechanism, [row["pose"] for row in rows], times, limits)
-    read = [given_by_name(mechanism, rows[0])]
-    for k, row in enumerate(rows[1:], start=2):
-        try:
-            read.append(given_by_name(mechanism, row))
-        except InputError as error:
-            raise InputError(f"sample {k}: {error}") from None
-    problem = _problem(mechanism, read[0].names, limits)
-    samples: list[np.ndarray] = []
-    for k, values in enumerate(read, start=1):
-        if values.off_motion > _ON_MOTION * mechanism.characteristic_length:
-            raise InputError(_off_motion(mechanism, k, values.off_motion))
-        samples.append(
-            _continued(problem.known_coordinates, samples[-1], values.values)
-            if samples
-            else values.values
-        )
-    return Trajectory(
-        problem, np.array(samples), _times(times, len(rows)), (read[0].echo, read[-1].echo)
-    )
+    return "pose", list(poses)
 
 
 def _problem(mechanism: Mechanism, names: tuple[str, ...], limits: bool) -> Problem:
@@ -196,40 +200,12 @@ def _named_rows(given: Columns) -> list[dict[str, Any]]:
         raise InputError(
             "given: columns of values by name are needed, as in given={'crank': [0.0, 90.0]}"
         )
-    columns = {name: _column(name, column) for name, column in given.items()}
-    lengths = {name: len(column) for name, column in columns.items() if column is not None}
-    if not lengths:
+    if not has_columns(given):
         raise InputError(
             "given: every value stands alone; a path has values for at least one coordinate, one a "
             "sample"
         )
-    if len(set(lengths.values())) > 1:
-        counts = ", ".join(f"{name} {n}" for name, n in lengths.items())
-        raise InputError(
-            f"given: the columns have different counts of values ({counts}); each needs one a "
-            f"sample, or one for all"
-        )
-    count = next(iter(lengths.values()))
-    if not count:
-        _check_any([])
-    return [
-        {name: given[name] if column is None else column[k] for name, column in columns.items()}
-        for k in range(count)
-    ]
-
-
-def _column(name: str, values: Any) -> list[Any] | None:
-    """The values of a coordinate along the path, of "pose" poses; None where one stands for all."""
-    if isinstance(values, Pose | str) or np.ndim(values) == 0:
-        return None
-    if name == "pose" and all(np.ndim(v) == 0 and not isinstance(v, Pose) for v in values):
-        return None
-    return list(values)
-
-
-def _check_any(rows: list[Any]) -> None:
-    if not rows:
-        raise InputError("the path has no samples; at least one is needed")
+    return rows_by_name(given, "a sample, or one for all")
 
 
 def interpolated(
@@ -258,38 +234,41 @@ def great_circle(a: np.ndarray, b: np.ndarray) -> tuple[float, np.ndarray]:
     return math.atan2(length, float(a @ b)), across / length if length > 0.0 else across
 
 
-def _joints(mechanism: Mechanism, row: Sequence[float], number: int) -> np.ndarray:
+def _joints(mechanism: Mechanism, row: Sequence[float], number: int) -> Given:
     """Joint values without leaving out whole turns."""
     what = f"joints of sample {number}"
     once = joint_values(mechanism, row, what)
     whole = np.array(
         [mechanism.value_in(c, float(v)) for c, v in zip(mechanism.actuated, row, strict=True)]
     )
-    return np.where(np.abs(whole - once) > 1.0, whole, once) if len(once) else once
+    values = np.where(np.abs(whole - once) > 1.0, whole, once) if len(once) else once
+    names = tuple(c.name for c in mechanism.actuated)
+    return Given("direct", values, {"joints": [float(v) for v in row]}, names)
 
 
-def _poses(
-    problem: Problem, rows: Sequence[Sequence[float] | Pose]
-) -> tuple[np.ndarray, tuple[str, ...]]:
-    mechanism, samples = problem.mechanism, list[np.ndarray]()
-    furthest = 0.0
-    for number, row in enumerate(rows, start=1):
-        values, off = pose_coordinates(mechanism, pose_from(row, f"pose of sample {number}"))
-        if off > _ON_MOTION * mechanism.characteristic_length:
-            raise InputError(_off_motion(mechanism, number, off))
-        furthest = max(furthest, off)
-        samples.append(
-            _continued(problem.known_coordinates, samples[-1], values) if samples else values
-        )
-    notes = (
-        (
-            f"poses were projected onto the platform's {mechanism.motion} motion, by "
-            f"{furthest:.3g} {mechanism.length_unit}",
-        )
-        if furthest > 1e-12 * mechanism.characteristic_length
-        else ()
-    )
-    return np.array(samples), notes
+def _pose(mechanism: Mechanism, row: Sequence[float] | Pose, number: int) -> Given:
+    """The pose of the platform's motion that is nearest."""
+    values, off = pose_coordinates(mechanism, pose_from(row, f"pose of sample {number}"))
+    numbers = [*row.position, *row.quaternion] if isinstance(row, Pose) else row
+    echo = {"pose": [float(v) for v in numbers]}
+    return Given("inverse", values, echo, pose_names(mechanism), off_motion=off)
+
+
+def _named(mechanism: Mechanism, row: dict[str, Any], number: int) -> Given:
+    """Values by name."""
+    try:
+        read = given_by_name(mechanism, row)
+    except InputError as error:
+        raise InputError(f"sample {number}: {error}" if number > 1 else str(error)) from None
+    return replace(read, echo={"given": read.echo})
+
+
+_READ: dict[str, Callable[[Mechanism, Any, int], Given]] = {
+    "joints": _joints,
+    "pose": _pose,
+    "given": _named,
+}
+"""How a row of a path is read."""
 
 
 def _off_motion(mechanism: Mechanism, number: int, off: float) -> str:
@@ -316,12 +295,6 @@ def _continued(
             )
         start += c.width
     return out
-
-
-def _seven(row: Sequence[float] | Pose) -> list[float]:
-    if isinstance(row, Pose):
-        return [float(v) for v in (*np.ravel(row.position), *np.ravel(row.quaternion))]
-    return [float(v) for v in row]
 
 
 def _times(times: Sequence[float] | None, count: int) -> np.ndarray | None:

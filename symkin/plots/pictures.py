@@ -40,7 +40,6 @@ _FIGURES = {
     "Modes": ("modes_plot", "figure_of_modes"),
     "Plan": ("plan_plot", "figure_of_plan"),
     "RateJacobian": ("jacobian_plot", "figure_of_rates"),
-    "GraphJacobian": ("jacobian_plot", "figure_of_rates"),
     "Singularity": ("singularity_plot", "figure_of_singularity"),
     "Solution": ("modes_plot", "figure_of_solution"),
     "SolveResult": ("modes_plot", "figure_of_solve"),

@@ -16,6 +16,7 @@ from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import Given, given_from, given_many, number_of, refuse_negative_rod
 from symkin.position.problem import Kind, Problem, build_problem
+from symkin.spatial.pose import Pose
 from symkin.text import meant, shown
 
 Values = Mapping[str, float | Sequence[float]]
@@ -218,7 +219,7 @@ def many_given(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | No
     a column or one value each.
     """
     if given is not None:
-        return [any_given(mechanism, joints, pose, row) for row in _rows(given)]
+        return [any_given(mechanism, joints, pose, row) for row in rows_by_name(given)]
     if pose is not None and mechanism.platform_link is None:
         return [named_given(mechanism, joints, pose, None)]
     many = given_many(mechanism, joints, pose)
@@ -230,24 +231,29 @@ def has_columns(given: Any) -> bool:
     """Whether values by name are those of several inputs: some are a column, of whole poses several
     rows.
     """
-    return isinstance(given, Mapping) and any(
-        np.ndim(value) > (name == "pose") for name, value in given.items()
-    )
+    return isinstance(given, Mapping) and any(map(_is_column, given, given.values()))
 
 
-def _rows(given: Columns) -> list[dict[str, Any]]:
-    """Values by name of each input; one value is that of all. Raises InputError for columns of
-    different lengths.
+def _is_column(name: str, value: Any) -> bool:
+    """Whether a value is one of each input: of whole poses several rows or poses."""
+    several = not isinstance(value, Pose | str) and np.ndim(value) > 0
+    if name != "pose" or not several:
+        return several
+    return np.ndim(value) > 1 or any(isinstance(one, Pose) or np.ndim(one) > 0 for one in value)
+
+
+def rows_by_name(given: Mapping[str, Any], each: str = "an input") -> list[dict[str, Any]]:
+    """Values by name of `each` input or sample; one value is that of all. Raises InputError for
+    columns of different lengths.
     """
-    several = {name: value for name, value in given.items() if np.ndim(value) > (name == "pose")}
-    lengths = {name: len(value) for name, value in several.items()}  # type: ignore[arg-type]
+    lengths = {name: len(value) for name, value in given.items() if _is_column(name, value)}
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{name} {length}" for name, length in lengths.items())
         raise InputError(
-            f"given: the columns have different counts of values ({told}); each needs one an input"
+            f"given: the columns have different counts of values ({told}); each needs one {each}"
         )
     columns = {
-        name: value if name in lengths else [value] * max(lengths.values())
+        name: list(value) if name in lengths else [value] * max(lengths.values())
         for name, value in given.items()
     }
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]

@@ -37,7 +37,6 @@ from symkin.position.transfer import variables_elsewhere
 from symkin.quiet import without_float_warnings
 from symkin.singularities.configuration import configuration
 from symkin.singularities.held_motions import held_motions
-from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations
 from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
 from symkin.singularities.output import (
@@ -48,11 +47,12 @@ from symkin.singularities.output import (
     output_equations,
     output_twists,
 )
-from symkin.singularities.roles import Roles, roles_of
 from symkin.singularities.singular_groups import SingularGroup, singular_groups
 from symkin.singularities.singularity_result import Singularity
 from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
+from symkin.velocity.limb_equations import LimbwiseEquations, limbwise_equations
+from symkin.velocity.roles import Roles, roles_of
 from symkin.verb import verb
 
 

@@ -9,10 +9,10 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.numeric.rank import null_space, row_space
 from symkin.position.closed_configurations import whole_system
-from symkin.singularities.limb_equations import row_basis
 from symkin.singularities.named_screw import joint_rates
-from symkin.singularities.roles import Roles, columns_by_name, other_joints
 from symkin.spatial.screw import tidy_rows
+from symkin.velocity.limb_equations import row_basis
+from symkin.velocity.roles import Roles, columns_by_name, other_joints
 
 
 def held_motions(

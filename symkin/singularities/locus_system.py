@@ -35,10 +35,10 @@ from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.transfer import variables_elsewhere
 from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at, varied_pose
-from symkin.singularities.limb_equations import limb_blocks
 from symkin.singularities.rank_loss import RankLoss, generic_matrix
-from symkin.singularities.roles import checked_names
 from symkin.text import meant
+from symkin.velocity.limb_equations import limb_blocks
+from symkin.velocity.roles import checked_names
 
 LocusKind = Literal["type 1", "type 2"]
 
@@ -184,11 +184,13 @@ def _guess(names: Sequence[str], known: Sequence[str]) -> str:
 
 
 def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
-    """A plane of two pose coordinates, or of two actuated joints."""
+    """A plane of two actuated joints, or of two pose coordinates."""
     mechanism = solution.mechanism
     pose_names, joint_names = POSE_AXES[mechanism.motion], [c.name for c in mechanism.actuated]
-    of_pose = all(name in pose_names for name in names)
-    if not of_pose and not all(name in joint_names for name in names):
+    # a joint that is named as a coordinate of the pose is the joint, as among values by name
+    of_joints = all(name in joint_names for name in names)
+    of_pose = not of_joints and all(name in pose_names for name in names)
+    if not of_joints and not of_pose:
         raise InputError(
             f"plane = {', '.join(names)!r}{_guess(names, [*pose_names, *joint_names])}; allowed: "
             f"two of {', '.join(pose_names)} (pose), or two of "

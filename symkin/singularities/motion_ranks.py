@@ -18,9 +18,9 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import null_space, rank_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
-from symkin.singularities.limb_equations import LimbwiseEquations, limbwise_equations
 from symkin.singularities.output import Output, output_equations
-from symkin.singularities.roles import Roles
+from symkin.velocity.limb_equations import LimbwiseEquations, limbwise_equations
+from symkin.velocity.roles import Roles
 
 
 @dataclass(frozen=True)

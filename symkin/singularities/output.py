@@ -26,8 +26,8 @@ from symkin.numeric.rank import count_above, null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.given_by_name import given_coordinates
 from symkin.position.solution import pose_of
-from symkin.singularities.limb_equations import LimbEquations, LimbwiseEquations, eliminated
 from symkin.text import meant
+from symkin.velocity.limb_equations import LimbEquations, LimbwiseEquations, eliminated
 
 OUTPUT_NAMES = ("x", "y", "z", "rx", "ry", "rz")
 """Velocity of the point and angular velocity, components in the base frame."""

@@ -16,7 +16,7 @@ from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.position.groups import structure_groups
 from symkin.position.loops import loops_at
 from symkin.position.problem import Problem
-from symkin.singularities.limb_equations import row_basis
+from symkin.velocity.limb_equations import row_basis
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,12 @@ import numpy as np
 from symkin.plain_number import plain
 from symkin.position.solution import Solution
 from symkin.result import Result, Summary
-from symkin.singularities.limb_equations import LimbwiseEquations
 from symkin.singularities.motion_ranks import Ranks
 from symkin.singularities.named_screw import NamedScrew
 from symkin.singularities.output import Output
-from symkin.singularities.roles import Roles
 from symkin.singularities.singular_groups import SingularGroup
+from symkin.velocity.limb_equations import LimbwiseEquations
+from symkin.velocity.roles import Roles
 
 KINDS = {
     "type 1": "the inverse problem loses rank: joints move, the platform stands",

@@ -13,8 +13,8 @@ import casadi as ca
 import numpy as np
 
 from symkin.position.closed_configurations import whole_system
-from symkin.singularities.limb_equations import limb_blocks
 from symkin.singularities.locus_system import LocusSystem
+from symkin.velocity.limb_equations import limb_blocks
 
 
 def same_mode(system: LocusSystem, points: np.ndarray) -> np.ndarray:

@@ -13,12 +13,13 @@ import numpy as np
 from symkin.assembly.mode_table import joint_labels
 from symkin.model.names import is_device
 from symkin.quiet import warnings_ignored
-from symkin.sweeps.chunk_files import COMPRESSION_LEVEL
 from symkin.sweeps.plan import Plan
 from symkin.sweeps.quantities import all_names
 
-_MODE_CHUNK = 8
-"""Modes in one chunk of an array; more modes of a point make more chunks."""
+_MODE_CHUNK, _MODE_SHARD = 8, 64
+"""Modes in one chunk of an array, and in one file, which has several chunks."""
+_COMPRESSION_LEVEL = 0
+"""Level of Zstandard with which arrays over the points are made; 0 is its own default."""
 _SAMPLE_DIMENSION = "point"
 _DIMENSIONS = (
     "mode",
@@ -29,7 +30,7 @@ _DIMENSIONS = (
     "named_point",
     "chunk",
     "done",
-    "digest",
+    "digest",  # of earlier layouts
     _SAMPLE_DIMENSION,
 )
 RESERVED = frozenset(_DIMENSIONS) | all_names()
@@ -88,17 +89,22 @@ def _point_dimensions(plan: Plan) -> tuple[str, ...]:
 def _create_results(group: Any, plan: Plan, bound: int | None) -> None:
     """The arrays that are written chunk by chunk, empty."""
     lengths = {"mode": 1} | {name: len(values) for name, values in _texts(plan).items()}
-    chunks = lengths | {"mode": max(1, min(_MODE_CHUNK, bound or _MODE_CHUNK))}
+    side = max(1, min(_MODE_CHUNK, bound or _MODE_CHUNK))
+    chunks = lengths | {"mode": side}
+    shards = lengths | {"mode": side * -(-min(_MODE_SHARD, bound or _MODE_SHARD) // side)}
     for v in plan.variables:
         group.create_array(
             v.name,
             shape=(*plan.space.shape, *(lengths[d] for d in v.dimensions)),
             chunks=(*plan.blocks.box, *(max(1, chunks[d]) for d in v.dimensions)),
+            shards=(*plan.blocks.box, *(max(1, shards[d]) for d in v.dimensions))
+            if v.per_mode
+            else None,
             dtype=v.dtype,
             fill_value=v.fill,
             dimension_names=(*_point_dimensions(plan), *v.dimensions),
             attributes=dict(v.attributes),
-            compressors=_codec(),
+            compressors=_codecs(),
         )
     group.create_array(
         "done",
@@ -107,10 +113,9 @@ def _create_results(group: Any, plan: Plan, bound: int | None) -> None:
         dtype="uint8",
         fill_value=0,
         dimension_names=("chunk",),
-        compressors=_codec(),
+        compressors=_codecs(),
         attributes={"long_name": "chunks of points that are written"},
     )
-    create_digest(group, len(plan.blocks))
 
 
 def wrongly_described(group: Any, plan: Plan) -> str | None:
@@ -122,10 +127,8 @@ def wrongly_described(group: Any, plan: Plan) -> str | None:
 
     right = zarr.create_group(zarr.storage.MemoryStore())
     _create_results(right, plan, None)
-    for name in (*(v.name for v in plan.variables), "done", "digest"):
-        if not (name == "digest" and "digest" not in group) and _description(
-            group, name
-        ) != _description(right, name):
+    for name in (*(v.name for v in plan.variables), "done"):
+        if _description(group, name) != _description(right, name):
             return name
     for name, values in expected_coordinates(plan).items():
         told = _description(group, name)
@@ -152,29 +155,11 @@ def _description(group: Any, name: str) -> tuple[Any, ...] | None:
         return None
 
 
-def _codec() -> Any:
-    """What `chunk_files` writes."""
-    from zarr.codecs import ZstdCodec
+def _codecs() -> list[Any]:
+    """How files are packed, with their checksums."""
+    from zarr.codecs import Crc32cCodec, ZstdCodec
 
-    return ZstdCodec(level=COMPRESSION_LEVEL)
-
-
-def create_digest(group: Any, chunks: int) -> None:
-    """The array that tells lost and damaged files (see `damage`)."""
-    group.create_array(
-        "digest",
-        shape=(chunks,),
-        chunks=(1,),
-        dtype="uint64",
-        fill_value=0,
-        dimension_names=("chunk",),
-        attributes={
-            "long_name": (
-                "numbers made of the files of each chunk, by which lost and damaged ones are told"
-            )
-        },
-        compressors=_codec(),
-    )
+    return [ZstdCodec(level=_COMPRESSION_LEVEL), Crc32cCodec()]
 
 
 def expected_coordinates(plan: Plan) -> dict[str, np.ndarray]:

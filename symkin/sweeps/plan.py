@@ -24,8 +24,8 @@ from symkin.position.problem import Problem
 from symkin.sweeps.quantities import Variable, arrays_of, variables
 from symkin.sweeps.space import Blocks, Space
 
-FORMAT = 2
-"""Number of this layout of a sweep's folder."""
+FORMAT = 3
+"""Number of this layout of a sweep's folder; folders of all are read."""
 _LARGEST_CHUNK, _FEWEST_CHUNKS = 10_000, 16
 """A chunk has as many points as it may, unless a sweep would have less chunks than this."""
 _MODES_IN_CHUNK = 40_000
@@ -139,6 +139,12 @@ def _usual_chunk(plan: Plan) -> int:
 
 def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
     """What differs between what two sweeps pinned, as a clause; None where nothing does."""
+    if there.get("symkin_sweep") != here["symkin_sweep"]:
+        return (
+            f"another version of symkin, which lays folders out in another way "
+            f"({there.get('symkin_sweep')}, here {here['symkin_sweep']}), began it; what it holds "
+            f"can be read and drawn"
+        )
     if (
         there.get("mechanism_sha256") != here["mechanism_sha256"]
         and there.get("mechanism") == here["mechanism"]

@@ -19,10 +19,10 @@ from symkin.errors import InputError
 from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.position.problem import Problem
 from symkin.position.transfer import many_elsewhere
-from symkin.singularities.limb_equations import limbwise_equations
 from symkin.singularities.motion_ranks import distances, generic_ranks
-from symkin.singularities.roles import Roles, roles_of
 from symkin.text import not_among
+from symkin.velocity.limb_equations import limbwise_equations
+from symkin.velocity.roles import Roles, roles_of
 
 QUANTITIES = ("modes", "conditioning", "reach")
 

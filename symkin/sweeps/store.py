@@ -1,9 +1,9 @@
 """The folder of a sweep: a Zarr group that `xarray.open_zarr` reads, written chunk by chunk.
 
-A chunk of points is one chunk of each array. The array `done` has one number a chunk, written after
-the chunk's data, so that whatever a killed run left is computed again; `digest` tells files that
-were lost or damaged since (see `damage`). The dimension `mode` grows to the most modes met,
-whatever the order.
+A chunk of points is one chunk of each array, whose files have checksums. The array `done` has one
+number a chunk, written after the chunk's data, so that whatever a killed run left is computed
+again; lost and damaged files are told by their absence and their checksums (see `damage`). The
+dimension `mode` grows to the most modes met, whatever the order.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ import numpy as np
 
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
-from symkin.sweeps.chunk_files import chunk_files, digest_of, write_chunk
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import consolidate, create_arrays
 from symkin.sweeps.plan import Plan, difference
@@ -43,8 +42,14 @@ class Store:
 
     @cached_property
     def arrays(self) -> dict[str, Any]:
-        """The arrays over the points, and `done`."""
-        return {name: self.group[name] for name in (*(v.name for v in self.plan.variables), "done")}
+        """The arrays over the points, and `done`; what they hold is written even where it is
+        nothing, so that lost files are told.
+        """
+        import zarr
+
+        with zarr.config.set({"array.write_empty_chunks": True}):
+            names = (*(v.name for v in self.plan.variables), "done")
+            return {name: self.group[name] for name in names}
 
     @property
     def per_mode(self) -> list[Variable]:
@@ -69,44 +74,52 @@ class Store:
     @interrupts_held()
     def write(self, index: int, arrays: Mapping[str, np.ndarray]) -> None:
         """One chunk, its mark last. Raises InputError where the folder cannot be written."""
-        shape = tuple(side.stop - side.start for side in self.plan.blocks[index])
-        place, files = self.place(index), dict[Path, bytes]()
+        block = self.plan.blocks[index]
+        shape = tuple(side.stop - side.start for side in block)
         with refused_writing(self.folder):
             needed = max((arrays[v.name].shape[1] for v in self.per_mode), default=0)
             if needed > max(self.lengths(), default=needed):
                 self.grow(needed)
+            self.forget(index)
             for v in self.plan.variables:
-                values = arrays[v.name].reshape(*shape, *arrays[v.name].shape[1:])
-                files |= write_chunk(
-                    self.folder / v.name, place, values, self._shapes[v.name], v.fill
-                )
-            self.note(index, digest_of(self.folder, files))
-            self.mark(index, done=True)
+                values = arrays[v.name]
+                place = (*block, slice(0, values.shape[1])) if v.per_mode else block
+                if values.size:
+                    self.arrays[v.name][place] = values.reshape(*shape, *values.shape[1:])
+            self.arrays["done"][index] = 1
 
-    @cached_property
-    def _shapes(self) -> dict[str, tuple[int, ...]]:
-        return {v.name: self.arrays[v.name].chunks for v in self.plan.variables}
+    def forget(self, index: int) -> None:
+        """Remove the files of a chunk of points and, before them, its mark."""
+        for name in ("done", *(v.name for v in self.plan.variables)):
+            for path in self._files(name, index):
+                path.unlink()
 
-    def place(self, index: int) -> tuple[int, ...]:
-        """Place of a chunk of points along each dimension of the points."""
-        return tuple(int(i) for i in np.unravel_index(index, self.plan.blocks.grid))
+    @interrupts_held()
+    def is_whole(self, index: int) -> bool:
+        """Whether all files of a chunk of points are there and hold what was written."""
+        block, modes = self.plan.blocks[index], 0
+        for v in sorted(self.plan.variables, key=lambda v: v.name != "count"):
+            array, place, files = self.arrays[v.name], block, 1
+            if v.per_mode:
+                side = (array.shards or array.chunks)[len(block)]
+                place, files = (*block, slice(0, modes)), -(-modes // side)
+            if len(list(self._files(v.name, index))) != files:
+                return False
+            values = readable(array, place)
+            if values is None:
+                return False
+            modes = max(0, int(values.max())) if v.name == "count" else modes
+        return True
 
-    def files(self, index: int) -> dict[Path, bytes]:
-        """What the files of a chunk of points hold now."""
-        place = self.place(index)
-        return {
-            path: path.read_bytes()
-            for v in self.plan.variables
-            for path in chunk_files(self.folder / v.name, place)
-        }
-
-    def note(self, index: int, digest: int) -> None:
-        """Keep the number by which damage to a chunk is told."""
-        write_chunk(self.folder / "digest", (index,), np.array([digest], dtype=np.uint64), (1,), 0)
-
-    def mark(self, index: int, *, done: bool) -> None:
-        """Mark a chunk as written or not."""
-        write_chunk(self.folder / "done", (index,), np.array([done], dtype=np.uint8), (1,), 0)
+    def _files(self, name: str, index: int) -> Iterator[Path]:
+        """The files of an array that hold a chunk of points."""
+        grid = self.plan.blocks.grid
+        place = (index,) if name == "done" else np.unravel_index(index, grid)
+        path = self.folder.joinpath(name, "c", *(str(int(i)) for i in place))
+        if path.is_file():
+            yield path
+        elif path.is_dir():
+            yield from sorted(p for p in path.rglob("*") if p.is_file())
 
     def grow(self, modes: int) -> None:
         """Make the dimension `mode` of all arrays `modes` long."""
@@ -115,6 +128,20 @@ class Store:
             array = self.arrays[v.name]
             array.resize((*array.shape[:dimensions], modes, *array.shape[dimensions + 1 :]))
         consolidate(self.folder)
+
+
+def readable(array: Any, place: Any) -> Any:
+    """What Zarr reads at a place of an array, None where a file cannot be decoded: decoders raise
+    errors of many kinds.
+    """
+    try:
+        return array[place]
+    except FileNotFoundError:
+        return None
+    except (OSError, MemoryError):
+        raise
+    except Exception:
+        return None
 
 
 @interrupts_held()

@@ -1,5 +1,4 @@
-"""Write the velocity equations A t + P x' + B q' = 0 of a closure, and evaluate them at a
-configuration.
+"""Write the velocity equations A t + P x' + B q' = 0 of a closure, and count their ranks.
 
 t is the twist (velocity of the platform's or tool's origin; angular velocity), both in the base
 frame, q' are the rates of the actuated joints in file order and x' those of the passive joints that
@@ -14,50 +13,34 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
-from symkin.computed_once import cached_property, lru_cache
+from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.solution import Solution
 from symkin.velocity.differential import Differential, differentiate, motion_columns
-from symkin.velocity.limb_ranks import LimbRanks, LimbStructure, Matrices, ranks_at
-from symkin.velocity.matrices import VelocityMatrices
+from symkin.velocity.limb_ranks import LimbRanks, ranks_at
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class VelocityEquations(LimbStructure):
-    """A (m, 6), P (m, p) and B (m, n) of a mechanism as expressions of the closure's variables and
-    parameters.
+class VelocityEquations(LimbRanks):
+    """A, P and B of a mechanism (see `Differential`), as expressions of the closure's variables and
+    parameters, with their ranks at generic closed configurations.
 
-    `twist`, `passive` and `actuated` are A, P and B; columns of A that the platform's motion does
-    not have are zero. Rows have the closure's scale, a length. Rates are in the length unit or rad
-    per unit of time; a passive unit quaternion has three columns, its angular velocity in the frame
-    before the joint, axes as at the reference.
+    Rates are in the length unit or rad per unit of time; a passive unit quaternion has three
+    columns, its angular velocity in the frame before the joint, axes as at the reference.
     """
 
     closure: Closure
     differential: Differential
 
-    @cached_property
-    def twist(self) -> ca.SX:
-        kept = ca.diag(ca.DM([float(k in self.columns) for k in range(6)]))
-        return ca.mtimes(self._weights, ca.mtimes(self.differential.twist, kept))
-
-    @cached_property
-    def passive(self) -> ca.SX:
-        return ca.mtimes(self._weights, self.differential.passive)
-
-    @cached_property
-    def actuated(self) -> ca.SX:
-        return ca.mtimes(self._weights, self.differential.actuated)
-
     @property
-    def _weights(self) -> ca.DM:
-        return ca.diag(ca.DM(self.differential.weights))
+    def columns(self) -> tuple[int, ...]:
+        """The twist's components that the platform's motion has."""
+        return tuple(motion_columns(self.closure))
 
     @property
     def passive_names(self) -> tuple[str, ...]:
@@ -69,42 +52,13 @@ class VelocityEquations(LimbStructure):
             for name in ([f"{c.name}.{k}" for k in letters] or [c.name])
         )
 
-    def at(
-        self,
-        values: Solution | Mapping[str, Any] | np.ndarray,
-        parameters: np.ndarray | None = None,
-    ) -> VelocityMatrices:
-        """The matrices at a closed configuration: a Solution, its `values` (radians, length unit),
-        or the full vector of the closure's variables; `parameters` in the order of
-        `closure.parameter_names`, nominal without.
-        """
-        geometry = (
-            self.closure.parameter_values
-            if parameters is None
-            else np.asarray(parameters, dtype=float)
-        )
-        if geometry.shape != self.closure.parameter_values.shape:
-            raise InputError(
-                f"parameters: {geometry.size} values given, {self.closure.parameter_values.size} "
-                f"are needed"
-            )
-        outputs = self._function(variables_of(self.closure, values), geometry)
-        return VelocityMatrices(self, *(np.asarray(ca.DM(output).full()) for output in outputs))
-
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism, from which the symbols are built anew."""
         return velocity_equations, (self.closure.mechanism,)
 
-    @cached_property
-    def _function(self) -> ca.Function:
-        outputs = [ca.densify(part) for part in (self.twist, self.passive, self.actuated)]
-        return ca.Function(
-            "velocity", [self.closure.variables, self.closure.parameters], outputs, {"cse": True}
-        )
-
     def ranks(self, values: np.ndarray) -> LimbRanks:
         """The limbs' parts and ranks at a closed configuration."""
-        return ranks_at(self.closure, self.differential.limbs, self.at(values).scaled)
+        return ranks_at(self.closure, self.differential.limbs, values)
 
     def is_generic(self, values: np.ndarray) -> bool:
         """Whether the ranks at a closed configuration are those of generic ones."""
@@ -117,13 +71,7 @@ def velocity_equations(mechanism: Mechanism) -> VelocityEquations:
     reference (seed 0).
     """
     closure = build_closure(mechanism)
-    blank = VelocityEquations(
-        mechanism=mechanism,
-        columns=tuple(motion_columns(closure)),
-        scales=_scales(closure),
-        closure=closure,
-        differential=differentiate(closure),
-    )
+    blank = VelocityEquations(closure=closure, differential=differentiate(closure))
     best = max(
         (blank.ranks(values) for values in closed_configurations(closure, 0)),
         key=lambda ranks: ranks.genericity,
@@ -161,21 +109,3 @@ def variables_of(
             f"variables"
         )
     return vector
-
-
-def _scales(closure: Closure) -> Matrices:
-    """What makes lengths of twists, passive and actuated rates: the size for angles, 1 for
-    lengths.
-    """
-    size = closure.characteristic_length
-    passive, actuated = (
-        np.array(
-            [
-                size if c.is_angular or c.kind == "quaternion" else 1.0
-                for c in closure.role(role)
-                for _ in range(c.freedom)
-            ]
-        )
-        for role in ("passive", "actuated")
-    )
-    return np.array([1.0, 1.0, 1.0, size, size, size]), passive, actuated

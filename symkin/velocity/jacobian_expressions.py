@@ -186,7 +186,9 @@ class Expressions:
         """The shortest rates (angles times the size) of a limb whose twist does not decide them."""
         left = factored(passive, ca.horzcat(twist, own)).remainder
         twist, own = left[:, : twist.shape[1]], left[:, twist.shape[1] :]
-        scales = ca.diag(ca.DM(self.equations.scales[2][list(part.actuated)]))
+        size = self.closure.characteristic_length
+        joints = [self.closure.role("actuated")[k] for k in part.actuated]
+        scales = ca.diag(ca.DM([c.lever(size) for c in joints]))
         scaled = ca.mtimes(own, ca.inv(scales))
         chosen = self._independent_rows(scaled, part.rank)
         rates = -ca.mtimes(ca.inv(scales), shortest(scaled[chosen, :], twist[chosen, :]))
@@ -216,7 +218,8 @@ class Expressions:
         """What columns by the motion's twist components are multiplied by, to be columns by
         lengths.
         """
-        return ca.diag(ca.DM(1 / self.equations.scales[0][list(self.equations.columns)]))
+        size = self.closure.characteristic_length
+        return ca.diag(ca.DM([1 / size if k > 2 else 1.0 for k in self.equations.columns]))
 
     def _independent_rows(self, rows: ca.SX, count: int) -> list[int]:
         """`count` rows that are independent at all samples."""

@@ -1,12 +1,10 @@
-"""Which rows and columns of the velocity equations belong to each limb, and their ranks at a
+"""Say which rows and columns of the velocity equations belong to each limb, and their ranks at a
 configuration.
 
-Limb i has the rows A_i t + P_i x' + B_i q' = 0. With E_i = 1 - U_i U_i^T, U_i an orthonormal basis
-of the columns of P_i, the rates x' of its passive joints drop out: E_i A_i t + E_i B_i q' = 0. The
-rank of E_i B_i says how many of the limb's actuated rates the twist decides. With V_i an
-orthonormal basis of the columns of E_i B_i, the rows (1 - V_i V_i^T) E_i A_i hold whatever the
-limb's joints do: they are its constraint wrenches (Gosselin and Angeles 1990; Zlatanov, Bonev and
-Gosselin 2002).
+Limb i has the rows A_i t + P_i x' + B_i q' = 0. Without the rates x' of its passive joints (see
+`limb_equations`), the rank of what is left of B_i says how many of the limb's actuated rates the
+twist decides; rows that hold whatever the limb's joints do are its constraint wrenches (Gosselin
+and Angeles 1990; Zlatanov, Bonev and Gosselin 2002).
 """
 
 from __future__ import annotations
@@ -17,26 +15,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.model.mechanism import Mechanism
-from symkin.numeric.rank import Rank, independent_rows
+from symkin.numeric.rank import independent_rows, rank_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
-
-Matrices = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""A, P and B, the matrices of twist, passive and actuated rates, rows and columns in lengths."""
+from symkin.position.closed_configurations import whole_system
+from symkin.velocity.limb_equations import limb_blocks, limbwise_equations
+from symkin.velocity.roles import columns_by_name
 
 
 @dataclass(frozen=True)
 class LimbPart:
-    """Where a limb stands in the equations: its rows, the columns of its passive joints (`held` are
-    those left at rest, since their motion moves nothing else) and of its actuated joints; `rank` is
-    that of its actuated columns once the passive ones are eliminated, at generic closed
+    """Where a limb stands in the equations: its rows, the columns of its passive joints (without
+    those that are left at rest, since their motion moves nothing else) and of its actuated joints;
+    `rank` is that of its actuated columns once the passive ones are eliminated, at generic closed
     configurations.
     """
 
     name: str
     rows: tuple[int, ...]
     passive: tuple[int, ...]
-    held: tuple[int, ...]
     actuated: tuple[int, ...]
     rank: int
 
@@ -64,61 +60,31 @@ class LimbRanks:
         return sum(len(part.passive) for part in self.limbs), ranks, self.constraints, -self.freedom
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class LimbStructure(LimbRanks):
-    """What the velocity equations of a mechanism have in common at all generic configurations:
-    their ranks, `columns`, the twist's components that the platform's motion has, and `scales`,
-    which make lengths of twists, passive and actuated rates (the size for angles, 1 for lengths).
+def ranks_at(closure: Closure, row_limbs: Sequence[str], values: np.ndarray) -> LimbRanks:
+    """The limbs' parts and ranks at one closed configuration; `row_limbs` names the limb of each
+    row of the equations.
     """
-
-    mechanism: Mechanism
-    columns: tuple[int, ...]
-    scales: Matrices
-
-    def scaled(self, twist: np.ndarray, passive: np.ndarray, actuated: np.ndarray) -> Matrices:
-        """A (the motion's columns), P and B with columns by rates in lengths."""
-        by_twist, by_passive, by_actuated = self.scales
-        return (
-            twist[:, self.columns] / by_twist[list(self.columns)],
-            passive / by_passive,
-            actuated / by_actuated,
-        )
-
-
-def ranks_at(closure: Closure, row_limbs: Sequence[str], scaled: Matrices) -> LimbRanks:
-    """The limbs' parts and ranks at one closed configuration, from A, P and B in lengths there;
-    `row_limbs` names the limb of each row.
-    """
-    actuated_limb, passive_limb = _limb_of_columns(closure)
-    parts, twists, constraints = [], [], []
-    for limb in closure.mechanism.limbs:
-        rows = tuple(k for k, name in enumerate(row_limbs) if name == limb.name)
-        twist, passive, actuated = (matrix[list(rows)] for matrix in scaled)
-        own = [k for k, name in enumerate(passive_limb) if name == limb.name]
-        used = independent_columns(passive, own)
-        span = span_projector(passive[:, used], len(used))
-        joints = tuple(k for k, name in enumerate(actuated_limb) if name == limb.name)
-        free = (actuated - span @ actuated)[:, joints]
-        rank = Rank.of(_without_noise(free, actuated)).value
-        twists.append(twist - span @ twist)
-        constraints.append(twists[-1] - span_projector(free, rank) @ twists[-1])
-        held = tuple(k for k in own if k not in used)
-        parts.append(
-            LimbPart(limb.name, rows, passive=tuple(used), held=held, actuated=joints, rank=rank)
-        )
-    forbidden = Rank.of(_without_noise(np.vstack(constraints), scaled[0])).value
-    freedom = scaled[0].shape[1] - Rank.of(np.vstack(twists)).value
-    return LimbRanks(limbs=tuple(parts), constraints=forbidden, freedom=freedom)
-
-
-def span_projector(matrix: np.ndarray, rank: int) -> np.ndarray:
-    """The orthogonal projector U U^T onto the span of the columns of a matrix of known rank."""
-    left = (
-        np.linalg.svd(matrix, full_matrices=False)[0][:, :rank]
-        if rank
-        else np.zeros((len(matrix), 0))
+    equations = limbwise_equations(closure, values, RANK_TOLERANCE)
+    _, jacobian = whole_system(closure).linearise_one(values, np.zeros(0))
+    actuated, passive = (
+        columns_by_name(closure, [c.name for c in closure.role(role)])
+        for role in ("actuated", "passive")
     )
-    return np.asarray(left @ left.T)
+    parts = []
+    for block, limb in zip(limb_blocks(closure), equations.limbs, strict=True):
+        used = independent_columns(jacobian[block.rows], block.passive)
+        parts.append(
+            LimbPart(
+                block.limb,
+                rows=tuple(k for k, name in enumerate(row_limbs) if name == block.limb),
+                passive=tuple(passive.index(k) for k in used),
+                actuated=tuple(actuated.index(k) for k in block.actuated),
+                rank=rank_of(limb.rates, RANK_TOLERANCE),
+            )
+        )
+    freedom = len(equations.motion.T) - rank_of(equations.twist, RANK_TOLERANCE)
+    constraints = rank_of(equations.constraints, RANK_TOLERANCE)
+    return LimbRanks(limbs=tuple(parts), constraints=constraints, freedom=freedom)
 
 
 def independent_columns(matrix: np.ndarray, among: list[int]) -> list[int]:
@@ -128,26 +94,3 @@ def independent_columns(matrix: np.ndarray, among: list[int]) -> list[int]:
     columns = matrix[:, among].T
     largest = float(np.max(np.linalg.norm(columns, axis=1), initial=0.0))
     return [among[k] for k in sorted(independent_rows(columns, RANK_TOLERANCE * largest))]
-
-
-def _without_noise(matrix: np.ndarray, whole: np.ndarray) -> np.ndarray:
-    """The matrix, or zeros where it is but rounding noise of what it was made from."""
-    return (
-        matrix
-        if np.max(np.abs(matrix), initial=0.0) > RANK_TOLERANCE * np.max(np.abs(whole), initial=0.0)
-        else 0.0 * matrix
-    )
-
-
-def _limb_of_columns(closure: Closure) -> tuple[list[str], list[str]]:
-    """The limb of each actuated and of each passive column; a rod's coordinate is named as its
-    limb.
-    """
-    limb_of = {
-        c.name: limb.name for limb, joint in closure.mechanism.joints for c in joint.coordinates
-    }
-    actuated, passive = (
-        [limb_of.get(c.name, c.name) for c in closure.role(role) for _ in range(c.freedom)]
-        for role in ("actuated", "passive")
-    )
-    return actuated, passive

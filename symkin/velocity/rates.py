@@ -21,7 +21,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.computed_once import cached_property, lru_cache
+from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
@@ -54,7 +54,8 @@ _LEVEL = ("azimuth", "tilt")
 @dataclass(frozen=True, eq=False, repr=False)
 class RateJacobian(SymbolicMatrix, Result):
     """of' = J by': rates of the coordinates in `rows` by those in `columns`, at any regular closed
-    configuration.
+    configuration; or, of a graph of links, a Jacobian of one of the kinds that limbs have (see
+    `Jacobian`).
 
     Lengths are in the mechanism's length unit, angles in rad. `expression` reads the `symbols` of
     `inputs`, coordinates of the closure for these names. `at` evaluates the matrix at a solution,
@@ -80,108 +81,56 @@ class RateJacobian(SymbolicMatrix, Result):
         return self.problem.closure
 
     def at(self, solution: Solution) -> np.ndarray:
-        """The matrix at a closed configuration, by least squares of all rows. Raises SolveError at
-        one where `by` does not decide the rates of `of`: a singular configuration.
+        """The matrix at a closed configuration. Raises SolveError at a singular one, where the
+        known coordinates do not decide the rates that are asked for.
         """
         values = variables_elsewhere(self.closure, solution)
-        rows, known = self._scaled_rows(values)
-        rates = -np.linalg.lstsq(rows, known, rcond=RANK_TOLERANCE)[0] / self._weights[:, None]
-        self._refuse_undecided(values, self.rows)
-        places, unit = self._places, np.eye(len(self.columns))
-        return np.array(
-            [
-                rates[places[name]] if name in places else unit[self.columns.index(name)]
-                for name in self.rows
-            ]
-        )
-
-    def _refuse_undecided(self, values: np.ndarray, names: Sequence[str]) -> None:
-        undecided = self._undecided(values, names)
+        undecided = self._undecided(values)
         if undecided:
             known = ", ".join(c.name for c in self.problem.known_coordinates)
             raise SolveError(
                 f"{self.mechanism.name}: {known} do not decide the rates of "
                 f"{', '.join(undecided)} at this configuration: it is singular"
             )
+        found = self.function.call([values[v.index] for v in self.inputs])[0].full()
+        if not np.isfinite(found).all():
+            raise SolveError(
+                f"{self.mechanism.name}: {self._what}: not defined at this configuration: it is "
+                f"singular"
+            )
+        return np.asarray(found)
 
-    def _undecided(self, values: np.ndarray, names: Sequence[str]) -> list[str]:
-        """The coordinates whose rates the known ones leave free at a configuration."""
-        free = null_space(self._scaled_rows(values)[0], RANK_TOLERANCE, relative=True)
-        found, freedoms = self._places, {c.name: c.freedom for c in self.problem.system.unknowns}
-        return [
-            n
-            for n in names
-            if n in found
-            and np.abs(free[:, found[n] : found[n] + freedoms[n]]).max(initial=0.0) > RANK_TOLERANCE
-        ]
-
-    def _scaled_rows(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """All rows' derivatives by the unknown rates in lengths, and by the known ones."""
-        slopes = self._slopes(values).full()
-        return slopes[:, : len(self._weights)] / self._weights, slopes[:, len(self._weights) :]
-
-    @cached_property
-    def _weights(self) -> np.ndarray:
-        """What makes lengths of the unknown rates: the size for angles, 1 for lengths."""
-        size, unknowns = self.closure.characteristic_length, self.problem.system.unknowns
-        return np.array([c.lever(size) for c in unknowns for _ in range(c.freedom)])
-
-    @cached_property
-    def _places(self) -> dict[str, int]:
-        """The place of each unknown among the unknown rates."""
-        starts = np.cumsum([0, *(c.freedom for c in self.problem.system.unknowns)])
-        return {c.name: int(k) for c, k in zip(self.problem.system.unknowns, starts, strict=False)}
-
-    @cached_property
-    def _slopes(self) -> ca.Function:
-        problem, closure = self.problem, self.closure
-        both = [
-            tangent_jacobian(problem.system.rows, closure, c)
-            for c in (problem.system.unknowns, problem.known_coordinates)
-        ]
-        return ca.Function(
-            "slopes", [closure.variables], [ca.densify(ca.horzcat(*both))], {"cse": True}
-        )
+    def _undecided(self, values: np.ndarray) -> list[str]:
+        """The coordinates, of those that are asked for, whose rates the known ones leave free at a
+        configuration.
+        """
+        system = self.problem.system
+        known = self.problem.select_values(values, self.problem.known_coordinates)
+        point = self.problem.select_values(values, system.unknowns)
+        free = null_space(system.linearise_one(point, known)[1], RANK_TOLERANCE, relative=True)
+        owners = [c.name for c in system.unknowns for _ in range(c.freedom)]
+        moves = (np.abs(free) > RANK_TOLERANCE).any(axis=0)
+        loose = {name for name, moving in zip(owners, moves, strict=True) if moving}
+        asked = self.rows if self.kind == "rates" else owners
+        return [n for n in dict.fromkeys(asked) if n in loose]
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-        """Pickle as the mechanism and the names, from which the expression is built anew."""
+        """Pickle as the mechanism and the names or the kind, from which the expression is built
+        anew.
+        """
+        if self.kind != "rates":
+            return graph_jacobian, (self.mechanism, self.kind)
         return _built, (self.mechanism, self.rows, self.columns)
 
     @property
     def _what(self) -> str:
+        if self.kind != "rates":
+            return f"{self.kind} Jacobian"
         return f"rates of {', '.join(self.rows)} by those of {', '.join(self.columns)}"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class GraphJacobian(RateJacobian):
-    """A Jacobian of a graph's platform or passive joints, of one of the kinds that limbs have (see
-    `Jacobian`): of twists by actuated rates or the other way round, of pose coordinates, of passive
-    joints.
-    """
-
-    def at(self, solution: Solution) -> np.ndarray:
-        """The matrix at a closed configuration. Raises SolveError at a singular one."""
-        values = variables_elsewhere(self.closure, solution)
-        self._refuse_undecided(values, list(self._places))
-        found = self.function.call([values[v.index] for v in self.inputs])[0].full()
-        if not np.isfinite(found).all():
-            raise SolveError(
-                f"{self.mechanism.name}: the {self.kind} Jacobian is not defined at this "
-                f"configuration: it is singular"
-            )
-        return np.asarray(found)
-
-    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-        """Pickle as the mechanism and the kind, from which the expression is built anew."""
-        return graph_jacobian, (self.mechanism, self.kind)
-
-    @property
-    def _what(self) -> str:
-        return f"{self.kind} Jacobian"
-
-
 @lru_cache(maxsize=128)
-def graph_jacobian(mechanism: Mechanism, kind: JacobianKind) -> GraphJacobian:
+def graph_jacobian(mechanism: Mechanism, kind: JacobianKind) -> RateJacobian:
     """The Jacobian of a graph whose actuated joints are as many as its mobility. Raises InputError
     for a graph without a platform, without passive joints, or whose actuated joints do not decide
     its motion.
@@ -222,7 +171,7 @@ def graph_jacobian(mechanism: Mechanism, kind: JacobianKind) -> GraphJacobian:
             rows = tuple(v for n in pose for v in components(n, coordinates[n].width))
     expression = ca.sparsify(expression)
     inputs, _ = variables_read(closure, expression)
-    return GraphJacobian(problem, rows, columns, expression, inputs, kind=kind)
+    return RateJacobian(problem, rows, columns, expression, inputs, kind=kind)
 
 
 def _no_kind(mechanism: Mechanism, kind: str, joints: tuple[str, ...]) -> str:
@@ -289,9 +238,7 @@ def _refuse_level(made: RateJacobian) -> None:
     held = tuple(name for name in (*made.rows, *made.columns) if name not in POSE_CONDITIONS)
     plain = build_problem(problem.mechanism, "given", (), held).closure
     closed = many_elsewhere(problem.closure, plain, np.array(closed_configurations(plain, 0)))
-    everywhere = set(made.rows).intersection(
-        *(made._undecided(values, made.rows) for values in closed)
-    )
+    everywhere = set(made.rows).intersection(*(made._undecided(values) for values in closed))
     without = [name for name in made.rows if name in everywhere]
     if without:
         have = "has no rate" if len(without) == 1 else "have no rates"

@@ -89,7 +89,6 @@ def results() -> dict[str, Any]:
     }
     workspace = Workspace.about(three_rrr("planar"))
     plan = planned(workspace)
-    matrices = velocity_equations(BARS).at(tip.solution)
     return {
         "mechanism": BARS,
         "pose": Pose(np.array([1.0, 2.0, 3.0]), np.array([1.0, 0, 0, 0])),
@@ -99,7 +98,6 @@ def results() -> dict[str, Any]:
         **jacobians,
         "jacobian of the geometry": symkin.jacobian(BARS, "direct", parameters=True),
         "velocity equations": velocity_equations(BARS),
-        "velocity matrices": matrices,
         "track": symkin.track(BARS, joints=[[80.0, 100.0], [90.0, 90.0]]),
         "stopped track": stopped,
         "singularity": symkin.singularity(tip.solution),
@@ -131,7 +129,6 @@ NAMES = (
     "jacobian passive",
     "jacobian of the geometry",
     "velocity equations",
-    "velocity matrices",
     "track",
     "stopped track",
     "singularity",

@@ -321,7 +321,7 @@ NAMES = {
     "ALONE": "symkin.following.station",
     "Cubic": "symkin.following.cubic",
     "_extremes": "symkin.following.joint_limits",
-    "on_plane": "symkin.following.fold",
+    "between": "symkin.following.steps",
     "Meeting": "symkin.following.meeting_modes",
     "Axis": "symkin.following.mode_graph",
     "coefficients": "symkin.following.path_system",
@@ -332,8 +332,6 @@ NAMES = {
     "great_circle": "symkin.following.trajectory",
     "make_trajectory": "symkin.following.trajectory",
     # sweeps
-    "COMPRESSION_LEVEL": "symkin.sweeps.chunk_files",
-    "write_chunk": "symkin.sweeps.chunk_files",
     "Crew": "symkin.sweeps.executors",
     "Here": "symkin.sweeps.executors",
     "local_crew": "symkin.sweeps.executors",

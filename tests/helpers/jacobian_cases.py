@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
+import casadi as ca
 import numpy as np
 
 import symkin
@@ -20,6 +21,7 @@ from helpers.inside import (
     conjugate,
     multiply,
     pose_of,
+    velocity_equations,
     whole_system,
 )
 from helpers.shipped import LIMBS
@@ -225,3 +227,37 @@ def agrees(expected: np.ndarray, measured: Any, unit: float) -> bool:
 def step_of(c: Case, k: int) -> float:
     """The unit of steps of actuated joint k: 1 rad, or the size."""
     return 1.0 if c.mechanism.actuated[k].is_angular else c.closure.characteristic_length
+
+
+class Matrices(NamedTuple):
+    """A (m, 6), P (m, p) and B (m, n) at a configuration, rows in lengths, and what makes lengths
+    of the rates of their columns.
+    """
+
+    twist: np.ndarray
+    passive: np.ndarray
+    actuated: np.ndarray
+    scales: tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+def matrices(case: Case, geometry: np.ndarray | None = None) -> Matrices:
+    """A, P and B of a case, with the nominal geometry or another one."""
+    equations, closure = velocity_equations(case.mechanism), case.closure
+    d, size = equations.differential, closure.characteristic_length
+    outputs = [ca.densify(part) for part in (d.twist, d.passive, d.actuated)]
+    function = ca.Function("velocity", [closure.variables, closure.parameters], outputs)
+    found = [
+        np.asarray(m.full())
+        for m in function(case.values, closure.parameter_values if geometry is None else geometry)
+    ]
+    joints = (
+        [c.lever(size) for c in closure.role(role) for _ in range(c.freedom)]
+        for role in ("passive", "actuated")
+    )
+    scales = (np.repeat([1.0, size], 3), *(np.array(s) for s in joints))
+    moves = np.isin(np.arange(6), equations.columns)
+    return Matrices(
+        d.weights[:, None] * found[0] * moves,
+        *(d.weights[:, None] * m for m in found[1:]),
+        scales=scales,
+    )

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +86,22 @@ def test_five_bar_loci_are_its_closed_form(bars: Loci) -> None:
         assert (
             min(np.abs(np.remainder(point - place + 180, 360) - 180).max() for point in free) < 1e-6
         )
+
+
+def test_joints_named_as_coordinates_of_the_pose_are_the_joints(bars: Loci) -> None:
+    """A five-bar whose cranks are called x and y has the curves of its twin over its angles."""
+    plain = five_bar()
+    left, right = plain.limbs
+    limbs = [
+        replace(limb, joints=(replace(limb.joints[0], name=name), *limb.joints[1:]))
+        for limb, name in ((left, "x"), (right, "y"))
+    ]
+    named = loci_of(replace(plain, limbs=limbs), ("x", "y"), kinds=("type 2",), starts=20)
+    assert not named.plane.of_pose
+    assert named.ranges == bars.ranges
+    assert {curve.kind for curve in named.curves} == {"type 2"}
+    point = named.curves[0].points[0]
+    assert symkin.singularity(plain, joints=point.tolist()).kinds == ("type 2",)
 
 
 def test_the_whole_closed_form_is_found(bars: Loci) -> None:

@@ -21,6 +21,7 @@ from symkin import (
     ModeGraph,
     Solution,
     mode_graph,
+    modes,
     solve,
     track,
 )
@@ -95,6 +96,20 @@ def test_a_path_of_the_graph_stays_on_one_mode(planar: Mechanism, graph: ModeGra
     assert np.allclose(graph.path(0, 0), graph.inputs[-1:])
     nodes = [node for sheet in graph.sheets for node in sheet]
     assert len(nodes) == len(set(nodes)) == sum(len(found) for found in graph.found)
+
+
+def test_points_without_solution_are_not_searched(planar: Mechanism) -> None:
+    """Where the cranks are too far apart there is no mode, and the least closure error there, which
+    takes long to find and which nobody reads, is not told; that of the chosen input is.
+    """
+    apart = mode_graph(planar, [("q1", 100.0, 170.0), ("q2", 10.0, 80.0)], 4, joints=[170.0, 10.0])
+    empty = [found for found in apart.found[:-1] if not len(found)]
+    assert empty
+    assert all(found.smallest_residual is None for found in empty)
+    assert not len(apart.chosen)
+    assert apart.chosen.smallest_residual > 0.0
+    for row, found in zip(apart.inputs[:-1], apart.found[:-1], strict=True):
+        assert len(found) == len(modes(planar, joints=row.tolist()))
 
 
 def test_the_graph_is_drawn_and_printed(graph: ModeGraph, tmp_path) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 import symkin
 from helpers.folders import same_files
-from helpers.inside import COMPRESSION_LEVEL, given_from, make_space, write_chunk
+from helpers.inside import given_from, make_space
 from helpers.needed import Later, needs
 from helpers.samples import three_rrr
 from symkin import InputError, sweep
@@ -71,38 +71,3 @@ def test_poses_are_one_of_two_things_swept_over(tmp_path):
         match=r"over = 'joints' is unknown \(do you mean 'inputs'\?\); allowed: inputs, poses",
     ):
         sweep(mechanism, grid, tmp_path / "none", over="joints", workers=0)
-
-
-@pytest.mark.parametrize(
-    ("dtype", "fill"), [("float64", np.nan), ("int32", -1), ("uint8", 0), ("int8", -1)]
-)
-@pytest.mark.parametrize("shape", [(3, 5), (2, 4), (3, 1)])
-def test_a_chunk_is_written_as_zarr_writes_it(dtype, fill, shape, tmp_path):
-    """Values with edges that fill no whole file, files that hold nothing but the fill value, and
-    files that were there before.
-    """
-    rng = np.random.default_rng(0)
-    values = rng.integers(0, 100, (*shape, 11)).astype(dtype)
-    values[..., 4:8] = fill
-    codec = zarr.codecs.ZstdCodec(level=COMPRESSION_LEVEL)
-    for name in ("zarr", "own"):
-        array = zarr.create_array(
-            tmp_path / name,
-            shape=(6, 10, 11),
-            chunks=(3, 5, 4),
-            dtype=dtype,
-            fill_value=fill,
-            compressors=codec,
-        )
-        array[3 : 3 + shape[0], 5 : 5 + shape[1]] = rng.integers(1, 9, (*shape, 11)).astype(dtype)
-        if name == "zarr":
-            for i in range(3):
-                for path in (tmp_path / name / "c" / "1" / "1").glob(str(i)):
-                    path.unlink()
-            array[3 : 3 + shape[0], 5 : 5 + shape[1]] = values
-    files = write_chunk(tmp_path / "own", (1, 1), values, (3, 5, 4), fill)
-    assert same_files(tmp_path / "zarr", tmp_path / "own")
-    assert [path.name for path in files] == ["0", "2"]
-    np.testing.assert_array_equal(
-        zarr.open_array(tmp_path / "own")[3 : 3 + shape[0], 5 : 5 + shape[1]], values
-    )

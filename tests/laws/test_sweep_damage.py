@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import json
 import shutil
+import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +23,8 @@ pytestmark = needs("xarray")
 PLATFORM = symkin.load("zhang2009")
 GRID = {"leg1": np.linspace(100, 160, 4), "leg2": np.linspace(320, 370, 3)}
 CHUNK = 3
+OLD = Path(__file__).parents[1] / "data" / "sweeps" / "layout_2.zip"
+"""A folder that was written before files had checksums of their own."""
 
 
 def swept(folder: Path) -> Swept:
@@ -67,7 +71,6 @@ ARRAYS = [
     "joints",
     "residual",
     "done",
-    "digest",
     "leg1",
     "joint",
     "axis",
@@ -93,19 +96,23 @@ def test_a_harmed_file_is_written_anew(array, harm, whole, tmp_path) -> None:
         assert "1 chunk was lost or damaged and is computed again" in str(found)
 
 
-@pytest.mark.parametrize("array", ["count", "residual", "position"])
-def test_a_folder_of_an_earlier_version_is_examined_once(array, whole, tmp_path) -> None:
-    """Without digests a lost file shows in the counts; good chunks are kept."""
-    folder = tmp_path / "s"
-    shutil.copytree(whole, folder)
-    shutil.rmtree(folder / "digest")
-    assert swept(folder).computed == 0
-    assert content(folder) == content(whole)
-    shutil.rmtree(folder / "digest")
-    next(path for path in sorted((folder / array / "c").rglob("*")) if path.is_file()).unlink()
-    found = swept(folder)
-    assert (found.computed, found.damaged) == (1, 1)
-    assert content(folder) == content(whole)
+def test_a_folder_of_an_earlier_layout_is_read_and_left_alone(tmp_path) -> None:
+    """Its arrays, table and map are those of the same sweep now; it is not gone on with."""
+    folder, same = tmp_path / "old", tmp_path / "new"
+    with zipfile.ZipFile(OLD) as packed:
+        packed.extractall(folder)
+    grid = {"leg1": np.linspace(100, 160, 4), "leg2": [320.0, 370.0]}
+    before = content(folder)
+    with pytest.raises(InputError, match=r"another version of symkin.*can be read"):
+        sweep(PLATFORM, grid, folder, workers=0, chunk=3)
+    found = sweep(PLATFORM, grid, same, workers=0, chunk=3)
+    old = replace(found, folder=folder)
+    there, here = old.open().load(), found.open().load()
+    for name in ("count", "completeness", "position", "joints", "leg1"):
+        np.testing.assert_allclose(there[name].values, here[name].values, atol=1e-9)
+    assert old.write_csv(tmp_path / "old.csv") == found.write_csv(tmp_path / "new.csv")
+    assert old.plot() is not None
+    assert content(folder) == before
 
 
 def test_a_lost_description_is_said(whole, tmp_path) -> None:
@@ -125,7 +132,6 @@ def test_a_lost_description_is_said(whole, tmp_path) -> None:
         ("count", "fill_value", 7),
         ("position", "shape", [4, 3, 1, 2]),
         ("done", "data_type", "int8"),
-        ("digest", "shape", [5]),
         ("leg1", "data_type", "float32"),
         ("leg1", "shape", [7]),
         ("joint", "data_type", "float64"),

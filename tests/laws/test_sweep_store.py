@@ -299,19 +299,20 @@ def test_folders_that_hold_something_else_are_left_alone(tmp_path):
 def test_a_full_disk_is_a_sentence_and_the_sweep_goes_on(tmp_path, monkeypatch):
     """No space is said, what is done is kept, and the same call finishes bit for bit."""
     sweep(PLATFORM, GRID, tmp_path / "whole", workers=0, chunk=7)
-    write, left = Path.write_bytes, [30]
+    opened, left = Path.open, [80]
 
-    def full(self, content):
-        left[0] -= 1
+    def full(self, mode="r", *arguments, **options):
+        left[0] -= "w" in mode
         if left[0] == 0:
-            write(self, content[:1])
+            with opened(self, mode) as file:
+                file.write(b"half")
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        return write(self, content)
+        return opened(self, mode, *arguments, **options)
 
-    monkeypatch.setattr(Path, "write_bytes", full)
+    monkeypatch.setattr(Path, "open", full)
     with pytest.raises(InputError, match=r"No space left.*what is done is kept"):
         sweep(PLATFORM, GRID, tmp_path / "s", workers=0, chunk=7)
-    monkeypatch.setattr(Path, "write_bytes", write)
+    monkeypatch.setattr(Path, "open", opened)
     sweep(PLATFORM, GRID, tmp_path / "s", workers=0, chunk=7)
     assert same_files(tmp_path / "whole", tmp_path / "s")
 

@@ -12,10 +12,10 @@ from helpers.inside import (
     ALONE,
     Cubic,
     Interval,
+    between,
     build_problem,
     coefficients,
     make_trajectory,
-    on_plane,
     path_systems,
 )
 from helpers.laws import same_angle
@@ -101,6 +101,17 @@ def test_no_tube_over_a_fold_or_off_the_branch():
         assert not tubes.grows.any()
 
 
+def on_branch(interval, y, direction):
+    """The branch's point on the plane through y across a direction, and its tangent, both (1, w +
+    1), by Newton's method in the plane.
+    """
+    for _ in range(6):
+        value, slope = interval.evaluate(y[None], ALONE)
+        y = y - np.linalg.lstsq(np.vstack([slope[0], direction]), np.append(value[0], 0.0))[0]
+    tangent = np.linalg.svd(interval.evaluate(y[None], ALONE)[1][0])[2][-1]
+    return y[None], (tangent * np.sign(tangent @ direction))[None]
+
+
 @pytest.mark.parametrize(
     ("path", "folds"), [((TOGGLE - 1e-2, TOGGLE), True), ((TOGGLE, TOGGLE - 1e-2), False)]
 )
@@ -121,9 +132,9 @@ def test_curvature_of_the_path_parameter_is_proved_at_a_fold(path, folds):
     y = np.append(z, (TOGGLE - 1e-6 - path[0]) / (path[1] - path[0]))
     null = np.linalg.svd(interval.evaluate(y[None], ALONE)[1][0, :, :-1])[2][-1]
     direction = np.append(null, 0.0)
-    a, b = (on_plane(interval, y + s * direction, direction) for s in (-1e-3, 1e-3))
-    tubes = interval.tubes(one_cubic(*a, *b, float(direction @ (b[0] - a[0]))), ALONE)
+    a, b = (on_branch(interval, y + s * direction, direction) for s in (-1e-3, 1e-3))
+    tubes = interval.tubes(between(a, b), ALONE)
     assert tubes.proved.all()
-    slopes = [float(v[1][-1]) for v in (a, b)]
+    slopes = [float(v[1][0, -1]) for v in (a, b)]
     assert tubes.grows.all() <= (min(slopes) > 0.0 or max(slopes) < 0.0)
     assert interval.folds(tubes, ALONE).all() == folds

@@ -12,10 +12,9 @@ origin; size times angular velocity) on the coordinates of the platform's motion
 are times the size. The rows a_i are the wrenches that the limb can exert while its actuated joints
 are held; those with b_i = 0 are its constraints.
 
-This is not the elimination of `velocity.matrices`, which takes every rank from generic
-configurations, so that Jacobians vary smoothly, and refuses a configuration where one is lost. Here
-ranks are counted at the configuration itself: where one is lost there is more to say, and rows of
-unit length make distances that do not depend on the closure's rows.
+Ranks are counted at the configuration itself, so that more is said where one is lost, and rows of
+unit length make distances that do not depend on the closure's rows. Those of generic configurations
+are the ranks of the symbolic elimination (see `limb_ranks`, `jacobian_expressions`).
 """
 
 from __future__ import annotations
@@ -30,8 +29,8 @@ from symkin.computed_once import lru_cache
 from symkin.numeric.rank import count_above, null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import whole_system
-from symkin.singularities.roles import Roles
 from symkin.velocity.differential import motion_columns
+from symkin.velocity.roles import Roles
 
 _SHORTEST_ROW = 1e-4
 """Rows of the closure have derivatives of about 1; a limb whose rows are all below this times the
@@ -176,12 +175,6 @@ def limb_blocks(closure: Closure, roles: Roles | None = None) -> tuple[LimbBlock
     return tuple(
         LimbBlock(name, rows, held(inputs, rows), held(passive, rows)) for name, rows in parts
     )
-
-
-def columns_of(closure: Closure, role: str) -> list[int]:
-    """Columns of the closure's Jacobian by rates of the coordinates of a role."""
-    columns = [c for c in closure.coordinates for _ in range(c.freedom)]
-    return [k for k, c in enumerate(columns) if c.role == role]
 
 
 def eliminated(
