@@ -114,11 +114,15 @@ def _of_triangular_rows(system: AlgebraicSystem) -> Bound | None:
         for c in system.unknowns
     ]
     squares = " in the square of the length" * any(c.least is not None for c in system.unknowns)
-    names, numbers = (", ".join(str(v) for v in part) for part in (degrees, degrees.values()))
+    names, numbers = ", ".join(degrees), ", ".join(str(v) for v in degrees.values())
+    if len(set(degrees.values())) == 1:
+        of_degree = f"of degree {next(iter(degrees.values()))}"
+    else:
+        of_degree = f"of degrees {numbers}"
     text = (
-        f"{names} alone, by a polynomial of degree {numbers}{squares}"
+        f"{names} alone, by a polynomial {of_degree}{squares}"
         if len(degrees) == 1
-        else f"{names} one after another, by polynomials of degrees {numbers}{squares}"
+        else f"{names} one after another, by polynomials {of_degree}{squares}"
     )
     return Bound(Theorem(prod(counts), text, "fundamental theorem of algebra"), system)
 
