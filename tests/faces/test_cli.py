@@ -300,6 +300,7 @@ def test_ctrl_c_is_one_line(
     assert run(capsys, "solve", "zhao2000") == (130, "", "symkin: interrupted\n")
 
 
+@pytest.mark.usefixtures("heard_interrupts")
 def test_ctrl_c_that_another_package_makes_an_error_of_is_one_line(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -315,6 +316,7 @@ def test_ctrl_c_that_another_package_makes_an_error_of_is_one_line(
     assert run(capsys, "solve", "zhao2000") == (130, "", "symkin: interrupted\n")
 
 
+@pytest.mark.usefixtures("heard_interrupts")
 def test_ctrl_c_while_modules_are_loaded_is_one_line() -> None:
     """Pressed when the first module of the command line is looked for."""
     code = """
