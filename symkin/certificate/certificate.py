@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -35,6 +34,7 @@ from symkin.certificate.separation import (
     is_pose,
     not_real,
 )
+from symkin.computed_once import cached_property
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import COMPLEX, REAL, UP, Number, precision
 
