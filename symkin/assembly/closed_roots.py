@@ -149,7 +149,7 @@ def accounts_for_all(closed: ClosedBlock, paths: BlockPaths | None) -> bool:
     are as many as paths find, and all of them close. Where no paths tell, since known values must
     meet conditions, all of them close at the regular configuration.
     """
-    if closed.is_whole or not isinstance(closed.formulas, ClosedForm):
+    if not isinstance(closed.formulas, ClosedForm):
         return True
     if paths is None:
         return _all_close(closed.formulas, closed.regular[None])

@@ -235,13 +235,17 @@ class ClosedDirection:
         between = [self._bends_in(part) for part in SLIDE_PARTS[1:-1]] if smaller else []
         return [least, *between, whole] if smaller else [whole]
 
-    def _bends_in(self, part: float) -> list[ConditionBend]:
-        values, plain = self._known_values, self._over_usual
-        scales = np.array(units_of(self.direction.known, self.made.size))
-        shares = [
+    @cached_property
+    def _shares(self) -> list[ca.SX]:
+        """What each condition leaves of the bends of those that read it."""
+        return [
             share_of(v, divides=one.root is None)
-            for v, one in zip(plain, self.conditions, strict=True)
+            for v, one in zip(self._over_usual, self.conditions, strict=True)
         ]
+
+    def _bends_in(self, part: float) -> list[ConditionBend]:
+        values, plain, shares = self._known_values, self._over_usual, self._shares
+        scales = np.array(units_of(self.direction.known, self.made.size))
         spans, rng = self._spans(part), np.random.default_rng(7)
         low, high = np.array([(s.middle - s.half, s.middle + s.half) for s in spans]).T
         points = rng.uniform(low, high, (_POINTS, len(spans)))

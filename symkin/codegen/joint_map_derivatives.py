@@ -18,9 +18,11 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.joint_map import Direction, JointMap
 from symkin.codegen.newton_kernel import moves
 from symkin.codegen.text.angles import numbers_at
+from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate
 
 
+@lru_cache(maxsize=32)
 def row_derivatives(direction: Direction) -> ca.Function:
     """Give the derivatives (m, n) of the kernel's rows by the known values, of (state, numbers)."""
     circles = direction.circles
@@ -32,6 +34,7 @@ def row_derivatives(direction: Direction) -> ca.Function:
     )
 
 
+@lru_cache(maxsize=32)
 def row_bends(direction: Direction) -> ca.Function:
     """Give the second derivatives (m, pairs) of the kernel's rows along two known values each, of
     (state, numbers, rates), where column j of `rates` moves the state with known value j. The pairs

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.problem import Problem, build_problem
 
@@ -128,12 +128,7 @@ def all_followed(
 
 def _jumped(direct: Problem, before: np.ndarray, after: np.ndarray) -> np.ndarray:
     """Which points (n, width) have moved too far in a step."""
-    size = direct.closure.characteristic_length
-    units = [
-        size if c.kind == "length" else 1.0
-        for c, place in zip(direct.system.unknowns, direct.system.slices, strict=True)
-        for _ in range(place.stop - place.start)
-    ]
+    units = units_of(direct.system.unknowns, direct.closure.characteristic_length)
     return np.asarray(np.max(np.abs(after - before) / units, axis=1, initial=0.0) > 0.25)
 
 

@@ -217,6 +217,7 @@ def mode_graph(
         found += modes_on_grid(mechanism, dict(zip(names, columns, strict=True)))
         if progress is not None:
             progress(len(found), total)
+    # of the chosen input least errors are told too
     found.append(modes(mechanism, given=dict(zip(names, inputs[-1].tolist(), strict=True))))
     edges: list[tuple[Node, Node]] = []
     certified, stopped, unmatched = True, 0, 0

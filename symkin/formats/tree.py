@@ -98,10 +98,10 @@ class Tree:
 
     def misfits(self, values: np.ndarray) -> dict[str, float]:
         """What each closure and coupling leaves open (metres), by its name."""
-        (errors,) = self._errors(values[None], NOTHING)
+        (errors,) = self.system.checks(values[None], NOTHING)
         ends = np.cumsum([0, *(len(found) for _, _, found in self._parts)])
         return {
-            name: float(np.linalg.norm(errors[0, begin:end]))
+            name: float(np.linalg.norm(errors[begin:end]))
             for (name, _, _), begin, end in zip(self._parts, ends[:-1], ends[1:], strict=True)
         }
 
@@ -119,10 +119,6 @@ class Tree:
             c.name: tuple(map(float, values[place]))
             for c, place in zip(self.coordinates, self.system.slices, strict=True)
         }
-
-    @cached_property
-    def _errors(self) -> Mapped:
-        return Mapped.of([self.system.unknown, self.system.known], [self.system.errors])
 
     @cached_property
     def _poses(self) -> Mapped:

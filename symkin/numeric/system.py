@@ -107,12 +107,13 @@ class System:
         values, jacobians = self._linearised(z, known)
         return values[:, :, 0], jacobians
 
+    def checks(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Closure errors (n, checks) in the length unit, of all constraints and whole rotations."""
+        return np.asarray(self._checked(z, known)[0][:, :, 0])
+
     def residuals(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Largest closure error (n,) in the length unit, over all constraints and whole
-        rotations.
-        """
-        errors = self._checked(z, known)[0]
-        return np.asarray(np.max(np.abs(errors), axis=(1, 2), initial=0.0))
+        """The largest of the `checks` (n,)."""
+        return np.asarray(np.max(np.abs(self.checks(z, known)), axis=1, initial=0.0))
 
     def extremes(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Largest and smallest (n, 2) of the min(rows, freedom) singular values of dF/dd; few

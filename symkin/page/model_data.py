@@ -27,6 +27,7 @@ from symkin.numeric.tolerances import (
     SINGULAR_VALUE,
 )
 from symkin.page.steps import groups_of, steps_of
+from symkin.position.closed_configurations import whole_system
 from symkin.position.problem import Problem
 from symkin.position.readings import left_out
 from symkin.position.solution import Solution
@@ -283,10 +284,7 @@ def _functions(problem: Problem, links: Mapping[str, Pose]) -> tuple[str, dict[s
     of rows and columns.
     """
     closure, x = problem.closure, problem.closure.variables
-    norms = [
-        ca.sumsqr(x[closure.slices[c.name]]) - 1.0 for c in closure.coordinates if c.is_rotation
-    ]
-    rows = ca.vertcat(problem.system.rows, *norms)
+    rows = ca.vertcat(problem.system.rows, whole_system(closure).norms(x))
     columns = _column_scales(closure)
     scales = _row_scales(x, rows, columns, closure)
     rows = rows / ca.DM(scales)

@@ -127,12 +127,8 @@ class Linkage:
     def _rows(self) -> ca.SX:
         """F over the size, lengths of w over it too, and the norms of quaternions."""
         closure = self.problem.closure
-        norms = [
-            0.5 * (ca.sumsqr(closure.variables[closure.slices[c.name]]) - 1.0)
-            for c in closure.coordinates
-            if c.is_rotation
-        ]
-        return ca.vertcat(closure.bound(closure.rows) / self.size, *norms)
+        norms = whole_system(closure).norms(closure.variables)
+        return ca.vertcat(closure.bound(closure.rows) / self.size, 0.5 * norms)
 
     @cached_property
     def _slopes(self) -> Mapped:
