@@ -202,13 +202,6 @@ class JointMap:
             _partitioned(self._whole, tuple(c for c in everything if c.name not in names), known),
         )
 
-    @cached_property
-    def given_system(self) -> System:
-        """The rows with the given coordinates unknown and all others known: their derivatives are
-        those by the given ones.
-        """
-        return self._whole.system.exchanged(self.given)
-
     @property
     def given(self) -> tuple[Coordinate, ...]:
         return self.direct.known

@@ -66,8 +66,10 @@ def row_bends(direction: Direction) -> ca.Function:
     return _function(ca.blockcat(rows), [state, numbers, rates])
 
 
-def second_derivatives(made: JointMap, values: np.ndarray) -> np.ndarray:
-    """Give the second derivatives (found, given, given) at a configuration of the closure."""
+def derivatives(made: JointMap, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Give the Jacobian (found, given) and the second derivatives (found, given, given) at a
+    configuration of the closure.
+    """
     direct = made.direct
     circles, kernel, n = direct.circles, direct.kernel, len(made.given)
     numbers, state = (
@@ -84,11 +86,12 @@ def second_derivatives(made: JointMap, values: np.ndarray) -> np.ndarray:
     scales = [scale for _, scale in step_columns(direct, direct.unknown, made.size)]
     bends = solved(row_bends(direct), state, numbers, steps * np.array(scales)[:, None])
     lower = np.tril_indices(n)
-    second = np.zeros((n, n, n))
+    first, second = np.zeros((n, n)), np.zeros((n, n, n))
     for i, (column, scale) in enumerate(step_columns(direct, made.found, made.size)):
+        first[i] = steps[column] * scale
         second[i][lower] = bends[column] * scale
         second[i].T[lower] = second[i][lower]
-    return second
+    return first, second
 
 
 def step_columns(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.codegen.joint_map import JointMap, map_configurations
-from symkin.codegen.joint_map_derivatives import second_derivatives
+from symkin.codegen.joint_map_derivatives import derivatives
 from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.refused_vectors import infeasible_values, joints_past
 from symkin.codegen.samples import Configuration
@@ -165,24 +165,13 @@ class MapVectors:
         return joints_past(self.made.given, self._of(self.made.reference, "joints"))[1]
 
     @cached_property
-    def jacobians(self) -> np.ndarray:
-        """Jacobians (count, n * n) of the first cases."""
-        return np.array(
-            [
-                np.round(map_jacobian(self.made, case.values), 9).ravel() + 0.0
-                for case in self.cases[:JACOBIANS]
-            ]
-        )
-
-    @cached_property
-    def seconds(self) -> np.ndarray:
-        """Second derivatives (count, n * n * n) of the same cases."""
-        return np.array(
-            [
-                np.round(second_derivatives(self.made, case.values), 9).ravel() + 0.0
-                for case in self.cases[:JACOBIANS]
-            ]
-        )
+    def _derivatives(self) -> dict[str, np.ndarray]:
+        """Jacobians (count, n * n) and second derivatives (count, n * n * n) of the first cases."""
+        found = [derivatives(self.made, case.values) for case in self.cases[:JACOBIANS]]
+        return {
+            name: np.array([np.round(part, 9).ravel() + 0.0 for part in parts])
+            for name, parts in zip(("jacobians", "seconds"), zip(*found, strict=True), strict=True)
+        }
 
     @cached_property
     def bounds(self) -> np.ndarray:
@@ -199,29 +188,10 @@ class MapVectors:
     @property
     def answers(self) -> dict[str, np.ndarray]:
         """Cases and their answers, by the name of their table."""
-        return self.tables | {"jacobians": self.jacobians, "seconds": self.seconds}
+        return self.tables | self._derivatives
 
     @property
     def places(self) -> dict[str, np.ndarray]:
         """Values at the reference."""
         home = self.made.reference
         return {f"home_{which}": self._of(home, which) for which in ("joints", "found")}
-
-
-def map_jacobian(made: JointMap, values: np.ndarray) -> np.ndarray:
-    """Rates of the found coordinates by those of the given ones (n, n), from the closure's
-    differential.
-    """
-    direct, size = made.direct.problem, made.size
-    _, by_unknown = direct.system.linearise_one(
-        values[direct.unknown_places], values[direct.known_places]
-    )
-    whole = made.given_system
-    _, by_given = whole.linearise_one(values[direct.known_places], values[direct.unknown_places])
-    solved = np.linalg.lstsq(by_unknown, -by_given, rcond=1e-12)[0]
-    column, found = 0, {}
-    for c in direct.system.unknowns:
-        found[c.name] = solved[column] / (size if c.is_angular else 1.0)
-        column += c.freedom
-    scales = np.array([size if c.is_angular else 1.0 for c in made.given])
-    return np.array([found[c.name] * scales for c in made.found])

@@ -80,108 +80,82 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
 
 
 def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kernel | None) -> str:
-    """NAME_twist by the closure's rows: the driver's kernel where it is that of the whole closure,
-    else one of its own (None: no driver).
+    """NAME_twist by the rows of the direct problem, over the pose alone or of the whole closure: by
+    the driver's kernel where it is that of these rows, else by one of its own (None: no driver).
     """
-    kernel, text = made.direct_kernel, ""
-    if made.core is not None:
-        return core_twist(made, made.core.direct, values, driver)
-    if driver is not kernel or kernel.n != made.direct.system.freedom:
-        kernel = system_kernel(
-            "velocity",
-            made.geometry.system(made.direct),
-            made.direct.known_coordinates,
-            made.geometry.symbols,
-        )
-        code = _newton_code(made, kernel)
-        text = code.work + code.linear.text
-    k, ga = f"{made.name}_{kernel.name}", str(values["ga"])
-    passive = sum(c.width for c in made.passive)
+    kernel, text, nq, real = made.direct_kernel, "", len(made.actuated), made.real
+    core = None if made.core is None else made.core.direct
+    if driver is not kernel or (core is None and kernel.n != made.direct.system.freedom):
+        # the direct problem has another way: these rows are written for the twist alone
+        if core is None:
+            known, symbols = made.direct.known_coordinates, made.geometry.symbols
+            system = made.geometry.system(made.direct)
+            kernel = system_kernel("velocity", system, known, symbols)
+        code = _newton_code(made, kernel, core)
+        own = "" if core is None else code.functions + code.target
+        text = code.work + own + code.linear.text
+    k, ga, passive = f"{made.name}_{kernel.name}", str(values["ga"]), 0
+    joints, target, into = kernel.known, kernel.known, "w->k"
+    if core is None:
+        passive = sum(c.width for c in made.passive)
+        store, aim = _stores(made, kernel), list[str]()
+    else:
+        joints, target, into = core.joints, core.target, "w->at"
+        store = _of_state(kernel, core.twist, kernel.step, "w->f", made).stored(indexed("twist", 6))
+        aim = [f"{k}_set_target(w, w->at, {real.literal(1.0)});", f"{k}_rows(w);"]
+        if driver is kernel and kernel.reads_known:
+            aim += copy("w->k0", "w->k", int(kernel.known.shape[0]))
+    rates = ca.SX.sym("v", nq)
+    change = ca.jtimes(ca.substitute(kernel.rows, kernel.known, target), joints, rates)
+    change = snapped_expression(change, [kernel.state, joints, kernel.geometry, rates])
+    sides = _of_state(kernel, change, joints, into, made, rates).stored(indexed("w->f", kernel.m))
+    count = int(kernel.state.shape[0]) - passive
     state = [
         *copy("w->x", "passive", passive),
-        *(f"w->x[{passive + i}] = c[{i}];" for i in range(int(str(values["nc"])))),
+        *(f"w->x[{passive + i}] = c[{i}];" for i in range(count)),
     ]
     shown = {
         "k": k,
-        "into": "w->k",
-        "state": indent(state, 2),
-        "sides": indent(_side_lines(made, kernel), 3),
+        "into": into,
+        "state": indent([*state, *aim], 2),
+        "sides": indent(sides, 3),
         "singular_there": singular_condition(kernel, k, "w", ga, compact=made.options.compact),
         "nf": kernel.n,
-        "store": indent(_stores(made, kernel), 2),
+        "store": indent(store, 2),
     }
     return text + fill("closure_twist.c", {**values, **shown})
 
 
-def core_twist(
-    made: LimbPlatform, core: PoseKernel, values: Mapping[str, object], driver: Kernel | None
-) -> str:
-    """NAME_twist by the rows over the pose."""
-    kernel, nq = core.kernel, len(made.actuated)
-    k, text, rates = f"{made.name}_{kernel.name}", "", ca.SX.sym("v", nq)
-    if driver is not kernel:
-        # the direct problem has another way: these rows are written for the twist alone
-        state_at, known = zip(*(made.direct_state(s.values) for s in made.samples), strict=True)
-        matrices = np.array(
-            [kernel.matrix(*at, np.zeros(0)) for at in zip(state_at, known, strict=True)]
-        )
-        lines = core_target(core, made.real)
-        code = NewtonCode(
-            kernel, made.name, made.real, [], matrices, 1.0, lines, nq, compact=made.options.compact
-        )
-        text = code.work + code.functions + code.target + code.linear.text
-    rows = ca.substitute(kernel.rows, kernel.known, core.target)
-    change = snapped_expression(
-        ca.jtimes(rows, core.joints, rates), [kernel.state, core.joints, rates]
-    )
-    state = indexed("w->x", int(kernel.state.shape[0]))
-    inputs = [
-        (kernel.state, state),
-        (core.joints, indexed("w->at", nq)),
-        (rates, indexed("rates", nq)),
+def _newton_code(made: LimbPlatform, kernel: Kernel, core: PoseKernel | None) -> NewtonCode:
+    values, nq = made.geometry.values, len(made.actuated)
+    states = [
+        (s.unknown, s.known) if core is None else made.direct_state(s.values) for s in made.samples
     ]
-    sides = Emitter.of(made.real, inputs, change).stored(indexed("w->f", kernel.m))
-    inputs = [(kernel.state, state), (kernel.step, indexed("w->f", kernel.n))]
-    twist = Emitter.of(made.real, inputs, core.twist).stored(indexed("twist", 6))
-    aim = [f"{k}_set_target(w, w->at, {made.real.literal(1.0)});", f"{k}_rows(w);"]
-    if driver is kernel and kernel.reads_known:
-        aim += copy("w->k0", "w->k", int(kernel.known.shape[0]))
-    shown = {
-        "k": k,
-        "into": "w->at",
-        "state": indent([*copy("w->x", "c", len(state)), *aim], 2),
-        "sides": indent(sides, 3),
-        "singular_there": singular_condition(kernel, k, "w", "", compact=made.options.compact),
-        "nf": kernel.n,
-        "store": indent(twist, 2),
-    }
-    return text + fill("closure_twist.c", {**values, **shown})
-
-
-def _newton_code(made: LimbPlatform, kernel: Kernel) -> NewtonCode:
-    values = made.geometry.values
-    matrices = np.array([kernel.matrix(s.unknown, s.known, values) for s in made.samples])
-    lines = line_target(made.real, len(made.actuated), None)
-    names, nq = made.geometry.names, len(made.actuated)
+    matrices = np.array([kernel.matrix(*at, values) for at in states])
+    lines = line_target(made.real, nq, None) if core is None else core_target(core, made.real)
+    names = made.geometry.names
     return NewtonCode(
         kernel, made.name, made.real, names, matrices, 1.0, lines, nq, compact=made.options.compact
     )
 
 
-def _side_lines(made: LimbPlatform, kernel: Kernel) -> list[str]:
-    """Statements w->f = change of the rows (closure's sign turned) by the joint rates."""
-    rates = ca.SX.sym("v", len(made.actuated))
-    change = snapped_expression(
-        ca.jtimes(kernel.rows, kernel.known, rates),
-        [kernel.state, kernel.known, kernel.geometry, rates],
-    )
+def _of_state(
+    kernel: Kernel,
+    expression: ca.SX,
+    read: ca.SX,
+    array: str,
+    made: LimbPlatform,
+    rates: ca.SX | None = None,
+) -> Emitter:
+    """Emitter of an expression of the state, of what stands in an array, and of joint rates."""
     inputs = [
         (kernel.state, indexed("w->x", int(kernel.state.shape[0]))),
-        (kernel.known, indexed("w->k", int(kernel.known.shape[0]))),
+        (read, indexed(array, int(read.shape[0]))),
         (kernel.geometry, made.geometry.names),
-        (rates, indexed("rates", len(made.actuated))),
     ]
-    return Emitter.of(made.real, inputs, change).stored(indexed("w->f", kernel.m))
+    if rates is not None:
+        inputs.append((rates, indexed("rates", int(rates.shape[0]))))
+    return Emitter.of(made.real, inputs, expression)
 
 
 def _stores(made: LimbPlatform, kernel: Kernel) -> list[str]:
